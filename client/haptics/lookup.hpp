@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// The surface at play time from the frames around it. Real-time room: noexcept, no heap, no locks.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "client/haptics/frame_pool.hpp"
+#include "client/haptics/tick_report.hpp"
+
+namespace hapticast::client {
+
+/// How poses between frames are found. kHermite is the default; the others are there to be compared.
+enum class Interpolation : std::uint8_t {
+  kHold,     ///< newest frame at or before play time, standing still
+  kLinear,   ///< linear between the two positions
+  kHermite,  ///< cubic Hermite of (p, v)
+};
+
+/// One object at play time. The relief moves with the object: sample `before` (and `after`) at the point
+/// carried back into each frame and blend only what is left (surface_model.hpp).
+struct ObjectNow {
+  const PlayObject* before = nullptr;  ///< never null
+  const PlayObject* after = nullptr;   ///< null when held, extrapolated or not in the next frame
+  double blend = 0.0;                  ///< 0 at `before`, 1 at `after`
+  Vec3 position_mm = Vec3::Zero();     ///< reference point at play time
+  Vec3 velocity_mm_s = Vec3::Zero();
+  Vec3 acceleration_mm_s2 = Vec3::Zero();
+  double angle_rad = 0.0;
+  double angular_velocity_rad_s = 0.0;
+};
+
+struct Scene {
+  Lookup kind = Lookup::kNone;
+  std::uint32_t epoch = 0;             ///< of the frame that is played
+  bool jumped = false;                 ///< epoch changed since the last look-up
+  MediaTime play_time;
+  std::array<ObjectNow, kMaxObjects> objects{};
+  std::size_t object_count = 0;
+};
+
+/// Holds the frames of the last moments, sorted by media time, and finds the scene at play time.
+/// Stale, measured in play time beyond the newest frame: carried on with v for min(2 frames, 80 ms)
+/// (kExtrapolated), standing still until 300 ms (kHeld), then kFaded.
+class FrameLookup {
+ public:
+  FrameLookup(FramePool& pool, Interpolation interpolation) noexcept;
+
+  /// Takes what has arrived (bounded by the pool) and returns the scene. Frames of an epoch before
+  /// `controls.first_epoch` are given back unused. The pointers in it hold until the next call.
+  const Scene& at(MediaTime play_time, const Controls& controls) noexcept;
+
+  /// For the thesis's temporal interpolation: the frames i-1, i, i+1, i+2 around play time within one epoch
+  /// (null where there is none).
+  [[nodiscard]] std::array<const PlayFrame*, 4> neighbours(MediaTime play_time) const noexcept;
+
+  /// Frames that arrived after they were due, counted.
+  [[nodiscard]] std::uint64_t lateFrames() const noexcept { return late_frames_; }
+
+ private:
+  FramePool& pool_;
+  Interpolation interpolation_;
+  std::array<FramePool::Index, FramePool::kSlots> held_{};  // sorted by media time
+  std::size_t held_count_ = 0;
+  Scene scene_;
+  std::uint64_t late_frames_ = 0;
+};
+
+}  // namespace hapticast::client

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// The playout clock: local time -> play time on the media clock. Real-time room: noexcept, no heap, no locks.
+#pragma once
+
+#include "client/haptics/tick_report.hpp"
+#include "common/time.hpp"
+
+namespace hapticast::client {
+
+/// Play time = media clock now - pipeline latency - playout delay. The delay follows its target at a rate of at
+/// most 2 % while a force acts (so play time never jumps under the hand) and at once when none does.
+class Playout {
+ public:
+  /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch) starts over.
+  MediaTime advance(LocalTime now, const Controls& controls, bool in_contact) noexcept;
+  [[nodiscard]] Duration delay() const noexcept { return delay_; }
+
+ private:
+  bool running_ = false;
+  std::uint32_t first_epoch_ = 0;
+  LocalTime last_{};
+  Duration delay_{0};
+  Duration offset_{0};  // followed clock offset, slewed like the delay
+};
+
+}  // namespace hapticast::client

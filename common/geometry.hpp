@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Vectors, the workspace (image px <-> nominal mm, Eq. 7-10) and the device mapping (nominal mm <-> device mm).
+#pragma once
+
+#include <Eigen/Core>
+
+namespace hapticast {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+
+/// A rectangle of whole pixels; (u, v) is its top-left pixel.
+struct PixelRect {
+  int u = 0;
+  int v = 0;
+  int width = 0;
+  int height = 0;
+
+  [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
+  bool operator==(const PixelRect&) const = default;
+};
+
+/// The nominal workspace a stream announces. Nominal frame: origin at the picture's centre on the
+/// plane of height 0; x right, y up, z towards the viewer; mm. Image frame: u right, v down, px,
+/// pixel (i, j) covers [i, i+1) x [j, j+1). The picture is fitted in with one scale for both axes;
+/// `stretch` gives the thesis's two scales.
+struct Workspace {
+  int width_px = 640;
+  int height_px = 480;
+  double width_mm = 160.0;
+  double height_mm = 120.0;
+  double depth_mm = 30.0;  ///< nominal z of the nearest mapped depth; heights are 0..depth_mm
+  bool stretch = false;
+
+  bool operator==(const Workspace&) const = default;
+
+  /// Width and height of one pixel in nominal mm.
+  [[nodiscard]] Vec2 mmPerPixel() const noexcept;
+  /// Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y; the top-left picture corner is (x_min, y_max).
+  [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept;
+  [[nodiscard]] Vec2 toNominal(const Vec2& image_px) const noexcept;
+};
+
+/// One uniform similarity from nominal to device mm, so that slopes stay slopes:
+/// device = scale * (nominal - centre).
+struct DeviceMapping {
+  double scale = 1.0;
+  Vec3 centre_nominal_mm = Vec3::Zero();
+
+  /// The largest mapping that fits width x height x 70 nominal mm (5 mm behind the picture, 30 mm of
+  /// relief, 35 mm of air in front) into a device workspace of `device_mm` about its origin.
+  static DeviceMapping fit(const Workspace& workspace, const Vec3& device_mm) noexcept;
+
+  [[nodiscard]] Vec3 toDevice(const Vec3& nominal_mm) const noexcept;
+  [[nodiscard]] Vec3 toNominal(const Vec3& device_mm) const noexcept;
+};
+
+}  // namespace hapticast

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// A relief prepared for touch: heights continued beyond the mask, signed distance to the mask's edge. Built
+// off the loop by whoever receives a frame; afterwards immutable and read by the 1 kHz loop.
+#pragma once
+
+#include <vector>
+
+#include "common/geometry.hpp"
+#include "common/haptic_frame.hpp"
+
+namespace hapticast {
+
+/// Height and its gradient in the nominal frame (mm and mm/mm; x right, y up).
+struct SurfaceSample {
+  double height_mm = 0.0;
+  Vec2 gradient = Vec2::Zero();
+};
+
+class HeightField {
+ public:
+  HeightField() = default;
+
+  /// Continues the heights kMargin_px beyond the mask by local fits and computes the blurred signed
+  /// distance to the mask's edge (reference: proxy notes, section 2). Time linear in the rectangle.
+  /// Requires a validated relief (sizes match, finite heights). May allocate; not for the loop.
+  static HeightField prepare(const Relief& relief, const Workspace& workspace);
+  /// The thesis's way: zero outside the mask, nothing continued.
+  static HeightField prepareThesis(const Relief& relief, const Workspace& workspace);
+
+  /// Whether the pixel under `image_px` belongs to the object.
+  [[nodiscard]] bool inside(const Vec2& image_px) const noexcept;
+  /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12). Outside the prepared
+  /// rectangle: the nearest prepared value. Any finite `image_px`.
+  [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
+  /// Uniform cubic B-spline with the heights as coefficients: value and gradient.
+  [[nodiscard]] SurfaceSample spline(const Vec2& image_px) const noexcept;
+  /// Signed distance to the mask's edge in nominal mm, positive inside, clamped to +-kMargin_px.
+  [[nodiscard]] double edgeDistance_mm(const Vec2& image_px) const noexcept;
+
+  [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
+  [[nodiscard]] bool empty() const noexcept { return height_mm_.empty(); }
+
+  static constexpr int kMargin_px = 12;
+
+ private:
+  PixelRect rect_;      // of the relief
+  PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
+  Vec2 mm_per_px_ = Vec2::Ones();
+  std::vector<float> height_mm_;  // over prepared_
+  std::vector<float> edge_mm_;    // over prepared_
+  std::vector<std::uint8_t> mask_;  // over prepared_
+};
+
+}  // namespace hapticast

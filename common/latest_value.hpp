@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// The newest value of one writer for one reader (triple buffer): wait-free on both sides, never torn.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <type_traits>
+
+namespace hapticast {
+
+template <class T>
+class LatestValue {
+  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially copyable.)
+  static_assert(std::is_trivially_destructible_v<T>);
+
+ public:
+  LatestValue() = default;
+  explicit LatestValue(const T& initial) { slots_.fill(initial); }
+
+  /// Thread: the one writer.
+  void store(const T& value) noexcept {
+    slots_[back_] = value;
+    // Release publishes the slot, acquire takes back one the reader is done with (pairs with load()).
+    back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) &
+            kIndex;
+  }
+
+  /// The newest stored value, or the initial one. Thread: the one reader.
+  [[nodiscard]] const T& load() noexcept {
+    if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
+      front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
+    }
+    return slots_[front_];
+  }
+
+ private:
+  static constexpr std::uint8_t kFresh = 4;
+  static constexpr std::uint8_t kIndex = 3;
+  std::array<T, 3> slots_{};
+  std::uint8_t back_ = 0;                // writer only
+  std::atomic<std::uint8_t> middle_{1};  // shared: slot index and the fresh bit
+  std::uint8_t front_ = 2;               // reader only
+};
+
+}  // namespace hapticast

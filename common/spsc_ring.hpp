@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Single-producer single-consumer ring of plain values: wait-free on both sides.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <type_traits>
+
+namespace hapticast {
+
+/// `Capacity` must be a power of two; it holds that many values.
+template <class T, std::size_t Capacity>
+class SpscRing {
+  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially copyable.)
+  static_assert(std::is_trivially_destructible_v<T>);
+  static_assert((Capacity & (Capacity - 1)) == 0 && Capacity > 1);
+
+ public:
+  /// Returns false and changes nothing when full. Thread: the one producer.
+  [[nodiscard]] bool tryPush(const T& value) noexcept {
+    const std::size_t head = head_.load(std::memory_order_relaxed);
+    // Pairs with the release store in tryPop: the slot's old value has been read.
+    if (head - tail_.load(std::memory_order_acquire) == Capacity) return false;
+    slots_[head & (Capacity - 1)] = value;
+    // Pairs with the acquire load in tryPop: publishes the slot.
+    head_.store(head + 1, std::memory_order_release);
+    return true;
+  }
+
+  /// Returns false when empty. Thread: the one consumer.
+  [[nodiscard]] bool tryPop(T& value) noexcept {
+    const std::size_t tail = tail_.load(std::memory_order_relaxed);
+    if (head_.load(std::memory_order_acquire) == tail) return false;
+    value = slots_[tail & (Capacity - 1)];
+    tail_.store(tail + 1, std::memory_order_release);
+    return true;
+  }
+
+ private:
+  std::array<T, Capacity> slots_{};
+  alignas(64) std::atomic<std::size_t> head_{0};  // written by the producer only
+  alignas(64) std::atomic<std::size_t> tail_{0};  // written by the consumer only
+};
+
+}  // namespace hapticast

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Domain structs <-> protobuf bytes. The only door to protobuf; everything read is validated here, so what comes
+// out of decode() is finite, within range and consistent. Format: proto/README.md.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/haptic_frame.hpp"
+#include "common/result.hpp"
+
+namespace hapticast {
+
+/// Bumped by hand at every incompatible change of proto/hapticast.proto.
+inline constexpr std::uint32_t kProtocolVersion = 1;
+
+struct Hello {
+  std::uint32_t protocol_version = kProtocolVersion;
+  std::string client_name;
+  bool wants_video = false;
+  bool wants_frames_on_tcp = true;
+};
+struct Welcome {
+  std::uint32_t protocol_version = kProtocolVersion;
+  std::uint32_t session_id = 0;
+  std::uint64_t datagram_token = 0;
+  StreamDescription description;
+};
+struct Ping {
+  LocalTime t0;
+};
+struct Pong {
+  LocalTime t0;
+  MediaTime t1;
+  MediaTime t2;
+};
+struct VideoFrame {
+  std::uint32_t epoch = 0;
+  std::uint64_t id = 0;
+  MediaTime media_time;
+  std::vector<std::uint8_t> jpeg;
+};
+struct Report {
+  std::uint64_t frames_received = 0;
+  std::uint64_t frames_lost = 0;
+  std::uint64_t frames_late = 0;
+  double playout_delay_ms = 0.0;
+  double clock_error_us = 0.0;
+  bool in_contact = false;
+};
+
+using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame, Report, Error>;
+
+/// The bytes of one message, without the length prefix (common/framing). Requires valid content.
+/// Heights are rounded to the 16-bit values of Relief (error at most half their scale).
+[[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
+
+/// Never throws on bad bytes; limits are checked before anything is allocated by content.
+[[nodiscard]] Result<Message> decode(std::span<const std::uint8_t> bytes);
+
+}  // namespace hapticast
