@@ -6,7 +6,8 @@
 #include <utility>
 
 #if defined(__clang__)
-// Boost 1.74 does not detect co_await of clang with libstdc++ (needed for clang-tidy and libFuzzer builds).
+// Boost 1.74 does not detect co_await of clang with libstdc++ (needed for clang-tidy and libFuzzer
+// builds).
 #define BOOST_ASIO_HAS_CO_AWAIT 1
 #define BOOST_ASIO_HAS_STD_COROUTINE 1
 #endif

@@ -6,7 +6,8 @@
 namespace hapticast {
 
 namespace {
-// What the device's z range has to hold, in nominal mm: 5 mm below the picture to 35 mm of air above it.
+// What the device's z range has to hold, in nominal mm: 5 mm below the picture to 35 mm of air
+// above it.
 constexpr double kDepthRange_mm = 70.0;
 constexpr double kDepthCentre_mm = 30.0;
 }  // namespace
@@ -18,12 +19,14 @@ Vec2 Workspace::mmPerPixel() const noexcept {
 
 Vec2 Workspace::toImage(const Vec2& nominal_mm) const noexcept {
   const Vec2 scale = mmPerPixel();
-  return {nominal_mm.x() / scale.x() + 0.5 * width_px, 0.5 * height_px - nominal_mm.y() / scale.y()};
+  return {nominal_mm.x() / scale.x() + 0.5 * width_px,
+          0.5 * height_px - nominal_mm.y() / scale.y()};
 }
 
 Vec2 Workspace::toNominal(const Vec2& image_px) const noexcept {
   const Vec2 scale = mmPerPixel();
-  return {(image_px.x() - 0.5 * width_px) * scale.x(), (0.5 * height_px - image_px.y()) * scale.y()};
+  return {(image_px.x() - 0.5 * width_px) * scale.x(),
+          (0.5 * height_px - image_px.y()) * scale.y()};
 }
 
 DeviceMapping DeviceMapping::fit(const Workspace& workspace, const Vec3& device_mm) noexcept {

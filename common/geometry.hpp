@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Vectors, the workspace (image px <-> nominal mm, Eq. 7-10) and the device mapping (nominal mm <-> device mm).
+// Vectors, the workspace (image px <-> nominal mm, Eq. 7-10) and the device mapping (nominal mm <->
+// device mm).
 #pragma once
 
 #include <Eigen/Core>
@@ -36,7 +37,8 @@ struct Workspace {
 
   /// Width and height of one pixel in nominal mm.
   [[nodiscard]] Vec2 mmPerPixel() const noexcept;
-  /// Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y; the top-left picture corner is (x_min, y_max).
+  /// Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y; the top-left picture corner is (x_min,
+  /// y_max).
   [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept;
   [[nodiscard]] Vec2 toNominal(const Vec2& image_px) const noexcept;
 };
@@ -47,8 +49,8 @@ struct DeviceMapping {
   double scale = 1.0;
   Vec3 centre_nominal_mm = Vec3::Zero();
 
-  /// The largest mapping that fits width x height x 70 nominal mm (5 mm behind the picture, 30 mm of
-  /// relief, 35 mm of air in front) into a device workspace of `device_mm` about its origin.
+  /// The largest mapping that fits width x height x 70 nominal mm (5 mm behind the picture, 30 mm
+  /// of relief, 35 mm of air in front) into a device workspace of `device_mm` about its origin.
   static DeviceMapping fit(const Workspace& workspace, const Vec3& device_mm) noexcept;
 
   [[nodiscard]] Vec3 toDevice(const Vec3& nominal_mm) const noexcept;

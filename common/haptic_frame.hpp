@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The descriptor: what can be touched in one video frame, and how it moves. Plain values; validated where
-// they are read from bytes (common/wire). Units: nominal mm, mm/s, mm/s², rad (common/geometry.hpp).
+// The descriptor: what can be touched in one video frame, and how it moves. Plain values; validated
+// where they are read from bytes (common/wire). Units: nominal mm, mm/s, mm/s², rad
+// (common/geometry.hpp).
 #pragma once
 
 #include <cstddef>
@@ -23,13 +24,14 @@ inline constexpr int kGridCell_px = 16;  ///< cell of a MotionGrid
 
 /// Heights over a rectangle of the image, valid where the mask says so.
 struct Relief {
-  PixelRect rect;                 ///< inside the picture
-  std::vector<float> height_mm;   ///< row-major, rect.width * rect.height; 0..Workspace::depth_mm
-  std::vector<std::uint8_t> mask; ///< same shape; 1 inside the object, 0 outside
+  PixelRect rect;                  ///< inside the picture
+  std::vector<float> height_mm;    ///< row-major, rect.width * rect.height; 0..Workspace::depth_mm
+  std::vector<std::uint8_t> mask;  ///< same shape; 1 inside the object, 0 outside
 };
 
-/// Velocity and acceleration of the surface that a rigid motion does not explain (or, in the thesis's method,
-/// the dense flow), over the relief's rectangle in cells of kGridCell_px, row-major.
+/// Velocity and acceleration of the surface that a rigid motion does not explain (or, in the
+/// thesis's method, the dense flow), over the relief's rectangle in cells of kGridCell_px,
+/// row-major.
 struct MotionGrid {
   int columns = 0;
   int rows = 0;
@@ -48,11 +50,11 @@ struct Motion {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
-  double angle_rad = 0.0;                 ///< about +z through the reference point, right-handed
+  double angle_rad = 0.0;  ///< about +z through the reference point, right-handed
   double angular_velocity_rad_s = 0.0;
   ReferencePoint reference_point = ReferencePoint::kUnknown;
-  double quality = 1.0;                   ///< 0 (lost, predicted) .. 1 (measured well)
-  double visible_fraction = 1.0;          ///< 0..1
+  double quality = 1.0;           ///< 0 (lost, predicted) .. 1 (measured well)
+  double visible_fraction = 1.0;  ///< 0..1
 };
 
 /// A bounce: the object's velocity changes by `delta_velocity` at `time`.
@@ -71,20 +73,20 @@ struct Material {
 };
 
 struct HapticObject {
-  std::uint32_t id = 0;     ///< a re-found object gets a new one
-  std::uint32_t layer = 0;  ///< 0 = nearest
-  std::uint64_t changed_in_frame = 0;          ///< frame id in which `relief` last changed
-  std::shared_ptr<const Relief> relief;        ///< null: unchanged since `changed_in_frame`
+  std::uint32_t id = 0;                  ///< a re-found object gets a new one
+  std::uint32_t layer = 0;               ///< 0 = nearest
+  std::uint64_t changed_in_frame = 0;    ///< frame id in which `relief` last changed
+  std::shared_ptr<const Relief> relief;  ///< null: unchanged since `changed_in_frame`
   Motion motion;
-  std::shared_ptr<const MotionGrid> grid;      ///< null: the rigid motion explains it
-  std::vector<Impact> impacts;                 ///< at most kMaxImpacts, of the frames around
+  std::shared_ptr<const MotionGrid> grid;  ///< null: the rigid motion explains it
+  std::vector<Impact> impacts;             ///< at most kMaxImpacts, of the frames around
   Material material;
 };
 
 struct HapticFrame {
-  std::uint32_t epoch = 0;  ///< new at every cut, seek, loop wrap, range change
-  std::uint64_t id = 0;     ///< counts up without reuse over the server's life
-  MediaTime media_time;     ///< capture time
+  std::uint32_t epoch = 0;            ///< new at every cut, seek, loop wrap, range change
+  std::uint64_t id = 0;               ///< counts up without reuse over the server's life
+  MediaTime media_time;               ///< capture time
   std::vector<HapticObject> objects;  ///< at most kMaxObjects
 };
 
@@ -93,9 +95,9 @@ enum class Method : std::uint8_t { kHapticast = 0, kThesis = 1 };
 
 /// What the server announces before the first frame.
 struct StreamDescription {
-  std::string name;       ///< for people: the source
-  double fps = 25.0;      ///< 1..240
-  Workspace workspace;    ///< holds the picture's size in px
+  std::string name;     ///< for people: the source
+  double fps = 25.0;    ///< 1..240
+  Workspace workspace;  ///< holds the picture's size in px
   Method method = Method::kHapticast;
   Duration pipeline_latency{0};             ///< media time is complete this long after capture
   double largest_acceleration_mm_s2 = 0.0;  ///< of the clip; live: a running bound; 0: unknown

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A relief prepared for touch: heights continued beyond the mask, signed distance to the mask's edge. Built
-// off the loop by whoever receives a frame; afterwards immutable and read by the 1 kHz loop.
+// A relief prepared for touch: heights continued beyond the mask, signed distance to the mask's
+// edge. Built off the loop by whoever receives a frame; afterwards immutable and read by the 1 kHz
+// loop.
 #pragma once
 
 #include <vector>
@@ -46,8 +47,8 @@ class HeightField {
   PixelRect rect_;      // of the relief
   PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
   Vec2 mm_per_px_ = Vec2::Ones();
-  std::vector<float> height_mm_;  // over prepared_
-  std::vector<float> edge_mm_;    // over prepared_
+  std::vector<float> height_mm_;    // over prepared_
+  std::vector<float> edge_mm_;      // over prepared_
   std::vector<std::uint8_t> mask_;  // over prepared_
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A histogram of durations with 1/16-octave buckets (6 % resolution): constant time and space, no heap.
+// A histogram of durations with 1/16-octave buckets (6 % resolution): constant time and space, no
+// heap.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +24,8 @@ class Histogram {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t max_ns() const noexcept { return max_ns_; }
 
-  /// Upper edge of the bucket that holds the q-quantile, at most max_ns(); 0 when empty. Requires 0 <= q <= 1.
+  /// Upper edge of the bucket that holds the q-quantile, at most max_ns(); 0 when empty. Requires 0
+  /// <= q <= 1.
   [[nodiscard]] std::uint64_t quantile_ns(double q) const noexcept {
     if (count_ == 0) return 0;
     const auto rank = static_cast<std::uint64_t>(q * static_cast<double>(count_ - 1)) + 1;

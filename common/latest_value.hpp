@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The newest value of one writer for one reader (triple buffer): wait-free on both sides, never torn.
+// The newest value of one writer for one reader (triple buffer): wait-free on both sides, never
+// torn.
 #pragma once
 
 #include <array>
@@ -11,7 +12,8 @@ namespace hapticast {
 
 template <class T>
 class LatestValue {
-  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially copyable.)
+  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially
+  // copyable.)
   static_assert(std::is_trivially_destructible_v<T>);
 
  public:
@@ -21,7 +23,8 @@ class LatestValue {
   /// Thread: the one writer.
   void store(const T& value) noexcept {
     slots_[back_] = value;
-    // Release publishes the slot, acquire takes back one the reader is done with (pairs with load()).
+    // Release publishes the slot, acquire takes back one the reader is done with (pairs with
+    // load()).
     back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) &
             kIndex;
   }

@@ -11,13 +11,13 @@ namespace hapticast {
 
 /// What can be wrong with bytes from outside. The numbers go over the wire (proto/README.md).
 enum class ErrorCode : std::uint8_t {
-  kMalformed = 1,        ///< not decodable, or a field outside its valid range
-  kTooLarge = 2,         ///< a length or count above the protocol's limit
-  kVersion = 3,          ///< the peer speaks another protocol version
-  kUnexpected = 4,       ///< a well-formed message at the wrong moment
-  kServerFull = 5,       ///< no more clients are accepted
-  kTimeout = 6,          ///< the peer said nothing for too long
-  kShuttingDown = 7,     ///< the server ends
+  kMalformed = 1,     ///< not decodable, or a field outside its valid range
+  kTooLarge = 2,      ///< a length or count above the protocol's limit
+  kVersion = 3,       ///< the peer speaks another protocol version
+  kUnexpected = 4,    ///< a well-formed message at the wrong moment
+  kServerFull = 5,    ///< no more clients are accepted
+  kTimeout = 6,       ///< the peer said nothing for too long
+  kShuttingDown = 7,  ///< the server ends
 };
 
 struct Error {
@@ -29,8 +29,8 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : content_(std::move(value)) {}       // NOLINT(google-explicit-constructor)
-  Result(Error error) : content_(std::move(error)) {}   // NOLINT(google-explicit-constructor)
+  Result(T value) : content_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+  Result(Error error) : content_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return content_.index() == 0; }
   [[nodiscard]] T& value() & { return std::get<0>(content_); }

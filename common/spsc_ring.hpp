@@ -12,7 +12,8 @@ namespace hapticast {
 /// `Capacity` must be a power of two; it holds that many values.
 template <class T, std::size_t Capacity>
 class SpscRing {
-  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially copyable.)
+  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially
+  // copyable.)
   static_assert(std::is_trivially_destructible_v<T>);
   static_assert((Capacity & (Capacity - 1)) == 0 && Capacity > 1);
 

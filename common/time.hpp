@@ -55,8 +55,8 @@ class Clock {
 class SteadyClock final : public Clock {
  public:
   [[nodiscard]] LocalTime now() const noexcept override {
-    return LocalTime(std::chrono::duration_cast<Duration>(
-        std::chrono::steady_clock::now().time_since_epoch()));
+    return LocalTime(
+        std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
   }
 };
 

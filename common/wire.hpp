@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Domain structs <-> protobuf bytes. The only door to protobuf; everything read is validated here, so what comes
-// out of decode() is finite, within range and consistent. Format: proto/README.md.
+// Domain structs <-> protobuf bytes. The only door to protobuf; everything read is validated here,
+// so what comes out of decode() is finite, within range and consistent. Format: proto/README.md.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,8 @@ struct Report {
   bool in_contact = false;
 };
 
-using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame, Report, Error>;
+using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame,
+                             Report, Error>;
 
 /// The bytes of one message, without the length prefix (common/framing). Requires valid content.
 /// Heights are rounded to the 16-bit values of Relief (error at most half their scale).

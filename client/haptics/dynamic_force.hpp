@@ -13,14 +13,16 @@ class DynamicForce {
  public:
   explicit DynamicForce(const DeviceProfile& profile) noexcept;
 
-  /// Force in N, device frame. `scale`: nominal -> device mm (beta, together with mm -> m). The acceleration of
-  /// the object is taken at the contact point (centre + rotation), a_cursor in device m/s². The weight
-  /// min(1, d/0.2 mm) of the penetration is applied here. Zero without contact, when paused, when not finite.
-  Vec3 evaluate(const ObjectNow* object, double penetration_mm, const Vec3& cursor_acceleration_m_s2,
-                MediaTime play_time, const Controls& controls, double scale) noexcept;
+  /// Force in N, device frame. `scale`: nominal -> device mm (beta, together with mm -> m). The
+  /// acceleration of the object is taken at the contact point (centre + rotation), a_cursor in
+  /// device m/s². The weight min(1, d/0.2 mm) of the penetration is applied here. Zero without
+  /// contact, when paused, when not finite.
+  Vec3 evaluate(const ObjectNow* object, double penetration_mm,
+                const Vec3& cursor_acceleration_m_s2, MediaTime play_time, const Controls& controls,
+                double scale) noexcept;
 
-  /// m_object = min(author's, device's share of force / largest a), never below 10 m_cursor unless the
-  /// device's peak forces it.
+  /// m_object = min(author's, device's share of force / largest a), never below 10 m_cursor unless
+  /// the device's peak forces it.
   [[nodiscard]] double objectMass_kg(const Controls& controls, double scale) const noexcept;
 
  private:

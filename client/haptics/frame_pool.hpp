@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The door for decoded frames into the 1 kHz loop: a fixed pool of slots, indices through two SPSC rings.
-// The receiver fills a slot and publishes it; the loop plays it and returns it; only the receiver allocates or
-// frees what a slot points to.
+// The door for decoded frames into the 1 kHz loop: a fixed pool of slots, indices through two SPSC
+// rings. The receiver fills a slot and publishes it; the loop plays it and returns it; only the
+// receiver allocates or frees what a slot points to.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct PlayObject {
   std::uint64_t changed_in_frame = 0;
   const HeightField* field = nullptr;  ///< null: nothing to touch (its relief never arrived)
   const MotionGrid* grid = nullptr;
-  PixelRect grid_rect;                 ///< the relief's rectangle the grid covers
+  PixelRect grid_rect;  ///< the relief's rectangle the grid covers
   Motion motion;
   std::array<Impact, kMaxImpacts> impacts{};
   std::size_t impact_count = 0;
@@ -52,14 +52,16 @@ class FramePool {
     for (Index i = 0; i < kSlots; ++i) (void)free_.tryPush(i);
   }
 
-  // --- receiver's side -------------------------------------------------------------------------------
+  // --- receiver's side
+  // -------------------------------------------------------------------------------
   /// A free slot to fill, or false when the loop holds them all (drop the frame and count it).
   [[nodiscard]] bool acquire(Index& index) noexcept { return free_.tryPop(index); }
   [[nodiscard]] Slot& slot(Index index) noexcept { return slots_[index]; }
   /// Hands a filled slot to the loop. Never full: the ring holds as many as there are slots.
   void publish(Index index) noexcept { (void)filled_.tryPush(index); }
 
-  // --- the loop's side -------------------------------------------------------------------------------
+  // --- the loop's side
+  // -------------------------------------------------------------------------------
   [[nodiscard]] bool take(Index& index) noexcept { return filled_.tryPop(index); }
   [[nodiscard]] const PlayFrame& frame(Index index) const noexcept { return slots_[index].frame; }
   void giveBack(Index index) noexcept { (void)free_.tryPush(index); }

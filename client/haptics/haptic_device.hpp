@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the loop asks of a haptic device, and the profile that says what it can stand. Device frame: right-handed,
-// x right, y up, z out of the screen towards the viewer, origin at the centre of the device's workspace.
+// What the loop asks of a haptic device, and the profile that says what it can stand. Device frame:
+// right-handed, x right, y up, z out of the screen towards the viewer, origin at the centre of the
+// device's workspace.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +12,17 @@
 
 namespace hapticast::client {
 
-/// Constants of a device class. Defaults: Omni class (literature values, reference/stability notes).
+/// Constants of a device class. Defaults: Omni class (literature values, reference/stability
+/// notes).
 struct DeviceProfile {
   std::string name = "omni";
-  double mass_kg = 0.045;           ///< apparent mass at the tip; never over-state it
+  double mass_kg = 0.045;  ///< apparent mass at the tip; never over-state it
   double peak_N = 3.3;
   double continuous_N = 0.88;
-  double count_mm = 0.055;          ///< position quantum
-  int delay_ticks = 1;              ///< between reading the position and the start of the force; never under-state
-  double stiffness_N_mm = 0.5;      ///< default rendered stiffness
+  double count_mm = 0.055;  ///< position quantum
+  int delay_ticks =
+      1;  ///< between reading the position and the start of the force; never under-state
+  double stiffness_N_mm = 0.5;  ///< default rendered stiffness
   double slew_rise_N_per_tick = 0.2;
   double slew_fall_N_per_tick = 0.5;
   double residue_N_per_tick = 0.1;  ///< how fast a force that lost its reason ramps down
@@ -34,7 +37,7 @@ enum class DeviceStatus : std::uint8_t { kOk = 0, kNoData = 1, kLost = 2 };
 struct DeviceState {
   Vec3 position_mm = Vec3::Zero();  ///< device frame
   std::uint32_t buttons = 0;
-  LocalTime time;                   ///< when the position was taken
+  LocalTime time;  ///< when the position was taken
   DeviceStatus status = DeviceStatus::kOk;
 };
 
@@ -42,7 +45,8 @@ class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
   [[nodiscard]] virtual const DeviceProfile& profile() const noexcept = 0;
-  /// Blocks until the next tick is due, at the latest about `deadline`. Called outside the tick. Thread: loop.
+  /// Blocks until the next tick is due, at the latest about `deadline`. Called outside the tick.
+  /// Thread: loop.
   virtual void waitForTick(LocalTime deadline) noexcept = 0;
   /// Hands over the force (N, device frame, finite) and returns the newest position. Non-blocking.
   /// Thread: loop.

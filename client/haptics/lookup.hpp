@@ -10,15 +10,16 @@
 
 namespace hapticast::client {
 
-/// How poses between frames are found. kHermite is the default; the others are there to be compared.
+/// How poses between frames are found. kHermite is the default; the others are there to be
+/// compared.
 enum class Interpolation : std::uint8_t {
   kHold,     ///< newest frame at or before play time, standing still
   kLinear,   ///< linear between the two positions
   kHermite,  ///< cubic Hermite of (p, v)
 };
 
-/// One object at play time. The relief moves with the object: sample `before` (and `after`) at the point
-/// carried back into each frame and blend only what is left (surface_model.hpp).
+/// One object at play time. The relief moves with the object: sample `before` (and `after`) at the
+/// point carried back into each frame and blend only what is left (surface_model.hpp).
 struct ObjectNow {
   const PlayObject* before = nullptr;  ///< never null
   const PlayObject* after = nullptr;   ///< null when held, extrapolated or not in the next frame
@@ -32,8 +33,8 @@ struct ObjectNow {
 
 struct Scene {
   Lookup kind = Lookup::kNone;
-  std::uint32_t epoch = 0;             ///< of the frame that is played
-  bool jumped = false;                 ///< epoch changed since the last look-up
+  std::uint32_t epoch = 0;  ///< of the frame that is played
+  bool jumped = false;      ///< epoch changed since the last look-up
   MediaTime play_time;
   std::array<ObjectNow, kMaxObjects> objects{};
   std::size_t object_count = 0;
@@ -50,8 +51,8 @@ class FrameLookup {
   /// `controls.first_epoch` are given back unused. The pointers in it hold until the next call.
   const Scene& at(MediaTime play_time, const Controls& controls) noexcept;
 
-  /// For the thesis's temporal interpolation: the frames i-1, i, i+1, i+2 around play time within one epoch
-  /// (null where there is none).
+  /// For the thesis's temporal interpolation: the frames i-1, i, i+1, i+2 around play time within
+  /// one epoch (null where there is none).
   [[nodiscard]] std::array<const PlayFrame*, 4> neighbours(MediaTime play_time) const noexcept;
 
   /// Frames that arrived after they were due, counted.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The playout clock: local time -> play time on the media clock. Real-time room: noexcept, no heap, no locks.
+// The playout clock: local time -> play time on the media clock. Real-time room: noexcept, no heap,
+// no locks.
 #pragma once
 
 #include "client/haptics/tick_report.hpp"
@@ -7,11 +8,13 @@
 
 namespace hapticast::client {
 
-/// Play time = media clock now - pipeline latency - playout delay. The delay follows its target at a rate of at
-/// most 2 % while a force acts (so play time never jumps under the hand) and at once when none does.
+/// Play time = media clock now - pipeline latency - playout delay. The delay follows its target at
+/// a rate of at most 2 % while a force acts (so play time never jumps under the hand) and at once
+/// when none does.
 class Playout {
  public:
-  /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch) starts over.
+  /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch)
+  /// starts over.
   MediaTime advance(LocalTime now, const Controls& controls, bool in_contact) noexcept;
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What crosses the doors of the loop besides frames: controls in, a report out of every tick. Plain values
-// that own nothing.
+// What crosses the doors of the loop besides frames: controls in, a report out of every tick. Plain
+// values that own nothing.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,13 @@ namespace hapticast::client {
 
 /// Net and app -> loop, latest value.
 struct Controls {
-  bool connected = false;             ///< a stream is announced and its clock is known
-  std::uint32_t first_epoch = 0;      ///< first client-side epoch of this connection; older frames are void
+  bool connected = false;  ///< a stream is announced and its clock is known
+  std::uint32_t first_epoch =
+      0;  ///< first client-side epoch of this connection; older frames are void
   bool paused = false;
-  Duration clock_offset{0};           ///< media clock - local clock, now
-  Duration pipeline_latency{0};       ///< announced by the server
-  Duration playout_delay_target{0};   ///< what the jitter of the last seconds asks for
+  Duration clock_offset{0};          ///< media clock - local clock, now
+  Duration pipeline_latency{0};      ///< announced by the server
+  Duration playout_delay_target{0};  ///< what the jitter of the last seconds asks for
   Duration frame_interval{40'000'000};
   Workspace workspace;
   Method stream_method = Method::kHapticast;
@@ -35,32 +36,35 @@ inline constexpr std::size_t kLookupKinds = 5;
 /// Why a fault was raised. The first one freezes the flight recorder.
 enum class Fault : std::uint8_t { kNone = 0, kNotFinite, kDeviceLost, kLatency };
 
-/// Loop -> everybody, one per tick. Positions and penetration in nominal mm, forces in N in the device frame.
+/// Loop -> everybody, one per tick. Positions and penetration in nominal mm, forces in N in the
+/// device frame.
 struct TickReport {
   std::uint64_t tick = 0;
   LocalTime time;
   MediaTime play_time;
   Duration playout_delay{0};
   Vec3 hip_mm = Vec3::Zero();
-  Vec3 force_N = Vec3::Zero();           ///< what went to the device
-  Vec3 static_force_N = Vec3::Zero();    ///< surface share, after its wall law, before the chain's limits
+  Vec3 force_N = Vec3::Zero();  ///< what went to the device
+  Vec3 static_force_N =
+      Vec3::Zero();  ///< surface share, after its wall law, before the chain's limits
   Vec3 dynamic_force_N = Vec3::Zero();
-  double penetration_mm = 0.0;           ///< |displacement|, 0 without contact
+  double penetration_mm = 0.0;  ///< |displacement|, 0 without contact
   bool contact = false;
   Lookup lookup = Lookup::kNone;
-  Fault fault = Fault::kNone;            ///< raised in this tick
-  double step_excess_N = 0.0;            ///< force step beyond what the chain allows (must be 0)
-  std::uint32_t interferences = 0;       ///< bit per safety step that changed the force (safety.hpp)
-  DeviceMapping mapping;                 ///< nominal <-> device mm in this tick
+  Fault fault = Fault::kNone;       ///< raised in this tick
+  double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
+  std::uint32_t interferences = 0;  ///< bit per safety step that changed the force (safety.hpp)
+  DeviceMapping mapping;            ///< nominal <-> device mm in this tick
   // The object nearest to the HIP, for the window and for scripted hands.
   bool object_present = false;
   std::uint32_t object_id = 0;
-  Vec3 object_position_mm = Vec3::Zero();     ///< reference point at play time
+  Vec3 object_position_mm = Vec3::Zero();  ///< reference point at play time
   Vec3 object_velocity_mm_s = Vec3::Zero();
-  Vec2 object_centre_mm = Vec2::Zero();       ///< a point well inside its mask (where its edge is farthest)
-  double object_centre_height_mm = 0.0;       ///< surface height there
-  bool over_object = false;                   ///< the HIP is above (or in) the mask
-  double height_at_hip_mm = 0.0;              ///< surface height under the HIP, 0 when not over an object
+  Vec2 object_centre_mm =
+      Vec2::Zero();  ///< a point well inside its mask (where its edge is farthest)
+  double object_centre_height_mm = 0.0;  ///< surface height there
+  bool over_object = false;              ///< the HIP is above (or in) the mask
+  double height_at_hip_mm = 0.0;  ///< surface height under the HIP, 0 when not over an object
 };
 
 }  // namespace hapticast::client

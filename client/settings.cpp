@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "client/settings.hpp"
+
+#include <map>
+
+namespace hapticast::client {
+
+namespace {
+
+const std::map<std::string, SurfaceKind> kSurfaceKinds{{"normal", SurfaceKind::kNormal},
+                                                       {"perturbed", SurfaceKind::kPerturbed}};
+const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
+                                             {"thesis", Method::kThesis}};
+const std::map<std::string, std::string> kDevices{{"virtual", "virtual"}};
+const std::map<std::string, std::string> kTransports{{"tcp", "tcp"}};
+
+void addDeviceOptions(CLI::App& app, Settings& settings) {
+  addChoice(app, "--device", settings.device, kDevices,
+            "The haptic device; virtual: a simulated one in a simulated hand")
+      ->required();
+  app.add_option(
+         "--profile", settings.profile,
+         "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines")
+      ->type_name("NAME|FILE");
+  app.add_option(
+         "--hand", settings.hand,
+         "What the virtual hand does: press (default; push 1 N, hold, release, again), slide (over "
+         "the object, 1 mm "
+         "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
+      ->type_name("press|slide|follow|FILE.csv");
+}
+
+void addOutputOptions(CLI::App& app, Settings& settings) {
+#ifdef HAPTICAST_VIEWER
+  app.add_option("--screenshot", settings.screenshot_file,
+                 "Write a picture at the end: the video with cone and force at the strongest "
+                 "moment, and the force over time")
+      ->type_name("FILE.png");
+#endif
+  app.add_option("--log", settings.log_file,
+                 "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "
+                 "d (dynamic) in N, "
+                 "penetration_mm,lookup")
+      ->type_name("FILE.csv");
+  app.add_option("--summary", settings.summary_file,
+                 "Write counters, tick times and extremes at the end")
+      ->type_name("FILE.json");
+  app.add_option("--seconds", settings.seconds, "Stop after S seconds; default: at Ctrl-C")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
+}
+
+}  // namespace
+
+std::unique_ptr<CLI::App> commandLine(Settings& settings) {
+  auto app = std::make_unique<CLI::App>(
+      "Lets a haptic device touch what hapticast-server streams. Ctrl-C ends it with the force at "
+      "zero.",
+      "hapticast-client");
+  app->set_version_flag("--version", HAPTICAST_VERSION);
+  addEndpoint(*app, "server", settings.server,
+              "Where hapticast-server listens; default: localhost:7447");
+  addDeviceOptions(*app, settings);
+  addChoice(*app, "--transport", settings.transport, kTransports, "How frames travel");
+  addChoice(*app, "--surface", settings.surface, kSurfaceKinds,
+            "normal (default): distance to the tangent plane; perturbed: the thesis's Eq. 3");
+  addChoice(*app, "--method", settings.method, kMethods,
+            "hapticast, or as in the thesis: perturbed surface, zero outside the mask, forces "
+            "interpolated by cubics");
+  addOutputOptions(*app, settings);
+  addConfigFile(*app);
+  return app;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// hapticast-client's settings: defaults, flags and config keys (the command line is a contract,
+// DESIGN section 9).
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "client/haptics/surface_model.hpp"
+#include "common/command_line.hpp"
+
+namespace hapticast::client {
+
+struct Settings {
+  Endpoint server{"localhost", kDefaultPort};
+  std::string device = "virtual";
+  std::string profile = "omni";  ///< a built-in name or a file
+  std::string transport = "tcp";
+  SurfaceKind surface = SurfaceKind::kNormal;
+  std::string hand = "press";  ///< a script's name or a CSV file
+  std::string screenshot_file;
+  std::string log_file;
+  std::string summary_file;
+  double seconds = 0.0;  ///< 0: until Ctrl-C
+  Method method = Method::kHapticast;
+  bool quiet = false;
+};
+
+/// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
+std::unique_ptr<CLI::App> commandLine(Settings& settings);
+
+}  // namespace hapticast::client

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "common/command_line.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <string_view>
+#include <system_error>
+
+namespace hapticast {
+
+namespace {
+
+template <class Number>
+bool parseAll(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+Vec2 pairOrThrow(const std::string& name, const std::string& text, const std::string& form) {
+  const auto pair = parsePair(text);
+  if (!pair) throw CLI::ValidationError(name, "'" + text + "' is not " + form);
+  return *pair;
+}
+
+}  // namespace
+
+std::optional<Endpoint> parseEndpoint(const std::string& text) {
+  Endpoint endpoint;
+  std::string_view rest = text;
+  if (rest.starts_with('[')) {
+    const std::size_t close = rest.find(']');
+    if (close == std::string_view::npos) return std::nullopt;
+    endpoint.host = rest.substr(1, close - 1);
+    rest.remove_prefix(close + 1);
+    if (!rest.empty() && !rest.starts_with(':')) return std::nullopt;
+  } else {
+    const std::size_t colon = std::min(rest.find(':'), rest.size());
+    endpoint.host = rest.substr(0, colon);
+    rest.remove_prefix(colon);
+  }
+  if (endpoint.host.empty() || endpoint.host.find_first_of(" \t/") != std::string::npos)
+    return std::nullopt;
+  if (!rest.empty() && !parseAll(rest.substr(1), endpoint.port)) return std::nullopt;
+  return endpoint;
+}
+
+std::optional<Vec2> parsePair(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const std::string_view view = text;
+  Vec2 pair;
+  if (!parseAll(view.substr(0, comma), pair.x()) || !parseAll(view.substr(comma + 1), pair.y()))
+    return std::nullopt;
+  if (!pair.allFinite()) return std::nullopt;
+  return pair;
+}
+
+CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
+                         const std::string& help) {
+  const auto set = [&value, name](const std::string& text) {
+    const auto endpoint = parseEndpoint(text);
+    if (!endpoint) {
+      throw CLI::ValidationError(
+          name, "'" + text + "' is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
+    }
+    value = *endpoint;
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name("HOST[:PORT]");
+}
+
+CLI::Option* addPair(CLI::App& app, const std::string& name, std::optional<Vec2>& value,
+                     const std::string& help, const std::string& form) {
+  const auto set = [&value, name, form](const std::string& text) {
+    value = pairOrThrow(name, text, form);
+  };
+  return app.add_option_function<std::string>(name, set, help)
+      ->type_name(form.substr(0, form.find(' ')));
+}
+
+CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
+                      const std::string& help, const std::string& form) {
+  const auto set = [&values, name, form](const std::vector<std::string>& texts) {
+    values.clear();
+    for (const std::string& text : texts) values.push_back(pairOrThrow(name, text, form));
+  };
+  return app.add_option_function<std::vector<std::string>>(name, set, help)
+      ->type_name(form.substr(0, form.find(' ')))
+      ->allow_extra_args(false);
+}
+
+void addConfigFile(CLI::App& app) {
+  app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  // A comma belongs to the value (505,330), it does not start a list.
+  app.get_config_formatter_base()->arrayDelimiter(';');
+}
+
+std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return 0;
+  } catch (const CLI::CallForVersion& version) {
+    std::cout << version.what() << "\n";
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    std::string line = error.what();
+    for (char& c : line) c = c == '\n' ? ' ' : c;
+    std::cerr << app.get_name() << ": " << line << " (--help lists what is allowed)\n";
+    return 2;
+  }
+  return std::nullopt;
+}
+
+}  // namespace hapticast

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "server/settings.hpp"
+
+#include <map>
+#include <vector>
+
+namespace hapticast::server {
+
+namespace {
+
+const std::map<std::string, SegmentMode> kSegmentModes{{"auto", SegmentMode::kAuto},
+                                                       {"band", SegmentMode::kBand},
+                                                       {"edges", SegmentMode::kEdges},
+                                                       {"source", SegmentMode::kSource}};
+const std::map<std::string, MotionMode> kMotionModes{{"auto", MotionMode::kAuto},
+                                                     {"lk", MotionMode::kLk},
+                                                     {"depth", MotionMode::kDepth},
+                                                     {"none", MotionMode::kNone}};
+
+const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
+                                             {"thesis", Method::kThesis}};
+
+/// --depth-range NEAR,FAR into the vision's own type.
+void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
+  const auto set = [&range](const std::string& text) {
+    const auto pair = parsePair(text);
+    if (!pair || pair->x() < 0.0 || pair->y() <= pair->x()) {
+      throw CLI::ValidationError("--depth-range",
+                                 "'" + text + "' is not NEAR,FAR in mm with 0 <= NEAR < FAR");
+    }
+    range = DepthRange{pair->x(), pair->y()};
+  };
+  app.add_option_function<std::string>(
+         "--depth-range", set,
+         "Depths that map to the nearest and farthest height; default: from the clip")
+      ->type_name("MM,MM");
+}
+
+void addSourceOptions(CLI::App& app, Settings& settings) {
+  app.add_option("--source", settings.source,
+                 "What to show: synthetic:bounce|approach|tumble|still, a folder of RGB-D images "
+                 "(rgb/ and depth/, "
+                 "or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video files, 8-bit depth), or "
+                 "camera:N,M (colour camera, depth camera)")
+      ->required();
+  app.add_option("--fps", settings.fps, "Frames a second; default: the source's own")
+      ->check(CLI::Range(1.0, 240.0));
+  app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
+  app.add_option("--frames", settings.frames, "Stop after N frames")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+}
+
+void addVisionOptions(CLI::App& app, VisionSettings& vision) {
+  addPairs(
+      app, "--object", vision.object_points_px,
+      "A pixel on the object to touch; repeat for several. Default: the nearest compact object",
+      "U,V in px, for example 505,330");
+  addPairs(app, "--not", vision.not_points_px,
+           "A pixel on what does not belong to the object; may be repeated",
+           "U,V in px, for example 300,400");
+  addChoice(app, "--segment", vision.segment, kSegmentModes,
+            "How the object is found: the source's mask, followed from frame to frame in a band "
+            "around its contour, or "
+            "closed Canny edges. auto: the source's mask if there is one, else band");
+  addDepthRange(app, vision.depth_range);
+  app.add_flag("--stretch", vision.stretch,
+               "Stretch the picture over the whole 160 x 120 mm (the thesis's two scales)");
+  addChoice(app, "--motion", vision.motion, kMotionModes,
+            "Velocity from Lucas-Kanade (x, y), depth differences (z), auto: both, or none");
+  app.add_option("--stiffness", vision.material.stiffness_N_mm,
+                 "The surface's stiffness; default: each viewer's own")
+      ->check(CLI::Range(0.01, 10.0))
+      ->type_name("N/MM");
+  app.add_option("--mass", vision.mass_kg,
+                 "The object's mass for the dynamic force; default: each viewer's choice")
+      ->check(CLI::Range(0.001, 100.0))
+      ->type_name("KG");
+  addChoice(app, "--method", vision.method, kMethods,
+            "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
+            "dense grid, stretched");
+}
+
+}  // namespace
+
+std::unique_ptr<CLI::App> commandLine(Settings& settings) {
+  auto app = std::make_unique<CLI::App>(
+      "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends it.",
+      "hapticast-server");
+  app->set_version_flag("--version", HAPTICAST_VERSION);
+  addSourceOptions(*app, settings);
+  addEndpoint(*app, "--listen", settings.listen,
+              "Where clients connect; default: 0.0.0.0:7447; port 0: any free one");
+  app->add_option("--max-clients", settings.max_clients,
+                  "More are turned away with a message; default: 64")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N");
+  addVisionOptions(*app, settings.vision);
+  app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
+  addConfigFile(*app);
+  return app;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// hapticast-server's settings: defaults, flags and config keys (the command line is a contract,
+// DESIGN section 9).
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/command_line.hpp"
+#include "server/vision/vision.hpp"
+
+namespace hapticast::server {
+
+struct Settings {
+  std::string source;
+  double fps = 0.0;  ///< 0: the source's own
+  bool loop = false;
+  std::uint64_t frames = 0;  ///< stop after so many; 0: no limit
+  Endpoint listen{"0.0.0.0", kDefaultPort};
+  std::size_t max_clients = 64;
+  VisionSettings vision;
+  bool quiet = false;
+};
+
+/// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
+std::unique_ptr<CLI::App> commandLine(Settings& settings);
+
+}  // namespace hapticast::server

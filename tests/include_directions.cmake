@@ -1,0 +1,70 @@
+# Checks the include table of DESIGN section 2. Run: cmake -DROOT=. -P tests/include_directions.cmake
+# Each rule: files that match -> the only project includes and library includes they may have.
+cmake_minimum_required(VERSION 3.25)
+set(failures "")
+
+# Which folder may include which (regular expressions over the included path).
+set(rules
+  "common/.*"          "^common/"
+  "server/source/.*"   "^(common|server/source)/"
+  "server/vision/.*"   "^(common|server/source|server/vision)/"
+  "server/stream/.*"   "^(common|server/stream)/"
+  "server/[^/]*"       "^(common|server)/"
+  "client/haptics/.*"  "^(common|client/haptics)/"
+  "client/device/.*"   "^(common|client/haptics|client/device)/"
+  "client/net/.*"      "^(common|client/haptics|client/net)/"
+  "client/view/.*"     "^(common|client/haptics|client/view)/"
+  "client/[^/]*"       "^(common|client)/"
+)
+# One door per library: who may include it.
+set(doors
+  "^boost/"                          "^common/asio\\.hpp$"
+  "^common/asio\\.hpp$"              "^((server/stream|client/net|tests)/|(server|client)/[^/]*$)"
+  "\\.pb\\.h$"                       "^common/wire\\.cpp$"
+  "^google/protobuf"                 "^common/wire\\.cpp$"
+  "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
+  "^libusb"                          "^client/device/falcon_usb\\.cpp$"
+  "^common/(wire|framing)\\.hpp$"    "^(common/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
+)
+
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp
+     ${ROOT}/tests/*.?pp)
+list(LENGTH files file_count)
+if(file_count LESS 10)
+  message(FATAL_ERROR "only ${file_count} sources under '${ROOT}': wrong ROOT?")
+endif()
+
+function(check_direction file included)
+  set(rest ${rules})
+  while(rest)
+    list(POP_FRONT rest where allowed)
+    if(file MATCHES "^${where}$")
+      if(NOT included MATCHES "${allowed}")
+        set(failures "${failures}\n  ${file} includes ${included}" PARENT_SCOPE)
+      endif()
+      return()
+    endif()
+  endwhile()
+endfunction()
+
+foreach(file ${files})
+  file(STRINGS ${ROOT}/${file} lines REGEX "^#include [\"<]")
+  foreach(line ${lines})
+    string(REGEX REPLACE "^#include [\"<]([^\">]+)[\">].*" "\\1" included "${line}")
+    if(included MATCHES "^(proto|common|server|client|tests)/")
+      check_direction(${file} ${included})
+    endif()
+    set(rest ${doors})
+    while(rest)
+      list(POP_FRONT rest library who)
+      if(included MATCHES "${library}" AND NOT file MATCHES "${who}")
+        string(APPEND failures "\n  ${file} includes ${included}, which has another door")
+      endif()
+    endwhile()
+  endforeach()
+endforeach()
+
+if(failures)
+  message(FATAL_ERROR "include directions broken:${failures}")
+endif()
+message(STATUS "${file_count} sources keep the include directions")
