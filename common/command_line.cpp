@@ -92,8 +92,8 @@ CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>&
 void addConfigFile(CLI::App& app) {
   app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name");
   app.allow_config_extras(CLI::config_extras_mode::error);
-  // A comma belongs to the value (505,330), it does not start a list.
-  app.get_config_formatter_base()->arrayDelimiter(';');
+  // A comma (505,330) or a bracket ([::1]:80) belongs to the value; a list is a key repeated.
+  app.get_config_formatter_base()->arrayDelimiter(';')->arrayBounds('{', '}');
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {

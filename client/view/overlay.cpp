@@ -32,8 +32,12 @@ void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::S
   cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
 }
 
+/// Rounded, and kept where drawing arithmetic cannot overflow.
 cv::Point toPoint(const Vec2& position) {
-  return {static_cast<int>(std::lround(position.x())), static_cast<int>(std::lround(position.y()))};
+  const auto coordinate = [](double value) {
+    return static_cast<int>(std::lround(std::clamp(value, -1e4, 1e4)));
+  };
+  return {coordinate(position.x()), coordinate(position.y())};
 }
 
 /// The stylus: a cone whose tip is the HIP, opening towards the viewer.

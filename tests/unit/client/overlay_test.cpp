@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/overlay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::client {
+namespace {
+
+TickReport pressing(int tick, double force_N) {
+  TickReport report;
+  report.tick = static_cast<std::uint64_t>(tick);
+  report.time = localTime(100.0 + 1e-3 * tick);
+  report.hip_mm = {40.0, 20.0, 10.0};
+  report.force_N = {0.0, 0.0, force_N};
+  report.static_force_N = report.force_N;
+  report.contact = force_N > 0.0;
+  return report;
+}
+
+/// The smallest rectangle that holds all pixels in which two pictures differ.
+cv::Rect differing(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat difference, grey;
+  cv::absdiff(a, b, difference);
+  cv::cvtColor(difference, grey, cv::COLOR_BGR2GRAY);
+  return cv::boundingRect(grey > 0);
+}
+
+TEST(Overlay, ConeStandsAtTheHipAndTheArrowGrowsWithTheForce) {
+  const Workspace workspace;
+  const cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(90, 90, 90));
+  const Overlay overlay;
+  const cv::Mat none = overlay.draw(picture, pressing(0, 0.0), workspace);
+  EXPECT_EQ(none.cols, 960);
+  const cv::Vec3b tip = none.at<cv::Vec3b>(240, 720);  // (40, 20) mm is (480, 160) px of 640 x 480
+  EXPECT_EQ(tip, cv::Vec3b(255, 255, 255));
+
+  const cv::Rect above_text(0, 26, 960, 720 - 26);
+  const cv::Rect one =
+      differing(none(above_text), overlay.draw(picture, pressing(0, 1.0), workspace)(above_text));
+  const cv::Rect two =
+      differing(none(above_text), overlay.draw(picture, pressing(0, 2.0), workspace)(above_text));
+  EXPECT_GT(two.area(), one.area());
+  EXPECT_GT(one.area(), 0);
+}
+
+TEST(Overlay, PlotKeepsPeaksBetweenItsPoints) {
+  const Workspace workspace;
+  Overlay flat, peak;
+  for (int tick = 0; tick < 1000; ++tick) {
+    flat.add(pressing(tick, 0.0));
+    peak.add(pressing(tick, tick == 503 ? 2.0 : 0.0));  // one tick only
+  }
+  const cv::Mat a = flat.draw({}, pressing(999, 0.0), workspace);
+  const cv::Mat b = peak.draw({}, pressing(999, 0.0), workspace);
+  EXPECT_GT(differing(a, b).height, 100);
+}
+
+TEST(Overlay, SurvivesOddReports) {
+  const Overlay overlay;
+  TickReport report = pressing(0, 0.0);
+  report.hip_mm = {1e9, -1e9, 0.0};
+  EXPECT_FALSE(overlay.draw({}, report, Workspace{}).empty());  // nothing added, HIP far outside
+}
+
+}  // namespace
+}  // namespace hapticast::client

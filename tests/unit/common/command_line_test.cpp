@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "common/command_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace hapticast {
+namespace {
+
+TEST(CommandLine, EndpointTakesEveryForm) {
+  EXPECT_EQ(parseEndpoint("localhost"), (Endpoint{"localhost", kDefaultPort}));
+  EXPECT_EQ(parseEndpoint("10.0.0.7:81"), (Endpoint{"10.0.0.7", 81}));
+  EXPECT_EQ(parseEndpoint("[::1]"), (Endpoint{"::1", kDefaultPort}));
+  EXPECT_EQ(parseEndpoint("[fe80::2]:7000"), (Endpoint{"fe80::2", 7000}));
+  EXPECT_EQ(parseEndpoint("host:0"), (Endpoint{"host", 0}));
+}
+
+TEST(CommandLine, EndpointRefusesTheRest) {
+  for (const char* text :
+       {"", ":80", "host:", "host:65536", "host:-1", "host:8x", "a b", "[::1", "[::1]x", "a/b"}) {
+    EXPECT_FALSE(parseEndpoint(text)) << text;
+  }
+}
+
+TEST(CommandLine, PairIsTwoFiniteNumbers) {
+  EXPECT_EQ(parsePair("505,330"), Vec2(505.0, 330.0));
+  EXPECT_EQ(parsePair("-1.5,2e1"), Vec2(-1.5, 20.0));
+  for (const char* text : {"", ",", "1", "1,", ",2", "1,2,3", "1,x", "nan,1", "inf,1", "1, 2"}) {
+    EXPECT_FALSE(parsePair(text)) << text;
+  }
+}
+
+class CommandLineTest : public testing::Test {
+ protected:
+  CommandLineTest() : app_("test", "program") {
+    addPairs(app_, "--object", points_, "points", "U,V in px");
+    addEndpoint(app_, "--listen", listen_, "where");
+    app_.add_option("--fps", fps_, "rate")->check(CLI::Range(1.0, 240.0));
+    addConfigFile(app_);
+  }
+
+  std::optional<int> parse(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "program");
+    return parseCommandLine(app_, static_cast<int>(arguments.size()), arguments.data());
+  }
+
+  CLI::App app_;
+  std::vector<Vec2> points_;
+  Endpoint listen_;
+  double fps_ = 25.0;
+};
+
+TEST_F(CommandLineTest, PointsRepeat) {
+  EXPECT_EQ(parse({"--object", "1,2", "--object", "3,4"}), std::nullopt);
+  EXPECT_EQ(points_, (std::vector<Vec2>{{1.0, 2.0}, {3.0, 4.0}}));
+}
+
+TEST_F(CommandLineTest, WrongValueIsOneLineWithFlagValueAndForm) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"--object", "12"}), 2);
+  const std::string line = testing::internal::GetCapturedStderr();
+  EXPECT_NE(line.find("--object"), std::string::npos) << line;
+  EXPECT_NE(line.find("'12'"), std::string::npos) << line;
+  EXPECT_NE(line.find("U,V in px"), std::string::npos) << line;
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"--fps", "900"}), 2);
+  const std::string range = testing::internal::GetCapturedStderr();
+  EXPECT_NE(range.find("--fps"), std::string::npos) << range;
+  EXPECT_NE(range.find("900"), std::string::npos) << range;
+  EXPECT_NE(range.find("240"), std::string::npos) << range;
+}
+
+TEST_F(CommandLineTest, ConfigFileHoldsTheSameKeys) {
+  const std::string path = testing::TempDir() + "/hapticast.conf";
+  std::ofstream(path)
+      << "# a comment\nobject = 505,330\nobject = 10,20\nlisten = [::1]:90\nfps = 60\n";
+  EXPECT_EQ(parse({"--config", path.c_str()}), std::nullopt);
+  EXPECT_EQ(points_, (std::vector<Vec2>{{505.0, 330.0}, {10.0, 20.0}}));
+  EXPECT_EQ(listen_, (Endpoint{"::1", 90}));
+  EXPECT_DOUBLE_EQ(fps_, 60.0);
+}
+
+TEST_F(CommandLineTest, ConfigFileRefusesUnknownKeys) {
+  const std::string path = testing::TempDir() + "/hapticast_unknown.conf";
+  std::ofstream(path) << "stifness = 1\n";
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"--config", path.c_str()}), 2);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("stifness"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, MissingConfigFileIsNamed) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"--config", "/nowhere/x.conf"}), 2);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("/nowhere/x.conf"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapticast
