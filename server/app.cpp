@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "server/app.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "server/vision/picture.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kJpegQuality = 80;
+// How long viewers get to play out the end of a clip before the server says goodbye.
+constexpr Duration kPlayout = std::chrono::milliseconds(500);
+
+std::string listenAddress(const Endpoint& endpoint) {
+  const bool v6 = endpoint.host.find(':') != std::string::npos;
+  return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
+}
+
+}  // namespace
+
+App::App(Settings settings, const Clock& clock)
+    : settings_(std::move(settings)),
+      media_clock_{clock, clock.now()},
+      source_(openSource(settings_.source, settings_.fps)),
+      vision_(source_->info(), settings_.vision),
+      broadcaster_(io_, media_clock_, vision_.description(),
+                   StreamSettings{.max_clients = settings_.max_clients}),
+      listener_(io_, listenAddress(settings_.listen), broadcaster_) {}
+
+void App::run() {
+  scan();
+  announced_ = vision_.description();
+  broadcaster_.describe(announced_);
+  asio::signal_set signals(io_, SIGINT, SIGTERM);
+  signals.async_wait([this](const boost::system::error_code& error, int) {
+    if (!error) stop();
+  });
+  const SourceInfo& info = source_->info();
+  spdlog::info("listening on {}:{}; streaming {} ({} x {}, {:g} frames/s). Ctrl-C ends it.",
+               settings_.listen.host, port(), info.name, info.width_px, info.height_px, info.fps);
+
+  std::jthread network([this] { io_.run(); });
+  const auto end = [&] {
+    listener_.stop();
+    broadcaster_.stop();
+    asio::post(io_, [&signals] { signals.cancel(); });
+  };
+  try {
+    play();
+  } catch (...) {
+    end();
+    throw;
+  }
+  end();
+}
+
+void App::scan() {
+  if (source_->info().live) return;
+  MediaTime told = media_clock_.now();
+  vision_.scan(*source_, [&](std::uint64_t done, std::uint64_t total) {
+    if (stop_ || media_clock_.now() - told < std::chrono::seconds(1)) return;
+    told = media_clock_.now();
+    spdlog::info("looking through the clip for its depth range: {} of {} frames", done, total);
+  });
+}
+
+void App::play() {
+  Pacer pacer(source_->info().fps, media_clock_.now());
+  std::uint64_t frames = 0;
+  while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
+    const auto frame = nextFrame(pacer);
+    if (!frame) break;
+    const MediaTime media_time =
+        source_->info().live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
+    ++frames;
+    if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result));
+    sayWhatWasSkipped(pacer);
+  }
+  for (VisionResult& result : vision_.flush()) publish(std::move(result));
+  waitUntil(last_published_ + announced_.pipeline_latency + kPlayout);
+}
+
+std::optional<RgbdFrame> App::nextFrame(Pacer& pacer) {
+  if (source_->info().live) return source_->read();
+  const Pacer::Plan plan = pacer.plan(media_clock_.now());
+  for (std::uint64_t i = 0; i < plan.skip; ++i) {
+    if (!source_->skip() && !(rewindAtEnd() && source_->skip())) return std::nullopt;
+  }
+  waitUntil(plan.due);
+  auto frame = source_->read();
+  if (!frame && rewindAtEnd()) frame = source_->read();
+  return frame;
+}
+
+bool App::rewindAtEnd() {
+  if (!settings_.loop || stop_) return false;
+  source_->rewind();
+  return true;
+}
+
+void App::publish(VisionResult result) {
+  if (vision_.description() != announced_) {
+    announced_ = vision_.description();
+    broadcaster_.describe(announced_);
+  }
+  last_published_ = result.frame.media_time;
+  if (broadcaster_.videoWanted()) {
+    broadcaster_.publish(encodeVideo({result.frame.epoch, result.frame.id, result.frame.media_time,
+                                      encodeJpeg(result.color, kJpegQuality)}));
+  }
+  broadcaster_.publish(encoder_.encode(result.frame));
+}
+
+void App::sayWhatWasSkipped(const Pacer& pacer) {
+  const MediaTime now = media_clock_.now();
+  if (pacer.skipped() == told_skipped_ || now - told_at_ < std::chrono::seconds(1)) return;
+  spdlog::warn("too slow for {:g} frames/s: {} frames skipped so far", source_->info().fps,
+               pacer.skipped());
+  told_skipped_ = pacer.skipped();
+  told_at_ = now;
+}
+
+void App::waitUntil(MediaTime due) const {
+  // In slices, so that stop() is heard.
+  constexpr Duration kSlice = std::chrono::milliseconds(20);
+  while (!stop_) {
+    const Duration left = due - media_clock_.now();
+    if (left <= Duration::zero()) return;
+    std::this_thread::sleep_for(std::min(left, kSlice));
+  }
+}
+
+}  // namespace hapticast::server

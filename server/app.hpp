@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// The server as wiring: the pipeline (source -> vision -> encode) on the calling thread, the
+// network on a second one.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+
+#include "common/asio.hpp"
+#include "common/time.hpp"
+#include "server/settings.hpp"
+#include "server/source/pacer.hpp"
+#include "server/stream/broadcaster.hpp"
+#include "server/stream/encoded.hpp"
+#include "server/stream/listener.hpp"
+#include "server/vision/vision.hpp"
+
+namespace hapticast::server {
+
+class App {
+ public:
+  /// Opens the source and the port. Throws SourceError or std::runtime_error, one line each.
+  App(Settings settings, const Clock& clock);
+
+  /// Streams until the clip ends (without --loop), --frames are shown, or stop(). Throws
+  /// SourceError when the source breaks on the way. Thread: the pipeline's; call once.
+  void run();
+  /// Ends run() soon. Thread: any, also a signal handler.
+  void stop() noexcept { stop_ = true; }
+  [[nodiscard]] std::uint16_t port() const { return listener_.port(); }
+
+ private:
+  void scan();
+  void play();
+  [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
+  [[nodiscard]] bool rewindAtEnd();
+  void publish(VisionResult result);
+  void sayWhatWasSkipped(const Pacer& pacer);
+  void waitUntil(MediaTime due) const;
+
+  Settings settings_;
+  MediaClock media_clock_;
+  std::unique_ptr<RgbdSource> source_;
+  Vision vision_;
+  asio::io_context io_;
+  Broadcaster broadcaster_;
+  Listener listener_;
+  FrameEncoder encoder_;
+  StreamDescription announced_;
+  std::atomic<bool> stop_{false};
+  MediaTime last_published_{};
+  std::uint64_t told_skipped_ = 0;
+  MediaTime told_at_{};
+};
+
+}  // namespace hapticast::server

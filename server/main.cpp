@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
+#include "server/app.hpp"
+#include "server/settings.hpp"
+
+namespace {
+
+enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
+
+int serve(const hapticast::server::Settings& settings) {
+  const hapticast::SteadyClock clock;
+  std::unique_ptr<hapticast::server::App> app;
+  try {
+    app = std::make_unique<hapticast::server::App>(settings, clock);
+  } catch (const hapticast::server::SourceError& error) {
+    spdlog::error("--source {}: {}", settings.source, error.what());
+    return kWrongInput;
+  }
+  app->run();
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  hapticast::server::Settings settings;
+  const auto command_line = hapticast::server::commandLine(settings);
+  if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
+    return *exit_code;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-server"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  if (settings.quiet) spdlog::set_level(spdlog::level::warn);
+  try {
+    return serve(settings);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kFailed;
+  }
+}
