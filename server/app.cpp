@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <csignal>
 #include <thread>
 #include <utility>
 
@@ -34,17 +35,10 @@ App::App(Settings settings, const Clock& clock)
       listener_(io_, listenAddress(settings_.listen), broadcaster_) {}
 
 void App::run() {
-  scan();
-  announced_ = vision_.description();
-  broadcaster_.describe(announced_);
   asio::signal_set signals(io_, SIGINT, SIGTERM);
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();
   });
-  const SourceInfo& info = source_->info();
-  spdlog::info("listening on {}:{}; streaming {} ({} x {}, {:g} frames/s). Ctrl-C ends it.",
-               settings_.listen.host, port(), info.name, info.width_px, info.height_px, info.fps);
-
   std::jthread network([this] { io_.run(); });
   const auto end = [&] {
     listener_.stop();
@@ -52,7 +46,8 @@ void App::run() {
     asio::post(io_, [&signals] { signals.cancel(); });
   };
   try {
-    play();
+    scan();
+    if (!stop_) play();
   } catch (...) {
     end();
     throw;
@@ -61,23 +56,34 @@ void App::run() {
 }
 
 void App::scan() {
-  if (source_->info().live) return;
+  struct Stopped {};
   MediaTime told = media_clock_.now();
-  vision_.scan(*source_, [&](std::uint64_t done, std::uint64_t total) {
-    if (stop_ || media_clock_.now() - told < std::chrono::seconds(1)) return;
+  const auto progress = [&](std::uint64_t done, std::uint64_t total) {
+    if (stop_) throw Stopped();
+    if (media_clock_.now() - told < std::chrono::seconds(1)) return;
     told = media_clock_.now();
     spdlog::info("looking through the clip for its depth range: {} of {} frames", done, total);
-  });
+  };
+  try {
+    if (!source_->info().live) vision_.scan(*source_, progress);
+  } catch (const Stopped&) {
+    return;
+  }
+  announced_ = vision_.description();
+  broadcaster_.describe(announced_);
 }
 
 void App::play() {
-  Pacer pacer(source_->info().fps, media_clock_.now());
+  const SourceInfo& info = source_->info();
+  spdlog::info("listening on {}; streaming {} ({} x {}, {:g} frames/s). Ctrl-C ends it.",
+               listenAddress({settings_.listen.host, port()}), info.name, info.width_px, info.height_px, info.fps);
+  Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
     const auto frame = nextFrame(pacer);
     if (!frame) break;
     const MediaTime media_time =
-        source_->info().live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
+        info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result));
     sayWhatWasSkipped(pacer);

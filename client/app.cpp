@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "client/app.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <csignal>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "client/device/device_profile.hpp"
+#include "client/device/report_csv.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr auto kDrainInterval = std::chrono::milliseconds(10);
+constexpr int kMaxFaultFiles = 10;
+
+RoomSettings roomSettings(const Settings& settings) {
+  RoomSettings room;
+  room.profile = loadDeviceProfile(settings.profile);
+  room.method = settings.method;
+  room.surface = settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
+  return room;
+}
+
+HandScript handScript(const Settings& settings, const DeviceProfile& profile) {
+  const HandStiffness stiffness{.hand_N_mm = Hand::light().stiffness_N_m * 1e-3,
+                                .surface_N_mm = profile.stiffness_N_mm};
+  if (settings.hand == "press") return {HandKind::kPress, stiffness};
+  if (settings.hand == "slide") return {HandKind::kSlide, stiffness};
+  if (settings.hand == "follow") return {HandKind::kFollow, stiffness};
+  return {HandKind::kFile, stiffness, loadHandTargets(settings.hand)};
+}
+
+ConnectionSettings connectionSettings(const Settings& settings) {
+  ConnectionSettings connection;
+  connection.host = settings.server.host;
+  connection.port = settings.server.port;
+  connection.wants_video = !settings.screenshot_file.empty();
+  return connection;
+}
+
+std::string describe(const StreamDescription& stream, Method method) {
+  std::string text = fmt::format("connected: {}, {} x {}, {:g} frames/s", stream.name,
+                                 stream.workspace.width_px, stream.workspace.height_px, stream.fps);
+  if (method == Method::kThesis && stream.method != Method::kThesis) {
+    text +=
+        "; --method thesis here, but not on the server: segmentation, smoothing, motion and "
+        "workspace stay its own";
+  }
+  return text;
+}
+
+}  // namespace
+
+App::App(Settings settings, const Clock& clock)
+    : settings_(std::move(settings)),
+      clock_(clock),
+      room_settings_(roomSettings(settings_)),
+      hand_(handScript(settings_, room_settings_.profile)),
+      device_(room_settings_.profile, Hand::light(), clock, &hand_),
+      room_(std::make_unique<Room>(room_settings_, pool_, controls_, latest_report_, &log_ring_)),
+      receiver_(pool_, controls_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
+      connection_(io_, clock, connectionSettings(settings_), receiver_,
+                  {.welcomed =
+                       [this](const auto& stream) {
+                         spdlog::info("{}", describe(stream, settings_.method));
+                       },
+#ifdef HAPTICAST_VIEWER
+                   .video = [this](VideoFrame video) { viewer_.take(std::move(video)); },
+#else
+                   .video = {},
+#endif
+                   .disconnected = [](const std::string& why) { spdlog::warn("{}", why); },
+                   .failed =
+                       [this](const std::string& why) {
+                         spdlog::error("{}", why);
+                         failed_ = true;
+                         stop();
+                       }}) {
+  if (settings_.log_file.empty()) return;
+  log_.open(settings_.log_file);
+  if (!log_) {
+    throw std::runtime_error("--log " + settings_.log_file +
+                             ": cannot be written; is its folder there and writable?");
+  }
+  writeReportHeading(log_);
+}
+
+bool App::run() {
+  spdlog::info(
+      "connecting to {}:{} with a virtual device ({}) in a hand that does: {}. Ctrl-C ends it.",
+      settings_.server.host, settings_.server.port, room_settings_.profile.name, settings_.hand);
+  asio::signal_set signals(io_, SIGINT, SIGTERM);
+  signals.async_wait([this](const boost::system::error_code& error, int) {
+    if (!error) stop();
+  });
+  connection_.start();
+  std::jthread network([this] { io_.run(); });
+  std::atomic<bool> loop_stop{false};
+  std::jthread loop([&] {
+    realtime_ = requestRealtime();
+    runLoop(device_, *room_, clock_, loop_stop, stats_);
+  });
+
+  wait();
+  loop_stop = true;
+  loop.join();
+  drain();
+  asio::post(io_, [&signals] { signals.cancel(); });
+  connection_.stop();
+  network.join();
+  finish();
+  return !failed_;
+}
+
+void App::wait() {
+  const LocalTime begin = clock_.now();
+  while (!stop_ &&
+         (settings_.seconds == 0.0 || clock_.now() - begin < fromSeconds(settings_.seconds))) {
+    drain();
+    dumpFault();
+    if (const bool contact = latest_report_.load().contact; contact != told_contact_) {
+      told_contact_ = contact;
+      asio::post(io_, [this, contact] { connection_.setInContact(contact); });
+    }
+    std::this_thread::sleep_for(kDrainInterval);
+  }
+}
+
+void App::drain() {
+  TickReport report;
+  while (log_ring_.tryPop(report)) {
+    if (log_.is_open()) writeReport(log_, report);
+#ifdef HAPTICAST_VIEWER
+    if (!settings_.screenshot_file.empty()) viewer_.add(report);
+#endif
+  }
+}
+
+void App::dumpFault() {
+  FlightRecorder& recorder = room_->recorder();
+  if (!recorder.frozen() || faults_dumped_ == kMaxFaultFiles) return;
+  const std::string file = fmt::format("hapticast-fault-{}.csv", ++faults_dumped_);
+  const Fault fault = recorder.at(recorder.size() - 1).fault;
+  std::ofstream out(file);
+  dumpRecorder(out, recorder);
+  out.close();
+  spdlog::warn("fault: {}; the ticks before it are {}", faultName(fault),
+               out ? "in " + file : "lost, no file can be written here");
+}
+
+RunResult App::result() const {
+  const Controls& controls = receiver_.controls();
+  return {.loop = stats_,
+          .frames = receiver_.counts(),
+          .bytes_received = connection_.bytesReceived(),
+          .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
+          .clock_offset_us = toSeconds(controls.clock_offset) * 1e6,
+          .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
+          .realtime = realtime_};
+}
+
+void App::finish() {
+  dumpFault();
+  if (!realtime_.fifo || !realtime_.mlock) {
+    spdlog::info("the loop ran without {}: ticks may be late under load (README: real time)",
+                 realtime_.fifo    ? "locked memory"
+                 : realtime_.mlock ? "SCHED_FIFO"
+                                   : "SCHED_FIFO and locked memory");
+  }
+  if (room_->droppedReports() > 0)
+    spdlog::warn("{} ticks are missing in the log", room_->droppedReports());
+  if (log_.is_open()) {
+    log_.close();
+    if (!log_)
+      throw std::runtime_error("--log " + settings_.log_file +
+                               ": not written completely; is the disk full?");
+  }
+  const RunResult run = result();
+  if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
+#ifdef HAPTICAST_VIEWER
+  if (!settings_.screenshot_file.empty())
+    viewer_.write(settings_.screenshot_file, receiver_.controls().workspace);
+#endif
+  if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
+}
+
+}  // namespace hapticast::client

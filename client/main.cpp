@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <memory>
+
+#include "client/app.hpp"
+#include "client/settings.hpp"
+
+namespace {
+
+enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
+
+int touch(const hapticast::client::Settings& settings) {
+  const hapticast::SteadyClock clock;
+  std::unique_ptr<hapticast::client::App> app;
+  try {
+    app = std::make_unique<hapticast::client::App>(settings, clock);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kWrongInput;
+  }
+  return app->run() ? kDone : kFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  hapticast::client::Settings settings;
+  const auto command_line = hapticast::client::commandLine(settings);
+  if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
+    return *exit_code;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-client"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  if (settings.quiet) spdlog::set_level(spdlog::level::warn);
+  try {
+    return touch(settings);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kFailed;
+  }
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// What a run was like, in numbers (--summary, keys of DESIGN section 9) and in words. Thread: main,
+// after the run.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "client/device/realtime_thread.hpp"
+#include "client/haptics/loop.hpp"
+#include "client/net/receiver.hpp"
+
+namespace hapticast::client {
+
+/// Everything the parts of the client counted.
+struct RunResult {
+  LoopStats loop;
+  ReceiverCounts frames;
+  std::uint64_t bytes_received = 0;
+  double playout_delay_ms = 0.0;  ///< at the end
+  double clock_offset_us = 0.0;   ///< media clock - local clock
+  double clock_error_us = 0.0;    ///< its bound
+  RealtimeGrant realtime;
+};
+
+/// One JSON object. Throws std::runtime_error naming the file when it cannot be written.
+void writeSummary(const std::string& file, const RunResult& result);
+/// A few sentences for people.
+[[nodiscard]] std::string inWords(const RunResult& result);
+
+}  // namespace hapticast::client
