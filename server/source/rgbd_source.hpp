@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/source/camera_model.hpp"
+
 namespace hapticast::server {
 
 /// What the values of RgbdFrame::depth mean.
@@ -17,37 +19,30 @@ enum class DepthKind : std::uint8_t {
   kHeight,  ///< 0..255, 255 is nearest, every value is a measurement (8-bit depth)
 };
 
-struct DepthRange {
-  double near_mm = 0.0;
-  double far_mm = 0.0;
-};
-
-struct CameraModel {
-  double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
-};
-
 struct SourceInfo {
-  std::string name;                        ///< for people
+  std::string name;  ///< for people
   int width_px = 0;
   int height_px = 0;
   double fps = 25.0;
   DepthKind depth_kind = DepthKind::kMetric;
-  bool live = false;                       ///< cannot be scanned or rewound
+  bool live = false;  ///< cannot be scanned or rewound
   std::optional<std::uint64_t> frame_count;
-  std::optional<DepthRange> depth_range;   ///< if the source itself knows its range for the whole clip
+  std::optional<DepthRange>
+      depth_range;  ///< if the source itself knows its range for the whole clip
   std::optional<CameraModel> camera;
 };
 
 struct RgbdFrame {
-  std::uint64_t index = 0;     ///< frame number within the clip; skipped frames count
-  std::uint32_t epoch = 0;     ///< +1 at every loop wrap
-  double clip_time_s = 0.0;    ///< since the clip's start
-  cv::Mat color;               ///< CV_8UC3, BGR
-  cv::Mat depth;               ///< CV_32FC1, same size; see DepthKind
-  cv::Mat mask;                ///< empty, or CV_8UC1: 0 outside, n for object n
+  std::uint64_t index = 0;   ///< frame number within the clip; skipped frames count
+  std::uint32_t epoch = 0;   ///< +1 at every loop wrap
+  double clip_time_s = 0.0;  ///< since the clip's start
+  cv::Mat color;             ///< CV_8UC3, BGR
+  cv::Mat depth;             ///< CV_32FC1, same size; see DepthKind
+  cv::Mat mask;              ///< empty, or CV_8UC1: 0 outside, n for object n
 };
 
-/// A problem with the source that a person has to mend; what() is one line naming the file and what to do.
+/// A problem with the source that a person has to mend; what() is one line naming the file and what
+/// to do.
 class SourceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -57,8 +52,8 @@ class RgbdSource {
  public:
   virtual ~RgbdSource() = default;
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
-  /// The next frame; nullopt at the end of the clip. A frame that cannot be read is passed over with one
-  /// warning line. Throws SourceError when no further frame can be had. Thread: one.
+  /// The next frame; nullopt at the end of the clip. A frame that cannot be read is passed over
+  /// with one warning line. Throws SourceError when no further frame can be had. Thread: one.
   virtual std::optional<RgbdFrame> read() = 0;
   /// Passes over the next frame without decoding it where possible; false at the end.
   virtual bool skip() = 0;
@@ -66,8 +61,8 @@ class RgbdSource {
   virtual void rewind() = 0;
 };
 
-/// Opens what --source names: synthetic:NAME, DIR, COLOR,DEPTH or camera:N[,M]. `fps` > 0 overrides the
-/// source's own rate. Throws SourceError.
+/// Opens what --source names: synthetic:NAME, DIR, COLOR,DEPTH or camera:N[,M]. `fps` > 0 overrides
+/// the source's own rate. Throws SourceError.
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps);
 
 }  // namespace hapticast::server
