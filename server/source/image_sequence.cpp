@@ -59,7 +59,7 @@ std::optional<RgbdFrame> ImageSequence::read() {
     RgbdFrame frame;
     const std::string problem = load(index, frame);
     if (problem.empty()) return frame;
-    spdlog::warn("{}; frame {} is left out", problem, index);
+    if (reported_.insert(index).second) spdlog::warn("{}; frame {} is left out", problem, index);
   }
   return std::nullopt;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "server/source/clip_files.hpp"
@@ -32,6 +33,8 @@ class ImageSequence final : public RgbdSource {
   DepthFormat format_;
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
+  std::set<std::uint64_t>
+      reported_;  // unreadable frames, so that a loop does not repeat its warnings
 };
 
 }  // namespace hapticast::server

@@ -132,7 +132,8 @@ bool VideoPair::grab() {
     return true;
   }
   ended_ = true;
-  if (color != depth) {
+  if (color != depth && !cut_reported_) {
+    cut_reported_ = true;
     spdlog::warn("{}: ends after {} frames, before {}; the clip is cut there",
                  color ? depth_file_ : color_file_, next_, color ? color_file_ : depth_file_);
   }

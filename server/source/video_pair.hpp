@@ -35,6 +35,7 @@ class VideoPair final : public RgbdSource {
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool ended_ = false;
+  bool cut_reported_ = false;
 };
 
 /// Whether a pixel format (CAP_PROP_CODEC_PIXEL_FORMAT: FFmpeg's tag of raw video) is known to have
