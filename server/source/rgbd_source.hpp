@@ -9,21 +9,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/source/camera_model.hpp"
+
 namespace hapticast::server {
 
 /// What the values of RgbdFrame::depth mean.
 enum class DepthKind : std::uint8_t {
   kMetric,  ///< mm from the camera along the optical axis, 0 = no measurement
   kHeight,  ///< 0..255, 255 is nearest, every value is a measurement (8-bit depth)
-};
-
-struct DepthRange {
-  double near_mm = 0.0;
-  double far_mm = 0.0;
-};
-
-struct CameraModel {
-  double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
 };
 
 struct SourceInfo {

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+#include "server/source/clip_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string_view>
+
+#include "server/source/json_scalars.hpp"
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uintmax_t kMaxText_bytes = 16U << 20U;
+
+std::string readText(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error) throw SourceError(file.string() + ": cannot be read (" + error.message() + ")");
+  if (size > kMaxText_bytes) {
+    throw SourceError(file.string() + ": is larger than 16 MiB; that is no list of frames");
+  }
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) throw SourceError(file.string() + ": cannot be read");
+  return text;
+}
+
+std::optional<double> parseNumber(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+bool isImage(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
+std::vector<fs::path> imagesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const fs::path& file = it->path();
+    if (file.filename().string().front() != '.' && isImage(file)) files.push_back(file);
+  }
+  if (error) throw SourceError(folder.string() + ": cannot be read (" + error.message() + ")");
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return naturalLess(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+void requireCount(const fs::path& folder, std::size_t count, std::size_t colors) {
+  if (count == colors) return;
+  throw SourceError(folder.string() + ": " + std::to_string(count) + " images, but there are " +
+                    std::to_string(colors) +
+                    " colour images; each colour image needs its own, so add or remove some");
+}
+
+ClipFiles findInFolders(const fs::path& folder) {
+  const fs::path color_folder =
+      fs::is_directory(folder / "rgb") ? folder / "rgb" : folder / "color";
+  if (!fs::is_directory(color_folder)) {
+    const bool empty = fs::is_empty(folder);
+    throw SourceError(folder.string() + (empty ? ": is empty" : ": has no folder rgb/ or color/") +
+                      "; put colour images into rgb/ and depth images into depth/");
+  }
+  if (!fs::is_directory(folder / "depth")) {
+    throw SourceError(folder.string() +
+                      ": has no folder depth/; put a depth image for each colour image into it");
+  }
+  const auto colors = imagesIn(color_folder);
+  if (colors.empty()) {
+    throw SourceError(color_folder.string() + ": has no PNG or JPEG images; put the frames there");
+  }
+  const auto depths = imagesIn(folder / "depth");
+  requireCount(folder / "depth", depths.size(), colors.size());
+  std::vector<fs::path> masks;
+  if (fs::is_directory(folder / "mask")) {
+    masks = imagesIn(folder / "mask");
+    requireCount(folder / "mask", masks.size(), colors.size());
+  }
+  ClipFiles clip;
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    clip.frames.push_back({colors[i], depths[i], masks.empty() ? fs::path() : masks[i]});
+  }
+  return clip;
+}
+
+struct TimedFile {
+  double time_s;
+  fs::path file;
+};
+
+std::vector<TimedFile> readTumList(const fs::path& list) {
+  std::vector<TimedFile> files;
+  const std::string text = readText(list);
+  std::size_t line_number = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line(text.data() + at, end - at);
+    at = end + 1;
+    ++line_number;
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) {
+      line.remove_suffix(1);
+    }
+    if (line.empty() || line.front() == '#') continue;
+    const std::size_t space = line.find_first_of(" \t");
+    const auto time_s = parseNumber(line.substr(0, space));
+    if (!time_s || space == std::string_view::npos) {
+      throw SourceError(list.string() + ": line " + std::to_string(line_number) +
+                        " is not \"timestamp file\"; correct or remove it");
+    }
+    line.remove_prefix(line.find_first_not_of(" \t", space));
+    files.push_back({*time_s, list.parent_path() / line});
+  }
+  if (files.empty()) throw SourceError(list.string() + ": lists no frames");
+  std::stable_sort(files.begin(), files.end(),
+                   [](const TimedFile& a, const TimedFile& b) { return a.time_s < b.time_s; });
+  return files;
+}
+
+double medianRate(const std::vector<double>& times_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times_s.size(); ++i) steps.push_back(times_s[i] - times_s[i - 1]);
+  if (steps.empty()) return 25.0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double fps = 1.0 / *middle;
+  return fps >= 1.0 && fps <= 240.0 ? fps : 25.0;
+}
+
+ClipFiles findTum(const fs::path& folder) {
+  constexpr double kTolerance_s = 0.020;
+  const auto colors = readTumList(folder / "rgb.txt");
+  const auto depths = readTumList(folder / "depth.txt");
+  const auto earlier = [](const TimedFile& file, double time_s) { return file.time_s < time_s; };
+  // Depth index -> the colour nearest to it, so that each depth frame is used once.
+  std::map<std::size_t, std::size_t> pairs;
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const double time_s = colors[i].time_s;
+    const auto after = std::lower_bound(depths.begin(), depths.end(), time_s, earlier);
+    auto j = static_cast<std::size_t>(after - depths.begin());
+    const auto distance = [&](std::size_t depth, std::size_t color) {
+      return std::abs(depths[depth].time_s - colors[color].time_s);
+    };
+    if (j == depths.size() || (j > 0 && distance(j - 1, i) <= distance(j, i))) --j;
+    if (distance(j, i) > kTolerance_s) continue;
+    const auto [taken, is_new] = pairs.try_emplace(j, i);
+    if (!is_new && distance(j, i) < distance(j, taken->second)) taken->second = i;
+  }
+  if (pairs.empty()) {
+    throw SourceError(folder.string() +
+                      ": no timestamp in depth.txt is within 20 ms of one in "
+                      "rgb.txt; both need the same clock");
+  }
+  ClipFiles clip;
+  std::vector<double> times_s;
+  for (const auto& [depth, color] : pairs) {
+    clip.frames.push_back({colors[color].file, depths[depth].file, {}});
+    times_s.push_back(colors[color].time_s);
+  }
+  clip.fps = medianRate(times_s);
+  clip.declared_depth_bits = 16;
+  clip.mm_per_unit = 0.2;
+  return clip;
+}
+
+/// The values of meta.json, checked.
+class Meta {
+ public:
+  explicit Meta(fs::path file) : file_(std::move(file)) {
+    auto scalars = readJsonScalars(readText(file_));
+    if (!scalars) throw SourceError(file_.string() + ": is not a JSON object; mend or remove it");
+    scalars_ = std::move(*scalars);
+  }
+
+  [[nodiscard]] std::string text(const std::string& key) const {
+    const auto found = scalars_.find(key);
+    return found == scalars_.end() ? "" : found->second;
+  }
+  [[nodiscard]] std::optional<double> number(const std::string& key, double low,
+                                             double high) const {
+    const auto found = scalars_.find(key);
+    if (found == scalars_.end() || found->second == "null") return std::nullopt;
+    const auto value = parseNumber(found->second);
+    if (!value || *value < low || *value > high) {
+      throw SourceError(file_.string() + ": \"" + key + "\" is " + found->second +
+                        ", where a number from " + trimmed(low) + " to " + trimmed(high) +
+                        " is expected");
+    }
+    return value;
+  }
+
+ private:
+  static std::string trimmed(double value) {
+    std::array<char, 32> buffer{};
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    return {buffer.data(), end};
+  }
+
+  fs::path file_;
+  std::map<std::string, std::string> scalars_;
+};
+
+void applyMeta(const fs::path& file, ClipFiles& clip) {
+  const Meta meta(file);
+  clip.fps = meta.number("fps", 1.0, 240.0).value_or(clip.fps);
+  if (const auto scale = meta.number("depth_scale_m_per_unit", 1e-6, 1.0)) {
+    clip.mm_per_unit = 1000.0 * *scale;
+    clip.declared_depth_bits = 16;
+  }
+  const std::string words = meta.text("depth");
+  const auto says = [&](const char* a, const char* b) {
+    return words.find(a) != std::string::npos || words.find(b) != std::string::npos;
+  };
+  if (says("16-bit", "16 bit")) {
+    clip.declared_depth_bits = 16;
+  } else if (says("8-bit", "8 bit")) {
+    clip.declared_depth_bits = 8;
+  }
+  if (const auto bits = meta.number("depth_bits", 8.0, 16.0)) {
+    clip.declared_depth_bits = *bits > 8.0 ? 16 : 8;
+  }
+  const auto fx = meta.number("intrinsics.fx", 1.0, 1e5);
+  const auto fy = meta.number("intrinsics.fy", 1.0, 1e5);
+  const auto cx = meta.number("intrinsics.cx", -1e5, 1e5);
+  const auto cy = meta.number("intrinsics.cy", -1e5, 1e5);
+  if (fx && fy && cx && cy) clip.camera = CameraModel{*fx, *fy, *cx + 0.5, *cy + 0.5};
+}
+
+}  // namespace
+
+bool naturalLess(const std::string& a, const std::string& b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!digit(a[i]) || !digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i;
+      ++j;
+      continue;
+    }
+    while (i < a.size() && a[i] == '0') ++i;
+    while (j < b.size() && b[j] == '0') ++j;
+    const std::size_t i0 = i;
+    const std::size_t j0 = j;
+    while (i < a.size() && digit(a[i])) ++i;
+    while (j < b.size() && digit(b[j])) ++j;
+    if (i - i0 != j - j0) return i - i0 < j - j0;
+    const int order = a.compare(i0, i - i0, b, j0, j - j0);
+    if (order != 0) return order < 0;
+  }
+  // Equal by value (01 and 1): any fixed order will do.
+  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
+}
+
+ClipFiles findClipFiles(const fs::path& folder) try {
+  if (!fs::is_directory(folder)) throw SourceError(folder.string() + ": no such folder");
+  const bool tum = fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt");
+  ClipFiles clip = tum ? findTum(folder) : findInFolders(folder);
+  if (fs::exists(folder / "meta.json")) applyMeta(folder / "meta.json", clip);
+  return clip;
+} catch (const fs::filesystem_error& error) {
+  throw SourceError(folder.string() + ": cannot be read (" + error.code().message() + ")");
+}
+
+}  // namespace hapticast::server

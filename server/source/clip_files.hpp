@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// What a folder holds: finds the colour, depth and mask files of an image sequence and what is
+// declared about them, in one of three layouts. Opens no image. Thread: any.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/source/camera_model.hpp"
+
+namespace hapticast::server {
+
+struct FrameFiles {
+  std::filesystem::path color;
+  std::filesystem::path depth;
+  std::filesystem::path mask;  ///< empty: none
+};
+
+struct ClipFiles {
+  std::vector<FrameFiles> frames;  ///< in order of time, at least one
+  double fps = 25.0;
+  std::optional<int> declared_depth_bits;  ///< 8 or 16
+  double mm_per_unit = 1.0;                ///< of 16-bit depth
+  std::optional<CameraModel> camera;
+};
+
+/// Layouts:
+/// * TUM RGB-D: rgb.txt and depth.txt with lines "timestamp file", each colour frame with the
+/// nearest depth
+///   frame within 20 ms (used once); 5000 units per metre.
+/// * otherwise rgb/ or color/, depth/ and perhaps mask/, each with the same number of PNG or JPEG
+/// files, paired
+///   in order of their names (numbers in names by value).
+/// meta.json may say fps, depth_bits (or "depth" with the words 8-bit or 16-bit),
+/// depth_scale_m_per_unit, intrinsics {fx, fy, cx, cy} in OpenCV's convention. Throws SourceError.
+[[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
+
+/// Order of file names in which runs of digits count by value: frame2 < frame10.
+[[nodiscard]] bool naturalLess(const std::string& a, const std::string& b);
+
+}  // namespace hapticast::server

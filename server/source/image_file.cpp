@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "server/source/image_file.hpp"
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/haptic_frame.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::uint32_t bigEndian(const Bytes& bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) value = value << 8U | bytes[at + i];
+  return value;
+}
+
+struct HeaderSize {
+  std::uint32_t width, height;
+};
+
+std::optional<HeaderSize> pngSize(const Bytes& bytes) {
+  constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  if (bytes.size() < 24 || !std::equal(kSignature.begin(), kSignature.end(), bytes.begin())) {
+    return std::nullopt;
+  }
+  return HeaderSize{bigEndian(bytes, 16, 4), bigEndian(bytes, 20, 4)};
+}
+
+/// Walks the segments up to the start-of-frame one.
+std::optional<HeaderSize> jpegSize(const Bytes& bytes) {
+  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return std::nullopt;
+  std::size_t at = 2;
+  while (at + 9 <= bytes.size() && bytes[at] == 0xFF) {
+    const std::uint8_t marker = bytes[at + 1];
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    const bool is_frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame) return HeaderSize{bigEndian(bytes, at + 7, 2), bigEndian(bytes, at + 5, 2)};
+    at += 2 + bigEndian(bytes, at + 2, 2);
+  }
+  return std::nullopt;
+}
+
+std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
+  return "is " + std::to_string(width_px) + "x" + std::to_string(height_px) + ", larger than " +
+         sizeText(kMaxWidth_px, kMaxHeight_px);
+}
+
+/// The whole file, or a problem.
+std::string readBytes(const std::filesystem::path& file, Bytes& bytes) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) return "cannot be read (" + error.message() + ")";
+  if (size == 0) return "is empty";
+  if (size > kMaxFile_bytes) return "is larger than 64 MiB";
+  bytes.resize(size);
+  std::ifstream in(file, std::ios::binary);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  return in ? "" : "cannot be read";
+}
+
+ImageResult readFile(const std::filesystem::path& file, int flags) {
+  Bytes bytes;
+  if (std::string problem = readBytes(file, bytes); !problem.empty()) return {{}, problem};
+  auto size = pngSize(bytes);
+  if (!size) size = jpegSize(bytes);
+  if (!size) return {{}, "is not a PNG or JPEG image"};
+  if (size->width > kMaxWidth_px || size->height > kMaxHeight_px) {
+    return {{}, tooLarge(size->width, size->height)};
+  }
+  cv::Mat image;
+  try {
+    image = cv::imdecode(bytes, flags);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) return {{}, "cannot be decoded"};
+  return {image, ""};
+}
+
+}  // namespace
+
+std::string sizeText(int width_px, int height_px) {
+  return std::to_string(width_px) + "x" + std::to_string(height_px);
+}
+
+bool sizeAllowed(int width_px, int height_px) {
+  return width_px >= 1 && height_px >= 1 && width_px <= kMaxWidth_px && height_px <= kMaxHeight_px;
+}
+
+ImageResult readColorFile(const std::filesystem::path& file) {
+  // A phone's orientation tag is ignored: depth has none to turn with.
+  return readFile(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+ImageResult readRawFile(const std::filesystem::path& file) {
+  return readFile(file, cv::IMREAD_UNCHANGED);
+}
+
+ImageResult toDepth(const cv::Mat& raw, const DepthFormat& format) {
+  const bool metric = format.kind == DepthKind::kMetric;
+  cv::Mat depth;
+  if (metric && raw.type() == CV_16UC1) {
+    raw.convertTo(depth, CV_32F, format.mm_per_unit);
+  } else if (!metric && raw.type() == CV_8UC1) {
+    raw.convertTo(depth, CV_32F);
+  } else if (!metric && raw.type() == CV_8UC3) {
+    cv::Mat grey;
+    cv::cvtColor(raw, grey, cv::COLOR_BGR2GRAY);
+    grey.convertTo(depth, CV_32F);
+  } else {
+    return {{},
+            "has " + std::to_string(raw.channels()) + " channel(s) of " +
+                std::to_string(8 * raw.elemSize1()) + " bits where " +
+                (metric ? "one of 16" : "one of 8") + " is expected"};
+  }
+  return {depth, ""};
+}
+
+ImageResult toMask(const cv::Mat& raw) {
+  if (raw.type() != CV_8UC1) return {{}, "is not an 8-bit grey image"};
+  double largest = 0.0;
+  cv::minMaxLoc(raw, nullptr, &largest);
+  if (largest <= static_cast<double>(kMaxObjects)) return {raw, ""};
+  cv::Mat mask;
+  cv::threshold(raw, mask, 127.0, 1.0, cv::THRESH_BINARY);
+  return {mask, ""};
+}
+
+bool isColorCoded(const cv::Mat& raw) {
+  if (raw.type() != CV_8UC3) return false;
+  std::array<cv::Mat, 3> bgr;
+  cv::split(raw, bgr.data());
+  // Grey through a lossy codec stays within a few levels; a colour map is tens of levels off.
+  constexpr double kGreyTolerance = 8.0;
+  const auto pixels = static_cast<double>(raw.total());
+  return cv::norm(bgr[0], bgr[1], cv::NORM_L1) / pixels > kGreyTolerance ||
+         cv::norm(bgr[2], bgr[1], cv::NORM_L1) / pixels > kGreyTolerance;
+}
+
+}  // namespace hapticast::server

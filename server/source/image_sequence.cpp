@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "server/source/image_sequence.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace hapticast::server {
+
+namespace {
+
+/// How depth is to be read, from what is declared and what the first depth file is.
+DepthFormat formatOf(const std::filesystem::path& file, const ClipFiles& clip) {
+  const ImageResult first = readRawFile(file);
+  if (!first.ok())
+    throw SourceError(file.string() + ": " + first.problem + "; mend this first frame");
+  const int bits = static_cast<int>(8 * first.image.elemSize1());
+  const int declared = clip.declared_depth_bits.value_or(bits);
+  if (bits != declared) {
+    throw SourceError(file.string() + ": depth has " + std::to_string(bits) + " bits where " +
+                      std::to_string(declared) + " are declared; " +
+                      (declared == 16 ? "save it as 16-bit grey PNG, or set \"depth_bits\": 8"
+                                      : "save it as 8-bit grey, or set \"depth_bits\": 16") +
+                      " in meta.json");
+  }
+  if (isColorCoded(first.image)) {
+    throw SourceError(
+        file.string() +
+        ": shows depth as colours; save it as grey (8 bit, near is white) or as 16-bit "
+        "PNG in millimetres");
+  }
+  return {bits == 16 ? DepthKind::kMetric : DepthKind::kHeight, clip.mm_per_unit};
+}
+
+}  // namespace
+
+ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
+    : files_(findClipFiles(folder)) {
+  const FrameFiles& first = files_.frames.front();
+  const ImageResult color = readColorFile(first.color);
+  if (!color.ok()) {
+    throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
+  }
+  format_ = formatOf(first.depth, files_);
+  info_.name = folder.string();
+  info_.width_px = color.image.cols;
+  info_.height_px = color.image.rows;
+  info_.fps = fps > 0.0 ? fps : files_.fps;
+  info_.depth_kind = format_.kind;
+  info_.frame_count = files_.frames.size();
+  info_.camera = files_.camera;
+  RgbdFrame frame;
+  if (const std::string problem = load(0, frame); !problem.empty()) {
+    throw SourceError(problem + "; mend this first frame");
+  }
+}
+
+std::optional<RgbdFrame> ImageSequence::read() {
+  while (next_ < files_.frames.size()) {
+    const std::uint64_t index = next_++;
+    RgbdFrame frame;
+    const std::string problem = load(index, frame);
+    if (problem.empty()) return frame;
+    if (reported_.insert(index).second) spdlog::warn("{}; frame {} is left out", problem, index);
+  }
+  return std::nullopt;
+}
+
+bool ImageSequence::skip() {
+  if (next_ >= files_.frames.size()) return false;
+  ++next_;
+  return true;
+}
+
+void ImageSequence::rewind() {
+  next_ = 0;
+  ++epoch_;
+}
+
+std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
+  const FrameFiles& files = files_.frames[index];
+  const auto checked = [&](const std::filesystem::path& file, const ImageResult& result) {
+    if (!result.ok()) return file.string() + ": " + result.problem;
+    if (result.image.cols == info_.width_px && result.image.rows == info_.height_px) {
+      return std::string();
+    }
+    return file.string() + ": is " + sizeText(result.image.cols, result.image.rows) +
+           ", but the clip's colour is " + sizeText(info_.width_px, info_.height_px);
+  };
+  ImageResult color = readColorFile(files.color);
+  if (std::string problem = checked(files.color, color); !problem.empty()) return problem;
+  ImageResult depth = readRawFile(files.depth);
+  if (depth.ok()) depth = toDepth(depth.image, format_);
+  if (std::string problem = checked(files.depth, depth); !problem.empty()) return problem;
+  ImageResult mask;
+  if (!files.mask.empty()) {
+    mask = readRawFile(files.mask);
+    if (mask.ok()) mask = toMask(mask.image);
+    if (std::string problem = checked(files.mask, mask); !problem.empty()) return problem;
+  }
+  frame = {index,       epoch_,      static_cast<double>(index) / info_.fps,
+           color.image, depth.image, mask.image};
+  return "";
+}
+
+}  // namespace hapticast::server

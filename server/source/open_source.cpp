@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+#include "server/source/camera.hpp"
+#include "server/source/image_sequence.hpp"
+#include "server/source/rgbd_source.hpp"
+#include "server/source/synthetic_source.hpp"
+#include "server/source/video_pair.hpp"
+
+namespace hapticast::server {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
+  std::string names;
+  for (const SceneName& scene : kSceneNames) {
+    if (scene.name == name)
+      return std::make_unique<SyntheticSource>(scene.kind, fps > 0.0 ? fps : 25.0);
+    names += (names.empty() ? "" : ", ") + std::string(scene.name);
+  }
+  throw SourceError("synthetic:" + std::string(name) + ": no such scene; there are " + names);
+}
+
+std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view numbers,
+                                       double fps) {
+  const std::size_t comma = numbers.find(',');
+  const auto parse = [&](std::string_view text) {
+    int number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || number < 0) {
+      throw SourceError(spec + ": \"" + std::string(text) +
+                        "\" is no camera number; give camera:N,M with colour N and depth M");
+    }
+    return number;
+  };
+  const int color = parse(numbers.substr(0, comma));
+  if (comma == std::string_view::npos) {
+    throw SourceError(spec + ": depth is needed too; give camera:" + std::to_string(color) +
+                      ",M where M is the depth camera's number");
+  }
+  return std::make_unique<Camera>(color, parse(numbers.substr(comma + 1)), fps);
+}
+
+bool isFile(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
+  // File names may hold commas themselves: prefer the split where both files are there.
+  std::size_t comma = spec.find(',');
+  for (std::size_t at = comma; at != std::string::npos; at = spec.find(',', at + 1)) {
+    if (isFile(spec.substr(0, at)) && isFile(spec.substr(at + 1))) comma = at;
+  }
+  const std::string color = spec.substr(0, comma);
+  const std::string depth = spec.substr(comma + 1);
+  if (color.empty() || depth.empty()) {
+    throw SourceError(spec + ": one of the two videos is missing; give COLOR,DEPTH");
+  }
+  return std::make_unique<VideoPair>(color, depth, fps);
+}
+
+}  // namespace
+
+std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps) {
+  if (fps != 0.0 && !(fps >= 1.0 && fps <= 240.0)) {
+    throw SourceError("frame rate " + std::to_string(fps) + ": allowed is 1 to 240 per second");
+  }
+  constexpr std::string_view kSynthetic = "synthetic:";
+  constexpr std::string_view kCamera = "camera:";
+  const std::string_view view = spec;
+  if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
+  if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
+  std::error_code error;
+  if (fs::is_directory(spec, error)) return std::make_unique<ImageSequence>(spec, fps);
+  if (isFile(spec)) {
+    throw SourceError(spec +
+                      ": is a single file; depth is needed too, so give COLOR,DEPTH or a folder");
+  }
+  if (spec.find(',') != std::string::npos) return openPair(spec, fps);
+  throw SourceError((spec.empty() ? "(empty source)" : spec) +
+                    ": no such folder; give synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");
+}
+
+}  // namespace hapticast::server

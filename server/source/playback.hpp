@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// Playing a clip on and on. Thread: the source's.
+#pragma once
+
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+/// Passes over `skip` frames and reads the next; at the clip's end it rewinds (a new epoch) if
+/// `loop`, and what is left to pass over is passed over there. nullopt: the clip has ended, or
+/// looping finds no frame that can be read. Throws SourceError as the source does.
+std::optional<RgbdFrame> readOn(RgbdSource& source, std::uint64_t skip, bool loop);
+
+}  // namespace hapticast::server

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Draws a synthetic scene: exact depth and mask at pixel centres, textured colour. Thread: one.
+#pragma once
+
+#include "server/source/rgbd_source.hpp"
+#include "server/source/solid_noise.hpp"
+#include "server/source/synthetic_scene.hpp"
+
+namespace hapticast::server {
+
+class SyntheticSource final : public RgbdSource {
+ public:
+  /// Frame n shows the scene at n / fps; the clip lasts scene.duration_s(). `fps` 1..240; the
+  /// size 1..1920 x 1..1080.
+  explicit SyntheticSource(SceneKind kind, double fps = 25.0, int width_px = 640,
+                           int height_px = 480);
+
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  std::optional<RgbdFrame> read() override;
+  bool skip() override;
+  void rewind() override;
+
+  /// The truth of what is drawn (with the whole picture fitted into 160 x 120 mm).
+  [[nodiscard]] const SyntheticScene& scene() const { return scene_; }
+
+ private:
+  void draw(const SceneInstant& instant, RgbdFrame& frame) const;
+
+  SyntheticScene scene_;
+  SourceInfo info_;
+  SolidNoise noise_;
+  cv::Mat background_;  // colour
+  std::uint64_t next_ = 0;
+  std::uint32_t epoch_ = 0;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "server/source/video_pair.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "server/source/image_file.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+/// A shorter video by so many frames is only cut; more means that they do not belong together.
+constexpr double kCountTolerance = 5.0;
+
+cv::VideoCapture openVideo(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) throw SourceError(file + ": no such file");
+  // FFmpeg only: other back ends read other things (image patterns, pipelines) and hide the pixel
+  // format.
+  cv::VideoCapture capture(file, cv::CAP_FFMPEG);
+  if (!capture.isOpened()) {
+    throw SourceError(file +
+                      ": holds no video that can be read; convert it, for example to H.264 in MP4");
+  }
+  const double width = capture.get(cv::CAP_PROP_FRAME_WIDTH);
+  const double height = capture.get(cv::CAP_PROP_FRAME_HEIGHT);
+  if (!sizeAllowed(static_cast<int>(width), static_cast<int>(height))) {
+    throw SourceError(file + ": is " + sizeText(static_cast<int>(width), static_cast<int>(height)) +
+                      "; allowed is up to 1920x1080, so scale it down");
+  }
+  return capture;
+}
+
+cv::Mat firstFrame(cv::VideoCapture& capture, const std::string& file) {
+  cv::Mat frame;
+  if (!capture.read(frame) || frame.type() != CV_8UC3) {
+    throw SourceError(file + ": has no frame that can be decoded; give another file");
+  }
+  return frame;
+}
+
+void requireEightBitDepth(const cv::VideoCapture& capture, const std::string& file) {
+  const auto tag = static_cast<std::uint32_t>(
+      static_cast<std::int64_t>(capture.get(cv::CAP_PROP_CODEC_PIXEL_FORMAT)));
+  if (isEightBitFormat(tag)) return;
+  throw SourceError(file +
+                    ": depth video with more than 8 bits per sample would be read wrongly; make a "
+                    "folder with rgb/ "
+                    "and 16-bit depth/ PNG files of it (ffmpeg -i FILE -pix_fmt gray16be "
+                    "depth/%06d.png), or 8-bit "
+                    "grey video (ffmpeg -i FILE -pix_fmt gray -c:v ffv1 OUT.mkv)");
+}
+
+/// The rate a file claims; 25 where that is nonsense.
+double rateOf(const cv::VideoCapture& capture) {
+  const double fps = capture.get(cv::CAP_PROP_FPS);
+  return fps >= 1.0 && fps <= 240.0 ? fps : 25.0;
+}
+
+}  // namespace
+
+bool isEightBitFormat(std::uint32_t tag) {
+  // FFmpeg's tags, by name: grey, planar and packed YUV, RGB with and without alpha, palette. A
+  // list of what is safe, because the others (10 to 64 bits, and those FFmpeg has no tag of its own
+  // for) are many.
+  using Tag = std::array<char, 4>;
+  constexpr std::array<Tag, 26> kTags{
+      {{'Y', '8', '0', '0'},  {'I', '4', '2', '0'},  {'Y', '4', '2', 'B'},  {'4', '4', '4', 'P'},
+       {'4', '4', '0', 'P'},  {'Y', '4', '1', 'B'},  {'Y', 'U', 'V', '9'},  {'N', 'V', '1', '2'},
+       {'N', 'V', '2', '1'},  {'Y', 'U', 'Y', '2'},  {'U', 'Y', 'V', 'Y'},  {'Y', 'V', 'Y', 'U'},
+       {'A', 'B', 'G', 'R'},  {'A', 'R', 'G', 'B'},  {'R', 'G', 'B', 'A'},  {'B', 'G', 'R', 'A'},
+       {'R', 'G', 'B', '\0'}, {'B', 'G', 'R', '\0'}, {'\0', 'R', 'G', 'B'}, {'\0', 'B', 'G', 'R'},
+       {'R', 'G', 'B', 24},   {'B', 'G', 'R', 24},   {'G', '3', '\0', 8},   {'G', '4', '\0', 8},
+       {'Y', '2', '\0', 8},   {'P', 'A', 'L', 8}}};
+  return std::any_of(kTags.begin(), kTags.end(), [&](const Tag& known) {
+    std::uint32_t value = 0;
+    for (unsigned i = 0; i < 4; ++i) {
+      value |= static_cast<std::uint32_t>(static_cast<unsigned char>(known[i])) << (8U * i);
+    }
+    return value == tag;
+  });
+}
+
+VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
+    : color_file_(std::move(color_file)), depth_file_(std::move(depth_file)) {
+  open();
+  requireEightBitDepth(depth_, depth_file_);
+  const cv::Mat color = firstFrame(color_, color_file_);
+  const cv::Mat depth = firstFrame(depth_, depth_file_);
+  if (color.size() != depth.size()) {
+    throw SourceError(depth_file_ + ": is " + sizeText(depth.cols, depth.rows) +
+                      ", but the colour video is " + sizeText(color.cols, color.rows) +
+                      "; scale one to the other's size");
+  }
+  if (isColorCoded(depth)) {
+    throw SourceError(depth_file_ + ": shows depth as colours; make it grey (near is white)");
+  }
+  const double colors = color_.get(cv::CAP_PROP_FRAME_COUNT);
+  const double depths = depth_.get(cv::CAP_PROP_FRAME_COUNT);
+  // Not every container knows its count; nonsense is taken for "unknown".
+  const bool known = colors >= 1.0 && depths >= 1.0 && colors < 1e9 && depths < 1e9;
+  if (known && std::abs(colors - depths) > kCountTolerance) {
+    throw SourceError(depth_file_ + ": has " + std::to_string(std::llround(depths)) +
+                      " frames, but the colour video has " + std::to_string(std::llround(colors)) +
+                      "; cut both to the same frames");
+  }
+  info_.name = color_file_;
+  info_.width_px = color.cols;
+  info_.height_px = color.rows;
+  info_.fps = fps > 0.0 ? fps : rateOf(color_);
+  info_.depth_kind = DepthKind::kHeight;
+  if (known) info_.frame_count = static_cast<std::uint64_t>(std::min(colors, depths));
+  open();  // back to the first frame
+}
+
+void VideoPair::open() {
+  color_ = openVideo(color_file_);
+  depth_ = openVideo(depth_file_);
+}
+
+bool VideoPair::grab() {
+  if (ended_) return false;
+  const bool color = color_.grab();
+  const bool depth = depth_.grab();
+  if (color && depth) {
+    ++next_;
+    return true;
+  }
+  ended_ = true;
+  if (color != depth && !cut_reported_) {
+    cut_reported_ = true;
+    spdlog::warn("{}: ends after {} frames, before {}; the clip is cut there",
+                 color ? depth_file_ : color_file_, next_, color ? color_file_ : depth_file_);
+  }
+  return false;
+}
+
+std::optional<RgbdFrame> VideoPair::read() {
+  while (grab()) {
+    RgbdFrame frame;
+    frame.index = next_ - 1;
+    frame.epoch = epoch_;
+    frame.clip_time_s = static_cast<double>(frame.index) / info_.fps;
+    cv::Mat raw;
+    const cv::Size size(info_.width_px, info_.height_px);
+    if (color_.retrieve(frame.color) && depth_.retrieve(raw) && frame.color.size() == size &&
+        raw.size() == size) {
+      // The decoder reuses its buffer for the next frame; toDepth makes its own.
+      frame.color = frame.color.clone();
+      frame.depth = toDepth(raw, {DepthKind::kHeight}).image;
+      return frame;
+    }
+    spdlog::warn("{}: frame {} cannot be decoded or changes its size; it is left out", color_file_,
+                 frame.index);
+  }
+  return std::nullopt;
+}
+
+bool VideoPair::skip() { return grab(); }
+
+void VideoPair::rewind() {
+  open();
+  next_ = 0;
+  ended_ = false;
+  ++epoch_;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: MIT
+// Folders of images as a source: layouts, declarations, every kind of broken folder, and the real
+// clips.
+#include "server/source/image_sequence.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "server/source/json_scalars.hpp"
+#include "tests/unit/server/source_files.hpp"
+
+namespace hapticast::server {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+cv::Mat color(int level, cv::Size size = {32, 24}) {
+  return {size, CV_8UC3, cv::Scalar::all(level)};
+}
+cv::Mat depth16(int value, cv::Size size = {32, 24}) { return {size, CV_16UC1, cv::Scalar(value)}; }
+cv::Mat depth8(int value, cv::Size size = {32, 24}) { return {size, CV_8UC1, cv::Scalar(value)}; }
+
+std::string number(int i) {
+  const std::string digits = std::to_string(i);
+  return std::string(6 - digits.size(), '0') + digits;
+}
+
+/// Five frames of 16-bit depth: 1000 mm + frame; colour level 10 x frame.
+class ImageSequenceFolder : public testing::Test {
+ protected:
+  void fill(int frames = 5) const {
+    for (int i = 0; i < frames; ++i) {
+      folder.write("rgb/" + number(i) + ".png", color(10 * i));
+      folder.write("depth/" + number(i) + ".png", depth16(1000 + i));
+    }
+  }
+  [[nodiscard]] std::string openError() const {
+    return errorOf([this] { ImageSequence(folder.string(), 0.0); });
+  }
+  TempFolder folder;
+};
+
+TEST_F(ImageSequenceFolder, ReadsFramesInOrder) {
+  fill();
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_EQ(source.info().width_px, 32);
+  EXPECT_EQ(source.info().height_px, 24);
+  EXPECT_EQ(source.info().fps, 25.0);
+  EXPECT_EQ(source.info().frame_count, 5U);
+  EXPECT_EQ(source.info().depth_kind, DepthKind::kMetric);
+  EXPECT_FALSE(source.info().live);
+  EXPECT_FALSE(source.info().camera);
+  for (int i = 0; i < 5; ++i) {
+    const auto frame = source.read();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, static_cast<std::uint64_t>(i));
+    EXPECT_DOUBLE_EQ(frame->clip_time_s, i / 25.0);
+    EXPECT_EQ(frame->color.type(), CV_8UC3);
+    EXPECT_EQ(frame->depth.type(), CV_32FC1);
+    EXPECT_EQ(frame->depth.at<float>(3, 4), static_cast<float>(1000 + i));
+    EXPECT_EQ(frame->color.at<cv::Vec3b>(3, 4)[1], 10 * i);
+    EXPECT_TRUE(frame->mask.empty());
+  }
+  EXPECT_FALSE(source.read());
+  EXPECT_FALSE(source.skip());
+}
+
+TEST_F(ImageSequenceFolder, SkipsAndRewindsIntoANewEpoch) {
+  fill();
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_TRUE(source.skip());
+  EXPECT_EQ(source.read()->index, 1U);
+  source.rewind();
+  const auto frame = source.read();
+  EXPECT_EQ(frame->index, 0U);
+  EXPECT_EQ(frame->epoch, 1U);
+}
+
+TEST_F(ImageSequenceFolder, MetaGivesRateScaleAndCamera) {
+  fill();
+  folder.write("meta.json",
+               R"({"name": null, "x": "caf\u00e9 \"q\"", "tags": [1, {"fps": 3}], "fps": 29.97,
+                   "depth_scale_m_per_unit": 0.0005,
+                   "intrinsics": {"fx": 600.5, "fy": 601, "cx": 15.5, "cy": 11.5, "model": "p"}})");
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_EQ(source.info().fps, 29.97);
+  EXPECT_EQ(source.read()->depth.at<float>(0, 0), 500.0F);
+  ASSERT_TRUE(source.info().camera);
+  EXPECT_EQ(source.info().camera->fx_px, 600.5);
+  EXPECT_EQ(source.info().camera->cx_px, 16.0) << "half a pixel: the image frame's centres";
+  EXPECT_EQ(ImageSequence(folder.string(), 60.0).info().fps, 60.0) << "the caller overrides";
+}
+
+TEST_F(ImageSequenceFolder, BadMetaIsRefused) {
+  fill();
+  folder.write("meta.json", "{\"fps\": 30");
+  EXPECT_THAT(openError(), HasSubstr("meta.json: is not a JSON object"));
+  folder.write("meta.json", "{\"fps\": 0}");
+  EXPECT_THAT(openError(), AllOf(HasSubstr("\"fps\" is 0"), HasSubstr("1 to 240")));
+  folder.write("meta.json", "{\"fps\": \"fast\"}");
+  EXPECT_THAT(openError(), HasSubstr("\"fps\" is fast"));
+  folder.write("meta.json", "{\"depth_scale_m_per_unit\": -1}");
+  EXPECT_THAT(openError(), HasSubstr("depth_scale_m_per_unit"));
+  folder.write("meta.json", "{\"a\": " + std::string(1000, '['));
+  EXPECT_THAT(openError(), HasSubstr("is not a JSON object"));
+}
+
+TEST_F(ImageSequenceFolder, EightBitDepthOfAPlainFolderIsHeight) {
+  for (int i = 0; i < 3; ++i) {
+    folder.write("color/frame" + std::to_string(9 + i) + ".jpg", color(100));
+    folder.write("depth/d" + std::to_string(9 + i) + ".png", depth8(50 * i));
+  }
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_EQ(source.info().depth_kind, DepthKind::kHeight);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(source.read()->depth.at<float>(0, 0), static_cast<float>(50 * i))
+        << "9, 10, 11 in order";
+  }
+}
+
+TEST_F(ImageSequenceFolder, GreyDepthWithThreeChannelsIsHeightButColoursAreRefused) {
+  folder.write("rgb/a.png", color(100));
+  folder.write("depth/a.png", color(77));
+  EXPECT_EQ(ImageSequence(folder.string(), 0.0).read()->depth.at<float>(0, 0), 77.0F);
+  folder.write("depth/a.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar(255, 128, 0)));
+  EXPECT_THAT(openError(), HasSubstr("shows depth as colours"));
+}
+
+TEST_F(ImageSequenceFolder, EightBitDepthWhereSixteenIsDeclaredIsRefused) {
+  folder.write("rgb/000000.png", color(1));
+  folder.write("depth/000000.png", depth8(1));
+  for (const char* meta : {R"({"depth": "depth/%06d.png 16-bit, millimetres"})",
+                           R"({"depth_scale_m_per_unit": 0.001})", R"({"depth_bits": 16})"}) {
+    folder.write("meta.json", std::string(meta));
+    EXPECT_THAT(openError(),
+                AllOf(HasSubstr("depth/000000.png: depth has 8 bits where 16 are declared"),
+                      HasSubstr("save it as 16-bit")));
+  }
+  for (const char* meta : {R"({"depth": "8-bit, near is white"})", R"({"depth_bits": 8})"}) {
+    folder.write("meta.json", std::string(meta));
+    EXPECT_EQ(ImageSequence(folder.string(), 0.0).info().depth_kind, DepthKind::kHeight);
+  }
+  folder.write("depth/000000.png", depth16(1));
+  EXPECT_THAT(openError(), HasSubstr("16 bits where 8 are declared"));
+}
+
+TEST_F(ImageSequenceFolder, MasksNumberObjects) {
+  fill(3);
+  cv::Mat mask = cv::Mat::zeros(24, 32, CV_8UC1);
+  mask.at<std::uint8_t>(1, 1) = 2;
+  folder.write("mask/000000.png", mask);
+  mask.at<std::uint8_t>(1, 1) = 255;
+  mask.at<std::uint8_t>(2, 2) = 90;
+  folder.write("mask/000001.png", mask);
+  folder.write("mask/000002.png", color(1));
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_EQ(source.read()->mask.at<std::uint8_t>(1, 1), 2);
+  const auto white = source.read();
+  EXPECT_EQ(white->mask.at<std::uint8_t>(1, 1), 1) << "black and white: object 1";
+  EXPECT_EQ(white->mask.at<std::uint8_t>(2, 2), 0);
+  const LogLines log;
+  EXPECT_FALSE(source.read());
+  EXPECT_THAT(log.text(), HasSubstr("mask/000002.png: is not an 8-bit grey image"));
+}
+
+TEST_F(ImageSequenceFolder, MissingParts) {
+  EXPECT_THAT(errorOf([this] { ImageSequence(folder.string() + "/none", 0.0); }),
+              HasSubstr("/none: no such folder"));
+  EXPECT_THAT(openError(), AllOf(HasSubstr("is empty"), HasSubstr("rgb/")));
+  folder.write("notes.txt", std::string("x"));
+  EXPECT_THAT(openError(), HasSubstr("no folder rgb/ or color/"));
+  fs::create_directories(folder / "rgb");
+  EXPECT_THAT(openError(), HasSubstr("no folder depth/"));
+  fs::create_directories(folder / "depth");
+  EXPECT_THAT(openError(), HasSubstr("rgb: has no PNG or JPEG images"));
+}
+
+TEST_F(ImageSequenceFolder, AnotherCountOfDepthOrMaskIsRefused) {
+  fill();
+  fs::remove(folder / "depth/000003.png");
+  EXPECT_THAT(openError(), HasSubstr("depth: 4 images, but there are 5 colour images"));
+  folder.write("depth/000003.png", depth16(1));
+  folder.write("mask/000000.png", depth8(1));
+  EXPECT_THAT(openError(), HasSubstr("mask: 1 images, but there are 5 colour images"));
+}
+
+TEST_F(ImageSequenceFolder, DepthOfAnotherSizeIsRefusedAtTheStartAndLeftOutLater) {
+  fill();
+  folder.write("depth/000002.png", depth16(7, {16, 12}));
+  ImageSequence source(folder.string(), 0.0);
+  const LogLines log;
+  EXPECT_EQ(source.read()->index, 0U);
+  EXPECT_EQ(source.read()->index, 1U);
+  EXPECT_EQ(source.read()->index, 3U);
+  EXPECT_EQ(log.count(), 1);
+  EXPECT_THAT(log.text(), AllOf(HasSubstr("000002.png: is 16x12, but the clip's colour is 32x24"),
+                                HasSubstr("frame 2 is left out")));
+  folder.write("depth/000000.png", depth16(7, {16, 12}));
+  EXPECT_THAT(openError(), HasSubstr("depth/000000.png: is 16x12"));
+}
+
+TEST_F(ImageSequenceFolder, UnreadableImagesInTheMiddleAreLeftOutWithOneWarningEach) {
+  fill();
+  folder.write("depth/000001.png", std::string("this is no image"));
+  std::ifstream in(folder / "rgb/000003.png", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  folder.write("rgb/000003.png", bytes.substr(0, bytes.size() / 2));
+  ImageSequence source(folder.string(), 0.0);
+  const LogLines log;
+  EXPECT_EQ(source.read()->index, 0U);
+  EXPECT_EQ(source.read()->index, 2U);
+  EXPECT_EQ(log.count(), 1);
+  const auto last = source.read();
+  EXPECT_EQ(last->index, 4U);
+  EXPECT_DOUBLE_EQ(last->clip_time_s, 4 / 25.0);
+  EXPECT_EQ(log.count(), 2);
+  EXPECT_FALSE(source.read());
+  source.rewind();
+  while (source.read()) {
+  }
+  EXPECT_EQ(log.count(), 2) << "not again in every loop";
+  EXPECT_THAT(log.text(), AllOf(HasSubstr("000001.png: is not a PNG or JPEG image"),
+                                HasSubstr("000003.png: cannot be decoded")));
+}
+
+TEST_F(ImageSequenceFolder, AnotherKindOfDepthInTheMiddleIsLeftOut) {
+  fill();
+  folder.write("depth/000001.png", depth8(3));
+  fs::remove(folder / "depth/000002.png");
+  fs::create_directories(folder / "depth/000002.png");  // a folder with an image's name
+  ImageSequence source(folder.string(), 0.0);
+  const LogLines log;
+  EXPECT_EQ(source.read()->index, 0U);
+  EXPECT_EQ(source.read()->index, 3U);
+  EXPECT_EQ(log.count(), 2);
+}
+
+TEST_F(ImageSequenceFolder, AnUnreadableFirstFrameIsRefused) {
+  fill();
+  folder.write("depth/000000.png", std::string("x"));
+  EXPECT_THAT(openError(), HasSubstr("depth/000000.png: is not a PNG or JPEG image"));
+  folder.write("rgb/000000.png", std::string());
+  EXPECT_THAT(openError(), HasSubstr("rgb/000000.png: is empty"));
+}
+
+TEST_F(ImageSequenceFolder, TooLargeImagesAreRefusedBeforeTheyAreDecoded) {
+  fill();
+  folder.write("rgb/000000.png", color(0, {1922, 24}));
+  EXPECT_THAT(openError(), HasSubstr("000000.png: is 1922x24, larger than 1920x1080"));
+  // A PNG header that promises 60000 x 60000 pixels, and nothing behind it.
+  std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\xea\x60\0\0\xea\x60\x08\x02\0\0\0", 29);
+  folder.write("rgb/000000.png", png);
+  EXPECT_THAT(openError(), HasSubstr("is 60000x60000, larger than"));
+  fs::remove(folder / "rgb/000000.png");
+  folder.write("rgb/000000.jpg", color(0, {64, 1200}));
+  EXPECT_THAT(openError(), HasSubstr("000000.jpg: is 64x1200, larger than"));
+}
+
+TEST_F(ImageSequenceFolder, TumListsAreAssociatedByTime) {
+  std::string rgb = "# color images\n# timestamp filename\n";
+  std::string depth = "# depth maps\r\n";
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = number(i) + ".png";
+    folder.write("rgb/" + name, color(10 * i));
+    folder.write("depth/" + name, depth16(5000 + i));
+    // Depth 10 ms late; frame 3 is 25 ms late: nearer to colour 4 than 20 ms, but taken there
+    // already.
+    const auto stamp = [](int ms) {
+      return "1305031102." + std::to_string(100000 + ms * 1000).substr(0, 6);
+    };
+    rgb += stamp(30 * i) + " rgb/" + name + "\n";
+    depth += stamp(30 * i + (i == 3 ? 25 : 10)) + "  depth/" + name + "\r\n";
+  }
+  folder.write("rgb.txt", rgb);
+  folder.write("depth.txt", depth);
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_NEAR(source.info().fps, 1.0 / 0.03, 0.01);
+  EXPECT_EQ(source.info().depth_kind, DepthKind::kMetric);
+  std::vector<int> colors;
+  std::vector<float> depths;
+  while (const auto frame = source.read()) {
+    colors.push_back(frame->color.at<cv::Vec3b>(0, 0)[0] / 10);
+    depths.push_back(frame->depth.at<float>(0, 0));
+  }
+  EXPECT_EQ(colors, (std::vector<int>{0, 1, 2, 4, 5}));
+  const std::vector<float> expected{1000.0F, 1000.2F, 1000.4F, 1000.6F, 1001.0F};
+  EXPECT_THAT(depths, testing::Pointwise(testing::FloatNear(1e-3F), expected));
+}
+
+TEST_F(ImageSequenceFolder, BadTumListsAreRefused) {
+  fill();
+  folder.write("rgb.txt", std::string("1.0 rgb/000000.png\n"));
+  folder.write("depth.txt", std::string("9.0 depth/000000.png\n"));
+  EXPECT_THAT(openError(), HasSubstr("within 20 ms"));
+  folder.write("depth.txt", std::string("# only\nnonsense\n"));
+  EXPECT_THAT(openError(), HasSubstr("depth.txt: line 2 is not"));
+  folder.write("depth.txt", std::string("1.0\n"));
+  EXPECT_THAT(openError(), HasSubstr("depth.txt: line 1 is not"));
+  folder.write("depth.txt", std::string("# nothing\n"));
+  EXPECT_THAT(openError(), HasSubstr("lists no frames"));
+  folder.write("depth.txt", std::string("1.0 depth/none.png\n"));
+  EXPECT_THAT(openError(), HasSubstr("none.png: cannot be read"));
+  folder.write("depth/000000.png", depth8(1));
+  folder.write("depth.txt", std::string("1.0 depth/000000.png\n"));
+  EXPECT_THAT(openError(), HasSubstr("8 bits where 16 are declared"));
+}
+
+TEST(ClipFiles, NaturalOrder) {
+  EXPECT_TRUE(naturalLess("frame2.png", "frame10.png"));
+  EXPECT_FALSE(naturalLess("frame10.png", "frame2.png"));
+  EXPECT_TRUE(naturalLess("000009.png", "000010.png"));
+  EXPECT_TRUE(naturalLess("1.png", "01.png") != naturalLess("01.png", "1.png"));
+  EXPECT_TRUE(naturalLess("1305031102.175.png", "1305031102.211.png"));
+  EXPECT_TRUE(naturalLess("99999999999999999999998", "99999999999999999999999"));
+  EXPECT_FALSE(naturalLess("a", "a"));
+}
+
+TEST(JsonScalars, FlattensAndRefuses) {
+  const auto scalars =
+      readJsonScalars(R"( {"a": {"b": -1.5e3, "c": [1, 2]}, "d": "x\"\n", "e": true} )");
+  ASSERT_TRUE(scalars);
+  EXPECT_EQ(scalars->at("a.b"), "-1.5e3");
+  EXPECT_EQ(scalars->at("d"), "x\"n");
+  EXPECT_EQ(scalars->at("e"), "true");
+  EXPECT_EQ(scalars->size(), 3U);
+  for (const char* bad :
+       {"", "[]", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}", "{\"a", "{\"a\": \"\\u12"}) {
+    EXPECT_FALSE(readJsonScalars(bad)) << bad;
+  }
+}
+
+struct RealClip {
+  const char* name;
+  std::uint64_t frames;
+  int width_px, height_px;
+  double fps;
+  double valid;
+};
+
+class ImageSequenceOfRealClip : public testing::TestWithParam<RealClip> {};
+
+INSTANTIATE_TEST_SUITE_P(ImageSequence, ImageSequenceOfRealClip,
+                         testing::Values(RealClip{"visp_rbt_desk", 99, 640, 480, 30.0, 0.91},
+                                         RealClip{"dkvfx_typing_person", 48, 512, 424, 24.0, 0.32},
+                                         RealClip{"tum_fr1_rpy", 150, 320, 240, 30.0, 0.79}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(ImageSequenceOfRealClip, ReadsAllOfIt) {
+  const RealClip& clip = GetParam();
+  const fs::path folder = fs::path(HAPTICAST_CLIPS) / clip.name;
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here";
+  const LogLines log;
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_EQ(source.info().width_px, clip.width_px);
+  EXPECT_EQ(source.info().height_px, clip.height_px);
+  EXPECT_EQ(source.info().fps, clip.fps);
+  EXPECT_EQ(source.info().depth_kind, DepthKind::kMetric);
+  EXPECT_TRUE(source.info().camera);
+  std::uint64_t frames = 0;
+  double valid = 0.0;
+  while (const auto frame = source.read()) {
+    EXPECT_EQ(frame->index, frames);
+    ++frames;
+    valid += static_cast<double>(cv::countNonZero(frame->depth)) /
+             static_cast<double>(frame->depth.total());
+  }
+  EXPECT_EQ(frames, clip.frames);
+  EXPECT_EQ(source.info().frame_count, clip.frames);
+  EXPECT_NEAR(valid / static_cast<double>(frames), clip.valid, 0.01);
+  EXPECT_EQ(log.count(), 0) << log.text();
+}
+
+}  // namespace
+}  // namespace hapticast::server

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// What the tests of sources share: a folder of their own, images in it, the log's warnings, the
+// text of an error.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <string>
+
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+/// A folder of this test's own, removed with all in it.
+class TempFolder {
+ public:
+  TempFolder() {
+    const auto* const test = testing::UnitTest::GetInstance()->current_test_info();
+    path_ =
+        std::filesystem::path(testing::TempDir()) / ("hapticast_" + std::to_string(getpid()) + "_" +
+                                                     test->test_suite_name() + "_" + test->name());
+    std::filesystem::create_directories(path_);
+  }
+  ~TempFolder() { std::filesystem::remove_all(path_); }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
+    return path_ / name;
+  }
+  [[nodiscard]] std::string string() const { return path_.string(); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << text;
+  }
+  void write(const std::string& name, const cv::Mat& image) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    ASSERT_TRUE(cv::imwrite((path_ / name).string(), image));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Collects what is logged while it lives.
+class LogLines {
+ public:
+  LogLines() : before_(spdlog::default_logger()) {
+    auto sink = std::make_shared<spdlog::sinks::ostream_sink_st>(out_);
+    sink->set_pattern("%l %v");
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+  }
+  ~LogLines() { spdlog::set_default_logger(before_); }
+  LogLines(const LogLines&) = delete;
+  LogLines& operator=(const LogLines&) = delete;
+
+  [[nodiscard]] std::string text() const { return out_.str(); }
+  [[nodiscard]] long count() const {
+    const std::string all = text();
+    return std::count(all.begin(), all.end(), '\n');
+  }
+
+ private:
+  std::ostringstream out_;
+  std::shared_ptr<spdlog::logger> before_;
+};
+
+/// The line a SourceError says; "" (and a failed test) if nothing is thrown or it is not one line.
+inline std::string errorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const SourceError& error) {
+    const std::string line = error.what();
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    return line;
+  }
+  ADD_FAILURE() << "no SourceError";
+  return "";
+}
+
+}  // namespace hapticast::server
