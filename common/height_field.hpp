@@ -31,11 +31,12 @@ class HeightField {
   /// Whether the pixel under `image_px` belongs to the object.
   [[nodiscard]] bool inside(const Vec2& image_px) const noexcept;
   /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12). Outside the prepared
-  /// rectangle: the nearest prepared value. Any finite `image_px`.
+  /// rectangle: the nearest prepared value. Any `image_px`; zero where it is not finite.
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
   /// Uniform cubic B-spline with the heights as coefficients: value and gradient.
   [[nodiscard]] SurfaceSample spline(const Vec2& image_px) const noexcept;
-  /// Signed distance to the mask's edge in nominal mm, positive inside, clamped to +-kMargin_px.
+  /// Signed distance to the mask's edge in nominal mm (a cubic B-spline of the blurred field),
+  /// positive inside, clamped to +-kMargin_px. 0 for an empty field.
   [[nodiscard]] double edgeDistance_mm(const Vec2& image_px) const noexcept;
 
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
@@ -44,6 +45,11 @@ class HeightField {
   static constexpr int kMargin_px = 12;
 
  private:
+  /// Heights inside the mask, zero elsewhere; empty when the sizes do not match.
+  static HeightField padded(const Relief& relief, const Workspace& workspace);
+  /// Edge distances and, if `continued`, the heights beyond the mask.
+  void complete(bool continued);
+
   PixelRect rect_;      // of the relief
   PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
   Vec2 mm_per_px_ = Vec2::Ones();

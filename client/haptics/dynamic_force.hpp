@@ -2,6 +2,8 @@
 // Eq. 6: F = beta m_object a_object - m_cursor a_cursor, plus impact pulses. Real-time room.
 #pragma once
 
+#include <cstdint>
+
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/lookup.hpp"
 
@@ -16,17 +18,29 @@ class DynamicForce {
   /// Force in N, device frame. `scale`: nominal -> device mm (beta, together with mm -> m). The
   /// acceleration of the object is taken at the contact point (centre + rotation), a_cursor in
   /// device m/s². The weight min(1, d/0.2 mm) of the penetration is applied here. Zero without
-  /// contact, when paused, when not finite.
+  /// contact, when paused, when not finite. `contact_mm`: the contact in nominal mm, where rotation
+  /// and grid are evaluated; without it the object's reference point stands for all of it. Longer
+  /// than the device's peak it is shortened. An impact pushes along its change of velocity: a
+  /// half-sine of 15 ms from the impact's time on.
   Vec3 evaluate(const ObjectNow* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time, const Controls& controls,
-                double scale) noexcept;
+                double scale, const Vec3* contact_mm = nullptr) noexcept;
 
-  /// m_object = min(author's, device's share of force / largest a), never below 10 m_cursor unless
-  /// the device's peak forces it.
+  /// m_object = min(author's, half the device's peak / largest a), never below 10 m_cursor unless
+  /// the device's peak forces it. Always finite, >= 0.
   [[nodiscard]] double objectMass_kg(const Controls& controls, double scale) const noexcept;
 
  private:
+  [[nodiscard]] double cursorMass_kg() const noexcept;
+  [[nodiscard]] Vec3 pulse_N(const PlayObject& before, const PlayObject* after, MediaTime play_time,
+                             double kg_m_per_mm) noexcept;
+
   const DeviceProfile& profile_;
+  // The impact whose pulse is or was last under way: frames that no longer list it do not cut it
+  // off, and frames that put it a little later do not render it twice.
+  bool has_pulse_ = false;
+  Impact pulse_;
+  std::uint32_t pulse_object_ = 0;
 };
 
 }  // namespace hapticast::client

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "client/haptics/frame_pool.hpp"
 #include "client/haptics/tick_report.hpp"
@@ -13,9 +14,10 @@ namespace hapticast::client {
 /// How poses between frames are found. kHermite is the default; the others are there to be
 /// compared.
 enum class Interpolation : std::uint8_t {
-  kHold,     ///< newest frame at or before play time, standing still
+  kHold,     ///< newest frame at or before play time, standing still, with its acceleration
   kLinear,   ///< linear between the two positions
-  kHermite,  ///< cubic Hermite of (p, v)
+  kHermite,  ///< cubic Hermite of (p, v), with the kink of an impact between the frames where it
+             ///< happened
 };
 
 /// One object at play time. The relief moves with the object: sample `before` (and `after`) at the
@@ -24,6 +26,8 @@ struct ObjectNow {
   const PlayObject* before = nullptr;  ///< never null
   const PlayObject* after = nullptr;   ///< null when held, extrapolated or not in the next frame
   double blend = 0.0;                  ///< 0 at `before`, 1 at `after`
+  double blend_rate_1_s = 0.0;         ///< d blend / dt; 0 when paused or without `after`
+  bool appeared = false;               ///< was not in the scene of the last look-up (id and layer)
   Vec3 position_mm = Vec3::Zero();     ///< reference point at play time
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
@@ -42,7 +46,13 @@ struct Scene {
 
 /// Holds the frames of the last moments, sorted by media time, and finds the scene at play time.
 /// Stale, measured in play time beyond the newest frame: carried on with v for min(2 frames, 80 ms)
-/// (kExtrapolated), standing still until 300 ms (kHeld), then kFaded.
+/// (kExtrapolated; the acceleration ramps to 0 meanwhile, so that its force does not step),
+/// standing still until 300 ms (kHeld), then kFaded. Nothing is interpolated across an epoch: the
+/// last frame of the old one is carried on by the same rules until the new one's first is due, so
+/// it does not matter when that arrives. An object that is missing in the next frame is carried on
+/// likewise until that frame; one that is new in it is not yet there. Velocities that cannot be
+/// meant (|v| dt > 3 |displacement| + 4 mm) are shortened before they bend the Hermite. While
+/// paused the scene stands still: velocities, accelerations and blend rate are 0.
 class FrameLookup {
  public:
   FrameLookup(FramePool& pool, Interpolation interpolation) noexcept;
@@ -59,11 +69,26 @@ class FrameLookup {
   [[nodiscard]] std::uint64_t lateFrames() const noexcept { return late_frames_; }
 
  private:
+  [[nodiscard]] const PlayFrame& frame(std::size_t i) const noexcept {
+    return pool_.frame(held_[i]);
+  }
+  /// Index of the newest held frame at or before play time, or kNone.
+  [[nodiscard]] std::size_t beforeIndex(MediaTime play_time) const noexcept;
+  void takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
+  void insert(FramePool::Index index, MediaTime play_time) noexcept;
+  void release(std::size_t i) noexcept;
+  void releaseUnneeded(MediaTime play_time) noexcept;
+  void fillScene(std::size_t before, MediaTime play_time, const Controls& controls) noexcept;
+
+  static constexpr std::size_t kNone = ~std::size_t{0};
   FramePool& pool_;
   Interpolation interpolation_;
-  std::array<FramePool::Index, FramePool::kSlots> held_{};  // sorted by media time
+  std::array<FramePool::Index, FramePool::kSlots> held_{};  // by epoch, then media time
   std::size_t held_count_ = 0;
   Scene scene_;
+  bool played_ = false;                             // a frame has been played
+  std::array<std::uint64_t, kMaxObjects> known_{};  // id and layer of the last scene's objects
+  std::size_t known_count_ = 0;
   std::uint64_t late_frames_ = 0;
 };
 

@@ -10,11 +10,14 @@ namespace hapticast::client {
 
 /// Play time = media clock now - pipeline latency - playout delay. The delay follows its target at
 /// a rate of at most 2 % while a force acts (so play time never jumps under the hand) and at once
-/// when none does.
+/// when none does; a moving estimate of the clock offset is followed in the same way, both together
+/// within the 2 %. Play time never runs backwards within a connection: where it would have to, it
+/// stands still until the wanted time has caught up.
 class Playout {
  public:
   /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch)
-  /// starts over.
+  /// starts over. While paused it stands still; without a connection it runs on with what it last
+  /// knew. Any `now`.
   MediaTime advance(LocalTime now, const Controls& controls, bool in_contact) noexcept;
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
@@ -23,7 +26,8 @@ class Playout {
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};
-  Duration offset_{0};  // followed clock offset, slewed like the delay
+  Duration offset_{0};  // followed clock offset - pipeline latency, slewed like the delay
+  MediaTime last_play_{};
 };
 
 }  // namespace hapticast::client

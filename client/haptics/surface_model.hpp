@@ -19,8 +19,10 @@ struct Contact {
   Vec3 displacement_mm = Vec3::Zero();        ///< from the HIP to where it should be
   Vec3 normal = Vec3::UnitZ();                ///< unit, out of the surface
   Vec3 surface_velocity_mm_s = Vec3::Zero();  ///< of the surface at the contact
+  double depth_mm = 0.0;                      ///< penetration along the normal: d / sqrt(1 + |g|²)
   bool contact = false;
-  bool jump = false;              ///< the geometry changed by more than motion explains
+  bool jump = false;  ///< the geometry changed by more than motion explains: a new epoch,
+                      ///< or the touched object has just appeared
   double stiffness_factor = 1.0;  ///< |displacement| over depth along the normal (perturbed: > 1)
   const ObjectNow* object = nullptr;  ///< the touched one
 };
@@ -31,6 +33,8 @@ struct Contact {
 struct SurfacePoint {
   SurfaceSample sample;
   bool inside = false;
+  double shape_rate_mm_s =
+      0.0;  ///< how fast the height changes by the change of shape alone (inside both masks)
 };
 SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm, const Workspace& workspace,
                        bool smooth) noexcept;
@@ -41,7 +45,12 @@ Vec3 perturbedDisplacement(double depth_mm, double height_mm, const Vec2& gradie
                            double texture_K_mm, double workspace_depth_mm) noexcept;
 Vec3 normalDisplacement(double depth_mm, const Vec2& gradient) noexcept;
 
-/// The deepest contact of the HIP over all objects of the scene.
+/// Contact of the HIP with one object; `jump` if the object has just appeared.
+Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_mm,
+                    const Workspace& workspace) noexcept;
+
+/// The contact that is deepest along its normal over all objects of the scene. Outside the masks,
+/// and for objects whose relief never arrived, there is nothing to touch.
 Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept;
 

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/dynamic_force.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "client/haptics/pose.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kFullWeight_mm = 0.2;  // penetration at which the dynamic force acts in full
+constexpr double kDeviceShare = 0.5;    // of the peak force, for m_object a_object
+constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
+constexpr double kPulse_s = 0.015;
+
+/// Device metres per nominal millimetre: beta of Eq. 6.
+double metresPerMillimetre(double scale) noexcept { return scale * 1e-3; }
+
+/// Bilinear between the centres of the cells, held beyond the outer ones.
+Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
+  const MotionGrid* const grid = frame.grid;
+  if (grid == nullptr || grid->columns <= 0 || grid->rows <= 0) return Vec3::Zero();
+  const auto cells = static_cast<std::size_t>(grid->columns) * static_cast<std::size_t>(grid->rows);
+  if (grid->acceleration_mm_s2.size() < cells || !image_px.allFinite()) return Vec3::Zero();
+  const Vec2 last(grid->columns - 1, grid->rows - 1);
+  const Vec2 corner(frame.grid_rect.u, frame.grid_rect.v);
+  const Vec2 at = ((image_px - corner) / kGridCell_px - Vec2::Constant(0.5))
+                      .cwiseMin(last)
+                      .cwiseMax(Vec2::Zero());
+  const auto i = static_cast<std::size_t>(at.x());
+  const auto j = static_cast<std::size_t>(at.y());
+  const double a = at.x() - static_cast<double>(i);
+  const double b = at.y() - static_cast<double>(j);
+  const auto columns = static_cast<std::size_t>(grid->columns);
+  const std::size_t right = std::min(i + 1, columns - 1);
+  const std::size_t down = std::min(j + 1, static_cast<std::size_t>(grid->rows) - 1);
+  const auto cell = [&](std::size_t u, std::size_t v) -> Vec3 {
+    return grid->acceleration_mm_s2[v * columns + u].cast<double>();
+  };
+  return (1.0 - b) * ((1.0 - a) * cell(i, j) + a * cell(right, j)) +
+         b * ((1.0 - a) * cell(i, down) + a * cell(right, down));
+}
+
+/// The contact carried back into a frame, in px.
+Vec2 imageIn(const PlayObject& frame, const ObjectNow& now, const Vec3& contact_mm,
+             const Workspace& workspace) noexcept {
+  const Eigen::Rotation2Dd back(frame.motion.angle_rad - now.angle_rad);
+  const Vec2 offset_mm = (contact_mm - now.position_mm).head<2>();
+  return workspace.toImage(frame.motion.position_mm.head<2>() + back * offset_mm);
+}
+
+/// Acceleration of the object's material at the contact, nominal mm/s².
+Vec3 accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
+                    const Workspace& workspace) noexcept {
+  const PlayObject& before = *object.before;
+  const Vec2 r = (contact_mm - object.position_mm).head<2>();
+  const double turn = object.angular_velocity_rad_s;
+  double turn_rate = 0.0;
+  Vec3 grid = gridAcceleration(before, imageIn(before, object, contact_mm, workspace));
+  if (object.after != nullptr) {
+    const PlayObject& after = *object.after;
+    turn_rate = (after.motion.angular_velocity_rad_s - before.motion.angular_velocity_rad_s) *
+                object.blend_rate_1_s;
+    grid = (1.0 - object.blend) * grid +
+           object.blend * gridAcceleration(after, imageIn(after, object, contact_mm, workspace));
+  }
+  const Vec2 of_turn = turn_rate * Vec2(-r.y(), r.x()) - turn * turn * r;
+  return object.acceleration_mm_s2 + grid + Vec3(of_turn.x(), of_turn.y(), 0.0);
+}
+
+double secondsSince(const Impact& impact, MediaTime play_time) noexcept {
+  return secondsBetween(impact.time, play_time);
+}
+
+bool underWay(const Impact& impact, MediaTime play_time) noexcept {
+  const double since_s = secondsSince(impact, play_time);
+  return since_s >= 0.0 && since_s < kPulse_s;
+}
+
+/// The first impact under way that is not `known` (null: none is) over again.
+const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
+                             const Impact* known) noexcept {
+  for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
+    const Impact& impact = object.impacts[i];
+    if (!underWay(impact, play_time)) continue;
+    if (known != nullptr && std::abs(secondsBetween(known->time, impact.time)) < kPulse_s) continue;
+    return &impact;
+  }
+  return nullptr;
+}
+
+Vec3 shortened(const Vec3& force_N, double limit_N) noexcept {
+  const double length_N = force_N.norm();
+  return length_N > limit_N ? Vec3(force_N * (limit_N / length_N)) : force_N;
+}
+
+}  // namespace
+
+DynamicForce::DynamicForce(const DeviceProfile& profile) noexcept : profile_(profile) {}
+
+double DynamicForce::cursorMass_kg() const noexcept {
+  // Never more virtual inertia taken away than the device has (reference: stability notes).
+  return std::clamp(profile_.mass_kg, 0.0, kCursorMass_kg);
+}
+
+double DynamicForce::objectMass_kg(const Controls& controls, double scale) const noexcept {
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  const double lightest_kg = kMassRatio * cursorMass_kg();
+  const bool authored = controls.author_mass_kg > 0.0 && std::isfinite(controls.author_mass_kg);
+  const double largest_m_s2 = controls.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
+  const bool known = largest_m_s2 > 0.0 && std::isfinite(largest_m_s2);
+  const double peak_kg = known ? profile_.peak_N / largest_m_s2 : kUnlimited;
+  const double wanted_kg =
+      std::min(authored ? controls.author_mass_kg : kUnlimited, kDeviceShare * peak_kg);
+  return std::min(std::isfinite(wanted_kg) ? std::max(wanted_kg, lightest_kg) : lightest_kg,
+                  peak_kg);
+}
+
+Vec3 DynamicForce::pulse_N(const PlayObject& before, const PlayObject* after, MediaTime play_time,
+                           double kg_m_per_mm) noexcept {
+  const Impact* const known = has_pulse_ && pulse_object_ == before.id ? &pulse_ : nullptr;
+  if (known == nullptr || !underWay(*known, play_time)) {
+    const Impact* impact = impactUnderWay(before, play_time, known);
+    if (impact == nullptr && after != nullptr) impact = impactUnderWay(*after, play_time, known);
+    if (impact == nullptr) return Vec3::Zero();
+    has_pulse_ = true;
+    pulse_ = *impact;
+    pulse_object_ = before.id;
+  }
+  // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
+  const double length = pulse_.delta_velocity_mm_s.norm();
+  if (!(length > 0.0) || !std::isfinite(length)) return Vec3::Zero();
+  const double height_N = kg_m_per_mm * length * std::numbers::pi / (2.0 * kPulse_s);
+  const double limit_N = profile_.pulse_limit_N;
+  const double compressed_N = limit_N > 0.0 ? limit_N * std::tanh(height_N / limit_N) : 0.0;
+  const double phase = std::numbers::pi * secondsSince(pulse_, play_time) / kPulse_s;
+  return compressed_N * std::sin(phase) / length * pulse_.delta_velocity_mm_s;
+}
+
+Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
+                            const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
+                            const Controls& controls, double scale,
+                            const Vec3* contact_mm) noexcept {
+  if (object == nullptr || controls.paused || !(penetration_mm > 0.0)) return Vec3::Zero();
+  const double to_metres = metresPerMillimetre(scale);
+  const double mass_kg = objectMass_kg(controls, scale);
+  const Vec3 acceleration_mm_s2 = accelerationAt(
+      *object, contact_mm != nullptr ? *contact_mm : object->position_mm, controls.workspace);
+  const Vec3 force_N = mass_kg * to_metres * acceleration_mm_s2 -
+                       cursorMass_kg() * cursor_acceleration_m_s2 +
+                       pulse_N(*object->before, object->after, play_time, mass_kg * to_metres);
+  if (!force_N.allFinite()) return Vec3::Zero();
+  return std::min(1.0, penetration_mm / kFullWeight_mm) * shortened(force_N, profile_.peak_N);
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/pose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hapticast::client {
+
+namespace {
+
+// A velocity is taken as sent while it moves the object less than this in one interval: anything an
+// object can do between two frames, turning round included.
+constexpr double kPlausibleFactor = 3.0;
+constexpr double kPlausible_mm = 4.0;
+constexpr double kPlausible_rad = 0.5;
+
+struct Kink {
+  double time_s = 0.0;
+  Vec3 delta_mm_s = Vec3::Zero();
+};
+
+struct Kinks {
+  std::array<Kink, kMaxImpacts> at{};
+  std::size_t count = 0;
+
+  [[nodiscard]] Vec3 displacement(double time_s) const noexcept {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+      sum += at[i].delta_mm_s * std::max(0.0, time_s - at[i].time_s);
+    }
+    return sum;
+  }
+  [[nodiscard]] Vec3 velocity(double time_s) const noexcept {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (time_s >= at[i].time_s) sum += at[i].delta_mm_s;
+    }
+    return sum;
+  }
+};
+
+/// The object's impacts strictly inside (0, interval_s).
+Kinks kinksWithin(const PlayObject& object, MediaTime from_time, double interval_s) noexcept {
+  Kinks kinks;
+  for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
+    const double time_s = secondsBetween(from_time, object.impacts[i].time);
+    if (time_s <= 0.0 || time_s >= interval_s) continue;
+    kinks.at[kinks.count++] = {time_s, object.impacts[i].delta_velocity_mm_s};
+  }
+  return kinks;
+}
+
+/// Drops the kinks that do not explain a part of the change of velocity.
+Kinks plausible(const Kinks& kinks, Vec3 change_mm_s) noexcept {
+  Kinks kept;
+  for (std::size_t i = 0; i < kinks.count; ++i) {
+    const Vec3 rest = change_mm_s - kinks.at[i].delta_mm_s;
+    if (rest.squaredNorm() >= change_mm_s.squaredNorm()) continue;
+    change_mm_s = rest;
+    kept.at[kept.count++] = kinks.at[i];
+  }
+  return kept;
+}
+
+/// The factor that shortens a velocity that cannot be meant.
+double shortening(double distance, double displacement, double margin) noexcept {
+  const double limit = kPlausibleFactor * displacement + margin;
+  return distance > limit ? limit / distance : 1.0;
+}
+
+/// Cubic Hermite on [0, interval]: {value, derivative}.
+template <class T>
+struct Cubic {
+  T value;
+  T rate;
+};
+template <class T>
+Cubic<T> hermite(const T& p0, const T& v0, const T& p1, const T& v1, double interval_s,
+                 double time_s) noexcept {
+  const double s = time_s / interval_s;
+  const double r = 1.0 - s;
+  const double bend = 6.0 * s * r / interval_s;
+  return {(1.0 + 2.0 * s) * r * r * p0 + interval_s * s * r * r * v0 +
+              s * s * (3.0 - 2.0 * s) * p1 - interval_s * s * s * r * v1,
+          bend * (p1 - p0) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1};
+}
+
+/// The turn from one frame to the next, the short way round.
+double turn(const Motion& from, const Motion& to) noexcept {
+  return std::remainder(to.angle_rad - from.angle_rad, 2.0 * std::numbers::pi);
+}
+
+}  // namespace
+
+double secondsBetween(MediaTime a, MediaTime b) noexcept {
+  // In double: the difference of two 64-bit times need not fit into 64 bits.
+  return (static_cast<double>(b.time_since_epoch().count()) -
+          static_cast<double>(a.time_since_epoch().count())) *
+         1e-9;
+}
+
+Pose standingPose(const Motion& motion) noexcept {
+  return {motion.position_mm, Vec3::Zero(), motion.acceleration_mm_s2, motion.angle_rad, 0.0};
+}
+
+Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept {
+  const double s = time_s / interval_s;
+  const Vec3 step_mm = to.position_mm - from.position_mm;
+  const double step_rad = turn(from, to);
+  return {from.position_mm + s * step_mm, step_mm / interval_s,
+          (1.0 - s) * from.acceleration_mm_s2 + s * to.acceleration_mm_s2,
+          from.angle_rad + s * step_rad, step_rad / interval_s};
+}
+
+Pose hermitePose(const PlayObject& from, const PlayObject& to, MediaTime from_time,
+                 double interval_s, double time_s) noexcept {
+  const Motion& a = from.motion;
+  const Motion& b = to.motion;
+  Pose pose = linearPose(a, b, interval_s, time_s);
+
+  // The later frame knows its past best; both may list the impact.
+  Kinks kinks = kinksWithin(to, from_time, interval_s);
+  if (kinks.count == 0) kinks = kinksWithin(from, from_time, interval_s);
+  kinks = plausible(kinks, b.velocity_mm_s - a.velocity_mm_s);
+
+  const Vec3 end_mm = b.position_mm - kinks.displacement(interval_s);
+  Vec3 v0 = a.velocity_mm_s;
+  Vec3 v1 = b.velocity_mm_s - kinks.velocity(interval_s);
+  const double step_mm = (end_mm - a.position_mm).norm();
+  v0 *= shortening(v0.norm() * interval_s, step_mm, kPlausible_mm);
+  v1 *= shortening(v1.norm() * interval_s, step_mm, kPlausible_mm);
+  const auto path = hermite<Vec3>(a.position_mm, v0, end_mm, v1, interval_s, time_s);
+  pose.position_mm = path.value + kinks.displacement(time_s);
+  pose.velocity_mm_s = path.rate + kinks.velocity(time_s);
+
+  const double step_rad = turn(a, b);
+  double w0 = a.angular_velocity_rad_s;
+  double w1 = b.angular_velocity_rad_s;
+  w0 *= shortening(std::abs(w0) * interval_s, std::abs(step_rad), kPlausible_rad);
+  w1 *= shortening(std::abs(w1) * interval_s, std::abs(step_rad), kPlausible_rad);
+  const auto angle =
+      hermite<double>(a.angle_rad, w0, a.angle_rad + step_rad, w1, interval_s, time_s);
+  pose.angle_rad = angle.value;
+  pose.angular_velocity_rad_s = angle.rate;
+  return pose;
+}
+
+Pose carriedPose(const PlayObject& from, MediaTime from_time, double limit_s,
+                 double time_s) noexcept {
+  Pose pose = standingPose(from.motion);
+  const double carried_s = std::min(time_s, limit_s);
+  const Kinks kinks = kinksWithin(from, from_time, limit_s);
+  pose.position_mm += from.motion.velocity_mm_s * carried_s + kinks.displacement(carried_s);
+  pose.angle_rad += from.motion.angular_velocity_rad_s * carried_s;
+  if (time_s >= limit_s) {
+    pose.acceleration_mm_s2.setZero();
+    return pose;
+  }
+  pose.velocity_mm_s = from.motion.velocity_mm_s + kinks.velocity(carried_s);
+  pose.angular_velocity_rad_s = from.motion.angular_velocity_rad_s;
+  pose.acceleration_mm_s2 *= 1.0 - time_s / limit_s;
+  return pose;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/surface_model.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kDefaultTextureK_mm = 30.0;
+
+/// One frame's relief under a point that was carried back into it: height above the reference
+/// point, and the gradient turned to the object's present angle.
+struct FrameShape {
+  double height_mm = 0.0;
+  Vec2 gradient = Vec2::Zero();
+  bool inside = false;
+};
+
+FrameShape shapeIn(const PlayObject& frame, const ObjectNow& now, const Vec2& nominal_mm,
+                   const Workspace& workspace, bool smooth) noexcept {
+  const Eigen::Rotation2Dd back(frame.motion.angle_rad - now.angle_rad);
+  const Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
+  const Vec2 image_px = workspace.toImage(frame.motion.position_mm.head<2>() + back * offset_mm);
+  const SurfaceSample sample =
+      smooth ? frame.field->spline(image_px) : frame.field->bilinear(image_px);
+  return {sample.height_mm - frame.motion.position_mm.z(), back.inverse() * sample.gradient,
+          frame.field->inside(image_px)};
+}
+
+/// v + omega x r, and the change of shape along z.
+Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_rate_mm_s) noexcept {
+  const Vec2 r = nominal_mm - object.position_mm.head<2>();
+  const double turn = object.angular_velocity_rad_s;
+  return object.velocity_mm_s + Vec3(-turn * r.y(), turn * r.x(), shape_rate_mm_s);
+}
+
+}  // namespace
+
+SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm, const Workspace& workspace,
+                       bool smooth) noexcept {
+  SurfacePoint point;
+  if (object.before->field == nullptr) return point;
+  FrameShape shape = shapeIn(*object.before, object, nominal_mm, workspace, smooth);
+  if (object.after != nullptr && object.after->field != nullptr) {
+    const FrameShape next = shapeIn(*object.after, object, nominal_mm, workspace, smooth);
+    const double s = object.blend;
+    if (shape.inside && next.inside) {
+      point.shape_rate_mm_s = (next.height_mm - shape.height_mm) * object.blend_rate_1_s;
+    }
+    shape.height_mm = (1.0 - s) * shape.height_mm + s * next.height_mm;
+    shape.gradient = (1.0 - s) * shape.gradient + s * next.gradient;
+    shape.inside = s < 0.5 ? shape.inside : next.inside;
+  }
+  point.sample = {shape.height_mm + object.position_mm.z(), shape.gradient};
+  point.inside = shape.inside;
+  return point;
+}
+
+Vec3 perturbedDisplacement(double depth_mm, double height_mm, const Vec2& gradient,
+                           double texture_K_mm, double workspace_depth_mm) noexcept {
+  const Vec3 m(-gradient.x(), -gradient.y(), 1.0);                              // M = N - g (Eq. 2)
+  const double threshold_mm = texture_K_mm * (height_mm / workspace_depth_mm);  // K h_bar
+  if (depth_mm < threshold_mm) return depth_mm * m;
+  return (depth_mm - threshold_mm) * Vec3::UnitZ() + threshold_mm * m;
+}
+
+Vec3 normalDisplacement(double depth_mm, const Vec2& gradient) noexcept {
+  return depth_mm / (1.0 + gradient.squaredNorm()) * Vec3(-gradient.x(), -gradient.y(), 1.0);
+}
+
+Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_mm,
+                    const Workspace& workspace) noexcept {
+  Contact contact;
+  const Vec2 under = hip_mm.head<2>();
+  const SurfacePoint point = surfaceAt(object, under, workspace, false);
+  const double depth_mm = point.sample.height_mm - hip_mm.z();  // Eq. 4
+  // Written so that a NaN touches nothing.
+  if (!point.inside || !(depth_mm > 0.0)) return contact;
+  const Vec2& gradient = point.sample.gradient;
+  if (kind == SurfaceKind::kNormal) {
+    contact.displacement_mm = normalDisplacement(depth_mm, gradient);
+  } else {
+    const double given_K_mm = object.before->material.texture_K_mm;
+    contact.displacement_mm = perturbedDisplacement(
+        depth_mm, std::max(point.sample.height_mm, 0.0), gradient,
+        given_K_mm > 0.0 ? given_K_mm : kDefaultTextureK_mm, workspace.depth_mm);
+    contact.stiffness_factor = 1.0 + gradient.squaredNorm();
+  }
+  contact.normal = Vec3(-gradient.x(), -gradient.y(), 1.0).normalized();
+  contact.depth_mm = depth_mm * contact.normal.z();
+  contact.surface_velocity_mm_s = velocityAt(object, under, point.shape_rate_mm_s);
+  contact.contact = true;
+  contact.jump = object.appeared;
+  contact.object = &object;
+  return contact;
+}
+
+Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
+                    const Workspace& workspace) noexcept {
+  Contact deepest;
+  for (std::size_t i = 0; i < std::min(scene.object_count, kMaxObjects); ++i) {
+    const Contact contact = touchObject(kind, scene.objects[i], hip_mm, workspace);
+    if (!contact.contact) continue;
+    if (!deepest.contact || contact.depth_mm > deepest.depth_mm) deepest = contact;
+  }
+  deepest.jump = deepest.jump || scene.jumped;
+  return deepest;
+}
+
+}  // namespace hapticast::client

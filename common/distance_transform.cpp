@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "common/distance_transform.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace hapticast {
+
+namespace {
+
+/// Row of the nearest marked pixel in the same column, -1 where the column has none.
+std::vector<std::int32_t> nearestInColumn(const std::vector<std::uint8_t>& mask, int width,
+                                          int height, std::uint8_t marked) {
+  const auto columns = static_cast<std::size_t>(width);
+  std::vector<std::int32_t> row(mask.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const auto here = static_cast<std::int32_t>(i / columns);
+    row[i] = mask[i] == marked ? here : (i < columns ? -1 : row[i - columns]);
+  }
+  std::vector<std::int32_t> below(columns, -1);
+  for (std::int32_t v = height - 1; v >= 0; --v) {
+    std::int32_t* at = row.data() + static_cast<std::size_t>(v) * columns;
+    for (std::size_t u = 0; u < columns; ++u) {
+      if (at[u] == v) {
+        below[u] = v;
+      } else if (below[u] >= 0 && (at[u] < 0 || below[u] - v < v - at[u])) {
+        at[u] = below[u];
+      }
+    }
+  }
+  return row;
+}
+
+/// One row: candidates are the columns' nearest pixels; parabola i is height[i] + (step * (u -
+/// i))².
+class LowerEnvelope {
+ public:
+  LowerEnvelope(std::size_t width, double step)
+      : squared_step_(step * step), column_(width), from_(width), height_(width) {}
+
+  void clear() { count_ = 0; }
+  void add(int column, double height) {
+    double from = -std::numeric_limits<double>::infinity();
+    while (count_ > 0) {
+      const std::size_t top = count_ - 1;
+      const double gap = column - column_[top];
+      from = 0.5 * (column + column_[top]) + 0.5 * (height - height_[top]) / (squared_step_ * gap);
+      if (from > from_[top]) break;
+      --count_;
+    }
+    if (count_ == 0) from = -std::numeric_limits<double>::infinity();
+    column_[count_] = column;
+    from_[count_] = from;
+    height_[count_] = height;
+    ++count_;
+  }
+  /// Calls visit(u, column of the nearest, squared distance) for u = 0..width-1. Requires a
+  /// candidate.
+  template <class Visit>
+  void forEach(int width, Visit visit) const {
+    std::size_t k = 0;
+    for (int u = 0; u < width; ++u) {
+      while (k + 1 < count_ && from_[k + 1] <= u) ++k;
+      const double du = u - column_[k];
+      visit(u, column_[k], height_[k] + squared_step_ * du * du);
+    }
+  }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+
+ private:
+  double squared_step_;
+  std::size_t count_ = 0;
+  std::vector<int> column_;
+  std::vector<double> from_;
+  std::vector<double> height_;
+};
+
+}  // namespace
+
+NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
+                          std::uint8_t marked, const Vec2& mm_per_px) {
+  const auto columns = static_cast<std::size_t>(width);
+  const std::vector<std::int32_t> row = nearestInColumn(mask, width, height, marked);
+  NearestPixel result;
+  result.distance_mm.assign(mask.size(), std::numeric_limits<float>::infinity());
+  result.nearest.assign(mask.size(), -1);
+  LowerEnvelope envelope(columns, mm_per_px.x());
+  for (int v = 0; v < height; ++v) {
+    const std::size_t start = static_cast<std::size_t>(v) * columns;
+    envelope.clear();
+    for (int u = 0; u < width; ++u) {
+      const std::int32_t candidate = row[start + static_cast<std::size_t>(u)];
+      if (candidate < 0) continue;
+      const double dv_mm = mm_per_px.y() * (v - candidate);
+      envelope.add(u, dv_mm * dv_mm);
+    }
+    if (envelope.empty()) continue;
+    envelope.forEach(width, [&](int u, int column, double squared) {
+      const std::size_t i = start + static_cast<std::size_t>(u);
+      result.distance_mm[i] = static_cast<float>(std::sqrt(squared));
+      result.nearest[i] = row[start + static_cast<std::size_t>(column)] * width + column;
+    });
+  }
+  return result;
+}
+
+}  // namespace hapticast

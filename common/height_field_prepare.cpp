@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Preparing a relief for touch (reference: proxy notes, section 2). Off the loop; any thread.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "common/distance_transform.hpp"
+#include "common/height_field.hpp"
+#include "common/rim_fit.hpp"
+
+namespace hapticast {
+
+namespace {
+
+constexpr double kEdgeSigma_px = 2.0;
+constexpr int kEdgeRadius_px = 6;
+constexpr int kSeamPasses = 2;
+
+/// One direction of a separable Gaussian blur over lines of `length` values, `stride` apart; ends
+/// held. Lines start at 0, `next`, 2 `next`, ...
+void blurLines(std::vector<float>& values, std::size_t lines, std::size_t next, std::size_t length,
+               std::size_t stride) {
+  constexpr auto kRadius = static_cast<std::size_t>(kEdgeRadius_px);
+  std::array<float, kRadius + 1> weight{};
+  float sum = 0.0F;
+  for (std::size_t k = 0; k <= kRadius; ++k) {
+    const double x = static_cast<double>(k) / kEdgeSigma_px;
+    weight[k] = static_cast<float>(std::exp(-0.5 * x * x));
+    sum += (k == 0 ? 1.0F : 2.0F) * weight[k];
+  }
+  for (float& w : weight) w /= sum;
+  std::vector<float> line(length + 2 * kRadius);
+  for (std::size_t n = 0; n < lines; ++n) {
+    float* const at = values.data() + n * next;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      line[i] = at[std::clamp(i, kRadius, length + kRadius - 1) * stride - kRadius * stride];
+    }
+    for (std::size_t i = 0; i < length; ++i) {
+      const float* const centre = line.data() + i + kRadius;
+      float value = weight[0] * centre[0];
+      for (std::size_t k = 1; k <= kRadius; ++k) {
+        value += weight[k] * (centre[k] + *(centre - k));
+      }
+      at[i * stride] = value;
+    }
+  }
+}
+
+/// Blurred signed distance to the mask's edge in mm, positive inside.
+std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width, int height,
+                                const NearestPixel& to_inside, const Vec2& mm_per_px) {
+  const NearestPixel to_outside = nearestPixel(mask, width, height, 0, mm_per_px);
+  // The edge runs between pixel centres.
+  const auto half = static_cast<float>(0.5 * mm_per_px.mean());
+  const auto limit = static_cast<float>(HeightField::kMargin_px * mm_per_px.mean());
+  std::vector<float> edge(mask.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const float signed_mm =
+        mask[i] != 0 ? to_outside.distance_mm[i] - half : half - to_inside.distance_mm[i];
+    edge[i] = std::clamp(signed_mm, -limit, limit);
+  }
+  const auto columns = static_cast<std::size_t>(width);
+  const auto rows = static_cast<std::size_t>(height);
+  blurLines(edge, rows, columns, columns, 1);
+  blurLines(edge, columns, 1, rows, columns);
+  return edge;
+}
+
+/// Rounds the seams where the fits of two rim pixels meet. Averaging neighbours leaves planes as
+/// they are; only pixels whose neighbours are all within the fits' reach take part.
+void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask, int width,
+                 int height, const NearestPixel& to_inside, double mm_per_px) {
+  const auto columns = static_cast<std::size_t>(width);
+  const auto limit = static_cast<float>((HeightField::kMargin_px - 1) * mm_per_px);
+  std::vector<float> from;
+  for (int pass = 0; pass < kSeamPasses; ++pass) {
+    from = height_mm;
+    for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height); ++v) {
+      for (std::size_t i = v * columns + 1; i + 1 < (v + 1) * columns; ++i) {
+        if (mask[i] != 0 || to_inside.distance_mm[i] > limit) continue;
+        height_mm[i] = 0.5F * from[i] +
+                       0.125F * (from[i - 1] + from[i + 1] + from[i - columns] + from[i + columns]);
+      }
+    }
+  }
+}
+
+/// Fills all pixels outside the mask from the fit of their nearest mask pixel.
+void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask,
+                     int width, int height, const NearestPixel& to_inside, const Vec2& mm_per_px) {
+  std::vector<RimFit> fits;
+  std::vector<std::int32_t> fit_of(mask.size(), -1);  // index into fits, by rim pixel
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const std::int32_t rim = to_inside.nearest[i];
+    if (mask[i] != 0 || rim < 0) continue;
+    const int u = rim % width;
+    const int v = rim / width;
+    std::int32_t& fit = fit_of[static_cast<std::size_t>(rim)];
+    if (fit < 0) {
+      fit = static_cast<std::int32_t>(fits.size());
+      fits.emplace_back(height_mm, mask, width, height, u, v);
+    }
+    const auto here = static_cast<int>(i);
+    height_mm[i] = static_cast<float>(
+        fits[static_cast<std::size_t>(fit)].at(here % width - u, here / width - v));
+  }
+  smoothSeams(height_mm, mask, width, height, to_inside, mm_per_px.minCoeff());
+}
+
+}  // namespace
+
+HeightField HeightField::padded(const Relief& relief, const Workspace& workspace) {
+  HeightField field;
+  field.rect_ = relief.rect;
+  field.mm_per_px_ = workspace.mmPerPixel();
+  const PixelRect& rect = field.rect_;
+  const auto columns = static_cast<std::size_t>(std::max(rect.width, 0));
+  const auto rows = static_cast<std::size_t>(std::max(rect.height, 0));
+  if (rect.empty() || relief.height_mm.size() != columns * rows ||
+      relief.mask.size() != columns * rows) {
+    return field;
+  }
+  field.prepared_ = {rect.u - kMargin_px, rect.v - kMargin_px, rect.width + 2 * kMargin_px,
+                     rect.height + 2 * kMargin_px};
+  const auto width = static_cast<std::size_t>(field.prepared_.width);
+  const auto height = static_cast<std::size_t>(field.prepared_.height);
+  field.height_mm_.assign(width * height, 0.0F);
+  field.mask_.assign(width * height, 0);
+  for (std::size_t v = 0; v < rows; ++v) {
+    for (std::size_t u = 0; u < columns; ++u) {
+      if (relief.mask[v * columns + u] == 0) continue;
+      const std::size_t to = (v + kMargin_px) * width + u + kMargin_px;
+      field.mask_[to] = 1;
+      field.height_mm_[to] = relief.height_mm[v * columns + u];
+    }
+  }
+  return field;
+}
+
+void HeightField::complete(bool continued) {
+  if (empty()) return;
+  const int width = prepared_.width;
+  const int height = prepared_.height;
+  const NearestPixel to_inside = nearestPixel(mask_, width, height, 1, mm_per_px_);
+  edge_mm_ = edgeDistance(mask_, width, height, to_inside, mm_per_px_);
+  if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
+}
+
+HeightField HeightField::prepare(const Relief& relief, const Workspace& workspace) {
+  HeightField field = padded(relief, workspace);
+  field.complete(true);
+  return field;
+}
+
+HeightField HeightField::prepareThesis(const Relief& relief, const Workspace& workspace) {
+  HeightField field = padded(relief, workspace);
+  field.complete(false);
+  return field;
+}
+
+}  // namespace hapticast

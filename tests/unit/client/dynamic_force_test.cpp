@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/dynamic_force.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "tests/unit/client/frame_builder.hpp"
+
+namespace hapticast::client {
+namespace {
+
+constexpr double kDeep_mm = 1.0;
+
+class DynamicForceTest : public ::testing::Test {
+ protected:
+  Vec3 force(double time_s = 0.0, double penetration_mm = kDeep_mm,
+             const Vec3& cursor = Vec3::Zero(), double scale = 1.0,
+             const Vec3* contact_mm = nullptr) {
+    now.before = &before;
+    return dynamic.evaluate(&now, penetration_mm, cursor, mediaTime(time_s), controls, scale,
+                            contact_mm);
+  }
+
+  DeviceProfile profile;
+  DynamicForce dynamic{profile};
+  Controls controls;
+  PlayObject before = makeObject(1, nullptr, Vec3::Zero());
+  ObjectNow now;
+};
+
+TEST_F(DynamicForceTest, PushesTheWayTheBallAccelerates) {
+  now.acceleration_mm_s2 = {0, 0, 1000};                         // towards the viewer
+  EXPECT_NEAR((force() - Vec3(0, 0, 0.45)).norm(), 0.0, 1e-12);  // 10 m_cursor x 1 m/s²
+  now.acceleration_mm_s2 = {1000, 0, 0};                         // to the right
+  EXPECT_NEAR((force() - Vec3(0.45, 0, 0)).norm(), 0.0, 1e-12);
+  now.acceleration_mm_s2 = {0, 1000, 0};  // up
+  EXPECT_NEAR((force() - Vec3(0, 0.45, 0)).norm(), 0.0, 1e-12);
+}
+
+TEST_F(DynamicForceTest, IsEq6) {
+  now.acceleration_mm_s2 = {1000, -500, 200};
+  controls.author_mass_kg = 0.6;
+  controls.largest_acceleration_mm_s2 = 1500;
+  const Vec3 cursor(2.0, 3.0, -1.0);
+  const Vec3 expected = 0.6 * 0.8e-3 * now.acceleration_mm_s2 - 0.045 * cursor;
+  EXPECT_NEAR((force(0.0, kDeep_mm, cursor, 0.8) - expected).norm(), 0.0, 1e-12);
+}
+
+TEST_F(DynamicForceTest, CursorMassNeverExceedsTheDevices) {
+  profile.mass_kg = 0.02;
+  EXPECT_NEAR(force(0.0, kDeep_mm, {1, 0, 0}).x(), -0.02, 1e-12);
+}
+
+TEST_F(DynamicForceTest, FadesInWithThePenetration) {
+  now.acceleration_mm_s2 = {0, 0, 1000};
+  const double full = force().z();
+  EXPECT_NEAR(force(0.0, 0.05).z(), 0.25 * full, 1e-12);
+  EXPECT_NEAR(force(0.0, 0.2).z(), full, 1e-12);
+  EXPECT_EQ(force(0.0, 0.0).norm(), 0.0);
+}
+
+TEST_F(DynamicForceTest, ZeroWithoutContactPausedOrNotFinite) {
+  now.acceleration_mm_s2 = {0, 0, 1000};
+  EXPECT_EQ(dynamic.evaluate(nullptr, 1.0, Vec3::Ones(), mediaTime(0), controls, 1.0).norm(), 0.0);
+  EXPECT_EQ(force(0.0, std::numeric_limits<double>::quiet_NaN()).norm(), 0.0);
+  EXPECT_EQ(force(0.0, 1.0, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())).norm(), 0.0);
+  controls.paused = true;
+  EXPECT_EQ(force().norm(), 0.0);
+}
+
+TEST_F(DynamicForceTest, MassIsTheAuthorsOrTheDevicesShare) {
+  controls.largest_acceleration_mm_s2 = 1000;  // 1 m/s²: half of 3.3 N allows 1.65 kg
+  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 1.65, 1e-12);
+  EXPECT_NEAR(dynamic.objectMass_kg(controls, 0.5), 3.3, 1e-12);
+  controls.author_mass_kg = 1.0;
+  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 1.0, 1e-12);
+  controls.author_mass_kg = 0.05;  // never below 10 m_cursor
+  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.45, 1e-12);
+  controls.largest_acceleration_mm_s2 = 20000;  // unless the peak forces it
+  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 3.3 / 20, 1e-12);
+  controls = Controls{};
+  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.45, 1e-12);
+  for (const double bad :
+       {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1.0}) {
+    controls.largest_acceleration_mm_s2 = controls.author_mass_kg = bad;
+    EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.45, 1e-12);
+  }
+}
+
+TEST_F(DynamicForceTest, RotationAddsWhatTheContactFeels) {
+  PlayObject after = before;
+  before.motion.angular_velocity_rad_s = 4.0;
+  after.motion.angular_velocity_rad_s = 6.0;
+  now.after = &after;
+  now.blend = 0.5;
+  now.blend_rate_1_s = 25.0;
+  now.angular_velocity_rad_s = 5.0;
+  const Vec3 contact(10.0, 0.0, 3.0);
+  // Centripetal -25 x 10 along x, tangential 50 rad/s² x 10 along y, mm/s².
+  const Vec3 expected = 0.45e-3 * Vec3(-250.0, 500.0, 0.0);
+  EXPECT_NEAR((force(0.0, kDeep_mm, Vec3::Zero(), 1.0, &contact) - expected).norm(), 0.0, 1e-12);
+  EXPECT_EQ(force().norm(), 0.0);  // at the reference point
+}
+
+TEST_F(DynamicForceTest, AddsTheGridAtTheContactCarriedBack) {
+  MotionGrid grid;
+  grid.columns = 3;
+  grid.rows = 2;
+  for (int cell = 0; cell < 6; ++cell) {
+    grid.velocity_mm_s.push_back(Eigen::Vector3f::Zero());
+    grid.acceleration_mm_s2.push_back(Eigen::Vector3f(
+        100.0F * static_cast<float>(cell % 3), 1000.0F * static_cast<float>(cell / 3), 0.0F));
+  }
+  before.grid = &grid;
+  before.grid_rect = {304, 224, 48, 32};
+  now.position_mm = {2.0, 0.0, 0.0};  // moved on by 8 px since the frame
+  const auto feel = [&](double u, double v) {
+    const Vec2 at = controls.workspace.toNominal({u + 8.0, v});
+    const Vec3 contact(at.x(), at.y(), 0.0);
+    return Vec3(force(0.0, kDeep_mm, Vec3::Zero(), 1.0, &contact) / 0.45e-3);
+  };
+  EXPECT_NEAR((feel(312, 232) - Vec3(0, 0, 0)).norm(), 0.0, 1e-9);  // centre of the first cell
+  EXPECT_NEAR((feel(328, 240) - Vec3(100, 500, 0)).norm(), 0.0,
+              1e-9);  // second column, between the rows
+  EXPECT_NEAR((feel(336, 248) - Vec3(150, 1000, 0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((feel(9999, 9999) - Vec3(200, 1000, 0)).norm(), 0.0, 1e-9);
+  grid.acceleration_mm_s2.resize(2);  // shorter than announced
+  EXPECT_EQ(feel(312, 232).norm(), 0.0);
+}
+
+TEST_F(DynamicForceTest, AnImpactIsAHalfSineAlongItsChangeOfVelocity) {
+  before.impacts[0] = {mediaTime(1.0), {0, 0, 5}};  // gentle: hardly compressed
+  before.impact_count = 1;
+  double area = 0.0;
+  double peak = 0.0;
+  for (int tick = -5; tick < 40; ++tick) {
+    const Vec3 f = force(1.0 + (tick + 0.5) * 1e-3);
+    EXPECT_GE(f.z(), 0.0);
+    EXPECT_EQ(f.head<2>().norm(), 0.0);
+    if (tick < 0 || tick >= 15) {
+      EXPECT_EQ(f.z(), 0.0);
+    }
+    area += f.z() * 1e-3;
+    peak = std::max(peak, f.z());
+  }
+  EXPECT_NEAR(area, 0.45 * 5e-3, 0.01 * 0.45 * 5e-3);  // m |dv|
+  EXPECT_NEAR(peak, 0.45 * 5e-3 * std::numbers::pi / 2 / 0.015, 0.02 * peak);
+}
+
+TEST_F(DynamicForceTest, AHardImpactIsCompressedUnderThePulseLimit) {
+  before.impact_count = 1;
+  double last = 0.0;
+  for (const double dv : {100.0, 500.0, 3000.0}) {
+    before.impacts[0] = {mediaTime(dv), {0, -dv, 0}};
+    const double peak = -force(dv + 0.0075).y();
+    EXPECT_GT(peak, last);  // harder stays harder
+    EXPECT_LE(peak, profile.pulse_limit_N);
+    last = peak;
+  }
+  EXPECT_GT(last, 0.99 * profile.pulse_limit_N);
+}
+
+TEST_F(DynamicForceTest, AnImpactIsRenderedOnceThoughFramesDisagreeOrForgetIt) {
+  before.impacts[0] = {mediaTime(1.0), {0, 0, 50}};
+  before.impact_count = 1;
+  PlayObject after = before;
+  after.impacts[0].time = mediaTime(1.002);  // estimated anew
+  now.after = &after;
+  const double early = force(1.0005).z();
+  const double middle = force(1.0075).z();
+  EXPECT_GT(middle, early);
+  before.impact_count = after.impact_count = 0;
+  EXPECT_NEAR(force(1.010).z(), middle * std::sin(std::numbers::pi * 10 / 15), 1e-6);
+  before = after;
+  before.impact_count = 1;
+  EXPECT_EQ(force(1.0155).norm(), 0.0);  // over, though the later estimate is under way
+  before.impacts[0].time = mediaTime(1.1);
+  EXPECT_GT(force(1.1075).z(), 0.0);  // another one
+}
+
+TEST_F(DynamicForceTest, AlwaysFiniteAndWithinThePeak) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> exponent(-300.0, 300.0);
+  const auto draw = [&] {
+    switch (random() % 12) {
+      case 0:
+        return std::numeric_limits<double>::quiet_NaN();
+      case 1:
+        return std::numeric_limits<double>::infinity();
+      case 2:
+        return 0.0;
+      default:
+        return (random() % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, exponent(random));
+    }
+  };
+  for (int i = 0; i < 50000; ++i) {
+    now.position_mm = {draw(), draw(), draw()};
+    now.acceleration_mm_s2 = {draw(), draw(), draw()};
+    now.angular_velocity_rad_s = draw();
+    before.impacts[0] = {mediaTime(i), {draw(), draw(), draw()}};
+    before.impact_count = 1;
+    controls.author_mass_kg = draw();
+    controls.largest_acceleration_mm_s2 = draw();
+    const Vec3 contact(draw(), draw(), draw());
+    const double mass = dynamic.objectMass_kg(controls, draw());
+    ASSERT_TRUE(std::isfinite(mass) && mass >= 0.0);
+    const Vec3 f = force(i + 0.007, draw(), {draw(), draw(), draw()}, draw(), &contact);
+    ASSERT_TRUE(f.allFinite());
+    ASSERT_LE(f.norm(), profile.peak_N * (1 + 1e-12));
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::client

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/frame_pool.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+#include <set>
+#include <thread>
+#include <vector>
+
+namespace hapticast::client {
+namespace {
+
+TEST(FramePool, HandsOutEverySlotOnceAndNoMore) {
+  const auto pool = std::make_unique<FramePool>();
+  std::set<FramePool::Index> seen;
+  FramePool::Index index = 0;
+  while (pool->acquire(index)) seen.insert(index);
+  EXPECT_EQ(seen.size(), FramePool::kSlots);
+  EXPECT_FALSE(pool->take(index));
+}
+
+TEST(FramePool, KeepsTheOrderAndGetsSlotsBack) {
+  const auto pool = std::make_unique<FramePool>();
+  std::mt19937 random(1);
+  std::vector<FramePool::Index> held;
+  std::uint64_t sent = 0;
+  std::uint64_t taken = 0;
+  for (int step = 0; step < 20000; ++step) {
+    FramePool::Index index = 0;
+    if (random() % 2 == 0 && pool->acquire(index)) {
+      pool->slot(index).frame.id = ++sent;
+      pool->publish(index);
+    }
+    if (random() % 3 == 0 && pool->take(index)) {
+      ASSERT_EQ(pool->frame(index).id, ++taken);
+      held.push_back(index);
+    }
+    if (random() % 2 == 0 && !held.empty()) {
+      const std::size_t which = random() % held.size();
+      pool->giveBack(held[which]);
+      held.erase(held.begin() + static_cast<std::ptrdiff_t>(which));
+    }
+  }
+  EXPECT_GT(taken, 5000U);
+}
+
+TEST(FramePool, CrossesThreadsWithoutTearing) {
+  const auto pool = std::make_unique<FramePool>();
+  constexpr std::uint64_t kFrames = 20000;
+  std::thread receiver([&] {
+    for (std::uint64_t id = 1; id <= kFrames;) {
+      FramePool::Index index = 0;
+      if (!pool->acquire(index)) {
+        std::this_thread::yield();
+        continue;
+      }
+      PlayFrame& frame = pool->slot(index).frame;
+      frame.id = id;
+      frame.objects[kMaxObjects - 1].changed_in_frame = id++;
+      pool->publish(index);
+    }
+  });
+  for (std::uint64_t expected = 1; expected <= kFrames;) {
+    FramePool::Index index = 0;
+    if (!pool->take(index)) {
+      std::this_thread::yield();
+      continue;
+    }
+    EXPECT_EQ(pool->frame(index).id, expected);
+    EXPECT_EQ(pool->frame(index).objects[kMaxObjects - 1].changed_in_frame, expected++);
+    pool->giveBack(index);
+  }
+  receiver.join();
+}
+
+}  // namespace
+}  // namespace hapticast::client
