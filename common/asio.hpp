@@ -12,6 +12,11 @@
 #define BOOST_ASIO_HAS_STD_COROUTINE 1
 #endif
 
+#if defined(__SANITIZE_THREAD__)
+// ThreadSanitizer does not know std::atomic_thread_fence (gcc refuses it under -Werror).
+#define BOOST_ASIO_DISABLE_FENCED_BLOCK 1
+#endif
+
 #include <boost/asio.hpp>
 
 namespace hapticast {

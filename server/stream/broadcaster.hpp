@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// Hands encoded frames to all viewers: one queue each, bytes shared, a slow one never slows
+// another. Takes bytes, wherever they come from. Thread: io, except where a function says "any".
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "common/asio.hpp"
+#include "common/wire.hpp"
+#include "server/stream/encoded.hpp"
+#include "server/stream/log_limit.hpp"
+#include "server/stream/session.hpp"
+#include "server/stream/stream_settings.hpp"
+
+namespace hapticast::server {
+
+class Broadcaster {
+ public:
+  /// Everything runs on `io`, which one thread runs; that thread ends before the Broadcaster does.
+  Broadcaster(asio::io_context& io, MediaClock clock, StreamDescription description,
+              StreamSettings settings);
+
+  /// Sends a frame to every viewer; who joins later gets the newest at once. Thread: any.
+  void publish(EncodedFrame frame);
+  /// Sends a picture to those who want it. Thread: any.
+  void publish(EncodedVideo video);
+  /// Announces another stream. A change of the workspace voids the frames before it. Thread: any.
+  void describe(StreamDescription description);
+  /// Whether encoding pictures is worth it. Thread: any.
+  [[nodiscard]] bool videoWanted() const {
+    return video_viewers_.load(std::memory_order_relaxed) > 0;
+  }
+  /// Tells every viewer that the server ends and closes them within the goodbye deadline; `io` then
+  /// runs out of work. Thread: any.
+  void stop();
+
+  /// Takes over a fresh connection.
+  void accept(asio::ip::tcp::socket socket);
+  [[nodiscard]] StreamCounts counts() const;
+
+  // For the sessions.
+  [[nodiscard]] const MediaClock& clock() const { return clock_; }
+  [[nodiscard]] const StreamSettings& settings() const { return settings_; }
+  [[nodiscard]] const StreamDescription& description() const { return description_; }
+  /// Why this client cannot be welcomed, if so.
+  [[nodiscard]] std::optional<Error> refuse(const Hello& hello) const;
+  void joined(Session& session);
+  /// The session is about to end by our decision.
+  void ending(Session& session, const Error& why);
+  void left(const std::shared_ptr<Session>& session);
+
+ private:
+  static constexpr std::size_t kStrangers = 32;  // connections that are not (yet) clients
+  asio::awaitable<void> watch();
+  void summarize(LocalTime now);
+  void countViewers();
+
+  asio::io_context& io_;
+  MediaClock clock_;
+  StreamDescription description_;
+  StreamSettings settings_;
+  asio::steady_timer timer_;
+  std::set<std::shared_ptr<Session>> sessions_;
+  std::uint32_t last_session_id_ = 0;
+  std::optional<EncodedFrame> last_frame_;
+  std::optional<EncodedVideo> last_video_;
+  std::atomic<std::size_t> video_viewers_{0};
+  bool stopped_ = false;
+  StreamCounts counts_;    // clients and sent: of those who left
+  SendCounts summarized_;  // what the last summary line has told
+  LocalTime last_summary_;
+  LogLimit log_limit_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// decode(): no bytes crash it, and what it accepts can be sent on: encoded again, it is accepted again.
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "common/wire.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto message = hapticast::decode(std::span(data, size));
+  if (!message.ok()) return 0;
+  const auto bytes = hapticast::encode(message.value());
+  const auto again = hapticast::decode(bytes);
+  if (!again.ok()) std::abort();
+  if (again.value().index() != message.value().index()) std::abort();
+  return 0;
+}

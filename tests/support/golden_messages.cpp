@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/golden_messages.hpp"
+
+namespace hapticast::testing {
+
+namespace {
+
+std::shared_ptr<const Relief> relief() {
+  auto relief = std::make_shared<Relief>();
+  relief->rect = {100, 50, 10, 3};  // rows of 10 bits: padding is used
+  relief->mask.assign(30, 0);
+  relief->height_mm.assign(30, 0.0F);
+  for (std::size_t i = 3; i < 27; i += 2) {
+    relief->mask[i] = 1;
+    relief->height_mm[i] = 4.0F + 0.5F * static_cast<float>(i);
+  }
+  return relief;
+}
+
+std::shared_ptr<const MotionGrid> grid() {
+  auto grid = std::make_shared<MotionGrid>();
+  grid->columns = 1;
+  grid->rows = 1;
+  grid->velocity_mm_s = {{1.0F, -2.0F, 3.0F}};
+  grid->acceleration_mm_s2 = {{-10.0F, 20.0F, -30.0F}};
+  return grid;
+}
+
+}  // namespace
+
+StreamDescription goldenDescription() {
+  StreamDescription description;
+  description.name = "synthetic:bounce";
+  description.fps = 25.0;
+  description.workspace = {640, 480, 160.0, 120.0, 30.0, true};
+  description.method = Method::kThesis;
+  description.pipeline_latency = std::chrono::milliseconds(120);
+  description.largest_acceleration_mm_s2 = 2500.0;
+  description.mass_kg = 0.5;
+  return description;
+}
+
+HapticFrame goldenFrame() {
+  HapticFrame frame;
+  frame.epoch = 3;
+  frame.id = 1000;
+  frame.media_time = mediaTime(40.04);
+  HapticObject ball;
+  ball.id = 7;
+  ball.layer = 1;
+  ball.changed_in_frame = 1000;
+  ball.relief = relief();
+  ball.motion = {{1.5, -2.5, 12.0},
+                 {100.0, -50.0, 25.0},
+                 {-900.0, 450.0, 0.0},
+                 0.25,
+                 -0.5,
+                 ReferencePoint::kCentreOfMass,
+                 0.75,
+                 0.5};
+  ball.grid = grid();
+  ball.impacts = {{mediaTime(40.0), {0.0, 200.0, -1.0}}, {mediaTime(40.08), {0.0, 150.0, 0.0}}};
+  ball.material = {0.5, 1.0, 0.25, 0.125, 30.0};
+  frame.objects.push_back(ball);
+  HapticObject still;
+  still.id = 8;
+  still.changed_in_frame = 990;
+  still.motion.reference_point = ReferencePoint::kVisibleCentroid;
+  frame.objects.push_back(still);
+  return frame;
+}
+
+std::vector<std::pair<std::string, Message>> goldenMessages() {
+  return {
+      {"hello", Hello{1, "viewer-1", true, true}},
+      {"welcome", Welcome{1, 42, 0x0123456789ABCDEF, goldenDescription()}},
+      {"ping", Ping{localTime(1.25)}},
+      {"pong", Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001)}},
+      {"description", goldenDescription()},
+      {"frame", goldenFrame()},
+      {"video", VideoFrame{3, 1000, mediaTime(40.04), {0xFF, 0xD8, 0xFF, 0xE0, 0xFF, 0xD9}}},
+      {"report", Report{1000, 3, 2, 52.5, 125.0, true}},
+      {"error", Error{ErrorCode::kServerFull, "all 64 places are taken"}},
+  };
+}
+
+}  // namespace hapticast::testing

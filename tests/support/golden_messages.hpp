@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// One fixed message of every kind, for the golden bytes of the wire and the seeds of the fuzzers.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/wire.hpp"
+
+namespace hapticast::testing {
+
+/// Name (also of its file in unit/common/golden) and message.
+std::vector<std::pair<std::string, Message>> goldenMessages();
+
+/// A frame with two objects that uses every field: heights on exact 16-bit steps, a grid, impacts.
+HapticFrame goldenFrame();
+
+StreamDescription goldenDescription();
+
+}  // namespace hapticast::testing
