@@ -39,6 +39,10 @@ class HeightField {
   /// positive inside, clamped to +-kMargin_px. 0 for an empty field.
   [[nodiscard]] double edgeDistance_mm(const Vec2& image_px) const noexcept;
 
+  /// Centre of the pixel of the mask that is farthest from its edge, px, image frame; (0, 0) when
+  /// empty.
+  [[nodiscard]] const Vec2& deepestPoint_px() const noexcept { return deepest_px_; }
+
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
   [[nodiscard]] bool empty() const noexcept { return height_mm_.empty(); }
 
@@ -53,6 +57,7 @@ class HeightField {
   PixelRect rect_;      // of the relief
   PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
   Vec2 mm_per_px_ = Vec2::Ones();
+  Vec2 deepest_px_ = Vec2::Zero();  // of the mask
   std::vector<float> height_mm_;    // over prepared_
   std::vector<float> edge_mm_;      // over prepared_
   std::vector<std::uint8_t> mask_;  // over prepared_

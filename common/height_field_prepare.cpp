@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "common/distance_transform.hpp"
 #include "common/height_field.hpp"
@@ -49,8 +50,8 @@ void blurLines(std::vector<float>& values, std::size_t lines, std::size_t next, 
 
 /// Blurred signed distance to the mask's edge in mm, positive inside.
 std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width, int height,
-                                const NearestPixel& to_inside, const Vec2& mm_per_px) {
-  const NearestPixel to_outside = nearestPixel(mask, width, height, 0, mm_per_px);
+                                const NearestPixel& to_inside, const NearestPixel& to_outside,
+                                const Vec2& mm_per_px) {
   // The edge runs between pixel centres.
   const auto half = static_cast<float>(0.5 * mm_per_px.mean());
   const auto limit = static_cast<float>(HeightField::kMargin_px * mm_per_px.mean());
@@ -143,7 +144,12 @@ void HeightField::complete(bool continued) {
   const int width = prepared_.width;
   const int height = prepared_.height;
   const NearestPixel to_inside = nearestPixel(mask_, width, height, 1, mm_per_px_);
-  edge_mm_ = edgeDistance(mask_, width, height, to_inside, mm_per_px_);
+  const NearestPixel to_outside = nearestPixel(mask_, width, height, 0, mm_per_px_);
+  edge_mm_ = edgeDistance(mask_, width, height, to_inside, to_outside, mm_per_px_);
+  const auto deepest = static_cast<int>(std::distance(
+      to_outside.distance_mm.begin(),
+      std::max_element(to_outside.distance_mm.begin(), to_outside.distance_mm.end())));
+  deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + deepest / width + 0.5};
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
 }
 

@@ -12,6 +12,8 @@
 
 namespace hapticast::client {
 
+struct TickReport;
+
 /// Constants of a device class. Defaults: Omni class (literature values, reference/stability
 /// notes).
 struct DeviceProfile {
@@ -51,6 +53,8 @@ class HapticDevice {
   /// Hands over the force (N, device frame, finite) and returns the newest position. Non-blocking.
   /// Thread: loop.
   virtual DeviceState exchange(const Vec3& force_N) noexcept = 0;
+  /// What came of the tick: for a device whose hand is a script. Thread: loop.
+  virtual void observe(const TickReport& /*report*/) noexcept {}
 };
 
 }  // namespace hapticast::client

@@ -27,6 +27,7 @@ struct Controls {
   Method stream_method = Method::kHapticast;
   double largest_acceleration_mm_s2 = 0.0;  ///< 0: unknown
   double author_mass_kg = 0.0;              ///< 0: none given
+  std::uint32_t rearm = 0;                  ///< a new value lets the force return after a lost device
 };
 
 /// How the surface of this tick was found.
@@ -35,6 +36,7 @@ inline constexpr std::size_t kLookupKinds = 5;
 
 /// Why a fault was raised. The first one freezes the flight recorder.
 enum class Fault : std::uint8_t { kNone = 0, kNotFinite, kDeviceLost, kLatency };
+inline constexpr std::size_t kFaultKinds = 4;
 
 /// Loop -> everybody, one per tick. Positions and penetration in nominal mm, forces in N in the
 /// device frame.

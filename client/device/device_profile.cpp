@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "client/device/device_profile.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace hapticast::client {
+
+namespace {
+constexpr std::size_t kLargestFile = 64 * 1024;
+constexpr std::size_t kLongestName = 64;
+
+/// Falcon class: chai3d's 8 N and 40 mm radius; mass, damping and continuous force are assumptions.
+DeviceProfile falcon() {
+  DeviceProfile profile;
+  profile.name = "falcon";
+  profile.mass_kg = 0.1;
+  profile.peak_N = 8.0;
+  profile.continuous_N = 2.5;
+  profile.count_mm = 0.038;
+  profile.stiffness_N_mm = 1.0;
+  profile.slew_rise_N_per_tick = 0.5;
+  profile.slew_fall_N_per_tick = 1.25;
+  profile.residue_N_per_tick = 0.25;
+  profile.pulse_limit_N = 4.0;
+  profile.damping_Ns_m = 0.5;
+  profile.workspace_mm = {60.0, 60.0, 60.0};
+  return profile;
+}
+
+struct NumberKey {
+  const char* name;
+  double DeviceProfile::* field;
+  double least;
+  double most;
+};
+// The ranges keep every ramp shorter than two seconds and every law finite.
+constexpr std::array<NumberKey, 11> kNumberKeys = {{
+    {"mass_kg", &DeviceProfile::mass_kg, 0.001, 10.0},
+    {"peak_N", &DeviceProfile::peak_N, 0.1, 100.0},
+    {"continuous_N", &DeviceProfile::continuous_N, 0.01, 100.0},
+    {"count_mm", &DeviceProfile::count_mm, 0.0001, 1.0},
+    {"stiffness_N_mm", &DeviceProfile::stiffness_N_mm, 0.01, 10.0},
+    {"slew_rise_N_per_tick", &DeviceProfile::slew_rise_N_per_tick, 0.01, 10.0},
+    {"slew_fall_N_per_tick", &DeviceProfile::slew_fall_N_per_tick, 0.01, 10.0},
+    {"residue_N_per_tick", &DeviceProfile::residue_N_per_tick, 0.01, 10.0},
+    {"pulse_limit_N", &DeviceProfile::pulse_limit_N, 0.0, 100.0},
+    {"friction_N", &DeviceProfile::friction_N, 0.0, 10.0},
+    {"damping_Ns_m", &DeviceProfile::damping_Ns_m, 0.0, 100.0},
+}};
+constexpr int kMostDelay_ticks = 5;
+constexpr double kLeastWorkspace_mm = 10.0;
+constexpr double kMostWorkspace_mm = 2000.0;
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// A file position that complains.
+struct Place {
+  const std::string& file;
+  int line;
+  std::string key;
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw std::runtime_error(file + ":" + std::to_string(line) + ": " +
+                             (key.empty() ? "" : key + ": ") + what);
+  }
+};
+
+std::string shortened(std::string_view text) {
+  return "'" + std::string(text.substr(0, 40)) + (text.size() > 40 ? "...'" : "'");
+}
+
+double number(std::string_view text, double least, double most, const Place& place) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() ||
+      !(value >= least && value <= most)) {
+    std::ostringstream what;
+    what << shortened(text) << " is not a number from " << least << " to " << most;
+    place.fail(what.str());
+  }
+  return value;
+}
+
+Vec3 workspace(std::string_view text, const Place& place) {
+  Vec3 size_mm;
+  for (int i = 0; i < 3; ++i) {
+    const auto end = text.find_first_of(" \t");
+    if (text.empty() || (i < 2 && end == std::string_view::npos)) {
+      place.fail("three numbers are wanted: width height depth");
+    }
+    const std::string_view word = i < 2 ? text.substr(0, end) : text;
+    size_mm[i] = number(word, kLeastWorkspace_mm, kMostWorkspace_mm, place);
+    text = i < 2 ? trimmed(text.substr(end)) : std::string_view{};
+  }
+  return size_mm;
+}
+
+std::string allowedKeys() {
+  std::string keys = "name, delay_ticks, workspace_mm";
+  for (const NumberKey& key : kNumberKeys) keys += std::string(", ") + key.name;
+  return keys;
+}
+
+void assign(DeviceProfile& profile, std::string_view value, const Place& place) {
+  if (place.key == "name") {
+    if (value.empty() || value.size() > kLongestName) place.fail("1 to 64 characters are wanted");
+    profile.name = value;
+  } else if (place.key == "delay_ticks") {
+    const double ticks = number(value, 0, kMostDelay_ticks, place);
+    if (ticks != std::floor(ticks)) place.fail(shortened(value) + " is not a whole number");
+    profile.delay_ticks = static_cast<int>(ticks);
+  } else if (place.key == "workspace_mm") {
+    profile.workspace_mm = workspace(value, place);
+  } else {
+    for (const NumberKey& key : kNumberKeys) {
+      if (place.key != key.name) continue;
+      profile.*key.field = number(value, key.least, key.most, place);
+      return;
+    }
+    place.fail("unknown key, allowed are " + allowedKeys());
+  }
+}
+
+std::string readSmallFile(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text(kLargestFile + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad() || (in.gcount() == 0 && !in.eof())) {
+    throw std::runtime_error(file + ": cannot be read as a device profile (allowed are omni, falcon or a "
+                                    "readable file)");
+  }
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > kLargestFile) {
+    throw std::runtime_error(file + ": larger than 64 KiB, not a device profile");
+  }
+  return text;
+}
+
+DeviceProfile parse(const std::string& file, const std::string& text) {
+  DeviceProfile profile;
+  std::set<std::string> seen;
+  std::istringstream lines(text);
+  std::string line;
+  for (int count = 1; std::getline(lines, line); ++count) {
+    const std::string_view content = trimmed(std::string_view(line).substr(0, line.find('#')));
+    if (content.empty()) continue;
+    const auto equals = content.find('=');
+    if (equals == std::string_view::npos) {
+      Place{file, count, ""}.fail(shortened(content) + " is not a `key = value` line");
+    }
+    const Place place{file, count, std::string(trimmed(content.substr(0, std::min<std::size_t>(
+                                       equals, kLongestName))))};
+    if (!seen.insert(place.key).second) place.fail("stands twice");
+    assign(profile, trimmed(content.substr(equals + 1)), place);
+  }
+  if (profile.continuous_N > profile.peak_N) {
+    throw std::runtime_error(file + ": continuous_N is larger than peak_N");
+  }
+  return profile;
+}
+}  // namespace
+
+DeviceProfile loadDeviceProfile(const std::string& name_or_file) {
+  if (name_or_file == "omni") return {};
+  if (name_or_file == "falcon") return falcon();
+  return parse(name_or_file, readSmallFile(name_or_file));
+}
+
+}  // namespace hapticast::client

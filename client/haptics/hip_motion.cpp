@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/hip_motion.hpp"
+
+#include <cmath>
+
+namespace hapticast::client {
+
+namespace {
+constexpr double kJerkDensity_m2_s5 = 1e6;
+constexpr double kLateTick_s = 1.5e-3;
+constexpr double kLongestGap_s = 20e-3;
+constexpr double kFastest_mm_s = 10'000.0;  // no hand is faster: the device was re-homed or lies
+constexpr double kPi = 3.14159265358979323846;
+const double kOnePole20Hz = 1.0 - std::exp(-2.0 * kPi * 20.0 * kTick_s);
+}  // namespace
+
+KalmanGains steadyGains(double count_mm) noexcept {
+  using Mat3 = Eigen::Matrix3d;
+  constexpr double t = kTick_s;
+  const double variance = count_mm * count_mm * 1e-6 / 12.0;  // m²
+  Mat3 transition;
+  transition << 1.0, t, t * t / 2.0, 0.0, 1.0, t, 0.0, 0.0, 1.0;
+  Mat3 noise;
+  noise << t * t * t * t * t / 20.0, t * t * t * t / 8.0, t * t * t / 6.0,  //
+      t * t * t * t / 8.0, t * t * t / 3.0, t * t / 2.0,                    //
+      t * t * t / 6.0, t * t / 2.0, t;
+  noise *= kJerkDensity_m2_s5;
+  Mat3 covariance = noise;
+  Vec3 gain = Vec3::Zero();
+  for (int i = 0; i < 500; ++i) {  // settles within about 30 steps for any count
+    const Mat3 predicted = transition * covariance * transition.transpose() + noise;
+    gain = predicted.col(0) / (predicted(0, 0) + variance);
+    covariance = predicted - gain * predicted.row(0);
+  }
+  return {gain.x(), gain.y(), gain.z()};
+}
+
+HipMotion::HipMotion(double count_mm) noexcept : gains_(steadyGains(count_mm)) {}
+
+const HipEstimate& HipMotion::update(const DeviceState& state) noexcept {
+  estimate_.restarted = false;
+  estimate_.finite = state.position_mm.allFinite();
+  if (state.status != DeviceStatus::kOk || !estimate_.finite) {
+    ++estimate_.ticks_without_data;
+    return estimate_;
+  }
+  estimate_.ticks_without_data = 0;
+  const double gap_s = toSeconds(state.time - last_time_);
+  const double way_mm = (state.position_mm - estimate_.position_mm).norm();
+  if (!running_ || gap_s <= 0.0 || gap_s > kLongestGap_s || way_mm > kFastest_mm_s * gap_s) {
+    restart(state);
+  } else if (gap_s > kLateTick_s) {
+    bridge(state.position_mm, gap_s);
+  } else {
+    follow(state.position_mm);
+  }
+  last_time_ = state.time;
+  estimate_.position_mm = state.position_mm;
+  return estimate_;
+}
+
+void HipMotion::restart(const DeviceState& state) noexcept {
+  running_ = true;
+  estimate_.restarted = true;
+  estimate_.velocity_mm_s = estimate_.acceleration_m_s2 = Vec3::Zero();
+  x_mm_ = state.position_mm;
+  a_mm_s2_ = difference_mm_s_ = smooth_m_s2_ = Vec3::Zero();
+}
+
+void HipMotion::follow(const Vec3& measured_mm) noexcept {
+  Vec3& v_mm_s = estimate_.velocity_mm_s;
+  x_mm_ += v_mm_s * kTick_s + a_mm_s2_ * (kTick_s * kTick_s / 2.0);
+  v_mm_s += a_mm_s2_ * kTick_s;
+  const Vec3 residual_mm = measured_mm - x_mm_;
+  x_mm_ += gains_.position * residual_mm;
+  v_mm_s += gains_.velocity_per_s * residual_mm;
+  a_mm_s2_ += gains_.acceleration_per_s2 * residual_mm;
+
+  const Vec3 difference_mm_s = (measured_mm - estimate_.position_mm) / kTick_s;
+  filterAcceleration((difference_mm_s - difference_mm_s_) / (kTick_s * 1000.0));
+  difference_mm_s_ = difference_mm_s;
+}
+
+// Predicting through the gap would spike by the stale acceleration; the mean velocity over it is certain.
+void HipMotion::bridge(const Vec3& measured_mm, double gap_s) noexcept {
+  x_mm_ = measured_mm;
+  estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;
+  a_mm_s2_ = Vec3::Zero();
+  difference_mm_s_ = estimate_.velocity_mm_s;
+  filterAcceleration(Vec3::Zero());
+}
+
+void HipMotion::filterAcceleration(const Vec3& raw_m_s2) noexcept {
+  smooth_m_s2_ += kOnePole20Hz * (raw_m_s2 - smooth_m_s2_);
+  estimate_.acceleration_m_s2 += kOnePole20Hz * (smooth_m_s2_ - estimate_.acceleration_m_s2);
+}
+
+}  // namespace hapticast::client

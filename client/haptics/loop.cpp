@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/loop.hpp"
+
+#include <algorithm>
+
+namespace hapticast::client {
+
+namespace {
+constexpr Duration kLate{1'500'000};
+constexpr int kStopTicks = 2000;  // longest ramp to zero; the profile's ranges keep it far below
+}  // namespace
+
+void LoopStats::add(const TickReport& report, double step_N) noexcept {
+  ++ticks;
+  ++lookup[static_cast<std::size_t>(report.lookup)];
+  for (std::size_t i = 0; i < interferences.size(); ++i) {
+    interferences[i] += (report.interferences >> i) & 1U;
+  }
+  ++faults[static_cast<std::size_t>(report.fault)];
+  contact_ticks += report.contact ? 1 : 0;
+  max_force_N = std::max(max_force_N, report.force_N.norm());
+  max_force_step_N = std::max(max_force_step_N, step_N);
+  step_excess_max_N = std::max(step_excess_max_N, report.step_excess_N);
+}
+
+void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,
+             LoopStats& stats) noexcept {
+  Vec3 force_N = Vec3::Zero();
+  LocalTime last = clock.now();
+  LocalTime deadline = last + kTickPeriod;
+  int ticks_to_stop = kStopTicks;
+  bool stopping = false;
+  while (ticks_to_stop > 0 && !(stopping && force_N == Vec3::Zero())) {
+    device.waitForTick(deadline);
+    const LocalTime begin = clock.now();
+    if (begin - last > kLate) ++stats.late_ticks;
+    last = begin;
+    const DeviceState state = device.exchange(force_N);
+    const LocalTime exchanged = clock.now();
+    stopping = stopping || stop.load(std::memory_order_relaxed);
+    if (stopping) {
+      room.stop();
+      --ticks_to_stop;
+    }
+    const TickReport& report = room.tick(begin, state);
+    device.observe(report);
+    const LocalTime end = clock.now();
+    stats.exchange_ns.add((exchanged - begin).count());
+    stats.tick_ns.add((end - exchanged).count());
+    stats.add(report, (report.force_N - force_N).norm());
+    force_N = report.force_N;
+    deadline += kTickPeriod;
+    if (end >= deadline) deadline += ((end - deadline) / kTickPeriod + 1) * kTickPeriod;
+  }
+  (void)device.exchange(Vec3::Zero());
+}
+
+}  // namespace hapticast::client

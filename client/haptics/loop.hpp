@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The 1 kHz loop around the room, and what it counts for the summary.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "client/haptics/room.hpp"
+#include "common/histogram.hpp"
+
+namespace hapticast::client {
+
+inline constexpr Duration kTickPeriod{1'000'000};
+
+/// Everything of the summary that the loop knows. Thread: the loop's; read it after runLoop() has returned.
+struct LoopStats {
+  std::uint64_t ticks = 0;
+  std::uint64_t late_ticks = 0;  ///< began more than 1.5 ms after the one before
+  Histogram tick_ns;             ///< time in the room
+  Histogram exchange_ns;         ///< time in the device
+  std::array<std::uint64_t, kLookupKinds> lookup{};
+  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  std::array<std::uint64_t, kFaultKinds> faults{};  ///< index: Fault
+  std::uint64_t contact_ticks = 0;
+  double max_force_N = 0.0;
+  double max_force_step_N = 0.0;
+  double step_excess_max_N = 0.0;
+
+  /// Counts one tick. `step_N`: |change| of the force.
+  void add(const TickReport& report, double step_N) noexcept;
+};
+
+/// Runs until `stop`, then ramps the force to zero and leaves the device at zero. A deadline every millisecond on a
+/// fixed grid; after a stall the missed ones are skipped, not caught up. Thread: the loop's.
+void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,
+             LoopStats& stats) noexcept;
+
+}  // namespace hapticast::client

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/room.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace hapticast::client {
+
+namespace {
+// Without a word from the device for this long its last position says nothing any more.
+constexpr int kSilentTicks = 20;
+
+/// A point of the frame `before` (nominal mm) carried to where the object is now.
+Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
+  const Motion& then = object.before->motion;
+  const double angle_rad = object.angle_rad - then.angle_rad;
+  const Vec2 arm_mm = point_mm - then.position_mm.head<2>();
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad);
+  return object.position_mm.head<2>() +
+         Vec2(c * arm_mm.x() - s * arm_mm.y(), s * arm_mm.x() + c * arm_mm.y());
+}
+
+Vec2 centreOf(const ObjectNow& object, const Workspace& workspace) noexcept {
+  return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
+}
+
+const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
+                               const Workspace& workspace) noexcept {
+  const ObjectNow* nearest = nullptr;
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < scene.object_count; ++i) {
+    const ObjectNow& object = scene.objects[i];
+    if (object.before->field == nullptr || object.before->field->empty()) continue;
+    const double distance_mm = (centreOf(object, workspace) - hip_mm.head<2>()).norm();
+    if (distance_mm >= nearest_mm) continue;
+    nearest_mm = distance_mm;
+    nearest = &object;
+  }
+  return nearest;
+}
+
+bool standsStill(Lookup kind) noexcept { return kind == Lookup::kHeld || kind == Lookup::kFaded; }
+
+bool fresh(Lookup kind) noexcept {
+  return kind == Lookup::kInterpolated || kind == Lookup::kExtrapolated || kind == Lookup::kHeld;
+}
+}  // namespace
+
+Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<Controls>& controls,
+           LatestValue<TickReport>& published, Log* log) noexcept
+    : settings_(settings),
+      controls_(controls),
+      published_(published),
+      log_(log),
+      motion_(settings.profile.count_mm),
+      lookup_(pool, settings.interpolation),
+      dynamic_(settings.profile),
+      safety_(settings.profile),
+      mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {}
+
+const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
+  const Controls& controls = controls_.load();
+  const bool world_changed = follow(controls);
+  const HipEstimate& hip = motion_.update(state);
+  const MediaTime play_time = playout_.advance(now, controls, safety_.acts());
+  const Scene& scene = lookup_.at(play_time, controls);
+
+  report_.hip_mm = mapping_.toNominal(hip.position_mm);
+  const Contact contact = contactAt(scene, controls, report_.hip_mm);
+  SafetyInput input = safetyInput(hip, contact, scene, controls);
+  input.world_jumped = world_changed || scene.jumped || contact.jump;
+  input.device_lost = state.status == DeviceStatus::kLost;
+  input.dynamic_N = dynamic_.evaluate(contact.object, contact.displacement_mm.norm(),
+                                      hip.acceleration_m_s2, play_time, controls, mapping_.scale);
+  const SafetyOutput out = safety_.step(input);
+
+  ++report_.tick;
+  report_.time = now;
+  report_.play_time = play_time;
+  report_.playout_delay = playout_.delay();
+  report_.force_N = out.force_N;
+  report_.static_force_N = out.static_force_N;
+  report_.dynamic_force_N = out.dynamic_force_N;
+  report_.penetration_mm = out.penetration_mm / mapping_.scale;
+  report_.contact = out.contact;
+  report_.lookup = scene.kind;
+  report_.fault = faultOf(out, hip, input.device_lost);
+  report_.step_excess_N = out.step_excess_N;
+  report_.interferences = out.interferences;
+  report_.mapping = mapping_;
+  reportObject(contact, scene, controls);
+  publish();
+  return report_;
+}
+
+/// Takes over what changed in the controls; returns whether the world is another one.
+bool Room::follow(const Controls& controls) noexcept {
+  bool changed = controls.connected != connected_ && controls.connected;
+  connected_ = controls.connected;
+  // A pause only holds the frame; the resume may be anywhere.
+  changed = changed || (was_paused_ && !controls.paused);
+  was_paused_ = controls.paused;
+  if (!(controls.workspace == workspace_)) {
+    workspace_ = controls.workspace;
+    mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
+    changed = true;
+  }
+  if (controls.rearm != rearmed_) {
+    rearmed_ = controls.rearm;
+    safety_.rearm();
+  }
+  return changed;
+}
+
+Contact Room::contactAt(const Scene& scene, const Controls& controls, const Vec3& hip_mm) noexcept {
+  if (settings_.method == Method::kThesis) {
+    return thesis_.evaluate(lookup_, scene.play_time, hip_mm, controls.workspace);
+  }
+  return findContact(settings_.surface, scene, hip_mm, controls.workspace);
+}
+
+/// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
+SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact, const Scene& scene,
+                              const Controls& controls) const noexcept {
+  SafetyInput input;
+  input.position_mm = hip.finite ? hip.position_mm : Vec3::Constant(std::nan(""));
+  input.velocity_mm_s = hip.velocity_mm_s;
+  input.measurement_jumped = hip.restarted;
+  input.contact = contact.contact;
+  input.displacement_mm = contact.displacement_mm * mapping_.scale;
+  input.normal = contact.normal;
+  if (!controls.paused && !standsStill(scene.kind)) {
+    input.surface_velocity_mm_s = contact.surface_velocity_mm_s * mapping_.scale;
+  }
+  input.stiffness_factor = contact.stiffness_factor;
+  input.stiffness_N_mm = stiffness_N_mm(contact);
+  input.touchable =
+      controls.connected && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
+  input.dynamic_valid = scene.kind == Lookup::kInterpolated && !controls.paused;
+  return input;
+}
+
+double Room::stiffness_N_mm(const Contact& contact) const noexcept {
+  if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
+  if (contact.object != nullptr) {
+    const double material_N_mm = contact.object->before->material.stiffness_N_mm;
+    if (!(material_N_mm <= 0.0)) return material_N_mm;  // NaN goes on to the chain, which says so
+  }
+  return settings_.profile.stiffness_N_mm;
+}
+
+void Room::reportObject(const Contact& contact, const Scene& scene,
+                        const Controls& controls) noexcept {
+  const ObjectNow* object = contact.object != nullptr
+                                ? contact.object
+                                : nearestObject(scene, report_.hip_mm, controls.workspace);
+  report_.object_present = object != nullptr && object->before->field != nullptr &&
+                           controls.connected && fresh(scene.kind);
+  report_.over_object = false;
+  report_.height_at_hip_mm = 0.0;
+  if (!report_.object_present) return;
+  report_.object_id = object->before->id;
+  report_.object_position_mm = object->position_mm;
+  report_.object_velocity_mm_s = object->velocity_mm_s;
+  report_.object_centre_mm = centreOf(*object, controls.workspace);
+  report_.object_centre_height_mm =
+      surfaceAt(*object, report_.object_centre_mm, controls.workspace, false).sample.height_mm;
+  const SurfacePoint below =
+      surfaceAt(*object, report_.hip_mm.head<2>(), controls.workspace, false);
+  report_.over_object = below.inside;
+  if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
+}
+
+Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept {
+  const Fault fault = device_lost                          ? Fault::kDeviceLost
+                      : out.not_finite || !hip.finite      ? Fault::kNotFinite
+                                                           : Fault::kNone;
+  const bool lasting = faulty_ && fault != Fault::kNone;
+  faulty_ = fault != Fault::kNone;
+  return lasting ? Fault::kNone : fault;
+}
+
+void Room::publish() noexcept {
+  published_.store(report_);
+  recorder_.record(report_);
+  if (log_ != nullptr && !log_->tryPush(report_)) ++dropped_reports_;
+}
+
+}  // namespace hapticast::client

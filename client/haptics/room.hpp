@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// The real-time room: one tick from the device's position to the force it gets. No heap, locks, system calls or
+// exceptions; time is an argument; all state belongs to the loop's thread and has a fixed size.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "client/haptics/dynamic_force.hpp"
+#include "client/haptics/flight_recorder.hpp"
+#include "client/haptics/hip_motion.hpp"
+#include "client/haptics/lookup.hpp"
+#include "client/haptics/playout.hpp"
+#include "client/haptics/safety.hpp"
+#include "client/haptics/surface_model.hpp"
+#include "client/haptics/thesis_interpolation.hpp"
+#include "common/latest_value.hpp"
+
+namespace hapticast::client {
+
+struct RoomSettings {
+  DeviceProfile profile;
+  SurfaceKind surface = SurfaceKind::kNormal;
+  Interpolation interpolation = Interpolation::kHermite;
+  Method method = Method::kHapticast;  ///< kThesis: forces interpolated by cubics between frames
+  double stiffness_N_mm = 0.0;         ///< > 0: instead of the material's and the profile's
+};
+
+/// Holds about 1 MB (the flight recorder): not for the stack.
+class Room {
+ public:
+  using Log = SpscRing<TickReport, 4096>;
+  /// All arguments outlive the room. `log` may be null; it is never waited for.
+  Room(const RoomSettings& settings, FramePool& pool, LatestValue<Controls>& controls,
+       LatestValue<TickReport>& published, Log* log) noexcept;
+
+  /// One tick; report().force_N is for the device. Thread: loop.
+  const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
+  /// From now on the force ramps to zero and stays there. Thread: loop.
+  void stop() noexcept { safety_.stop(); }
+
+  [[nodiscard]] const TickReport& report() const noexcept { return report_; }
+  /// Reports that found the log full. Thread: loop, or any after the loop has ended.
+  [[nodiscard]] std::uint64_t droppedReports() const noexcept { return dropped_reports_; }
+  /// Frames that arrived after they were due. Thread: as droppedReports().
+  [[nodiscard]] std::uint64_t lateFrames() const noexcept { return lookup_.lateFrames(); }
+  [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
+
+ private:
+  bool follow(const Controls& controls) noexcept;
+  Contact contactAt(const Scene& scene, const Controls& controls, const Vec3& hip_mm) noexcept;
+  SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact, const Scene& scene,
+                          const Controls& controls) const noexcept;
+  double stiffness_N_mm(const Contact& contact) const noexcept;
+  void reportObject(const Contact& contact, const Scene& scene, const Controls& controls) noexcept;
+  Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
+  void publish() noexcept;
+
+  const RoomSettings& settings_;
+  LatestValue<Controls>& controls_;
+  LatestValue<TickReport>& published_;
+  Log* log_;
+  HipMotion motion_;
+  Playout playout_;
+  FrameLookup lookup_;
+  ThesisInterpolation thesis_;
+  DynamicForce dynamic_;
+  SafetyChain safety_;
+  Workspace workspace_;
+  DeviceMapping mapping_;
+  bool connected_ = false;
+  bool was_paused_ = false;
+  bool faulty_ = false;  // a lasting fault is raised once
+  std::uint32_t rearmed_ = 0;
+  std::uint64_t dropped_reports_ = 0;
+  TickReport report_;
+  FlightRecorder recorder_;
+};
+
+}  // namespace hapticast::client

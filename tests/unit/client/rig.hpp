@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// A virtual clock and a bench for the chain: virtual device, HIP motion and safety chain against a flat wall.
+#pragma once
+
+#include <cmath>
+
+#include "client/device/virtual_device.hpp"
+#include "client/haptics/hip_motion.hpp"
+#include "client/haptics/safety.hpp"
+
+namespace hapticast::client {
+
+class ManualClock final : public Clock {
+ public:
+  [[nodiscard]] LocalTime now() const noexcept override { return now_; }
+  void advance(Duration by) noexcept { now_ += by; }
+
+ private:
+  LocalTime now_ = localTime(1.0);
+};
+
+/// A wall facing +z at `wall_mm` (device frame). One step() is one tick: device, motion, chain.
+class Rig {
+ public:
+  Rig(const DeviceProfile& told, const DeviceProfile& real, const Hand& hand)
+      : device(real, hand, clock, nullptr), motion(told.count_mm), chain(told), told_(told) {
+    stiffness_N_mm = told.stiffness_N_mm;
+  }
+
+  const SafetyOutput& step(Duration period = Duration(1'000'000)) {
+    clock.advance(period);
+    DeviceState state = device.exchange(out.force_N);
+    if (blind) state.position_mm.setConstant(std::nan(""));
+    if (lost) state.status = DeviceStatus::kLost;
+    const HipEstimate& hip = motion.update(state);
+    SafetyInput input;
+    input.position_mm = hip.position_mm;
+    input.velocity_mm_s = hip.velocity_mm_s;
+    input.measurement_jumped = hip.restarted;
+    input.device_lost = lost;
+    const double depth_mm = wall_mm - hip.position_mm.z();
+    input.contact = wall_present && depth_mm > 0.0;
+    input.displacement_mm = input.contact ? Vec3(0.0, 0.0, depth_mm) : Vec3(Vec3::Zero());
+    if (nan_heights) input.displacement_mm.setConstant(std::nan(""));
+    input.surface_velocity_mm_s = {0.0, 0.0, wall_velocity_mm_s};
+    input.stiffness_N_mm = stiffness_N_mm;
+    input.world_jumped = epoch_jump;
+    input.touchable = touchable;
+    input.dynamic_N = dynamic_N;
+    input.dynamic_valid = true;
+    epoch_jump = false;
+    const Vec3 before_N = out.force_N;
+    out = chain.step(input);
+    measure(hip, before_N);
+    return out;
+  }
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) step();
+  }
+
+  ManualClock clock;
+  VirtualDevice device;
+  HipMotion motion;
+  SafetyChain chain;
+  SafetyOutput out;
+  double wall_mm = 0.0;
+  double wall_velocity_mm_s = 0.0;
+  double stiffness_N_mm = 0.5;
+  bool wall_present = true;
+  bool touchable = true;
+  bool epoch_jump = false;
+  bool nan_heights = false;
+  bool blind = false;
+  bool lost = false;
+  Vec3 dynamic_N = Vec3::Zero();
+  // Over all ticks since the last clear().
+  double max_excess_N = 0.0;        // by the chain's own meter
+  double max_outer_excess_N = 0.0;  // by the test, from what goes in and out
+  double max_step_N = 0.0;
+  double max_force_N = 0.0;
+  bool finite = true;
+  void clear() { max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0; }
+
+ private:
+  void measure(const HipEstimate& hip, const Vec3& before_N) {
+    const double step_N = (out.force_N - before_N).norm();
+    // The allowance as the notes have it, with the largest stiffness in play.
+    const double k = std::min(stiffness_N_mm, stiffnessLimit_N_mm(told_));
+    const double b_mm = (k * 1e3 * wallLead_s(told_.delay_ticks) + 1.0) * 1e-3;
+    double allowed_N = out.force_N.norm() > before_N.norm() ? told_.slew_rise_N_per_tick
+                                                            : told_.slew_fall_N_per_tick;
+    if (!hip.restarted && (out.contact || was_contact_)) {
+      allowed_N += k * (hip.position_mm - last_position_mm_).norm() +
+                   b_mm * (hip.velocity_mm_s - last_velocity_mm_s_).norm();
+      if (out.contact != was_contact_) allowed_N += b_mm * hip.velocity_mm_s.norm();
+    }
+    max_outer_excess_N = std::max(max_outer_excess_N, step_N - allowed_N);
+    max_excess_N = std::max(max_excess_N, out.step_excess_N);
+    max_step_N = std::max(max_step_N, step_N);
+    max_force_N = std::max(max_force_N, out.force_N.norm());
+    finite = finite && out.force_N.allFinite();
+    was_contact_ = out.contact;
+    last_position_mm_ = hip.position_mm;
+    last_velocity_mm_s_ = hip.velocity_mm_s;
+  }
+
+  DeviceProfile told_;
+  bool was_contact_ = false;
+  Vec3 last_position_mm_ = Vec3::Zero();
+  Vec3 last_velocity_mm_s_ = Vec3::Zero();
+};
+
+}  // namespace hapticast::client
