@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The server's stream against hand-made peers: who gets what, and what misbehaviour gets.
 #include <random>
+#include <thread>
 
 #include "tests/integration/stream_fixture.hpp"
 
@@ -196,6 +197,30 @@ TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
   }));
   EXPECT_TRUE(dropped);
   EXPECT_EQ(server.broadcaster.counts().timed_out, 1U);
+}
+
+TEST_F(ServerTest, TakesFramesFromAnotherThread) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server, true);
+  std::thread pipeline([&] {
+    StreamDescription changed = TestServer::description();
+    for (std::uint64_t id = 1; id <= 200; ++id) {
+      server.publish(id);
+      if (server.broadcaster.videoWanted()) {
+        server.broadcaster.publish(server::encodeVideo({0, id, server.media.now(), {0xFF, 0xD8}}));
+      }
+      changed.largest_acceleration_mm_s2 = static_cast<double>(id);
+      server.broadcaster.describe(changed);
+    }
+  });
+  EXPECT_TRUE(runUntil([&] {
+    peer->poll();
+    const auto frames = peer->all<HapticFrame>();
+    const auto descriptions = peer->all<StreamDescription>();
+    return !frames.empty() && frames.back().id == 200 && !descriptions.empty() &&
+           descriptions.back().largest_acceleration_mm_s2 == 200.0;
+  }));
+  pipeline.join();
 }
 
 TEST_F(ServerTest, SaysGoodbyeAndRunsOutOfWork) {
