@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// The client's connection against the real server, over good and bad networks, and against servers
+// that err.
+#include "tests/integration/stream_fixture.hpp"
+#include "tests/support/lossy_link.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+using ConnectionTest = StreamTest;
+using std::chrono::milliseconds;
+
+/// Accepts one connection at a time and lets the test play the server.
+struct FakeServer {
+  explicit FakeServer(asio::io_context& io) : acceptor(io, {asio::ip::address_v4::loopback(), 0}) {
+    acceptor.non_blocking(true);
+  }
+  bool accept() {
+    boost::system::error_code ec;
+    auto socket = acceptor.accept(ec);
+    if (ec) return false;
+    peer = std::make_unique<RawPeer>(std::move(socket));
+    return true;
+  }
+  [[nodiscard]] std::uint16_t port() const { return acceptor.local_endpoint().port(); }
+  asio::ip::tcp::acceptor acceptor;
+  std::unique_ptr<RawPeer> peer;
+};
+
+TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
+  TestServer server(io, clock);
+  TestClient client(io, clock, server.listener.port(), [](auto& s) { s.wants_video = true; });
+  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  for (std::uint64_t id = 1; id <= 20; ++id) {
+    server.publish(id, 8, false);
+    ASSERT_TRUE(runUntil([&] {
+      client.drain();
+      return client.frames.size() == id;
+    }));
+    EXPECT_TRUE(client.last_has_field);
+  }
+  server.broadcaster.publish(server::encodeVideo({0, 20, server.media.now(), {0xFF, 0xD8, 1}}));
+  ASSERT_TRUE(runUntil([&] { return client.videos.size() == 1; }));
+  EXPECT_EQ(client.videos[0].jpeg.size(), 3U);
+  EXPECT_EQ(client.receiver.counts().lost, 0U);
+  // Both clocks are one here, so the true offset is known.
+  const Duration truth = -server.media.zero.time_since_epoch();
+  EXPECT_LE(std::chrono::abs(client.controls.load().clock_offset - truth),
+            client.receiver.clockErrorBound() + std::chrono::microseconds(1));
+  EXPECT_GT(client.connection.bytesReceived(), 0U);
+}
+
+TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
+  TestServer server(io, clock);
+  LossyLink link(io, server.listener.port(), {milliseconds(3), milliseconds(10), 5});
+  TestClient client(io, clock, link.port(), [](auto& s) { s.ping_interval = milliseconds(10); });
+  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  for (std::uint64_t id = 1; id <= 40; ++id) {
+    server.publish(id);
+    ASSERT_TRUE(runUntil([&] {
+      client.drain();
+      return client.frames.size() + 3 > id;  // some are always on their way
+    }));
+  }
+  ASSERT_TRUE(runUntil([&] {
+    client.drain();
+    return client.frames.size() == 40;
+  }));
+  const Duration truth = -server.media.zero.time_since_epoch();
+  EXPECT_GE(client.receiver.clockErrorBound(), milliseconds(3)) << "the delay of the link is real";
+  EXPECT_LE(std::chrono::abs(client.controls.load().clock_offset - truth),
+            client.receiver.clockErrorBound() + milliseconds(1));
+  for (std::size_t i = 0; i < client.frames.size(); ++i) EXPECT_EQ(client.frames[i].second, i + 1);
+  EXPECT_GT(client.controls.load().playout_delay_target, milliseconds(43));
+}
+
+TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
+  auto server = std::make_unique<TestServer>(io, clock);
+  const std::uint16_t port = server->listener.port();
+  TestClient client(io, clock, port);
+  server->publish(7);
+  ASSERT_TRUE(runUntil([&] {
+    client.drain();
+    return client.frames.size() == 1;
+  }));
+  server->stop();
+  ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; })) << "goodbye, then nobody there";
+  EXPECT_NE(client.lost[0].find("the server ends"), std::string::npos) << client.lost[0];
+  EXPECT_FALSE(client.controls.load().connected);
+  TestServer second(io, clock, {}, port);
+  second.publish(1);  // ids start over
+  ASSERT_TRUE(runUntil([&] {
+    client.drain();
+    return client.frames.size() == 2;
+  }));
+  EXPECT_EQ(client.welcomes, 2);
+  EXPECT_GT(client.frames[1].first, client.frames[0].first) << "a new epoch";
+  EXPECT_EQ(client.controls.load().first_epoch, client.frames[1].first);
+  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  EXPECT_TRUE(client.failure.empty());
+}
+
+TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
+  TestServer server(io, clock);
+  LossyLink link(io, server.listener.port(), {});
+  TestClient client(io, clock, link.port(), [](auto& s) { s.silence_limit = milliseconds(250); });
+  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  link.cut();
+  ASSERT_TRUE(runUntil([&] { return client.welcomes == 2; }));
+  ASSERT_EQ(client.lost.size(), 1U);
+  link.stall(true);
+  ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; }));
+  EXPECT_NE(client.lost[1].find("silent"), std::string::npos) << client.lost[1];
+  link.stall(false);
+  ASSERT_TRUE(runUntil([&] { return client.welcomes >= 3 && client.controls.load().connected; }));
+}
+
+TEST_F(ConnectionTest, SaysAtOnceThatNobodyIsThere) {
+  std::uint16_t port = 0;
+  {
+    const FakeServer closed(io);
+    port = closed.port();
+  }
+  TestClient client(io, clock, port, [](auto& s) { s.patient = false; });
+  ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
+  EXPECT_EQ(client.failure.find("127.0.0.1:" + std::to_string(port) + ": cannot connect"), 0U)
+      << client.failure;
+  EXPECT_TRUE(client.lost.empty());
+}
+
+TEST_F(ConnectionTest, SaysAtOnceThatTheHostIsUnknown) {
+  TestClient client(io, clock, 7447, [](auto& s) {
+    s.patient = false;
+    s.host = "no-such-host.invalid";
+  });
+  ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
+  EXPECT_EQ(client.failure.find("no-such-host.invalid:7447: "), 0U) << client.failure;
+  EXPECT_EQ(client.failure.find('\n'), std::string::npos);
+}
+
+TEST_F(ConnectionTest, WaitsPatientlyForAServerThatIsNotThereYet) {
+  std::uint16_t port = 0;
+  {
+    const FakeServer closed(io);
+    port = closed.port();
+  }
+  TestClient client(io, clock, port);
+  ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; }));
+  TestServer server(io, clock, {}, port);
+  EXPECT_TRUE(runUntil([&] { return client.welcomes == 1; }));
+}
+
+TEST_F(ConnectionTest, GivesUpOnAnotherVersionOnly) {
+  FakeServer server(io);
+  TestClient client(io, clock, server.port());
+  ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+  server.peer->send(Error{ErrorCode::kServerFull, "all 2 places are taken"});
+  ASSERT_TRUE(runUntil([&] { return client.lost.size() == 1; }));
+  EXPECT_NE(client.lost[0].find("all 2 places are taken"), std::string::npos);
+  ASSERT_TRUE(runUntil([&] { return server.accept(); })) << "tried again";
+  server.peer->send(Error{ErrorCode::kVersion, "this server speaks protocol version 2"});
+  ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
+  EXPECT_NE(client.failure.find("protocol version 2"), std::string::npos);
+}
+
+TEST_F(ConnectionTest, LeavesServersThatDoNotSpeakTheProtocol) {
+  FakeServer server(io);
+  TestClient client(io, clock, server.port(),
+                    [](auto& s) { s.connect_deadline = milliseconds(200); });
+  const std::vector<std::pair<std::vector<std::uint8_t>, std::string>> answers = {
+      {{'H', 'T', 'T', 'P', '/', '1', '.', '1'}, "are allowed here"},
+      {*framed(encode(Ping{})), "no welcome"},
+      {*framed(std::vector<std::uint8_t>{0xFF, 0xFF}), "not a message"},
+      {*framed(encode(Welcome{9, 1, 0, {}})), "version"},
+  };
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    ASSERT_TRUE(runUntil([&] { return server.accept(); })) << i;
+    if (i == 0) {  // first one that never answers
+      ASSERT_TRUE(runUntil([&] { return client.lost.size() == 1; }));
+      EXPECT_NE(client.lost[0].find("no welcome came"), std::string::npos) << client.lost[0];
+      ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+    }
+    server.peer->send(answers[i].first);
+    ASSERT_TRUE(runUntil([&] { return client.lost.size() == i + 2 || !client.failure.empty(); }));
+    const std::string& line = client.failure.empty() ? client.lost.back() : client.failure;
+    EXPECT_NE(line.find(answers[i].second), std::string::npos) << line;
+  }
+  EXPECT_FALSE(client.failure.empty()) << "another version is hopeless";
+}
+
+TEST_F(ConnectionTest, IgnoresPongsItDidNotAskFor) {
+  FakeServer server(io);
+  TestClient client(io, clock, server.port(),
+                    [](auto& s) { s.ping_interval = s.burst_interval = std::chrono::hours(1); });
+  ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+  server.peer->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
+  for (int i = 0; i < 20; ++i) server.peer->send(Pong{localTime(i), mediaTime(i), mediaTime(i)});
+  server.peer->send(HapticFrame{});
+  ASSERT_TRUE(runUntil([&] {
+    client.drain();
+    return client.frames.size() == 1;
+  }));
+  EXPECT_FALSE(client.controls.load().connected) << "the clock is not known";
+}
+
+TEST_F(ConnectionTest, StopsCleanlyInEveryState) {
+  TestServer server(io, clock);
+  auto connected = std::make_unique<TestClient>(io, clock, server.listener.port());
+  TestClient resolving(io, clock, server.listener.port());
+  ASSERT_TRUE(runUntil([&] { return connected->welcomes == 1; }));
+  connected->connection.stop();
+  resolving.connection.stop();
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
+  server.stop();
+  EXPECT_TRUE(runUntil([&] { return io.stopped(); }));
+}
+
+TEST_F(ConnectionTest, TwentyClientsGetEveryFrame) {
+  TestServer server(io, clock);
+  std::vector<std::unique_ptr<TestClient>> clients;
+  for (int i = 0; i < 20; ++i) {
+    clients.push_back(std::make_unique<TestClient>(io, clock, server.listener.port()));
+  }
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 20; }));
+  for (std::uint64_t id = 1; id <= 25; ++id) {
+    server.publish(id, 100);
+    ASSERT_TRUE(runUntil([&] {
+      for (const auto& each : clients) each->drain();
+      return std::all_of(clients.begin(), clients.end(),
+                         [&](const auto& each) { return each->frames.size() == id; });
+    }));
+  }
+  EXPECT_EQ(server.broadcaster.counts().sent.frames_sent, 20U * 25U);
+  EXPECT_EQ(server.broadcaster.counts().sent.dropped(), 0U);
+}
+
+}  // namespace
+}  // namespace hapticast::testing

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+// The server's stream against hand-made peers: who gets what, and what misbehaviour gets.
+#include <random>
+#include <thread>
+
+#include "tests/integration/stream_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+using ServerTest = StreamTest;
+using std::chrono::milliseconds;
+
+TEST_F(ServerTest, WelcomesAndSendsFramesAndPongs) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  EXPECT_EQ(peer->all<Welcome>()[0].description, TestServer::description());
+  peer->send(Ping{localTime(1.5)});
+  server.publish(1, 8, false);
+  server.publish(2, 8, false);
+  ASSERT_TRUE(runUntil([&] {
+    peer->poll();
+    return peer->all<HapticFrame>().size() == 2 && !peer->all<Pong>().empty();
+  }));
+  EXPECT_TRUE(peer->all<HapticFrame>()[0].objects[0].relief);
+  EXPECT_FALSE(peer->all<HapticFrame>()[1].objects[0].relief) << "unchanged";
+  const Pong pong = peer->all<Pong>()[0];
+  EXPECT_EQ(pong.t0, localTime(1.5));
+  EXPECT_LE(pong.t1, pong.t2);
+  EXPECT_LE(pong.t2, server.media.now());
+}
+
+TEST_F(ServerTest, WhoJoinsGetsTheWholeLastFrameAtOnce) {
+  TestServer server(io, clock);
+  const auto first = viewer(server);
+  server.publish(1, 8, false);
+  server.publish(2, 8, false);
+  ASSERT_TRUE(runUntil([&] {
+    first->poll();
+    return first->all<HapticFrame>().size() == 2;
+  }));
+  const auto late = viewer(server);
+  ASSERT_TRUE(runUntil([&] {
+    late->poll();
+    return late->all<HapticFrame>().size() == 1;
+  }));
+  EXPECT_EQ(late->all<HapticFrame>()[0].id, 2U);
+  EXPECT_TRUE(late->all<HapticFrame>()[0].objects[0].relief);
+}
+
+TEST_F(ServerTest, SendsVideoToThoseWhoWantIt) {
+  TestServer server(io, clock);
+  const auto blind = viewer(server);
+  EXPECT_FALSE(server.broadcaster.videoWanted());
+  const auto seeing = viewer(server, true);
+  EXPECT_TRUE(server.broadcaster.videoWanted());
+  server.broadcaster.publish(server::encodeVideo({0, 1, server.media.now(), {0xFF, 0xD8}}));
+  server.publish(1);
+  ASSERT_TRUE(runUntil([&] {
+    blind->poll();
+    seeing->poll();
+    return !blind->all<HapticFrame>().empty() && !seeing->all<VideoFrame>().empty();
+  }));
+  EXPECT_TRUE(blind->all<VideoFrame>().empty());
+}
+
+TEST_F(ServerTest, AnnouncesAnotherStreamToAll) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  StreamDescription other = TestServer::description();
+  other.workspace.width_px = 320;
+  server.publish(1);
+  server.broadcaster.describe(other);
+  ASSERT_TRUE(runUntil([&] {
+    peer->poll();
+    return !peer->all<StreamDescription>().empty();
+  }));
+  EXPECT_EQ(peer->all<StreamDescription>()[0], other);
+  const auto late = viewer(server);
+  EXPECT_EQ(late->all<Welcome>()[0].description, other);
+  server.publish(2);
+  ASSERT_TRUE(runUntil([&] {
+    late->poll();
+    return !late->all<HapticFrame>().empty();
+  }));
+  EXPECT_EQ(late->all<HapticFrame>()[0].id, 2U) << "frames of the other picture are void";
+}
+
+TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
+  TestServer server(io, clock);
+  RawPeer peer(io, server.listener.port());
+  peer.send(Hello{kProtocolVersion + 1, "future", false, true});
+  const Error error = farewell(peer);
+  EXPECT_EQ(error.code, ErrorCode::kVersion);
+  EXPECT_NE(error.message.find(std::to_string(kProtocolVersion)), std::string::npos);
+}
+
+TEST_F(ServerTest, RefusesRandomBytesWhileOthersKeepReceiving) {
+  TestServer server(io, clock);
+  const auto other = viewer(server);
+  std::mt19937 random(1);
+  for (int round = 0; round < 10; ++round) {
+    RawPeer peer(io, server.listener.port());
+    std::vector<std::uint8_t> noise(5000);
+    for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() | 1U);
+    peer.send(noise);
+    EXPECT_EQ(farewell(peer).code, ErrorCode::kTooLarge) << "random bytes are a huge length";
+    RawPeer framed_noise(io, server.listener.port());
+    framed_noise.send(*framed(noise));
+    EXPECT_EQ(farewell(framed_noise).code, ErrorCode::kMalformed);
+  }
+  server.publish(1);
+  EXPECT_TRUE(runUntil([&] {
+    other->poll();
+    return !other->all<HapticFrame>().empty();
+  }));
+  EXPECT_EQ(server.broadcaster.counts().clients, 1U);
+  EXPECT_EQ(server.broadcaster.counts().refused, 20U);
+}
+
+TEST_F(ServerTest, RefusesTooLongAndEmptyMessages) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  peer->send(std::vector<std::uint8_t>{0x01, 0x00, 0x01, 0x00});  // 64 KiB + 1
+  EXPECT_EQ(farewell(*peer).code, ErrorCode::kTooLarge);
+  const auto empty = viewer(server);
+  empty->send(std::vector<std::uint8_t>{0, 0, 0, 0});
+  EXPECT_EQ(farewell(*empty).code, ErrorCode::kMalformed);
+}
+
+TEST_F(ServerTest, RefusesMessagesAtTheWrongMoment) {
+  TestServer server(io, clock);
+  for (const Message& early : {Message(Ping{}), Message(Report{}), Message(HapticFrame{})}) {
+    RawPeer peer(io, server.listener.port());
+    peer.send(early);
+    EXPECT_EQ(farewell(peer).code, ErrorCode::kUnexpected);
+  }
+  for (const Message& wrong : {Message(Hello{}), Message(Pong{}), Message(Welcome{})}) {
+    const auto peer = viewer(server);
+    peer->send(wrong);
+    EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
+  }
+}
+
+TEST_F(ServerTest, RefusesAFloodOfMessages) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  for (int i = 0; i < 400; ++i) peer->send(Report{});
+  EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
+}
+
+TEST_F(ServerTest, ClosesConnectionsThatSayNothing) {
+  server::StreamSettings settings;
+  settings.hello_deadline = milliseconds(100);
+  settings.idle_timeout = milliseconds(300);
+  TestServer server(io, clock, settings);
+  RawPeer half_open(io, server.listener.port());
+  EXPECT_EQ(farewell(half_open).code, ErrorCode::kTimeout);
+  const auto silent = viewer(server);
+  EXPECT_EQ(farewell(*silent).code, ErrorCode::kTimeout);
+  EXPECT_EQ(server.broadcaster.counts().timed_out, 2U);
+}
+
+TEST_F(ServerTest, RefusesMoreClientsThanItHasPlacesFor) {
+  server::StreamSettings settings;
+  settings.max_clients = 2;
+  TestServer server(io, clock, settings);
+  auto first = viewer(server);
+  const auto second = viewer(server);
+  RawPeer third(io, server.listener.port());
+  third.send(Hello{});
+  EXPECT_EQ(farewell(third).code, ErrorCode::kServerFull);
+  first.reset();
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 1; }));
+  (void)viewer(server);
+}
+
+TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
+  server::StreamSettings settings;
+  settings.write_timeout = milliseconds(500);
+  TestServer server(io, clock, settings);
+  const auto slow = viewer(server);  // reads nothing from now on
+  const auto quick = viewer(server);
+  bool dropped = false;
+  std::uint64_t id = 0;
+  ASSERT_TRUE(runUntil([&] {
+    server.publish(++id, 700);
+    quick->got.clear();
+    // The quick one has every frame, whole, before the next is made.
+    EXPECT_TRUE(runUntil([&] {
+      quick->poll();
+      return !quick->all<HapticFrame>().empty();
+    }));
+    EXPECT_EQ(quick->all<HapticFrame>()[0].id, id);
+    dropped = dropped || server.broadcaster.counts().sent.dropped() > 0;
+    return server.broadcaster.counts().clients == 1;
+  }));
+  EXPECT_TRUE(dropped);
+  EXPECT_EQ(server.broadcaster.counts().timed_out, 1U);
+}
+
+TEST_F(ServerTest, TakesFramesFromAnotherThread) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server, true);
+  std::thread pipeline([&] {
+    StreamDescription changed = TestServer::description();
+    for (std::uint64_t id = 1; id <= 200; ++id) {
+      server.publish(id);
+      if (server.broadcaster.videoWanted()) {
+        server.broadcaster.publish(server::encodeVideo({0, id, server.media.now(), {0xFF, 0xD8}}));
+      }
+      changed.largest_acceleration_mm_s2 = static_cast<double>(id);
+      server.broadcaster.describe(changed);
+    }
+  });
+  EXPECT_TRUE(runUntil([&] {
+    peer->poll();
+    const auto frames = peer->all<HapticFrame>();
+    const auto descriptions = peer->all<StreamDescription>();
+    return !frames.empty() && frames.back().id == 200 && !descriptions.empty() &&
+           descriptions.back().largest_acceleration_mm_s2 == 200.0;
+  }));
+  pipeline.join();
+}
+
+TEST_F(ServerTest, SaysGoodbyeAndRunsOutOfWork) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  server.stop();
+  EXPECT_EQ(farewell(*peer).code, ErrorCode::kShuttingDown);
+  io.restart();
+  EXPECT_TRUE(runUntil([&] { return io.stopped(); })) << "nothing is left to wait for";
+}
+
+TEST_F(ServerTest, NamesTheAddressItCannotListenOn) {
+  TestServer server(io, clock);
+  const auto complaint = [&](const std::string& address) {
+    try {
+      const server::Listener listener(io, address, server.broadcaster);
+      return std::string("no complaint");
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+  };
+  const std::string used = "127.0.0.1:" + std::to_string(server.listener.port());
+  EXPECT_NE(complaint(used).find(used), std::string::npos);
+  EXPECT_NE(complaint(used).find("in use"), std::string::npos);
+  for (const char* wrong : {"127.0.0.1", "nowhere:80", "127.0.0.1:", "127.0.0.1:65536", "1.2.3.4:x",
+                            "127.0.0.1:-1", "", "192.0.2.1:7447"}) {
+    EXPECT_EQ(complaint(wrong).find("cannot listen on " + std::string(wrong)), 0U)
+        << complaint(wrong);
+    EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::testing

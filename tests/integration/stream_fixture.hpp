@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+// A real server on 127.0.0.1 and what talks to it, on one io_context that the test drives.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/net/connection.hpp"
+#include "common/asio.hpp"
+#include "server/stream/listener.hpp"
+
+namespace hapticast::testing {
+
+/// A server's stream half: listener and broadcaster.
+struct TestServer {
+  TestServer(asio::io_context& io, const Clock& clock, server::StreamSettings settings = {},
+             std::uint16_t port = 0)
+      : media{clock, clock.now()},
+        broadcaster(io, media, description(), settings),
+        listener(io, "127.0.0.1:" + std::to_string(port), broadcaster) {}
+
+  static StreamDescription description() {
+    StreamDescription description;
+    description.name = "test";
+    return description;
+  }
+  void stop() {
+    listener.stop();
+    broadcaster.stop();
+  }
+  /// Publishes a frame with one object whose relief is `side` x `side` px and changes in every
+  /// frame or never.
+  void publish(std::uint64_t id, int side = 8, bool changes = true) {
+    auto relief = std::make_shared<Relief>();
+    relief->rect = {0, 0, side, side};
+    const auto pixels = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
+    relief->height_mm.assign(pixels, 5.0F);
+    relief->mask.assign(pixels, 1);
+    HapticFrame frame;
+    frame.id = id;
+    frame.media_time = media.now();
+    frame.objects.push_back({1, 0, changes ? id : 1, relief, {}, nullptr, {}, {}});
+    broadcaster.publish(encoder.encode(frame));
+  }
+
+  server::MediaClock media;
+  server::Broadcaster broadcaster;
+  server::Listener listener;
+  server::FrameEncoder encoder;
+};
+
+/// A hand-made peer: sends any bytes, reads what comes when asked to.
+class RawPeer {
+ public:
+  RawPeer(asio::io_context& io, std::uint16_t port) : socket_(io) {
+    socket_.connect({asio::ip::address_v4::loopback(), port});
+    socket_.non_blocking(true);
+  }
+  explicit RawPeer(asio::ip::tcp::socket socket) : socket_(std::move(socket)) {
+    socket_.non_blocking(true);
+  }
+  void send(const std::vector<std::uint8_t>& bytes) {
+    boost::system::error_code ignored;  // the other side may have closed already
+    asio::write(socket_, asio::buffer(bytes), ignored);
+  }
+  void send(const Message& message) { send(*framed(encode(message))); }
+  /// Takes what has arrived.
+  void poll() {
+    std::vector<std::uint8_t> chunk(1U << 16U);
+    boost::system::error_code ec;
+    while (!closed) {
+      const std::size_t size = socket_.read_some(asio::buffer(chunk), ec);
+      if (ec == asio::error::would_block) return;
+      if (ec) {
+        closed = true;
+        reset = ec != asio::error::eof;
+        return;
+      }
+      reader_.feed(std::span(chunk).first(size));
+      for (auto next = reader_.next(); next.ok() && next.value(); next = reader_.next()) {
+        got.push_back(decode(*next.value()).value());
+      }
+    }
+  }
+  template <class T>
+  [[nodiscard]] std::vector<T> all() const {
+    std::vector<T> found;
+    for (const Message& each : got) {
+      if (const T* const match = std::get_if<T>(&each)) found.push_back(*match);
+    }
+    return found;
+  }
+
+  std::vector<Message> got;
+  bool closed = false;
+  bool reset = false;
+
+ private:
+  asio::ip::tcp::socket socket_;
+  FrameReader reader_{kMaxMessageBytes};
+};
+
+/// A whole client's network half, with the loop's side of the pool.
+struct TestClient {
+  TestClient(asio::io_context& io, const Clock& clock, std::uint16_t port,
+             const std::function<void(client::ConnectionSettings&)>& change = {})
+      : connection(io, clock, settings(port, change), receiver, events()) {
+    connection.start();
+  }
+
+  static client::ConnectionSettings settings(
+      std::uint16_t port, const std::function<void(client::ConnectionSettings&)>& change) {
+    client::ConnectionSettings settings;
+    settings.port = port;
+    settings.patient = true;
+    settings.burst_interval = std::chrono::milliseconds(1);
+    settings.ping_interval = std::chrono::milliseconds(50);
+    settings.first_retry = std::chrono::milliseconds(10);
+    settings.last_retry = std::chrono::milliseconds(50);
+    if (change) change(settings);
+    return settings;
+  }
+  client::ConnectionEvents events() {
+    return {[this](const StreamDescription&) { ++welcomes; },
+            [this](VideoFrame frame) { videos.push_back(std::move(frame)); },
+            [this](const std::string& line) { lost.push_back(line); },
+            [this](const std::string& line) { failure = line; }};
+  }
+  /// What the loop would do: takes every frame and gives it back.
+  void drain() {
+    client::FramePool::Index index = 0;
+    while (pool->take(index)) {
+      frames.push_back({pool->frame(index).epoch, pool->frame(index).id});
+      last_has_field =
+          pool->frame(index).object_count > 0 && pool->frame(index).objects[0].field != nullptr;
+      pool->giveBack(index);
+    }
+  }
+
+  std::unique_ptr<client::FramePool> pool = std::make_unique<client::FramePool>();
+  LatestValue<client::Controls> controls;
+  client::Receiver receiver{*pool, controls, {}};
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
+  bool last_has_field = false;
+  std::vector<VideoFrame> videos;
+  std::vector<std::string> lost;
+  std::string failure;
+  int welcomes = 0;
+  client::Connection connection;
+};
+
+class StreamTest : public ::testing::Test {
+ protected:
+  /// Runs everything until `done`; false when it never is.
+  bool runUntil(const std::function<bool()>& done) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > give_up) return false;
+      io.restart();
+      io.run_for(std::chrono::milliseconds(2));
+    }
+    return true;
+  }
+  /// A peer that has been welcomed.
+  std::unique_ptr<RawPeer> viewer(const TestServer& server, bool wants_video = false) {
+    auto peer = std::make_unique<RawPeer>(io, server.listener.port());
+    peer->send(Hello{kProtocolVersion, "raw", wants_video, true});
+    EXPECT_TRUE(runUntil([&] {
+      peer->poll();
+      return !peer->all<Welcome>().empty();
+    }));
+    return peer;
+  }
+  /// The error a peer is sent before it is closed in an orderly way.
+  Error farewell(RawPeer& peer) {
+    EXPECT_TRUE(runUntil([&] {
+      peer.poll();
+      return peer.closed;
+    }));
+    EXPECT_FALSE(peer.reset) << "the error could have been lost";
+    const auto errors = peer.all<Error>();
+    return errors.size() == 1 ? errors[0] : Error{ErrorCode::kMalformed, "no single error came"};
+  }
+
+  SteadyClock clock;
+  asio::io_context io;
+};
+
+}  // namespace hapticast::testing

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+// The receiver under virtual time: the test is server, network and loop.
+#include "client/net/receiver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace hapticast::client {
+namespace {
+
+constexpr double kOffset_s = 500.0;  // media clock - local clock
+constexpr double kLatency_s = 0.1;   // pipeline
+
+std::shared_ptr<Relief> relief(PixelRect rect, float height_mm = 5.0F) {
+  auto relief = std::make_shared<Relief>();
+  relief->rect = rect;
+  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
+  relief->height_mm.assign(pixels, height_mm);
+  relief->mask.assign(pixels, 1);
+  return relief;
+}
+
+class ReceiverTest : public ::testing::Test {
+ protected:
+  ReceiverTest() {
+    description.pipeline_latency = fromSeconds(kLatency_s);
+    description.workspace.width_px = 320;
+    description.workspace.height_px = 240;
+  }
+
+  void syncClock(double now_s) {
+    for (std::size_t i = 0; i < ClockSync::kNeeded; ++i) {
+      receiver.pong({localTime(now_s - 0.002), mediaTime(now_s - 0.001 + kOffset_s),
+                     mediaTime(now_s - 0.001 + kOffset_s)},
+                    localTime(now_s));
+    }
+  }
+  HapticFrame frame(std::uint64_t id, std::shared_ptr<const Relief> with = nullptr,
+                    std::uint64_t changed = 1) const {
+    HapticFrame frame;
+    frame.id = id;
+    frame.media_time = mediaTime(0.04 * static_cast<double>(id) + kOffset_s);
+    frame.objects.push_back({7, 0, changed, std::move(with), {}, nullptr, {}, {}});
+    return frame;
+  }
+  /// Arrives `lateness_s` after it was complete.
+  void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
+    receiver.frame(frame, LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
+                                    fromSeconds(kLatency_s + lateness_s)));
+  }
+  /// What the loop gets next; null when nothing came.
+  const PlayFrame* take() {
+    FramePool::Index index = 0;
+    if (!pool->take(index)) return nullptr;
+    taken.push_back(index);
+    return &pool->frame(index);
+  }
+  void giveBack() {
+    for (const auto index : taken) pool->giveBack(index);
+    taken.clear();
+  }
+
+  std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
+  LatestValue<Controls> controls;
+  Receiver receiver{*pool, controls, {}};
+  StreamDescription description;
+  std::vector<FramePool::Index> taken;
+};
+
+TEST_F(ReceiverTest, IsConnectedOnceStreamAndClockAreKnown) {
+  description.mass_kg = 0.5;
+  description.largest_acceleration_mm_s2 = 100.0;
+  description.fps = 50.0;
+  EXPECT_FALSE(controls.load().connected);
+  receiver.connected(description, localTime(1));
+  EXPECT_FALSE(controls.load().connected);
+  syncClock(1.1);
+  const Controls now = controls.load();
+  EXPECT_TRUE(now.connected);
+  EXPECT_EQ(now.clock_offset, fromSeconds(kOffset_s));
+  EXPECT_EQ(now.pipeline_latency, fromSeconds(kLatency_s));
+  EXPECT_EQ(now.frame_interval, std::chrono::milliseconds(20));
+  EXPECT_EQ(now.workspace, description.workspace);
+  EXPECT_EQ(now.author_mass_kg, 0.5);
+  EXPECT_EQ(now.largest_acceleration_mm_s2, 100.0);
+  receiver.disconnected(localTime(2));
+  EXPECT_FALSE(controls.load().connected);
+}
+
+TEST_F(ReceiverTest, HandsFramesToTheLoop) {
+  receiver.connected(description, localTime(1));
+  HapticFrame sent = frame(1, relief({10, 20, 40, 30}));
+  sent.objects[0].layer = 2;
+  sent.objects[0].motion.velocity_mm_s = {1, 2, 3};
+  sent.objects[0].impacts = {{mediaTime(9), {0, 1, 0}}};
+  sent.objects[0].material.stiffness_N_mm = 0.25;
+  arrive(sent);
+  const PlayFrame* const got = take();
+  ASSERT_NE(got, nullptr);
+  EXPECT_EQ(got->id, 1U);
+  EXPECT_EQ(got->media_time, sent.media_time);
+  EXPECT_EQ(got->epoch, controls.load().first_epoch);
+  ASSERT_EQ(got->object_count, 1U);
+  const PlayObject& object = got->objects[0];
+  EXPECT_EQ(object.id, 7U);
+  EXPECT_EQ(object.layer, 2U);
+  EXPECT_EQ(object.motion.velocity_mm_s, Vec3(1, 2, 3));
+  ASSERT_EQ(object.impact_count, 1U);
+  EXPECT_EQ(object.impacts[0].time, mediaTime(9));
+  EXPECT_EQ(object.material.stiffness_N_mm, 0.25);
+  ASSERT_NE(object.field, nullptr);
+  EXPECT_EQ(object.field->rect(), (PixelRect{10, 20, 40, 30}));
+  EXPECT_TRUE(object.field->inside({30.0, 35.0}));
+  EXPECT_EQ(take(), nullptr);
+}
+
+TEST_F(ReceiverTest, UnchangedReliefsShareTheFieldPreparedBefore) {
+  receiver.connected(description, localTime(1));
+  arrive(frame(1, relief({0, 0, 40, 30})));
+  arrive(frame(2));
+  arrive(frame(3, relief({0, 0, 40, 30})));     // repeated for who joined
+  arrive(frame(4, relief({0, 0, 20, 20}), 4));  // changed
+  arrive(frame(5, nullptr, 4));
+  const HeightField* const first = take()->objects[0].field;
+  EXPECT_EQ(take()->objects[0].field, first);
+  EXPECT_EQ(take()->objects[0].field, first);
+  const HeightField* const second = take()->objects[0].field;
+  EXPECT_NE(second, first);
+  EXPECT_EQ(take()->objects[0].field, second);
+}
+
+TEST_F(ReceiverTest, AnUnchangedReliefThatNeverCameIsAnObjectWithoutField) {
+  receiver.connected(description, localTime(1));
+  arrive(frame(1));
+  arrive(frame(2, relief({0, 0, 8, 8})));
+  arrive(frame(3, nullptr, 3));  // changed in a frame that was lost
+  EXPECT_EQ(take()->objects[0].field, nullptr);
+  EXPECT_NE(take()->objects[0].field, nullptr);
+  EXPECT_EQ(take()->objects[0].field, nullptr) << "an older relief is not this one";
+  EXPECT_EQ(receiver.counts().reliefs_missing, 2U);
+}
+
+TEST_F(ReceiverTest, RejectsReliefsOutsideTheAnnouncedPicture) {
+  receiver.connected(description, localTime(1));
+  arrive(frame(1, relief({300, 0, 21, 8})));
+  arrive(frame(2, relief({0, 0, 8, 8}, 40.0F), 2));  // higher than the workspace
+  arrive(frame(3, relief({300, 232, 20, 8}), 3));
+  EXPECT_EQ(take()->objects[0].field, nullptr);
+  EXPECT_EQ(take()->objects[0].field, nullptr);
+  EXPECT_NE(take()->objects[0].field, nullptr);
+  EXPECT_EQ(receiver.counts().reliefs_rejected, 2U);
+}
+
+TEST_F(ReceiverTest, CarriesGridsThatCoverTheirRelief) {
+  receiver.connected(description, localTime(1));
+  auto grid = std::make_shared<MotionGrid>();
+  grid->columns = 3;  // 40 px in cells of 16
+  grid->rows = 2;     // 30 px
+  grid->velocity_mm_s.resize(6, Eigen::Vector3f::UnitX());
+  grid->acceleration_mm_s2.resize(6, Eigen::Vector3f::Zero());
+  HapticFrame good = frame(1, relief({0, 0, 40, 30}));
+  good.objects[0].grid = grid;
+  arrive(good);
+  HapticFrame lean = frame(2);
+  lean.objects[0].grid = grid;
+  arrive(lean);
+  HapticFrame other = frame(3, relief({0, 0, 60, 30}), 3);
+  other.objects[0].grid = grid;
+  arrive(other);
+  EXPECT_EQ(take()->objects[0].grid, grid.get());
+  const PlayFrame* const second = take();
+  EXPECT_EQ(second->objects[0].grid, grid.get());
+  EXPECT_EQ(second->objects[0].grid_rect, (PixelRect{0, 0, 40, 30}));
+  EXPECT_EQ(take()->objects[0].grid, nullptr) << "of another size";
+}
+
+TEST_F(ReceiverTest, DropsDuplicatesAndCountsLosses) {
+  receiver.connected(description, localTime(1));
+  for (const std::uint64_t id : {10U, 11U, 11U, 14U, 13U, 15U}) arrive(frame(id));
+  EXPECT_EQ(receiver.counts().received, 4U);
+  EXPECT_EQ(receiver.counts().duplicates, 2U);
+  EXPECT_EQ(receiver.counts().lost, 2U);
+  for (const std::uint64_t id : {10U, 11U, 14U, 15U}) EXPECT_EQ(take()->id, id);
+}
+
+TEST_F(ReceiverTest, EpochsNeverRepeat) {
+  receiver.connected(description, localTime(1));
+  HapticFrame cut = frame(2);
+  cut.epoch = 5;
+  arrive(frame(1));
+  arrive(cut);
+  const std::uint32_t first = take()->epoch;
+  EXPECT_EQ(first, controls.load().first_epoch);
+  EXPECT_EQ(take()->epoch, first + 1);
+  receiver.connected(description, localTime(2));  // the server is back and starts at id 1 again
+  arrive(frame(1));
+  EXPECT_EQ(controls.load().first_epoch, first + 2);
+  const PlayFrame* const got = take();
+  EXPECT_EQ(got->epoch, first + 2);
+  EXPECT_EQ(got->objects[0].field, nullptr) << "reliefs of the connection before are void";
+  receiver.setPaused(true, localTime(3));
+  EXPECT_TRUE(controls.load().paused);
+  receiver.setPaused(false, localTime(4));
+  EXPECT_EQ(controls.load().first_epoch, first + 3);
+  arrive(frame(2));
+  EXPECT_EQ(take()->epoch, first + 3);
+}
+
+TEST_F(ReceiverTest, CountsWhatDoesNotFitThePoolAndGoesOn) {
+  receiver.connected(description, localTime(1));
+  for (std::uint64_t id = 1; id <= FramePool::kSlots; ++id) arrive(frame(id));
+  arrive(frame(FramePool::kSlots + 1, relief({0, 0, 8, 8}), FramePool::kSlots + 1));
+  EXPECT_EQ(receiver.counts().no_slot, 1U);
+  while (take() != nullptr) {
+  }
+  giveBack();
+  arrive(frame(FramePool::kSlots + 2, nullptr, FramePool::kSlots + 1));
+  const PlayFrame* const got = take();
+  ASSERT_NE(got, nullptr);
+  EXPECT_NE(got->objects[0].field, nullptr) << "the relief of the dropped frame is known";
+}
+
+TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
+  receiver.connected(description, localTime(1));
+  syncClock(1.1);
+  EXPECT_EQ(controls.load().playout_delay_target, fromSeconds(0.040) + JitterEstimator::kMargin);
+  arrive(frame(1), 3.0);  // the frame a viewer is sent on joining may be old
+  for (std::uint64_t id = 2; id <= 200; ++id) arrive(frame(id), id % 10 == 0 ? 0.060 : 0.010);
+  // One frame in ten comes 60 ms late: the 0.95 quantile has to cover it.
+  EXPECT_NEAR(toSeconds(controls.load().playout_delay_target), 0.060 + 0.005 + 0.040, 1e-4);
+  const auto late = receiver.counts().late;
+  EXPECT_GT(late, 0U) << "the first of them came unexpected";
+  EXPECT_LE(late, 2U);
+  arrive(frame(201), 0.200);
+  EXPECT_EQ(receiver.counts().late, late + 1);
+  EXPECT_EQ(receiver.clockErrorBound(), std::chrono::milliseconds(1));
+}
+
+}  // namespace
+}  // namespace hapticast::client

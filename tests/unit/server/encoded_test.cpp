@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "server/stream/encoded.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/stream/log_limit.hpp"
+
+namespace hapticast::server {
+namespace {
+
+/// A frame every 40 ms with two objects, of which object 1 changes in every frame and object 2
+/// never.
+HapticFrame frame(std::uint64_t id) {
+  auto relief = std::make_shared<Relief>();
+  relief->rect = {0, 0, 2, 2};
+  relief->height_mm.assign(4, 5.0F);
+  relief->mask.assign(4, 1);
+  HapticFrame frame;
+  frame.id = id;
+  frame.media_time = MediaTime(std::chrono::milliseconds(40 * id));
+  frame.objects.resize(2);
+  frame.objects[0] = {1, 0, id, relief, {}, nullptr, {}, {}};
+  frame.objects[1] = {2, 0, 0, relief, {}, nullptr, {}, {}};
+  return frame;
+}
+
+HapticFrame decoded(const SharedBytes& bytes) {
+  auto message = decode(std::span(*bytes).subspan(kPrefixBytes));
+  return std::get<HapticFrame>(std::move(message).value());
+}
+
+TEST(FrameEncoder, LeavesOutWhatDidNotChange) {
+  FrameEncoder encoder;
+  const EncodedFrame first = encoder.encode(frame(1));
+  EXPECT_EQ(first.lean, first.full) << "nothing was sent before: shared, encoded once";
+  const EncodedFrame second = encoder.encode(frame(2));
+  EXPECT_EQ(second.id, 2U);
+  EXPECT_EQ(second.media_time, mediaTime(0.08));
+  const HapticFrame lean = decoded(second.lean);
+  EXPECT_TRUE(lean.objects[0].relief);
+  EXPECT_FALSE(lean.objects[1].relief);
+  const HapticFrame full = decoded(second.full);
+  EXPECT_TRUE(full.objects[0].relief);
+  EXPECT_TRUE(full.objects[1].relief);
+}
+
+TEST(FrameEncoder, RepeatsEveryReliefWithinASecondAndInANewEpoch) {
+  FrameEncoder encoder;
+  std::size_t since = 0;
+  for (std::uint64_t id = 1; id <= 100; ++id) {
+    const bool whole = decoded(encoder.encode(frame(id)).lean).objects[1].relief != nullptr;
+    since = whole ? 0 : since + 1;
+    EXPECT_LT(since, 25U) << id;
+    EXPECT_EQ(whole, id % 25 == 1) << id;
+  }
+  HapticFrame cut = frame(101);
+  EXPECT_TRUE(decoded(encoder.encode(cut).lean).objects[1].relief) << "its second is over";
+  cut = frame(102);
+  EXPECT_FALSE(decoded(encoder.encode(cut).lean).objects[1].relief);
+  cut = frame(103);
+  cut.epoch = 1;
+  EXPECT_TRUE(decoded(encoder.encode(cut).lean).objects[1].relief);
+}
+
+TEST(FrameEncoder, EncodesVideo) {
+  const EncodedVideo video = encodeVideo({1, 2, mediaTime(3), {0xFF, 0xD8, 9}});
+  const auto message = decode(std::span(*video.bytes).subspan(kPrefixBytes));
+  EXPECT_EQ(std::get<VideoFrame>(message.value()).jpeg, (std::vector<std::uint8_t>{0xFF, 0xD8, 9}));
+  EXPECT_EQ(video.id, 2U);
+}
+
+TEST(LogLimit, LetsSomeLinesThroughAndCountsTheRest) {
+  LogLimit limit;
+  std::uint64_t allowed = 0;
+  for (int i = 0; i < 100; ++i) allowed += limit.allow(localTime(5.0)) ? 1 : 0;
+  EXPECT_EQ(allowed, LogLimit::kLines);
+  EXPECT_EQ(limit.takeSuppressed(), 100 - LogLimit::kLines);
+  EXPECT_EQ(limit.takeSuppressed(), 0U);
+  EXPECT_FALSE(limit.allow(localTime(14.9)));
+  EXPECT_TRUE(limit.allow(localTime(15.0)));
+}
+
+}  // namespace
+}  // namespace hapticast::server
