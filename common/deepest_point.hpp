@@ -9,9 +9,10 @@
 
 namespace hapticast {
 
-/// Centre (px, image frame) of the pixel of `mask` (row-major over `rect`, 1 inside) farthest from all pixels outside,
-/// the first of equals; the rectangle's surroundings are outside. By chamfer distances, 8 % off at most; time linear
-/// in the rectangle. (0, 0) when nothing is inside or the sizes do not match.
+/// Centre (px, image frame) of the pixel of `mask` (row-major over `rect`, 1 inside) farthest from
+/// all pixels outside, the first of equals; the rectangle's surroundings are outside. By chamfer
+/// distances, 8 % off at most; time linear in the rectangle. (0, 0) when nothing is inside or the
+/// sizes do not match.
 Vec2 deepestPoint(const PixelRect& rect, const std::vector<std::uint8_t>& mask);
 
 }  // namespace hapticast
