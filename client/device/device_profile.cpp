@@ -36,7 +36,7 @@ DeviceProfile falcon() {
 
 struct NumberKey {
   const char* name;
-  double DeviceProfile::* field;
+  double DeviceProfile::*field;
   double least;
   double most;
 };
@@ -137,8 +137,9 @@ std::string readSmallFile(const std::string& file) {
   std::string text(kLargestFile + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (in.bad() || (in.gcount() == 0 && !in.eof())) {
-    throw std::runtime_error(file + ": cannot be read as a device profile (allowed are omni, falcon or a "
-                                    "readable file)");
+    throw std::runtime_error(file +
+                             ": cannot be read as a device profile (allowed are omni, falcon or a "
+                             "readable file)");
   }
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > kLargestFile) {
@@ -159,8 +160,9 @@ DeviceProfile parse(const std::string& file, const std::string& text) {
     if (equals == std::string_view::npos) {
       Place{file, count, ""}.fail(shortened(content) + " is not a `key = value` line");
     }
-    const Place place{file, count, std::string(trimmed(content.substr(0, std::min<std::size_t>(
-                                       equals, kLongestName))))};
+    const Place place{
+        file, count,
+        std::string(trimmed(content.substr(0, std::min<std::size_t>(equals, kLongestName))))};
     if (!seen.insert(place.key).second) place.fail("stands twice");
     assign(profile, trimmed(content.substr(equals + 1)), place);
   }

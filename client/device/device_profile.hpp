@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Device profiles: built in, or read from a file of `key = value` lines. Before the loop; may allocate and throw.
+// Device profiles: built in, or read from a file of `key = value` lines. Before the loop; may
+// allocate and throw.
 #pragma once
 
 #include <string>
@@ -8,9 +9,9 @@
 
 namespace hapticast::client {
 
-/// `omni`, `falcon`, or the name of a file. In the file every field of DeviceProfile may stand by its name, `#` begins
-/// a comment, workspace_mm is three numbers; what is not said is as in `omni`. Throws std::runtime_error with one line
-/// that names file, line, key and what is allowed.
+/// `omni`, `falcon`, or the name of a file. In the file every field of DeviceProfile may stand by
+/// its name, `#` begins a comment, workspace_mm is three numbers; what is not said is as in `omni`.
+/// Throws std::runtime_error with one line that names file, line, key and what is allowed.
 DeviceProfile loadDeviceProfile(const std::string& name_or_file);
 
 }  // namespace hapticast::client

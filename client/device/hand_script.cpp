@@ -8,10 +8,10 @@ namespace hapticast::client {
 
 namespace {
 constexpr double kTick_s = 1e-3;
-constexpr double kSpeed_mm_s = 300.0;         // against the object
-constexpr double kObjectSpeed_mm_s = 600.0;   // followed at most
+constexpr double kSpeed_mm_s = 300.0;        // against the object
+constexpr double kObjectSpeed_mm_s = 600.0;  // followed at most
 constexpr double kAcceleration_mm_s2 = 5000.0;
-constexpr double kGain_per_s = 20.0;          // approach of the last millimetres
+constexpr double kGain_per_s = 20.0;  // approach of the last millimetres
 constexpr double kWaitHeight_mm = 45.0;
 constexpr double kHover_mm = 10.0;
 constexpr double kPush_N = 1.0;
@@ -29,7 +29,8 @@ Vec3 limited(const Vec3& v, double longest) noexcept {
 }
 }  // namespace
 
-HandScript::HandScript(HandKind kind, const HandStiffness& stiffness, std::vector<HandTarget> targets)
+HandScript::HandScript(HandKind kind, const HandStiffness& stiffness,
+                       std::vector<HandTarget> targets)
     : kind_(kind), stiffness_(stiffness), targets_(std::move(targets)) {}
 
 Vec3 HandScript::next(const TickReport& report, const Vec3& start_mm) noexcept {
@@ -99,24 +100,26 @@ Vec3 HandScript::pressGoal(const TickReport& report) noexcept {
 Vec3 HandScript::slideGoal(const TickReport& report) noexcept {
   slide_size_ = std::clamp(slide_size_ + (report.over_object ? 0.2 : -1.0) * kTick_s, 0.1, 1.0);
   const double reach_mm = kSlideReach_mm * slide_size_;
-  // Both axes together reach 1.25 x reach x rate at most (frequencies 1 and 1.5, amplitudes 1 and 0.5).
+  // Both axes together reach 1.25 x reach x rate at most (frequencies 1 and 1.5, amplitudes 1 and
+  // 0.5).
   slide_s_ += kTick_s * kSlideSpeed_mm_s / (1.25 * reach_mm);
-  const Vec2 place_mm = report.object_centre_mm +
-                        reach_mm * Vec2(std::sin(slide_s_), 0.5 * std::sin(1.5 * slide_s_));
+  const Vec2 place_mm =
+      report.object_centre_mm + reach_mm * Vec2(std::sin(slide_s_), 0.5 * std::sin(1.5 * slide_s_));
   const double force_N = stiffness_.surface_N_mm * kSlideDepth_mm * report.mapping.scale;
   const double height_mm =
       report.over_object ? report.height_at_hip_mm : report.object_centre_height_mm;
   return {place_mm.x(), place_mm.y(), height_mm - depthFor_mm(force_N, report.mapping.scale)};
 }
 
-/// Towards the goal as fast as the limits let it arrive without overshoot, carried along with the goal's own velocity.
+/// Towards the goal as fast as the limits let it arrive without overshoot, carried along with the
+/// goal's own velocity.
 void HandScript::moveTowards(const Vec3& goal_mm, const Vec3& goal_velocity_mm_s) noexcept {
   const Vec3 way_mm = goal_mm - target_mm_;
   const double distance_mm = way_mm.norm();
   Vec3 wanted_mm_s = goal_velocity_mm_s;
   if (distance_mm > 0.0) {
-    const double speed_mm_s = std::min({kSpeed_mm_s, std::sqrt(kAcceleration_mm_s2 * distance_mm),
-                                        kGain_per_s * distance_mm});
+    const double speed_mm_s = std::min(
+        {kSpeed_mm_s, std::sqrt(kAcceleration_mm_s2 * distance_mm), kGain_per_s * distance_mm});
     wanted_mm_s += way_mm * (speed_mm_s / distance_mm);
   }
   velocity_mm_s_ += limited(wanted_mm_s - velocity_mm_s_, kAcceleration_mm_s2 * kTick_s);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where a scripted hand wants to be: press, slide, follow or a file of targets. Reads the reports of the room, as a
-// person watches the screen. Thread: the loop's (loading: before it).
+// Where a scripted hand wants to be: press, slide, follow or a file of targets. Reads the reports
+// of the room, as a person watches the screen. Thread: the loop's (loading: before it).
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,10 @@ struct HandTarget {
   Vec3 position_mm = Vec3::Zero();  ///< nominal
 };
 
-/// Reads `t_s,x_mm,y_mm,z_mm` rows (a heading line may come first). Times 0..86400 s and rising, positions within
-/// +-1000 mm, at most a million rows. Throws std::runtime_error with one line that names file and line.
+/// Reads `t_s,x_mm,y_mm,z_mm` rows (a heading line may come first). Times 0..86400 s and rising,
+/// positions within
+/// +-1000 mm, at most a million rows. Throws std::runtime_error with one line that names file and
+/// line.
 std::vector<HandTarget> loadHandTargets(const std::string& file);
 
 /// What the hand reckons with when it pushes.
@@ -33,9 +35,10 @@ class HandScript {
   /// `targets` only for kFile, not empty then.
   HandScript(HandKind kind, const HandStiffness& stiffness, std::vector<HandTarget> targets = {});
 
-  /// The target of the next tick, nominal mm. Press, slide and follow move at most 0.3 m/s against the object (which
-  /// itself is followed up to 0.6 m/s) with at most 5 m/s² and wait above the picture while there is none; a file is
-  /// followed as it is, linearly between its rows. `start_mm`: where the hand is, used at the first call only.
+  /// The target of the next tick, nominal mm. Press, slide and follow move at most 0.3 m/s against
+  /// the object (which itself is followed up to 0.6 m/s) with at most 5 m/s² and wait above the
+  /// picture while there is none; a file is followed as it is, linearly between its rows.
+  /// `start_mm`: where the hand is, used at the first call only.
   Vec3 next(const TickReport& report, const Vec3& start_mm) noexcept;
 
  private:

@@ -64,7 +64,8 @@ std::vector<HandTarget> loadHandTargets(const std::string& file) {
   }
   if (!in.eof()) {
     if (line == 0 && !in.is_open()) {
-      throw std::runtime_error(file + ": cannot be read (a file of t_s,x_mm,y_mm,z_mm rows is wanted)");
+      throw std::runtime_error(file +
+                               ": cannot be read (a file of t_s,x_mm,y_mm,z_mm rows is wanted)");
     }
     fail(file, line + 1, "unreadable or longer than 256 characters");
   }

@@ -15,8 +15,7 @@ constexpr int kPriority = 80;  // above interrupt threads' usual 50, below the k
 bool lockMemory() noexcept {
   // Under a limit, locking all future memory would make later allocations fail instead.
   rlimit limit{};
-  const bool unlimited =
-      getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
   if (!unlimited && geteuid() != 0) return false;
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
 }

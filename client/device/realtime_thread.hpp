@@ -9,7 +9,8 @@ struct RealtimeGrant {
   bool mlock = false;  ///< the process's memory, present and future, stays in RAM
 };
 
-/// Asks for both; not getting them is no error. Thread: the one that will run the loop, before it does.
+/// Asks for both; not getting them is no error. Thread: the one that will run the loop, before it
+/// does.
 RealtimeGrant requestRealtime() noexcept;
 
 }  // namespace hapticast::client

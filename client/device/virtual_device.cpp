@@ -16,10 +16,12 @@ constexpr int kLongestCatchUp_ticks = 1000;
 
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-/// exp(m) by scaling and squaring with a Taylor series: to rounding for the norms of hands and devices.
+/// exp(m) by scaling and squaring with a Taylor series: to rounding for the norms of hands and
+/// devices.
 Matrix7 exponential(const Matrix7& m) noexcept {
   int halvings = 0;
-  for (double size = m.cwiseAbs().rowwise().sum().maxCoeff(); size > 0.25 && halvings < 60; size /= 2)
+  for (double size = m.cwiseAbs().rowwise().sum().maxCoeff(); size > 0.25 && halvings < 60;
+       size /= 2)
     ++halvings;
   const Matrix7 small = m * std::ldexp(1.0, -halvings);
   Matrix7 term = Matrix7::Identity();
@@ -78,7 +80,8 @@ AxisPlant::State AxisPlant::rate(const State& state, const Input& input) const n
   return a_ * state + b_ * input;
 }
 
-/// The state after a part of a tick, by the Taylor series of the exact flow; stuck: the device stands.
+/// The state after a part of a tick, by the Taylor series of the exact flow; stuck: the device
+/// stands.
 AxisPlant::State AxisPlant::flow(const State& state, const Input& input, double time_s,
                                  bool stuck) const noexcept {
   constexpr int kTerms = 8;
@@ -172,8 +175,8 @@ DeviceState VirtualDevice::exchange(const Vec3& force_N) noexcept {
   return state;
 }
 
-/// Whole ticks of the clock since the last call. One at least: a device that wakes early or late within its tick must
-/// neither stand still nor live twice.
+/// Whole ticks of the clock since the last call. One at least: a device that wakes early or late
+/// within its tick must neither stand still nor live twice.
 int VirtualDevice::ticksSinceLast() noexcept {
   const LocalTime now = clock_.now();
   if (!running_) {

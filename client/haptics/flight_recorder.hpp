@@ -31,7 +31,8 @@ class FlightRecorder {
   std::array<TickReport, kTicks> reports_{};
   std::size_t next_ = 0;
   std::size_t count_ = 0;
-  // True: everything above belongs to the reader; false: to the loop. Release hands over, acquire takes.
+  // True: everything above belongs to the reader; false: to the loop. Release hands over, acquire
+  // takes.
   std::atomic<bool> frozen_{false};
 };
 

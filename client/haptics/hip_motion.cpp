@@ -81,7 +81,8 @@ void HipMotion::follow(const Vec3& measured_mm) noexcept {
   difference_mm_s_ = difference_mm_s;
 }
 
-// Predicting through the gap would spike by the stale acceleration; the mean velocity over it is certain.
+// Predicting through the gap would spike by the stale acceleration; the mean velocity over it is
+// certain.
 void HipMotion::bridge(const Vec3& measured_mm, double gap_s) noexcept {
   x_mm_ = measured_mm;
   estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;

@@ -13,7 +13,8 @@ namespace hapticast::client {
 
 inline constexpr Duration kTickPeriod{1'000'000};
 
-/// Everything of the summary that the loop knows. Thread: the loop's; read it after runLoop() has returned.
+/// Everything of the summary that the loop knows. Thread: the loop's; read it after runLoop() has
+/// returned.
 struct LoopStats {
   std::uint64_t ticks = 0;
   std::uint64_t late_ticks = 0;  ///< began more than 1.5 ms after the one before
@@ -31,8 +32,9 @@ struct LoopStats {
   void add(const TickReport& report, double step_N) noexcept;
 };
 
-/// Runs until `stop`, then ramps the force to zero and leaves the device at zero. A deadline every millisecond on a
-/// fixed grid; after a stall the missed ones are skipped, not caught up. Thread: the loop's.
+/// Runs until `stop`, then ramps the force to zero and leaves the device at zero. A deadline every
+/// millisecond on a fixed grid; after a stall the missed ones are skipped, not caught up. Thread:
+/// the loop's.
 void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,
              LoopStats& stats) noexcept;
 

@@ -173,9 +173,9 @@ void Room::reportObject(const Contact& contact, const Scene& scene,
 }
 
 Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept {
-  const Fault fault = device_lost                          ? Fault::kDeviceLost
-                      : out.not_finite || !hip.finite      ? Fault::kNotFinite
-                                                           : Fault::kNone;
+  const Fault fault = device_lost                     ? Fault::kDeviceLost
+                      : out.not_finite || !hip.finite ? Fault::kNotFinite
+                                                      : Fault::kNone;
   const bool lasting = faulty_ && fault != Fault::kNone;
   faulty_ = fault != Fault::kNone;
   return lasting ? Fault::kNone : fault;

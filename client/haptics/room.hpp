@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The real-time room: one tick from the device's position to the force it gets. No heap, locks, system calls or
-// exceptions; time is an argument; all state belongs to the loop's thread and has a fixed size.
+// The real-time room: one tick from the device's position to the force it gets. No heap, locks,
+// system calls or exceptions; time is an argument; all state belongs to the loop's thread and has a
+// fixed size.
 #pragma once
 
 #include <atomic>

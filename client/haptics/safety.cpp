@@ -9,10 +9,10 @@
 namespace hapticast::client {
 
 namespace {
-constexpr double kBaseDamping_Ns_m = 1.0;           // B_0
-constexpr double kDamperSpeed_mm_s = 300.0;         // limit of u inside the damper
-constexpr double kSurfaceSpeed_mm_s = 1500.0;       // faster is not plausible
-constexpr double kJump_mm = 3.0;                    // change of depth in a tick that nothing explains
+constexpr double kBaseDamping_Ns_m = 1.0;      // B_0
+constexpr double kDamperSpeed_mm_s = 300.0;    // limit of u inside the damper
+constexpr double kSurfaceSpeed_mm_s = 1500.0;  // faster is not plausible
+constexpr double kJump_mm = 3.0;               // change of depth in a tick that nothing explains
 constexpr double kArmDepth_mm = 2.0;
 constexpr double kFadeIn = kTick_s / 0.2;
 constexpr double kFadeOut = kTick_s / 0.1;
@@ -77,12 +77,13 @@ SafetyChain::SafetyChain(const DeviceProfile& profile) noexcept
       stiffness_limit_N_mm_(stiffnessLimit_N_mm(profile)),
       meter_(profile) {}
 
-// The numbers of the steps are those of the stability notes. The fade (9) acts on the force before the slew limit
-// (8), so that what is limited and metered is the very force that is sent. Energy meters and tank (5) and the
-// continuous-force budget (6) belong between the sum of the forces and the clamp.
+// The numbers of the steps are those of the stability notes. The fade (9) acts on the force before
+// the slew limit (8), so that what is limited and metered is the very force that is sent. Energy
+// meters and tank (5) and the continuous-force budget (6) belong between the sum of the forces and
+// the clamp.
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   SafetyOutput out;
-  const Geometry geometry = plausible(in, out);                       // 1
+  const Geometry geometry = plausible(in, out);  // 1
   const bool halt_now = (in.device_lost || stop_requested_) && !halted_;
   halted_ = halted_ || halt_now;
   const bool touchable = in.touchable && !out.not_finite && !halted_;
@@ -90,20 +91,21 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   const bool vanished = !in.touchable && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
 
-  out.static_force_N = wallForce(in, geometry, out);                  // 3
-  out.dynamic_force_N = dynamicForce(in, geometry, out);              // 4
+  out.static_force_N = wallForce(in, geometry, out);                             // 3
+  out.dynamic_force_N = dynamicForce(in, geometry, out);                         // 4
   const Vec3 wanted_N = clamped(out.static_force_N + out.dynamic_force_N, out);  // 7
-  fadeAndArm(jump, touchable, geometry, out);                         // 9
+  fadeAndArm(jump, touchable, geometry, out);                                    // 9
   const Vec3 target_N = clamped(wanted_N * smoothstep(fade_) + residue_N_, out);
 
-  StepState now{.position_mm = in.position_mm, .velocity_mm_s = in.velocity_mm_s,
+  StepState now{.position_mm = in.position_mm,
+                .velocity_mm_s = in.velocity_mm_s,
                 .contact = geometry.contact};
   if (!now.position_mm.allFinite() || !now.velocity_mm_s.allFinite()) {
     now.position_mm = last_.position_mm;
     now.velocity_mm_s = last_.velocity_mm_s;
   }
   if (now.contact) now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
-  now.force_N = slewed(target_N, now, in.measurement_jumped, out);    // 8
+  now.force_N = slewed(target_N, now, in.measurement_jumped, out);  // 8
   out.step_excess_N = meter_.excess_N(now, in.measurement_jumped);
   out.force_N = now.force_N;
   out.contact = geometry.contact;
@@ -148,7 +150,8 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in, SafetyOutput
   return geometry;
 }
 
-/// The last geometry standing still as a plane: the tip moves against it, the surface does not move.
+/// The last geometry standing still as a plane: the tip moves against it, the surface does not
+/// move.
 SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& position_mm) const noexcept {
   Geometry held = geometry_;
   held.surface_velocity_mm_s = Vec3::Zero();
@@ -164,20 +167,22 @@ SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& position_mm) const n
 bool SafetyChain::jumped(const SafetyInput& in, const Geometry& geometry) const noexcept {
   if (in.world_jumped || in.measurement_jumped) return true;
   if (!geometry.contact) return false;
-  const double change_mm = std::abs(geometry.displacement_mm.norm() - geometry_.displacement_mm.norm());
+  const double change_mm =
+      std::abs(geometry.displacement_mm.norm() - geometry_.displacement_mm.norm());
   const double moved_mm = (in.position_mm - last_.position_mm).norm();
   return change_mm > kJump_mm + (1.0 + geometry.stiffness_factor) * moved_mm;
 }
 
-/// F_s = K_r displacement + (K_r tau + B_0) u along the normal, never pulling. Stiffness and damping are those along
-/// the normal, so a displacement that `perturbed` exaggerates is not damped less than it is stiff.
+/// F_s = K_r displacement + (K_r tau + B_0) u along the normal, never pulling. Stiffness and
+/// damping are those along the normal, so a displacement that `perturbed` exaggerates is not damped
+/// less than it is stiff.
 Vec3 SafetyChain::wallForce(const SafetyInput& in, const Geometry& geometry,
                             SafetyOutput& out) const noexcept {
   if (!geometry.contact) return Vec3::Zero();
   const Vec3 velocity_mm_s = in.velocity_mm_s.allFinite() ? in.velocity_mm_s : last_.velocity_mm_s;
-  const double u_mm_s = std::clamp(
-      (geometry.surface_velocity_mm_s - velocity_mm_s).dot(geometry.normal), -kDamperSpeed_mm_s,
-      kDamperSpeed_mm_s);
+  const double u_mm_s =
+      std::clamp((geometry.surface_velocity_mm_s - velocity_mm_s).dot(geometry.normal),
+                 -kDamperSpeed_mm_s, kDamperSpeed_mm_s);
   const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
   const double damping_Ns_m =
       wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor, lead_s_);
@@ -235,7 +240,8 @@ Vec3 SafetyChain::clamped(const Vec3& force_N, SafetyOutput& out) const noexcept
   return force_N * (peak_N_ / size_N);
 }
 
-/// Limits only what the hand's own motion does not explain: a plain slew limit pumps energy into the hand.
+/// Limits only what the hand's own motion does not explain: a plain slew limit pumps energy into
+/// the hand.
 Vec3 SafetyChain::slewed(const Vec3& target_N, const StepState& now, bool measurement_jumped,
                          SafetyOutput& out) const noexcept {
   const Vec3 step_N = target_N - last_.force_N;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The safety chain: from where the tip should be (geometry) and the dynamic force to the force a device may feel.
-// Nothing reaches the device around it. Laws and constants: stability notes, section 5. Real-time room.
+// The safety chain: from where the tip should be (geometry) and the dynamic force to the force a
+// device may feel. Nothing reaches the device around it. Laws and constants: stability notes,
+// section 5. Real-time room.
 #pragma once
 
 #include <array>
@@ -43,19 +44,20 @@ struct SafetyInput {
   // The tip.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  bool measurement_jumped = false;  ///< position and velocity are not connected with the last tick's
-  bool device_lost = false;         ///< latched; only rearm() ends it
+  bool measurement_jumped =
+      false;                 ///< position and velocity are not connected with the last tick's
+  bool device_lost = false;  ///< latched; only rearm() ends it
   // What it touches.
   bool contact = false;
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
-  double stiffness_factor = 1.0;    ///< |displacement| over depth along the normal
+  double stiffness_factor = 1.0;  ///< |displacement| over depth along the normal
   double stiffness_N_mm = 0.5;
-  bool world_jumped = false;        ///< epoch, connection, mapping
-  bool touchable = false;           ///< the scene is fresh enough to be felt
+  bool world_jumped = false;  ///< epoch, connection, mapping
+  bool touchable = false;     ///< the scene is fresh enough to be felt
   Vec3 dynamic_N = Vec3::Zero();
-  bool dynamic_valid = false;       ///< else the dynamic force fades out
+  bool dynamic_valid = false;  ///< else the dynamic force fades out
 };
 
 struct SafetyOutput {
@@ -65,7 +67,7 @@ struct SafetyOutput {
   double penetration_mm = 0.0;          ///< |displacement| used, device mm
   bool contact = false;
   bool not_finite = false;
-  double step_excess_N = 0.0;           ///< of StepMeter
+  double step_excess_N = 0.0;  ///< of StepMeter
   std::uint32_t interferences = 0;
 };
 
@@ -78,8 +80,8 @@ struct StepState {
   double local_stiffness_N_mm = 0.0;  ///< along the normal; 0 without contact
 };
 
-/// Measures the finished force: how far its step exceeds S + K|dx| + B|dv| + (entering or leaving ? B|v| : 0).
-/// Knows nothing of how the force was made. Must read 0 always.
+/// Measures the finished force: how far its step exceeds S + K|dx| + B|dv| + (entering or leaving ?
+/// B|v| : 0). Knows nothing of how the force was made. Must read 0 always.
 class StepMeter {
  public:
   explicit StepMeter(const DeviceProfile& profile) noexcept;
@@ -116,7 +118,8 @@ class SafetyChain {
   Geometry plausible(const SafetyInput& input, SafetyOutput& out) noexcept;
   Geometry heldGeometry(const Vec3& position_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
-  Vec3 wallForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) const noexcept;
+  Vec3 wallForce(const SafetyInput& input, const Geometry& geometry,
+                 SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   Vec3 clamped(const Vec3& force_N, SafetyOutput& out) const noexcept;
@@ -126,10 +129,10 @@ class SafetyChain {
   double peak_N_, rise_N_, fall_N_, residue_step_N_, lead_s_, stiffness_limit_N_mm_;
   StepMeter meter_;
   StepState last_;
-  Geometry geometry_;        // of the last tick
+  Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;
-  bool halted_ = false;      // by a lost device or stop(), until rearm()
-  double fade_ = 0.0;        // 0..1, smoothed before use
+  bool halted_ = false;  // by a lost device or stop(), until rearm()
+  double fade_ = 0.0;    // 0..1, smoothed before use
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid one
   Vec3 residue_N_ = Vec3::Zero();

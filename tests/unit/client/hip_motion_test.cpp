@@ -42,7 +42,8 @@ TEST(HipMotion, FollowsAConstantAccelerationExactly) {
 }
 
 TEST(HipMotion, CountsDoNotDrownTheAcceleration) {
-  // 2 Hz, 30 mm, counts of 0.055 mm: a double difference is off by 38 m/s² rms, the filter by 0.7 (lag included).
+  // 2 Hz, 30 mm, counts of 0.055 mm: a double difference is off by 38 m/s² rms, the filter by 0.7
+  // (lag included).
   HipMotion motion(0.055);
   double square = 0.0;
   int count = 0;
@@ -65,7 +66,8 @@ TEST(HipMotion, LateTickTakesTheMeanVelocityOfTheGap) {
   EXPECT_FALSE(late.restarted);
   EXPECT_NEAR(late.velocity_mm_s.z(), 100.0, 1e-9);
   const HipEstimate& next = motion.update(stateAt(60e-3, 1.1));
-  EXPECT_NEAR(next.velocity_mm_s.z(), 100.0, 1e-6);  // goes on straight: nothing was predicted through the gap
+  EXPECT_NEAR(next.velocity_mm_s.z(), 100.0,
+              1e-6);  // goes on straight: nothing was predicted through the gap
 }
 
 TEST(HipMotion, StartsOverWhenTimeJumps) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A virtual clock and a bench for the chain: virtual device, HIP motion and safety chain against a flat wall.
+// A virtual clock and a bench for the chain: virtual device, HIP motion and safety chain against a
+// flat wall.
 #pragma once
 
 #include <cmath>

@@ -92,7 +92,8 @@ TEST(SafetyChain, SurfaceVelocityCountsAgainstTheHands) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   SafetyInput input = pressed(2.0);
   (void)settled(chain, input);
-  input.velocity_mm_s = input.surface_velocity_mm_s = {0.0, 0.0, 80.0};  // carried along: no damping
+  input.velocity_mm_s =
+      input.surface_velocity_mm_s = {0.0, 0.0, 80.0};  // carried along: no damping
   EXPECT_NEAR(chain.step(input).static_force_N.z(), 1.0, 1e-12);
   input.surface_velocity_mm_s = {1e6, 0.0, 0.0};
   EXPECT_TRUE(chain.step(input).interferences & bit(Interference::kSurfaceSpeed));
@@ -299,7 +300,8 @@ TEST(StepMeter, SeesAStepThatNothingExplains) {
   EXPECT_NEAR(meter.excess_N(state, true), 1.0, 1e-12);
 }
 
-// --- stability: the battery --------------------------------------------------------------------------------------
+// --- stability: the battery
+// --------------------------------------------------------------------------------------
 
 struct Hold {
   double low = 1e9;
@@ -311,7 +313,8 @@ struct Hold {
   [[nodiscard]] double counts(double count_mm) const { return (high - low) / count_mm; }
 };
 
-/// Approach at 0.2 m/s, hold 1 N, press slowly to 2.5 N, hold, release. Worst peak-to-peak of the holds in counts.
+/// Approach at 0.2 m/s, hold 1 N, press slowly to 2.5 N, hold, release. Worst peak-to-peak of the
+/// holds in counts.
 double battery(double stiffness_N_mm, int delay_ticks, const Hand& hand, double friction_N) {
   DeviceProfile profile = omni(stiffness_N_mm, delay_ticks, friction_N);
   profile.peak_N = 8.0;  // the clamp of the notes' battery
@@ -323,8 +326,10 @@ double battery(double stiffness_N_mm, int delay_ticks, const Hand& hand, double 
   rig.run(250);
   if (free) rig.device.reset({0.0, 0.0, 20.0}, {0.0, 0.0, -200.0});
   const auto want = [&](double force_N, double from_mm) {
-    if (free) rig.device.setPush({0.0, 0.0, -force_N});
-    else rig.device.setTarget({0.0, 0.0, std::min(from_mm, 20.0) - force_N * stretch_mm});
+    if (free)
+      rig.device.setPush({0.0, 0.0, -force_N});
+    else
+      rig.device.setTarget({0.0, 0.0, std::min(from_mm, 20.0) - force_N * stretch_mm});
   };
   for (int i = 0; i < 100; ++i) {  // the impact
     if (!free) want(0.0, 20.0 - 0.2 * i);
@@ -368,8 +373,8 @@ TEST(SafetyChain, BatteryIsQuietUpToTheStiffestWall) {
       for (const auto& [name, hand] : hands) {
         const double rough = battery(k, d, hand, 0.0);
         const double rubbed = battery(k, d, hand, 0.05);
-        std::printf("battery d %d K %4.1f %-10s residual %.2f counts, with friction %.2f\n", d, k, name,
-                    rough, rubbed);
+        std::printf("battery d %d K %4.1f %-10s residual %.2f counts, with friction %.2f\n", d, k,
+                    name, rough, rubbed);
         EXPECT_LE(rough, 2.0) << name << " K " << k << " d " << d;
         EXPECT_LE(rubbed, 2.0) << name << " K " << k << " d " << d;
       }
@@ -378,7 +383,8 @@ TEST(SafetyChain, BatteryIsQuietUpToTheStiffestWall) {
 }
 
 TEST(SafetyChain, BatterySeesAWallThatIsTooStiffForItsDelay) {
-  // The test above can fail: told no delay, with two ticks of it, a free device runs away at 5 N/mm.
+  // The test above can fail: told no delay, with two ticks of it, a free device runs away at 5
+  // N/mm.
   DeviceProfile told = omni(5.0, 0);
   told.peak_N = 8.0;
   DeviceProfile real = told;
@@ -396,7 +402,8 @@ TEST(SafetyChain, BatterySeesAWallThatIsTooStiffForItsDelay) {
   EXPECT_GT(hold.counts(0.055), 10.0);
 }
 
-// --- extreme cases -----------------------------------------------------------------------------------------------
+// --- extreme cases
+// -----------------------------------------------------------------------------------------------
 
 /// A light hand resting 5 mm into a wall (2 mm of it the tip), K 1 or 5, friction 0.05 N.
 struct Extreme {
@@ -569,15 +576,21 @@ TEST_P(SafetyExtremes, GainsChangeUnderTheHand) {
   }
 }
 
-// --- life --------------------------------------------------------------------------------------------------------
+// --- life
+// --------------------------------------------------------------------------------------------------------
 
-/// Minutes of everything at once; returns the last position, so that two lives can be compared bit for bit.
+/// Minutes of everything at once; returns the last position, so that two lives can be compared bit
+/// for bit.
 Vec3 life(unsigned seed, const Hand& hand, int ticks) {
   const DeviceProfile profile = omni(1.0, 1, 0.05);
   Rig rig(profile, profile, hand);
   std::mt19937_64 random(seed);
-  const auto chance = [&](double p) { return std::uniform_real_distribution(0.0, 1.0)(random) < p; };
-  const auto between = [&](double a, double b) { return std::uniform_real_distribution(a, b)(random); };
+  const auto chance = [&](double p) {
+    return std::uniform_real_distribution(0.0, 1.0)(random) < p;
+  };
+  const auto between = [&](double a, double b) {
+    return std::uniform_real_distribution(a, b)(random);
+  };
   Vec3 target(0.0, 0.0, 10.0);
   Vec3 goal = target;
   double speed = 0.2;

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "client/device/device_profile.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+namespace hapticast::client {
+namespace {
+
+class DeviceProfileFile : public testing::Test {
+ protected:
+  void TearDown() override { std::remove(file_.c_str()); }
+  DeviceProfile load(const std::string& text) {
+    std::ofstream(file_, std::ios::binary) << text;
+    return loadDeviceProfile(file_);
+  }
+  /// The complaint about `text`, without the file's name.
+  std::string complaint(const std::string& text) {
+    try {
+      (void)load(text);
+    } catch (const std::runtime_error& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find(file_), 0u) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      return what.substr(std::min(what.size(), file_.size()));
+    }
+    return "accepted";
+  }
+  const std::string file_ = testing::TempDir() + "profile_" +
+                            testing::UnitTest::GetInstance()->current_test_info()->name() + ".txt";
+};
+
+TEST_F(DeviceProfileFile, BuiltIn) {
+  const DeviceProfile omni = loadDeviceProfile("omni");
+  EXPECT_EQ(omni.mass_kg, 0.045);
+  EXPECT_EQ(omni.stiffness_N_mm, 0.5);
+  EXPECT_EQ(omni.delay_ticks, 1);
+  const DeviceProfile falcon = loadDeviceProfile("falcon");
+  EXPECT_EQ(falcon.name, "falcon");
+  EXPECT_EQ(falcon.peak_N, 8.0);
+  EXPECT_EQ(falcon.count_mm, 0.038);
+}
+
+TEST_F(DeviceProfileFile, EveryFieldByItsName) {
+  const DeviceProfile p = load(
+      "# my own device\nname = bench\r\nmass_kg=0.2\npeak_N = 5\ncontinuous_N = 2\ncount_mm = 0.01 "
+      "# fine\n"
+      "delay_ticks = 3\n\n  stiffness_N_mm = 1.25\nslew_rise_N_per_tick = "
+      "0.3\nslew_fall_N_per_tick = 0.6\n"
+      "residue_N_per_tick = 0.2\npulse_limit_N = 1.5\nfriction_N = 0.26\ndamping_Ns_m = 0.4\n"
+      "workspace_mm = 100 90  80");
+  EXPECT_EQ(p.name, "bench");
+  EXPECT_EQ(p.mass_kg, 0.2);
+  EXPECT_EQ(p.peak_N, 5.0);
+  EXPECT_EQ(p.continuous_N, 2.0);
+  EXPECT_EQ(p.count_mm, 0.01);
+  EXPECT_EQ(p.delay_ticks, 3);
+  EXPECT_EQ(p.stiffness_N_mm, 1.25);
+  EXPECT_EQ(p.slew_rise_N_per_tick, 0.3);
+  EXPECT_EQ(p.slew_fall_N_per_tick, 0.6);
+  EXPECT_EQ(p.residue_N_per_tick, 0.2);
+  EXPECT_EQ(p.pulse_limit_N, 1.5);
+  EXPECT_EQ(p.friction_N, 0.26);
+  EXPECT_EQ(p.damping_Ns_m, 0.4);
+  EXPECT_EQ(p.workspace_mm, Vec3(100.0, 90.0, 80.0));
+}
+
+TEST_F(DeviceProfileFile, WhatIsNotSaidIsOmni) {
+  const DeviceProfile p = load("friction_N = 0.1");
+  EXPECT_EQ(p.friction_N, 0.1);
+  EXPECT_EQ(p.mass_kg, 0.045);
+}
+
+TEST_F(DeviceProfileFile, ComplaintsNameLineKeyAndWhatIsAllowed) {
+  EXPECT_EQ(complaint("\nmass_kg = 0"), ":2: mass_kg: '0' is not a number from 0.001 to 10");
+  EXPECT_EQ(complaint("mass_kg = heavy"), ":1: mass_kg: 'heavy' is not a number from 0.001 to 10");
+  EXPECT_EQ(complaint("mass_kg = nan"), ":1: mass_kg: 'nan' is not a number from 0.001 to 10");
+  EXPECT_EQ(complaint("peak_N = 1e999"), ":1: peak_N: '1e999' is not a number from 0.1 to 100");
+  EXPECT_EQ(complaint("peak_N = 3 N"), ":1: peak_N: '3 N' is not a number from 0.1 to 100");
+  EXPECT_EQ(complaint("peak_N ="), ":1: peak_N: '' is not a number from 0.1 to 100");
+  EXPECT_EQ(complaint("delay_ticks = 6"), ":1: delay_ticks: '6' is not a number from 0 to 5");
+  EXPECT_EQ(complaint("delay_ticks = 1.5"), ":1: delay_ticks: '1.5' is not a whole number");
+  EXPECT_EQ(complaint("workspace_mm = 100 90"),
+            ":1: workspace_mm: three numbers are wanted: width height depth");
+  EXPECT_EQ(complaint("workspace_mm = 100 90 80 70"),
+            ":1: workspace_mm: '80 70' is not a number from 10 to 2000");
+  EXPECT_EQ(complaint("mass"), ":1: 'mass' is not a `key = value` line");
+  EXPECT_EQ(complaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: stands twice");
+  EXPECT_EQ(complaint("name ="), ":1: name: 1 to 64 characters are wanted");
+  EXPECT_EQ(complaint("continuous_N = 5"), ": continuous_N is larger than peak_N");
+  EXPECT_EQ(complaint("weight = 3").find(":1: weight: unknown key, allowed are name, "), 0u);
+}
+
+TEST_F(DeviceProfileFile, NonsenseIsRefusedWithoutHarm) {
+  EXPECT_EQ(complaint(std::string(70'000, '#')), ": larger than 64 KiB, not a device profile");
+  EXPECT_NE(complaint(std::string(60'000, 'x') + "=1"), "accepted");
+  EXPECT_NE(complaint(std::string("\0\xff\x80=\0", 5)), "accepted");
+  EXPECT_THROW((void)loadDeviceProfile("/nonexistent/profile"), std::runtime_error);
+  EXPECT_THROW((void)loadDeviceProfile(testing::TempDir()), std::runtime_error);  // a folder
+}
+
+}  // namespace
+}  // namespace hapticast::client

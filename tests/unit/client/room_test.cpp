@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/room.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "unit/client/stage.hpp"
+
+namespace hapticast::client {
+namespace {
+
+HandScript presser() { return {HandKind::kPress, HandStiffness{}}; }
+
+TEST(Room, APressedDomePushesBackWithOneNewton) {
+  HandScript hand = presser();
+  Stage stage({}, &hand);
+  int contact = 0;
+  int interpolated = 0;
+  std::vector<double> forces_N;
+  for (int i = 0; i < 8000; ++i) {
+    const TickReport& report = stage.step();
+    contact += report.contact;
+    interpolated += report.contact && report.lookup == Lookup::kInterpolated;
+    if (report.contact) forces_N.push_back(report.force_N.z());
+    EXPECT_EQ(report.penetration_mm > 0.0, report.contact);
+  }
+  EXPECT_GT(contact, 2000);
+  EXPECT_GE(interpolated, 0.95 * contact);
+  const auto middle = forces_N.begin() + contact / 2;  // mostly it holds
+  std::nth_element(forces_N.begin(), middle, forces_N.end());
+  EXPECT_NEAR(*middle, 1.0, 0.05);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, ReportsWhatIsBelowTheTip) {
+  Stage stage({}, nullptr);
+  stage.device.reset(DeviceMapping::fit(Workspace{}, {160, 120, 70}).toDevice({12.0, 5.0, 40.0}),
+                     Vec3::Zero());
+  TickReport report = stage.run(500);
+  EXPECT_TRUE(report.object_present);
+  EXPECT_EQ(report.object_id, 7u);
+  EXPECT_NEAR((report.object_centre_mm - Vec2(10.0, 5.0)).norm(), 0.0, 0.6);
+  EXPECT_NEAR(report.object_centre_height_mm, 17.0, 0.05);
+  EXPECT_TRUE(report.over_object);
+  EXPECT_NEAR(report.height_at_hip_mm, 17.0 - 5.0 * 4.0 / 225.0, 0.05);
+  EXPECT_NEAR((report.hip_mm - Vec3(12.0, 5.0, 40.0)).norm(), 0.0, 0.06);
+  stage.device.reset({-60.0, 0.0, 10.0}, Vec3::Zero());
+  report = stage.run(5);
+  EXPECT_TRUE(report.object_present);
+  EXPECT_FALSE(report.over_object);
+  EXPECT_EQ(report.height_at_hip_mm, 0.0);
+  const TickReport& published = stage.published.load();
+  EXPECT_EQ(published.tick, report.tick);
+}
+
+TEST(Room, StiffnessIsTheSettingsElseTheMaterialsElseTheProfiles) {
+  struct Case {
+    double setting, material, expected;
+  };
+  for (const Case& c :
+       {Case{0.0, 0.0, 0.5}, Case{0.0, 0.3, 0.3}, Case{0.8, 0.3, 0.8}, Case{0.0, -1.0, 0.5}}) {
+    RoomSettings settings;
+    settings.stiffness_N_mm = c.setting;
+    Stage stage(settings, nullptr);
+    stage.material.stiffness_N_mm = c.material;
+    const Vec3 top = DeviceMapping::fit(Workspace{}, {160, 120, 70}).toDevice({10.0, 5.0, 17.0});
+    stage.device.reset(top + Vec3(0, 0, 2.0), Vec3::Zero());
+    (void)stage.run(500);
+    stage.device.setTarget(top - Vec3(0, 0, 2.0));
+    (void)stage.run(2000);
+    double force_N = 0.0;  // the mean: one count of chatter is a tenth of a Newton of damping
+    double device_mm = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      const TickReport& report = stage.step();
+      force_N += report.static_force_N.norm();
+      device_mm += report.penetration_mm * report.mapping.scale;
+    }
+    EXPECT_NEAR(force_N / device_mm, c.expected, 0.02 * c.expected);
+  }
+}
+
+TEST(Room, AStreamThatEndsFadesAndComesBackFromZero) {
+  HandScript hand{HandKind::kFollow, HandStiffness{}};
+  Stage stage({}, &hand, 3.0);
+  EXPECT_GT(stage.run(3000).force_N.norm(), 0.2);
+  stage.streaming = false;  // the server is killed
+  bool seen[kLookupKinds] = {};
+  for (int i = 0; i < 1000; ++i) seen[static_cast<int>(stage.step().lookup)] = true;
+  EXPECT_TRUE(seen[static_cast<int>(Lookup::kExtrapolated)]);
+  EXPECT_TRUE(seen[static_cast<int>(Lookup::kHeld)]);
+  EXPECT_TRUE(seen[static_cast<int>(Lookup::kFaded)]);
+  EXPECT_EQ(stage.room->report().force_N, Vec3(Vec3::Zero()));
+  stage.state.connected = false;
+  stage.controls.store(stage.state);
+  (void)stage.run(500);
+  EXPECT_FALSE(stage.room->report().object_present);
+  stage.state.connected = stage.streaming = true;  // and is back
+  stage.newEpoch();
+  EXPECT_GT(stage.run(3000).force_N.norm(), 0.2);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, EpochsPausesAndAnotherWorkspaceDoNotStep) {
+  HandScript hand{HandKind::kSlide, HandStiffness{}};
+  Stage stage({}, &hand, 3.0);
+  (void)stage.run(2500);
+  for (int i = 0; i < 6; ++i) {
+    stage.newEpoch();
+    (void)stage.run(300);
+    stage.state.paused = !stage.state.paused;
+    stage.controls.store(stage.state);
+    (void)stage.run(300);
+    stage.state.workspace.width_mm = i % 2 == 0 ? 200.0 : 160.0;
+    stage.controls.store(stage.state);
+    (void)stage.run(300);
+  }
+  EXPECT_GT(stage.max_force_N, 0.3);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, ALostDeviceIsAFaultAndWaitsForRearm) {
+  HandScript hand{HandKind::kFollow, HandStiffness{}};
+  Stage stage({}, &hand);
+  (void)stage.run(3000);
+  stage.lost = true;
+  EXPECT_EQ(stage.step().fault, Fault::kDeviceLost);
+  EXPECT_EQ(stage.step().fault, Fault::kNone);  // once
+  EXPECT_TRUE(stage.room->recorder().frozen());
+  stage.lost = false;
+  EXPECT_EQ(stage.run(2000).force_N, Vec3(Vec3::Zero()));
+  ++stage.state.rearm;
+  stage.controls.store(stage.state);
+  EXPECT_GT(stage.run(2000).force_N.norm(), 0.2);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, BlindTicksAreAFaultButLeaveTheForceSmooth) {
+  HandScript hand{HandKind::kFollow, HandStiffness{}};
+  Stage stage({}, &hand);
+  (void)stage.run(3000);
+  stage.blind = true;
+  EXPECT_EQ(stage.step().fault, Fault::kNotFinite);
+  EXPECT_TRUE(stage.run(4).force_N.allFinite());
+  stage.blind = false;
+  EXPECT_GT(stage.run(1000).force_N.norm(), 0.2);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, AFullLogIsCountedNotWaitedFor) {
+  auto log = std::make_unique<Room::Log>();
+  Stage stage({}, nullptr, 0.0, log.get());
+  (void)stage.run(5000);
+  EXPECT_EQ(stage.room->droppedReports(), 5000u - 4096u);
+  TickReport first;
+  ASSERT_TRUE(log->tryPop(first));
+  EXPECT_EQ(first.tick, 1u);
+}
+
+TEST(Room, StopRampsToZeroAndStaysThere) {
+  HandScript hand{HandKind::kFollow, HandStiffness{}};
+  Stage stage({}, &hand);
+  (void)stage.run(3000);
+  stage.room->stop();
+  EXPECT_EQ(stage.run(40).force_N, Vec3(Vec3::Zero()));
+  EXPECT_EQ(stage.run(1000).force_N, Vec3(Vec3::Zero()));
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, TheSameTicksGiveTheSameBits) {
+  for (const Method method : {Method::kHapticast, Method::kThesis}) {
+    std::vector<std::uint64_t> bits[2];
+    for (auto& run : bits) {
+      RoomSettings settings;
+      settings.method = method;
+      HandScript hand{HandKind::kSlide, HandStiffness{}};
+      Stage stage(settings, &hand, 3.0);
+      for (int i = 0; i < 4000; ++i) {
+        if (i == 3000) stage.newEpoch();
+        const TickReport& report = stage.step();
+        for (int k = 0; k < 3; ++k) {
+          run.push_back(std::bit_cast<std::uint64_t>(report.force_N[k]));
+          run.push_back(std::bit_cast<std::uint64_t>(report.hip_mm[k]));
+        }
+      }
+      EXPECT_GT(stage.max_force_N, 0.2);
+      EXPECT_EQ(stage.max_excess_N, 0.0);
+    }
+    EXPECT_EQ(bits[0], bits[1]);
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::client
