@@ -60,7 +60,7 @@ void writeSummary(const std::string& file, const RunResult& result) {
       << ", \"p999\": " << loop.tick_ns.quantile_ns(0.999) << ", \"max\": " << loop.tick_ns.max_ns()
       << "},\n"
       << "  \"frames\": {\"received\": " << frames.received << ", \"lost\": " << frames.lost
-      << ", \"late\": " << frames.late << ", \"concealed\": " << frames.concealed() << "},\n"
+      << ", \"late\": " << frames.late << ", \"concealed\": " << frames.concealed << "},\n"
       << "  \"bytes_received\": " << result.bytes_received << ",\n"
       << "  \"lookup\": " << counters(loop.lookup, lookupKey) << ",\n"
       << "  \"contact_lookup\": " << counters(loop.contact_lookup, lookupKey) << ",\n"

@@ -90,6 +90,14 @@ struct HapticFrame {
   std::vector<HapticObject> objects;  ///< at most kMaxObjects
 };
 
+/// The picture of the same instant, for the viewer's window.
+struct VideoFrame {
+  std::uint32_t epoch = 0;
+  std::uint64_t id = 0;  ///< of the HapticFrame of the same instant
+  MediaTime media_time;
+  std::vector<std::uint8_t> jpeg;
+};
+
 /// Which choice of every stage: ours or the thesis's.
 enum class Method : std::uint8_t { kHapticast = 0, kThesis = 1 };
 

@@ -37,12 +37,6 @@ struct Pong {
   MediaTime t1;
   MediaTime t2;
 };
-struct VideoFrame {
-  std::uint32_t epoch = 0;
-  std::uint64_t id = 0;
-  MediaTime media_time;
-  std::vector<std::uint8_t> jpeg;
-};
 struct Report {
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;

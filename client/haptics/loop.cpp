@@ -17,7 +17,10 @@ void LoopStats::add(const TickReport& report, double step_N) noexcept {
     interferences[i] += (report.interferences >> i) & 1U;
   }
   ++faults[static_cast<std::size_t>(report.fault)];
-  contact_ticks += report.contact ? 1 : 0;
+  if (report.contact) {
+    ++contact_ticks;
+    ++contact_lookup[static_cast<std::size_t>(report.lookup)];
+  }
   max_force_N = std::max(max_force_N, report.force_N.norm());
   max_force_step_N = std::max(max_force_step_N, step_N);
   step_excess_max_N = std::max(step_excess_max_N, report.step_excess_N);

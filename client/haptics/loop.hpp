@@ -21,6 +21,7 @@ struct LoopStats {
   Histogram tick_ns;             ///< time in the room
   Histogram exchange_ns;         ///< time in the device
   std::array<std::uint64_t, kLookupKinds> lookup{};
+  std::array<std::uint64_t, kLookupKinds> contact_lookup{};  ///< of the ticks in contact
   std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
   std::array<std::uint64_t, kFaultKinds> faults{};  ///< index: Fault
   std::uint64_t contact_ticks = 0;

@@ -99,12 +99,17 @@ void Receiver::observe(const HapticFrame& frame, LocalTime arrival) {
   // The first frame of a connection is sent whenever the viewer comes: its age says nothing of the
   // network.
   if (!last_id_) return;
-  counts_.lost += frame.id - *last_id_ - 1;
+  const std::uint64_t lost = frame.id - *last_id_ - 1;
+  counts_.lost += lost;
   if (!clock_.ready()) return;
   const MediaTime media_now(arrival.time_since_epoch() + clock_.offset(arrival));
   const Duration lateness = media_now - frame.media_time - latest_.pipeline_latency;
   const Duration lookahead = latest_.frame_interval * settings_.lookahead_frames;
   if (lateness + lookahead > latest_.playout_delay_target) ++counts_.late;
+  // Across a gap the interpolation needs this frame as early as the first lost one.
+  const auto gap =
+      latest_.frame_interval * static_cast<std::int64_t>(std::min<std::uint64_t>(lost, 1000));
+  if (lateness + lookahead + gap <= latest_.playout_delay_target) counts_.concealed += lost;
   jitter_.add(arrival, lateness);
 }
 

@@ -10,7 +10,7 @@
 
 #include "client/haptics/tick_report.hpp"
 #include "client/view/overlay.hpp"
-#include "common/wire.hpp"
+#include "common/haptic_frame.hpp"
 
 namespace hapticast::client {
 
