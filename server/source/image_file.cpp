@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "server/source/image_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "common/haptic_frame.hpp"
@@ -76,12 +78,14 @@ std::string readBytes(const std::filesystem::path& file, Bytes& bytes) {
 ImageResult readFile(const std::filesystem::path& file, int flags) {
   Bytes bytes;
   if (std::string problem = readBytes(file, bytes); !problem.empty()) return {{}, problem};
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto size = pngSize(bytes);
   if (!size) size = jpegSize(bytes);
   if (!size) return {{}, "is not a PNG or JPEG image"};
   if (size->width > kMaxWidth_px || size->height > kMaxHeight_px) {
     return {{}, tooLarge(size->width, size->height)};
   }
+  if (bytes[0] == 0x89 && text.rfind("IEND") == std::string_view::npos) return {{}, "is cut off"};
   cv::Mat image;
   try {
     image = cv::imdecode(bytes, flags);

@@ -14,8 +14,8 @@ namespace {
 constexpr int kSide = 32;  // of the lattice, a power of two
 
 std::size_t cell(int x, int y, int z) {
-  const int mask = kSide - 1;
-  return static_cast<std::size_t>(((z & mask) * kSide + (y & mask)) * kSide + (x & mask));
+  const auto wrapped = [](int i) { return static_cast<std::size_t>(i & (kSide - 1)); };
+  return (wrapped(z) * kSide + wrapped(y)) * kSide + wrapped(x);
 }
 
 /// Trilinear with smoothed weights, so that the noise has a continuous slope.
@@ -28,7 +28,9 @@ float interpolate(const std::vector<float>& lattice, const Vec3& p) {
     base[i] = static_cast<int>(floor);
     w[i] = t * t * (3.0F - 2.0F * t);
   }
-  const auto [x, y, z] = base;
+  const int x = base[0];
+  const int y = base[1];
+  const int z = base[2];
   const auto along = [&](int dy, int dz) {
     return std::lerp(lattice[cell(x, y + dy, z + dz)], lattice[cell(x + 1, y + dy, z + dz)], w[0]);
   };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "server/source/image_file.hpp"
@@ -20,6 +21,10 @@ constexpr double kCountTolerance = 5.0;
 cv::VideoCapture openVideo(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw SourceError(file + ": no such file");
+  // FFmpeg's own lines would drown the one line a person needs. OpenCV reads this once, at the
+  // first video; whoever sets it himself still gets them.
+  static const int quiet = ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  static_cast<void>(quiet);
   // FFmpeg only: other back ends read other things (image patterns, pipelines) and hide the pixel
   // format.
   cv::VideoCapture capture(file, cv::CAP_FFMPEG);

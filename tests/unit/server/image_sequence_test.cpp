@@ -225,7 +225,7 @@ TEST_F(ImageSequenceFolder, UnreadableImagesInTheMiddleAreLeftOutWithOneWarningE
   }
   EXPECT_EQ(log.count(), 2) << "not again in every loop";
   EXPECT_THAT(log.text(), AllOf(HasSubstr("000001.png: is not a PNG or JPEG image"),
-                                HasSubstr("000003.png: cannot be decoded")));
+                                HasSubstr("000003.png: is cut off")));
 }
 
 TEST_F(ImageSequenceFolder, AnotherKindOfDepthInTheMiddleIsLeftOut) {

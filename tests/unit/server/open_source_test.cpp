@@ -64,7 +64,7 @@ TEST(OpenSource, APairWithAPartMissing) {
 TEST(OpenSource, FilesWithCommasInTheirNames) {
   const TempFolder folder;
   const auto write = [&](const std::string& name) {
-    const std::string file = (folder / name).string();
+    std::string file = (folder / name).string();
     cv::VideoWriter writer(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25.0, {32, 32});
     for (int i = 0; i < 3; ++i) writer.write(cv::Mat(32, 32, CV_8UC3, cv::Scalar::all(100)));
     return file;

@@ -31,7 +31,7 @@ TEST(Pacer, FramesAreDueOnePeriodApart) {
 TEST(Pacer, DoesNotDriftAtAnOddRate) {
   Pacer pacer(30.0, kStart);
   MediaTime media;
-  for (std::uint64_t i = 0; i <= 30U * 3600U; ++i) {
+  for (std::uint64_t i = 0; i <= 30ULL * 3600ULL; ++i) {
     const auto plan = pacer.plan(media);
     ASSERT_EQ(plan.skip, 0U);
     media = pacer.frameRead(0, i);

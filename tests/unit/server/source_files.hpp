@@ -81,7 +81,7 @@ inline std::string errorOf(const std::function<void()>& action) {
   try {
     action();
   } catch (const SourceError& error) {
-    const std::string line = error.what();
+    std::string line = error.what();
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
     return line;
   }

@@ -22,7 +22,7 @@ class VideoPairFiles : public testing::Test {
   /// Motion JPEG; frame i is evenly 40 + 8 i bright, times `tint`.
   [[nodiscard]] std::string video(const std::string& name, int frames, cv::Size size = {64, 48},
                                   const cv::Scalar& tint = {1.0, 1.0, 1.0}) const {
-    const std::string file = (folder / name).string();
+    std::string file = (folder / name).string();
     cv::VideoWriter writer(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30.0, size);
     EXPECT_TRUE(writer.isOpened());
     for (int i = 0; i < frames; ++i) writer.write(cv::Mat(size, CV_8UC3, tint * (40.0 + 8.0 * i)));
