@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/source/playback.hpp"
 #include "server/vision/picture.hpp"
 
 namespace hapticast::server {
@@ -95,19 +96,8 @@ void App::play() {
 std::optional<RgbdFrame> App::nextFrame(Pacer& pacer) {
   if (source_->info().live) return source_->read();
   const Pacer::Plan plan = pacer.plan(media_clock_.now());
-  for (std::uint64_t i = 0; i < plan.skip; ++i) {
-    if (!source_->skip() && !(rewindAtEnd() && source_->skip())) return std::nullopt;
-  }
   waitUntil(plan.due);
-  auto frame = source_->read();
-  if (!frame && rewindAtEnd()) frame = source_->read();
-  return frame;
-}
-
-bool App::rewindAtEnd() {
-  if (!settings_.loop || stop_) return false;
-  source_->rewind();
-  return true;
+  return readOn(*source_, plan.skip, settings_.loop && !stop_);
 }
 
 void App::publish(VisionResult result) {

@@ -34,7 +34,6 @@ class App {
   void scan();
   void play();
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
-  [[nodiscard]] bool rewindAtEnd();
   void publish(VisionResult result);
   void sayWhatWasSkipped(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
