@@ -190,7 +190,7 @@ void learn(const View& view, const cv::Mat& mask, ContourMemory& memory) {
   object.adapt(ColorHistogram::of(color, erodedBy(inside, kBand_px)), kCoreShare);
   const cv::Mat ring = dilatedBy(inside, kBand_px + kRing_px) & (dilatedBy(inside, kBand_px) == 0);
   if (memory.first.empty()) memory.first = object;
-  memory.now.adapt(object, 0.05);
+  memory.now.adapt(object, 0.1);
   memory.background.adapt(ColorHistogram::of(color, ring), 0.2);
 }
 
