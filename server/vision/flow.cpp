@@ -47,7 +47,8 @@ void fitMotion(ObjectFlow& flow) {
   flow.reliable = found >= kFewestTracks;
   if (!flow.reliable) return;
   cv::Mat inliers;
-  const cv::Mat fit = cv::estimateAffinePartial2D(flow.from, flow.to, inliers, cv::RANSAC, 2.0, 500, 0.99, 10);
+  const cv::Mat fit =
+      cv::estimateAffinePartial2D(flow.from, flow.to, inliers, cv::RANSAC, 2.0, 500, 0.99, 10);
   if (fit.empty()) return;
   const int agree = cv::countNonZero(inliers);
   const cv::Matx23d matrix(fit);
@@ -67,8 +68,9 @@ cv::Point2d ObjectFlow::carry(const cv::Point2d& point) const {
 double ObjectFlow::scale() const { return std::hypot(similarity(0, 0), similarity(1, 0)); }
 double ObjectFlow::rotation_rad() const { return std::atan2(similarity(1, 0), similarity(0, 0)); }
 
-void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray, const std::vector<cv::Point2f>& points,
-                 const cv::Vec2d& guess_px, std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
+void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
+                 const std::vector<cv::Point2f>& points, const cv::Vec2d& guess_px,
+                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
   from.clear();
   to.clear();
   if (points.empty()) return;
@@ -85,11 +87,12 @@ void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray, const std::vecto
   std::vector<cv::Mat> pyramid;
   const int levels = cv::buildOpticalFlowPyramid(last_gray, last_pyramid, window, 3);
   cv::buildOpticalFlowPyramid(gray, pyramid, window, 3);
-  cv::calcOpticalFlowPyrLK(last_pyramid, pyramid, points, forward, found, error, window, levels, until,
-                           cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
-  cv::calcOpticalFlowPyrLK(pyramid, last_pyramid, forward, back, found_back, error, window, levels, until,
-                           cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
-  const cv::Rect2f inside(0, 0, static_cast<float>(gray.cols - 1), static_cast<float>(gray.rows - 1));
+  cv::calcOpticalFlowPyrLK(last_pyramid, pyramid, points, forward, found, error, window, levels,
+                           until, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  cv::calcOpticalFlowPyrLK(pyramid, last_pyramid, forward, back, found_back, error, window, levels,
+                           until, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  const cv::Rect2f inside(0, 0, static_cast<float>(gray.cols - 1),
+                          static_cast<float>(gray.rows - 1));
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (found[i] == 0 || found_back[i] == 0 || !inside.contains(forward[i])) continue;
     if (cv::norm(back[i] - points[i]) >= 1.0) continue;
@@ -129,7 +132,8 @@ cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rec
   local(0, 2) += similarity(0, 0) * from_box.x + similarity(0, 1) * from_box.y - to_box.x;
   local(1, 2) += similarity(1, 0) * from_box.x + similarity(1, 1) * from_box.y - to_box.y;
   cv::Mat out;
-  cv::warpAffine(image, out, local, to_box.size(), interpolation, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::warpAffine(image, out, local, to_box.size(), interpolation, cv::BORDER_CONSTANT,
+                 cv::Scalar(0));
   return out;
 }
 

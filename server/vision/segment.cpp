@@ -15,7 +15,8 @@ class SourceSegmenter final : public Segmenter {
   explicit SourceSegmenter(std::uint32_t& next_id) : next_id_(next_id) {}
 
   std::vector<Segment> next(const View& view, const Flows& /*flows*/) override {
-    if (view.mask.empty()) throw SourceError("--segment source: the source brings no mask; use --segment auto");
+    if (view.mask.empty())
+      throw SourceError("--segment source: the source brings no mask; use --segment auto");
     std::array<int, 256> area{};
     for (int v = 0; v < view.mask.rows; ++v) {
       const auto* row = view.mask.ptr<unsigned char>(v);
@@ -41,7 +42,8 @@ class SourceSegmenter final : public Segmenter {
 
 }  // namespace
 
-std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask, std::uint32_t& next_id) {
+std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
+                                         std::uint32_t& next_id) {
   switch (settings.segment) {
     case SegmentMode::kSource:
       return std::make_unique<SourceSegmenter>(next_id);

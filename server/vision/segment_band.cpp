@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Real objects: a careful start, then the mask carried with the object and a band around its contour decided
-// anew in every frame; lost, looked for by its colours, found again under a new id.
+// Real objects: a careful start, then the mask carried with the object and a band around its
+// contour decided anew in every frame; lost, looked for by its colours, found again under a new id.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -14,9 +14,10 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kSettleRounds = 25;
-constexpr int kWeakFrames = 5;      // in a row: then the object is lost
-constexpr int kSearchEvery = 3;     // frames between two searches for a lost object
-constexpr int kForgetAfter = 15;    // frames lost, until an object chosen by itself is given up for another
+constexpr int kWeakFrames = 5;   // in a row: then the object is lost
+constexpr int kSearchEvery = 3;  // frames between two searches for a lost object
+constexpr int kForgetAfter =
+    15;  // frames lost, until an object chosen by itself is given up for another
 
 struct Tracked {
   std::uint32_t id = 0;
@@ -142,12 +143,13 @@ class BandSegmenter final : public Segmenter {
     const auto found = flows.find(object.id);
     const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
     const cv::Rect whole({0, 0}, object.mask.size());
-    const cv::Mat carried = carryImage(object.mask, whole, whole, flow.similarity, cv::INTER_LINEAR) > 127;
+    const cv::Mat carried =
+        carryImage(object.mask, whole, whole, flow.similarity, cv::INTER_LINEAR) > 127;
     if (!object.memory.evidence.empty()) {
       const cv::Rect box = boxAround(carried, 2 * kBand_px);
       object.memory.evidence = box.empty() ? cv::Mat()
-                                           : carryImage(object.memory.evidence, object.memory.box, box,
-                                                        flow.similarity, cv::INTER_LINEAR);
+                                           : carryImage(object.memory.evidence, object.memory.box,
+                                                        box, flow.similarity, cv::INTER_LINEAR);
       object.memory.box = box;
     }
     const double expected = cv::countNonZero(carried);
@@ -201,8 +203,10 @@ class BandSegmenter final : public Segmenter {
   }
 
   static cv::Mat likeliest(const Tracked& object, const View& view) {
-    ColorHistogram scene = ColorHistogram::of(view.color, cv::Mat(view.color.size(), CV_8UC1, cv::Scalar(255)));
-    const std::vector<float> evidence = colorEvidence(object.memory.first, object.memory.first, scene);
+    ColorHistogram scene =
+        ColorHistogram::of(view.color, cv::Mat(view.color.size(), CV_8UC1, cv::Scalar(255)));
+    const std::vector<float> evidence =
+        colorEvidence(object.memory.first, object.memory.first, scene);
     cv::Mat likely(view.color.size(), CV_32FC1);
     for (int v = 0; v < likely.rows; ++v) {
       for (int u = 0; u < likely.cols; ++u) {
@@ -216,7 +220,8 @@ class BandSegmenter final : public Segmenter {
     cv::Mat labels;
     cv::Mat stats;
     cv::Mat centroids;
-    const int count = cv::connectedComponentsWithStats(likely > 0.5, labels, stats, centroids, 8, CV_32S);
+    const int count =
+        cv::connectedComponentsWithStats(likely > 0.5, labels, stats, centroids, 8, CV_32S);
     int best = 0;
     for (int i = 1; i < count; ++i) {
       const int area = stats.at<int>(i, cv::CC_STAT_AREA);
@@ -238,7 +243,8 @@ class BandSegmenter final : public Segmenter {
 
 }  // namespace
 
-std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings, std::uint32_t& next_id) {
+std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings,
+                                             std::uint32_t& next_id) {
   return std::make_unique<BandSegmenter>(settings, next_id);
 }
 

@@ -47,7 +47,8 @@ ColorHistogram ColorHistogram::of(const cv::Mat& color, const cv::Mat& mask) {
 void ColorHistogram::adapt(const ColorHistogram& other, double share) {
   if (other.empty_) return;
   const float keep = empty_ ? 0.0F : static_cast<float>(1.0 - share);
-  for (std::size_t i = 0; i < kBins; ++i) fraction_[i] += (1.0F - keep) * (other.fraction_[i] - fraction_[i]);
+  for (std::size_t i = 0; i < kBins; ++i)
+    fraction_[i] += (1.0F - keep) * (other.fraction_[i] - fraction_[i]);
   empty_ = false;
 }
 

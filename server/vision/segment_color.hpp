@@ -14,7 +14,8 @@ class ColorHistogram {
   static constexpr std::size_t kBins = 16 * 16 * 16;
 
   [[nodiscard]] static std::size_t binOf(const cv::Vec3b& bgr) {
-    return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U | std::size_t{bgr[2]} >> 4U;
+    return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U |
+           std::size_t{bgr[2]} >> 4U;
   }
   /// Of the pixels of `color` (CV_8UC3) inside `mask`, smoothed 1-2-1 along each channel.
   static ColorHistogram of(const cv::Mat& color, const cv::Mat& mask);
@@ -29,8 +30,8 @@ class ColorHistogram {
   bool empty_ = true;
 };
 
-/// Per bin log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), cut to +-2.5. The larger floor below makes
-/// a colour never seen background.
+/// Per bin log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), cut to +-2.5. The larger
+/// floor below makes a colour never seen background.
 std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,
                                  const ColorHistogram& background);
 

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kRing_px = 20;  // width of the ring of background around the band
 constexpr double kMemory = 0.3;
-constexpr double kCoreShare = 0.8;  // what hangs on at the rim must not teach its colours to the object
+constexpr double kCoreShare =
+    0.8;  // what hangs on at the rim must not teach its colours to the object
 
 struct Local {
   cv::Mat depth;   // mean depth of the neighbourhood, sigma 7 px
@@ -51,9 +52,10 @@ double depthEvidence(double z, double object, double background, double sigma) {
 }
 
 // D of the notes over the box, for the pixels of `band`.
-cv::Mat depthTerm(const cv::Mat& depth, const cv::Mat& band, const cv::Mat& on_planes, const Local& object,
-                  const Local& background, const DepthNoise& noise) {
-  const double hole = std::clamp(std::log((object.holes + 0.02) / (background.holes + 0.02)), -2.0, 2.0);
+cv::Mat depthTerm(const cv::Mat& depth, const cv::Mat& band, const cv::Mat& on_planes,
+                  const Local& object, const Local& background, const DepthNoise& noise) {
+  const double hole =
+      std::clamp(std::log((object.holes + 0.02) / (background.holes + 0.02)), -2.0, 2.0);
   cv::Mat out = cv::Mat::zeros(depth.size(), CV_32FC1);
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
@@ -64,12 +66,15 @@ cv::Mat depthTerm(const cv::Mat& depth, const cv::Mat& band, const cv::Mat& on_p
         evidence = hole;
       } else if (on_planes.at<unsigned char>(v, u) != 0) {
         evidence = -2.0;
-      } else if (object.weight.at<float>(v, u) > 1e-3F && background.weight.at<float>(v, u) > 1e-3F) {
+      } else if (object.weight.at<float>(v, u) > 1e-3F &&
+                 background.weight.at<float>(v, u) > 1e-3F) {
         evidence = depthEvidence(z, double(object.depth.at<float>(v, u)),
                                  double(background.depth.at<float>(v, u)), noise.at(z));
       } else if (object.weight.at<float>(v, u) > 1e-3F) {
-        // A background without depth: being near the object's depth speaks for it, by as much as holes are rare in it.
-        const double off = std::abs(z - double(object.depth.at<float>(v, u))) / (12 + 3 * noise.at(z));
+        // A background without depth: being near the object's depth speaks for it, by as much as
+        // holes are rare in it.
+        const double off =
+            std::abs(z - double(object.depth.at<float>(v, u))) / (12 + 3 * noise.at(z));
         evidence = off < 2.0 ? -0.5 * hole : -1.0;
       }
       out.at<float>(v, u) = static_cast<float>(evidence);
@@ -126,7 +131,8 @@ cv::Mat mainPieces(const cv::Mat& mask, const cv::Mat& carried) {
   std::vector<int> overlap(static_cast<std::size_t>(count), 0);
   for (int v = 0; v < mask.rows; ++v) {
     for (int u = 0; u < mask.cols; ++u) {
-      if (carried.at<unsigned char>(v, u) != 0) ++overlap[static_cast<std::size_t>(labels.at<int>(v, u))];
+      if (carried.at<unsigned char>(v, u) != 0)
+        ++overlap[static_cast<std::size_t>(labels.at<int>(v, u))];
     }
   }
   int largest = 0;
@@ -134,7 +140,8 @@ cv::Mat mainPieces(const cv::Mat& mask, const cv::Mat& carried) {
   cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
   for (int i = 1; i < count; ++i) {
     const int area = stats.at<int>(i, cv::CC_STAT_AREA);
-    const bool supported = area > 0.1 * largest && overlap[static_cast<std::size_t>(i)] > 0.6 * area;
+    const bool supported =
+        area > 0.1 * largest && overlap[static_cast<std::size_t>(i)] > 0.6 * area;
     if (area == largest || supported) out |= labels == i;
   }
   return out;
@@ -152,7 +159,8 @@ ContourResult decideContour(const View& view, const cv::Mat& carried, const Dept
   const cv::Mat core = distance > kBand_px;
   const cv::Mat band = (distance > -kBand_px) & (core == 0);
   const cv::Mat depth = view.depth(box);
-  const cv::Mat color = colorTerm(view.color(box), colorEvidence(memory.first, memory.now, memory.background));
+  const cv::Mat color =
+      colorTerm(view.color(box), colorEvidence(memory.first, memory.now, memory.background));
   const cv::Mat depth_evidence =
       depthTerm(depth, band, onPlanes(view.depth, box, planes), localDepth(depth, distance > 3),
                 localDepth(depth, distance < -kBand_px), noise);
@@ -162,8 +170,8 @@ ContourResult decideContour(const View& view, const cv::Mat& carried, const Dept
   cv::max(cv::min(distance / kBand_px, 1.0), -1.0, prior);
   cv::Mat evidence = seen + 1.2 * prior;
   if (!memory.evidence.empty()) {
-    const cv::Mat before =
-        carryImage(memory.evidence, memory.box, box, cv::Matx23d(1, 0, 0, 0, 1, 0), cv::INTER_NEAREST);
+    const cv::Mat before = carryImage(memory.evidence, memory.box, box,
+                                      cv::Matx23d(1, 0, 0, 0, 1, 0), cv::INTER_NEAREST);
     evidence = (1 - kMemory) * evidence + kMemory * before;
   }
   evidence.setTo(3.0, core);
@@ -171,7 +179,8 @@ ContourResult decideContour(const View& view, const cv::Mat& carried, const Dept
   cv::max(cv::min(evidence, 3.0), -3.0, evidence);
   cv::Mat mask = (guided(view.gray(box), evidence) > 0) & (distance > -kBand_px);
   mask |= core;
-  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   mask = mainPieces(mask, last);
   fillHoles(mask, 400);
   mask.copyTo(result.mask(box));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Decides anew, from colour, depth, planes and the last mask, the band of pixels around an object's contour;
-// what lies deeper inside or further out stays (segmentation notes, section 3.3).
+// Decides anew, from colour, depth, planes and the last mask, the band of pixels around an object's
+// contour; what lies deeper inside or further out stays (segmentation notes, section 3.3).
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -24,12 +24,12 @@ struct ContourMemory {
 };
 
 struct ContourResult {
-  cv::Mat mask;              ///< CV_8UC1, 0 / 255, size of the picture
-  double inside_color = 0.0; ///< mean colour evidence inside; below 0 it is not the object
+  cv::Mat mask;               ///< CV_8UC1, 0 / 255, size of the picture
+  double inside_color = 0.0;  ///< mean colour evidence inside; below 0 it is not the object
 };
 
-/// `carried`: the last mask moved to this frame. `memory.evidence` must be carried to it too (or empty); it is
-/// replaced by this frame's. The histograms are not touched; see learn().
+/// `carried`: the last mask moved to this frame. `memory.evidence` must be carried to it too (or
+/// empty); it is replaced by this frame's. The histograms are not touched; see learn().
 ContourResult decideContour(const View& view, const cv::Mat& carried, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The thesis's segmentation: Canny edges of colour and depth fused, closed, and the region they enclose. Kept as
-// the thesis's own row; real scenes need segment_band.
+// The thesis's segmentation: Canny edges of colour and depth fused, closed, and the region they
+// enclose. Kept as the thesis's own row; real scenes need segment_band.
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
@@ -28,7 +28,8 @@ cv::Mat regionsOf(const View& view) {
   cv::Mat depth_edges;
   cv::Canny(depth, depth_edges, 8, 20);
   cv::Mat edges = color_edges | depth_edges;
-  cv::morphologyEx(edges, edges, cv::MORPH_CLOSE, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
+  cv::morphologyEx(edges, edges, cv::MORPH_CLOSE,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
   return edges == 0;
 }
 
@@ -102,7 +103,8 @@ class EdgeSegmenter final : public Segmenter {
     std::vector<int> shared(static_cast<std::size_t>(count), 0);
     for (int v = 0; v < carried.rows; ++v) {
       for (int u = 0; u < carried.cols; ++u) {
-        if (carried.at<unsigned char>(v, u) != 0) ++shared[static_cast<std::size_t>(labels_.at<int>(v, u))];
+        if (carried.at<unsigned char>(v, u) != 0)
+          ++shared[static_cast<std::size_t>(labels_.at<int>(v, u))];
       }
     }
     shared[0] = 0;
@@ -126,7 +128,8 @@ class EdgeSegmenter final : public Segmenter {
 
 }  // namespace
 
-std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings, std::uint32_t& next_id) {
+std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
+                                             std::uint32_t& next_id) {
   return std::make_unique<EdgeSegmenter>(settings, next_id);
 }
 

@@ -34,7 +34,8 @@ std::vector<LatticePoint> latticeOf(const cv::Mat& depth) {
   return points;
 }
 
-bool planeThrough(const LatticePoint& p, const LatticePoint& q, const LatticePoint& r, Plane& plane) {
+bool planeThrough(const LatticePoint& p, const LatticePoint& q, const LatticePoint& r,
+                  Plane& plane) {
   Eigen::Matrix3d points;
   points << p.u, p.v, 1, q.u, q.v, 1, r.u, r.v, 1;
   if (std::abs(points.determinant()) < 50.0) return false;
@@ -66,7 +67,8 @@ int fitOnce(const std::vector<LatticePoint>& points, double width, Plane& plane)
   plane.b = abc[1];
   plane.c = abc[2];
   const int count = static_cast<int>(residuals.size());
-  // Never wider than what the noise allows: a fit that widens itself ends by swallowing what stands on it.
+  // Never wider than what the noise allows: a fit that widens itself ends by swallowing what stands
+  // on it.
   plane.tolerance_mm = std::min(plane.widest_mm, 3 * 1.48 * medianOf(residuals) + 2.0);
   return count;
 }
@@ -79,7 +81,8 @@ int countOn(const std::vector<LatticePoint>& points, const Plane& plane, std::si
   return count;
 }
 
-Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise, double near_px, cv::RNG& random) {
+Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise, double near_px,
+                cv::RNG& random) {
   Plane best;
   const int size = static_cast<int>(points.size());
   const std::size_t every = std::max<std::size_t>(1, points.size() / 2500);
@@ -87,10 +90,13 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
     const LatticePoint& p = points[static_cast<std::size_t>(random.uniform(0, size))];
     const LatticePoint& q = points[static_cast<std::size_t>(random.uniform(0, size))];
     const LatticePoint& r = points[static_cast<std::size_t>(random.uniform(0, size))];
-    const bool close = std::hypot(p.u - q.u, p.v - q.v) < near_px && std::hypot(p.u - r.u, p.v - r.v) < near_px;
+    const bool close =
+        std::hypot(p.u - q.u, p.v - q.v) < near_px && std::hypot(p.u - r.u, p.v - r.v) < near_px;
     Plane plane;
-    if ((i % 2 == 0 && !close && random.uniform(0, 4) != 0) || !planeThrough(p, q, r, plane)) continue;
-    plane.widest_mm = 8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;  // correlated noise reads 2-3 x low
+    if ((i % 2 == 0 && !close && random.uniform(0, 4) != 0) || !planeThrough(p, q, r, plane))
+      continue;
+    plane.widest_mm =
+        8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;  // correlated noise reads 2-3 x low
     plane.tolerance_mm = plane.widest_mm;
     plane.inliers = countOn(points, plane, every);
     if (plane.inliers > best.inliers) best = plane;
@@ -142,7 +148,8 @@ DepthNoise measureNoise(const cv::Mat& depth) {
     noise.sigma_mm.push_back(last);
   }
   std::vector<double> gaps;
-  for (auto next = values.begin(); next != values.end() && std::next(next) != values.end(); ++next) {
+  for (auto next = values.begin(); next != values.end() && std::next(next) != values.end();
+       ++next) {
     gaps.push_back(double(*std::next(next)) - double(*next));
   }
   noise.quantum_mm = std::min(20.0, medianOf(gaps));
@@ -168,8 +175,9 @@ std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
     for (int i = 0; i < 5; ++i) plane.inliers = fitOnce(points, i < 2 ? 2.0 : 1.0, plane);
     if (plane.inliers < kSmallestGround * whole) break;
     if (plane.inliers >= kSmallestPlane * whole || isGround(points, plane)) planes.push_back(plane);
-    std::erase_if(points,
-                  [&](const LatticePoint& p) { return std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0; });
+    std::erase_if(points, [&](const LatticePoint& p) {
+      return std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0;
+    });
   }
   return planes;
 }
@@ -183,8 +191,9 @@ bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes) {
     fitOnce(points, 2.0, plane);
     plane.inliers = fitOnce(points, 1.0, plane);
     held = held && plane.inliers >= before * 6 / 10;
-    std::erase_if(points,
-                  [&](const LatticePoint& p) { return std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0; });
+    std::erase_if(points, [&](const LatticePoint& p) {
+      return std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0;
+    });
   }
   return held;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What segmentation knows of the scene around the objects: noise of the depth and the planes things stand on
-// (segmentation notes, section 3.3). Works on working depth (view.hpp).
+// What segmentation knows of the scene around the objects: noise of the depth and the planes things
+// stand on (segmentation notes, section 3.3). Works on working depth (view.hpp).
 #pragma once
 
 #include <opencv2/core.hpp>

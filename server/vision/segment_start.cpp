@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/segment_start.hpp"
 
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -96,7 +95,8 @@ cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const Dep
   cv::Mat bridged = depth.clone();
   for (int v = 0; v < depth.rows; ++v) bridgeLine(bridged.ptr<float>(v), 1, depth.cols, noise);
   const auto stride = static_cast<std::ptrdiff_t>(bridged.step1());
-  for (int u = 0; u < depth.cols; ++u) bridgeLine(bridged.ptr<float>(0) + u, stride, depth.rows, noise);
+  for (int u = 0; u < depth.cols; ++u)
+    bridgeLine(bridged.ptr<float>(0) + u, stride, depth.rows, noise);
   bridged.setTo(0, excluded);
   std::vector<int> parent(static_cast<std::size_t>(depth.total()));
   std::iota(parent.begin(), parent.end(), 0);
@@ -160,7 +160,8 @@ cv::Mat nearestCompact(const View& view, const cv::Mat& labels) {
   return best;
 }
 
-Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise, std::vector<Plane>& planes) {
+Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
+               std::vector<Plane>& planes) {
   const cv::Rect whole({0, 0}, depth.size());
   const cv::Rect around = cv::Rect(point.x - 2, point.y - 2, 5, 5) & whole;
   std::vector<double> values;
@@ -176,8 +177,9 @@ Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& n
       const bool through = std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
       if (through && plane.inliers > fifth) return {{}, "that is the plane things stand on"};
     }
-    std::erase_if(planes,
-                  [&](const Plane& plane) { return std::abs(plane.behind(point.x, point.y, range)) <= 1.0; });
+    std::erase_if(planes, [&](const Plane& plane) {
+      return std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
+    });
   }
   cv::Mat mask;
   for (int round = 0; round < 2; ++round) {  // the second knows the supports
@@ -203,7 +205,8 @@ cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plan
   double deepest = 0.0;
   cv::minMaxLoc(inner, nullptr, &deepest);
   marks.setTo(cv::GC_FGD, inner > std::clamp(0.3 * deepest, 5.0, 10.0));
-  for (const cv::Point& point : not_points) cv::circle(marks, point - box.tl(), 10, cv::GC_BGD, cv::FILLED);
+  for (const cv::Point& point : not_points)
+    cv::circle(marks, point - box.tl(), 10, cv::GC_BGD, cv::FILLED);
   const double shrink = std::min(0.5, std::sqrt(kLargestCut_px / box.area()));
   const cv::Size half(std::max(8, int(box.width * shrink)), std::max(8, int(box.height * shrink)));
   cv::Mat color;

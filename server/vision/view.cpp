@@ -44,10 +44,12 @@ View makeView(const RgbdFrame& frame, const SourceInfo& info) {
                       std::to_string(size.width) + "x" + std::to_string(size.height) + " BGR");
   }
   if (frame.depth.type() != CV_32FC1 || frame.depth.size() != size) {
-    throw SourceError(where + "depth is " + sizeText(frame.depth) + ", it must be as large as colour");
+    throw SourceError(where + "depth is " + sizeText(frame.depth) +
+                      ", it must be as large as colour");
   }
   if (!frame.mask.empty() && (frame.mask.type() != CV_8UC1 || frame.mask.size() != size)) {
-    throw SourceError(where + "mask is " + sizeText(frame.mask) + ", it must be 8-bit and as large as colour");
+    throw SourceError(where + "mask is " + sizeText(frame.mask) +
+                      ", it must be 8-bit and as large as colour");
   }
   View view{frame.color, {}, workingDepth(frame.depth, info.depth_kind), frame.mask};
   cv::cvtColor(frame.color, view.gray, cv::COLOR_BGR2GRAY);
@@ -98,20 +100,24 @@ void fillHoles(cv::Mat& mask, int largest_px) {
   cv::Mat labels;
   cv::Mat stats;
   cv::Mat centroids;
-  const int count = cv::connectedComponentsWithStats(mask == 0, labels, stats, centroids, 4, CV_32S);
+  const int count =
+      cv::connectedComponentsWithStats(mask == 0, labels, stats, centroids, 4, CV_32S);
   std::vector<unsigned char> fill(static_cast<std::size_t>(count), 0);
   bool any = false;
   for (int i = 1; i < count; ++i) {
     const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
                        stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
-    const bool at_border = box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
-    fill[static_cast<std::size_t>(i)] = !at_border && stats.at<int>(i, cv::CC_STAT_AREA) < largest_px;
+    const bool at_border =
+        box.x == 0 || box.y == 0 || box.br().x == mask.cols || box.br().y == mask.rows;
+    fill[static_cast<std::size_t>(i)] =
+        !at_border && stats.at<int>(i, cv::CC_STAT_AREA) < largest_px;
     any = any || fill[static_cast<std::size_t>(i)] != 0;
   }
   if (!any) return;
   for (int v = 0; v < mask.rows; ++v) {
     for (int u = 0; u < mask.cols; ++u) {
-      if (fill[static_cast<std::size_t>(labels.at<int>(v, u))] != 0) mask.at<unsigned char>(v, u) = 255;
+      if (fill[static_cast<std::size_t>(labels.at<int>(v, u))] != 0)
+        mask.at<unsigned char>(v, u) = 255;
     }
   }
 }

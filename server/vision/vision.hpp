@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The way of a frame through vision: segment -> enhance -> motion -> describe. Images and times in, structs out;
-// no threads, clocks or sockets.
+// The way of a frame through vision: segment -> enhance -> motion -> describe. Images and times in,
+// structs out; no threads, clocks or sockets.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,18 @@ struct VisionSettings {
   Method method = Method::kHapticast;
   SegmentMode segment = SegmentMode::kAuto;
   MotionMode motion = MotionMode::kAuto;
-  std::vector<Vec2> object_points_px;      ///< --object; empty: the nearest compact object
-  std::vector<Vec2> not_points_px;         ///< --not
-  std::optional<DepthRange> depth_range;   ///< --depth-range
+  std::vector<Vec2> object_points_px;     ///< --object; empty: the nearest compact object
+  std::vector<Vec2> not_points_px;        ///< --not
+  std::optional<DepthRange> depth_range;  ///< --depth-range
   bool stretch = false;
-  Material material;                       ///< --stiffness, --friction
-  std::optional<double> mass_kg;           ///< --mass
+  Material material;              ///< --stiffness, --friction
+  std::optional<double> mass_kg;  ///< --mass
 };
 
 /// One frame out of vision, `lookahead` frames after it went in.
 struct VisionResult {
-  HapticFrame frame;   ///< every present object carries its relief
-  cv::Mat color;       ///< the picture of the same instant, CV_8UC3
+  HapticFrame frame;  ///< every present object carries its relief
+  cv::Mat color;      ///< the picture of the same instant, CV_8UC3
 };
 
 class Vision {
@@ -43,12 +43,14 @@ class Vision {
   Vision(const SourceInfo& info, VisionSettings settings);
   ~Vision();
 
-  /// Looks through a recorded clip once for its clip-wide depth range and largest acceleration, then rewinds it.
-  /// Does nothing where both are known. `progress(done, total)` is called now and then.
+  /// Looks through a recorded clip once for its clip-wide depth range and largest acceleration,
+  /// then rewinds it. Does nothing where both are known. `progress(done, total)` is called now and
+  /// then.
   void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
-  /// Takes the next frame in; returns the frame that is complete now, if any. `media_time` increases by frames.
-  /// A frame of a new source epoch, or a change of range, starts a new stream epoch.
+  /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`
+  /// increases by frames. A frame of a new source epoch, or a change of range, starts a new stream
+  /// epoch.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
   /// What is still inside at the end of the stream, oldest first.
   [[nodiscard]] std::vector<VisionResult> flush();
