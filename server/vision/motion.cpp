@@ -126,7 +126,7 @@ Pose PoseTracker::advance(const Observation& seen) {
   pose_.depth_seen = true;
   if (mode_ == MotionMode::kNone || seen.identical) return pose_;
   const Shape now = shapeOf(seen.surface);
-  const double growth = now.area_px / std::max(1.0, last_.area_px * std::pow(seen.flow.scale(), 2));
+  const double growth = now.area_px / std::max(1.0, last_.area_px);
   const bool trusted = now.entire && last_.entire && growth > 0.8 && growth < 1.25;
   advanceInPlane(seen, now, trusted);
   advanceInDepth(seen, now, trusted);

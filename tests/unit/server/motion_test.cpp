@@ -25,7 +25,7 @@ cv::Mat texture(double shift_u, double shift_v) {
 TEST(Motion, LucasKanadeMeasuresASubPixelShift) {
   cv::Mat mask = cv::Mat::zeros(200, 240, CV_8UC1);
   cv::circle(mask, {120, 100}, 50, 255, cv::FILLED);
-  for (const cv::Vec2d shift :
+  for (const cv::Vec2d& shift :
        {cv::Vec2d(0.37, -0.62), cv::Vec2d(7.3, 4.8), cv::Vec2d(-0.1, 0.0)}) {
     const ObjectFlow flow = trackObject(texture(0, 0), texture(shift[0], shift[1]), mask, {0, 0});
     ASSERT_TRUE(flow.reliable);

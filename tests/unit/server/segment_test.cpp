@@ -140,7 +140,9 @@ TEST(Segment, WaitsForAnObjectAndFindsItAgainUnderANewId) {
   for (std::uint64_t i = 0; i < 60; ++i) {
     const bool present = (i >= 6 && i < 20) || i >= 32;
     runner.next(present ? scene.frame(i, 150, 120) : scene.frame(i, -200, 120));
-    if (i < 6 || i == 31) EXPECT_TRUE(runner.segments.empty()) << i;
+    if (i < 6 || i == 31) {
+      EXPECT_TRUE(runner.segments.empty()) << i;
+    }
     for (const Segment& s : runner.segments) {
       if (ids.empty() || ids.back() != s.id) ids.push_back(s.id);
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
@@ -110,12 +111,18 @@ class FunctionSource final : public RgbdSource {
   std::uint32_t epoch_ = 0;
 };
 
+/// Where the real clips are: $HAPTICAST_CLIPS, else beside the project.
+inline std::filesystem::path clipsFolder() {
+  const char* named = std::getenv("HAPTICAST_CLIPS");
+  return named != nullptr ? named : HAPTICAST_CLIPS;
+}
+
 /// Frame `index` of a real clip (layout of the clips folder); nullopt past its end or where there
 /// is none.
 inline std::optional<RgbdFrame> clipFrame(const std::string& clip, std::uint64_t index) {
   char number[32];
   std::snprintf(number, sizeof number, "%06d", static_cast<int>(index));
-  const std::filesystem::path folder = std::filesystem::path(HAPTICAST_CLIPS) / clip;
+  const std::filesystem::path folder = clipsFolder() / clip;
   RgbdFrame out;
   out.index = index;
   for (const char* ending : {".jpg", ".png"}) {
