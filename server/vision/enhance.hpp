@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// From raw depth and a mask to a relief that can be touched: background depth rejected at the rim,
+// holes filled from the object, one range for the clip, smoothing inside the mask only
+// (segmentation notes, section 4).
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "common/haptic_frame.hpp"
+#include "server/vision/segment_scene.hpp"
+#include "server/vision/view.hpp"
+
+namespace hapticast::server {
+
+/// The depth of one object's surface over the tight box of its mask.
+struct Surface {
+  cv::Rect box;
+  cv::Mat mask;   ///< CV_8UC1, 0 / 255
+  cv::Mat depth;  ///< CV_32FC1, working depth; inside the mask every pixel has one, unless nothing
+                  ///< was measured
+  cv::Mat measured;  ///< CV_8UC1, 255 where `depth` is the sensor's own
+};
+
+/// Drops what belongs to the background (two-sided gate at the 5 px rim, lonely pixels) and fills
+/// the holes. The thesis's method keeps all measured depth and fills nothing (holes are 0). Linear
+/// in the box.
+Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
+                     Method method);
+
+/// Heights 0..depth_mm: (far - z) / (far - near) x depth_mm, smoothed inside the mask by a local
+/// quadratic fit with Gaussian weights (sigma 0.65 mm); the thesis: Gauss sigma 2 px over zero
+/// outside the mask.
+std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
+                                         const Workspace& workspace, Method method);
+
+/// Values of `values` (CV_32FC1) where `known` (0 / 255), elsewhere filled smoothly from them:
+/// push-pull, then membrane sweeps over the pixels of `wanted`. Nothing known: returned as it is.
+cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted);
+
+/// Value at each pixel of `mask` of the quadratic fitted to `values` around it with Gaussian
+/// weights inside the mask. Exact for planes, nearly so for quadratics up to the rim.
+cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px);
+
+}  // namespace hapticast::server

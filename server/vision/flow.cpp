@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "server/vision/view.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kCorners = 120;
+constexpr int kFewestTracks = 5;
+constexpr int kFewestForRotation = 12;
+
+cv::Vec2d medianShift(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to) {
+  std::vector<double> u;
+  std::vector<double> v;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    u.push_back(static_cast<double>(to[i].x - from[i].x));
+    v.push_back(static_cast<double>(to[i].y - from[i].y));
+  }
+  return {medianOf(u), medianOf(v)};
+}
+
+void keepInliers(ObjectFlow& flow, const cv::Mat& inliers) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < flow.from.size(); ++i) {
+    if (inliers.at<unsigned char>(static_cast<int>(i)) == 0) continue;
+    flow.from[kept] = flow.from[i];
+    flow.to[kept] = flow.to[i];
+    ++kept;
+  }
+  flow.from.resize(kept);
+  flow.to.resize(kept);
+}
+
+void fitMotion(ObjectFlow& flow) {
+  const std::size_t found = flow.from.size();
+  if (found < 3) return;
+  const cv::Vec2d shift = medianShift(flow.from, flow.to);
+  flow.similarity = {1, 0, shift[0], 0, 1, shift[1]};
+  flow.reliable = found >= kFewestTracks;
+  if (!flow.reliable) return;
+  cv::Mat inliers;
+  const cv::Mat fit =
+      cv::estimateAffinePartial2D(flow.from, flow.to, inliers, cv::RANSAC, 2.0, 500, 0.99, 10);
+  if (fit.empty()) return;
+  const int agree = cv::countNonZero(inliers);
+  const cv::Matx23d matrix(fit);
+  const double scale = std::hypot(matrix(0, 0), matrix(1, 0));
+  if (scale < 0.85 || scale > 1.18 || agree < kFewestTracks) return;
+  flow.similarity = matrix;
+  flow.rotation_reliable = agree >= kFewestForRotation && 2 * agree > static_cast<int>(found);
+  keepInliers(flow, inliers);
+}
+
+}  // namespace
+
+cv::Point2d ObjectFlow::carry(const cv::Point2d& point) const {
+  const cv::Vec2d out = similarity * cv::Vec3d(point.x, point.y, 1.0);
+  return {out[0], out[1]};
+}
+double ObjectFlow::scale() const { return std::hypot(similarity(0, 0), similarity(1, 0)); }
+double ObjectFlow::rotation_rad() const { return std::atan2(similarity(1, 0), similarity(0, 0)); }
+
+void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
+                 const std::vector<cv::Point2f>& points, const cv::Vec2d& guess_px,
+                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
+  from.clear();
+  to.clear();
+  if (points.empty()) return;
+  const cv::Size window(15, 15);
+  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.005);
+  std::vector<cv::Point2f> forward(points);
+  const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
+  for (cv::Point2f& point : forward) point += guess;
+  std::vector<cv::Point2f> back(points);
+  std::vector<unsigned char> found;
+  std::vector<unsigned char> found_back;
+  std::vector<float> error;
+  std::vector<cv::Mat> last_pyramid;
+  std::vector<cv::Mat> pyramid;
+  const int levels = cv::buildOpticalFlowPyramid(last_gray, last_pyramid, window, 3);
+  cv::buildOpticalFlowPyramid(gray, pyramid, window, 3);
+  cv::calcOpticalFlowPyrLK(last_pyramid, pyramid, points, forward, found, error, window, levels,
+                           until, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  cv::calcOpticalFlowPyrLK(pyramid, last_pyramid, forward, back, found_back, error, window, levels,
+                           until, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  const cv::Rect2f inside(0, 0, static_cast<float>(gray.cols - 1),
+                          static_cast<float>(gray.rows - 1));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (found[i] == 0 || found_back[i] == 0 || !inside.contains(forward[i])) continue;
+    if (cv::norm(back[i] - points[i]) >= 1.0) continue;
+    from.push_back(points[i]);
+    to.push_back(forward[i]);
+  }
+}
+
+ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& mask,
+                       const cv::Vec2d& guess_px) {
+  ObjectFlow flow;
+  flow.similarity = {1, 0, guess_px[0], 0, 1, guess_px[1]};
+  const int reach = 48 + static_cast<int>(std::min(1000.0, cv::norm(guess_px)));
+  const cv::Rect box = boxAround(mask, reach);
+  if (box.empty()) return flow;
+  cv::Mat inner = erodedBy(mask(box), 2);
+  if (cv::countNonZero(inner) < 100) inner = mask(box);
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(last_gray(box), corners, kCorners, 0.01, 4.0, inner);
+  if (corners.empty()) return flow;
+  trackPoints(last_gray(box), gray(box), corners, guess_px, flow.from, flow.to);
+  if (2 * flow.from.size() < corners.size() && cv::norm(guess_px) > 1.0) {
+    ObjectFlow still;  // a bounce turns the guess into the wrong one
+    trackPoints(last_gray(box), gray(box), corners, {0.0, 0.0}, still.from, still.to);
+    if (still.from.size() > flow.from.size()) flow = still;
+  }
+  const cv::Point2f corner(static_cast<float>(box.x), static_cast<float>(box.y));
+  for (cv::Point2f& point : flow.from) point += corner;
+  for (cv::Point2f& point : flow.to) point += corner;
+  fitMotion(flow);
+  return flow;
+}
+
+cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
+                   const cv::Matx23d& similarity, int interpolation) {
+  cv::Matx23d local = similarity;
+  local(0, 2) += similarity(0, 0) * from_box.x + similarity(0, 1) * from_box.y - to_box.x;
+  local(1, 2) += similarity(1, 0) * from_box.x + similarity(1, 1) * from_box.y - to_box.y;
+  cv::Mat out;
+  cv::warpAffine(image, out, local, to_box.size(), interpolation, cv::BORDER_CONSTANT,
+                 cv::Scalar(0));
+  return out;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kPull = 0.05;
+constexpr double kStill_px = 0.03;  // below: at rest, not noise to be followed
+constexpr double kStill_rad = 0.0015;
+constexpr double kStill_mm = 0.05;
+constexpr double kTrimFloor_mm = 3.0;  // at least an 8-bit level: MAD is 0 on whole numbers
+constexpr double kInnerMask = 0.15;    // of the largest distance to the rim: the inner mask
+
+double trimmedMean(std::vector<double>& values, double floor_mm) {
+  const double median = medianOf(values);
+  std::vector<double> off;
+  off.reserve(values.size());
+  for (const double value : values) off.push_back(std::abs(value - median));
+  const double limit = std::max(floor_mm, 3 * 1.48 * medianOf(off));
+  double sum = 0;
+  int count = 0;
+  for (const double value : values) {
+    if (std::abs(value - median) > limit) continue;
+    sum += value;
+    ++count;
+  }
+  return count > 0 ? sum / count : median;
+}
+
+cv::Matx33d squareOf(const cv::Matx23d& m) {
+  return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), 0, 0, 1};
+}
+
+}  // namespace
+
+std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
+                                         const cv::Matx23d& similarity, double floor_mm) {
+  cv::Mat valid = erodedBy(before.mask, 3) & before.measured;
+  valid = carryImage(valid, before.box, now.box, similarity, cv::INTER_NEAREST);
+  const cv::Mat depth = carryImage(before.depth, before.box, now.box, similarity, cv::INTER_LINEAR);
+  valid &= erodedBy(now.mask, 3) & now.measured;
+  std::vector<double> differences;
+  for (int v = 0; v < valid.rows; ++v) {
+    for (int u = 0; u < valid.cols; ++u) {
+      if (valid.at<unsigned char>(v, u) == 0) continue;
+      differences.push_back(double(now.depth.at<float>(v, u)) - double(depth.at<float>(v, u)));
+    }
+  }
+  if (differences.size() < 20) return std::nullopt;
+  return trimmedMean(differences, floor_mm);
+}
+
+PoseTracker::PoseTracker(MotionMode mode, bool exact_masks, const cv::Size& picture,
+                         const Surface& first)
+    : mode_(mode),
+      exact_masks_(exact_masks),
+      picture_(picture),
+      last_(shapeOf(first)),
+      fresh_(first) {
+  pose_ = {last_.centroid.x, last_.centroid.y, last_.depth_mm, 0.0, true};
+}
+
+PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
+  Shape out;
+  const cv::Moments moments = cv::moments(surface.mask, true);
+  out.area_px = moments.m00;
+  if (moments.m00 > 0) {
+    out.centroid = {surface.box.x + moments.m10 / moments.m00 + 0.5,
+                    surface.box.y + moments.m01 / moments.m00 + 0.5};
+  }
+  const cv::Point end = surface.box.br();
+  out.entire =
+      surface.box.x > 0 && surface.box.y > 0 && end.x < picture_.width && end.y < picture_.height;
+  cv::Mat inside;
+  cv::copyMakeBorder(surface.mask, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::distanceTransform(inside, inside, cv::DIST_L2, 3);
+  double deepest = 0.0;
+  cv::minMaxLoc(inside, nullptr, &deepest);
+  const cv::Mat inner = inside(cv::Rect({1, 1}, surface.mask.size())) > kInnerMask * deepest;
+  out.depth_mm = cv::mean(surface.depth, inner & (surface.depth > 0))[0];
+  return out;
+}
+
+void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool trusted) {
+  if (mode_ == MotionMode::kDepth) return;
+  const cv::Point2d before(pose_.u_px, pose_.v_px);
+  const cv::Point2d half(0.5, 0.5);
+  cv::Point2d step = seen.flow.carry(before - half) + half - before;
+  const bool follow_centroid =
+      trusted && (exact_masks_ || !seen.flow.reliable) && mode_ == MotionMode::kAuto;
+  if (follow_centroid) step = now.centroid - last_.centroid;
+  const bool at_rest = seen.flow.reliable && !exact_masks_ && cv::norm(step) < kStill_px;
+  if (at_rest) step = {0, 0};
+  if (trusted && !follow_centroid && !at_rest) step += kPull * (now.centroid - before - step);
+  pose_.u_px += step.x;
+  pose_.v_px += step.y;
+  const double turn = seen.flow.rotation_reliable ? seen.flow.rotation_rad() : 0.0;
+  if (std::abs(turn) >= kStill_rad) pose_.angle_rad -= turn;
+}
+
+void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool trusted) {
+  since_fresh_ = squareOf(seen.flow.similarity) * since_fresh_;
+  pose_.depth_seen = !seen.repeated;
+  if (mode_ == MotionMode::kLk || seen.repeated) return;
+  if (exact_masks_ && trusted && mode_ == MotionMode::kAuto) {
+    pose_.depth_mm += now.depth_mm - last_.depth_mm;
+  } else {
+    const cv::Matx23d carry = since_fresh_.get_minor<2, 3>(0, 0);
+    const double step =
+        depthDifference_mm(fresh_, seen.surface, carry, kTrimFloor_mm).value_or(0.0);
+    if (std::abs(step) >= kStill_mm) {
+      pose_.depth_mm += step;
+      if (trusted) pose_.depth_mm += kPull * (now.depth_mm - pose_.depth_mm);
+    }
+  }
+  fresh_ = seen.surface;
+  since_fresh_ = cv::Matx33d::eye();
+}
+
+Pose PoseTracker::advance(const Observation& seen) {
+  pose_.depth_seen = true;
+  if (mode_ == MotionMode::kNone || seen.identical) return pose_;
+  const Shape now = shapeOf(seen.surface);
+  const double growth = now.area_px / std::max(1.0, last_.area_px);
+  const bool trusted = now.entire && last_.entire && growth > 0.8 && growth < 1.25;
+  advanceInPlane(seen, now, trusted);
+  advanceInDepth(seen, now, trusted);
+  const double fresh_depth_mm = seen.repeated ? last_.depth_mm : now.depth_mm;
+  last_ = now;
+  last_.depth_mm = fresh_depth_mm;
+  return pose_;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace hapticast::server {
+
+namespace {
+
+// The source's masks, taken as they are.
+class SourceSegmenter final : public Segmenter {
+ public:
+  explicit SourceSegmenter(std::uint32_t& next_id) : next_id_(next_id) {}
+
+  std::vector<Segment> next(const View& view, const Flows& /*flows*/) override {
+    if (view.mask.empty())
+      throw SourceError("--segment source: the source brings no mask; use --segment auto");
+    std::array<int, 256> area{};
+    for (int v = 0; v < view.mask.rows; ++v) {
+      const auto* row = view.mask.ptr<unsigned char>(v);
+      for (int u = 0; u < view.mask.cols; ++u) ++area[row[u]];
+    }
+    std::vector<Segment> segments;
+    for (std::size_t n = 1; n < area.size(); ++n) {
+      if (area[n] < kSmallestObject_px) {
+        ids_.erase(n);
+      } else if (segments.size() < kMaxObjects) {
+        const auto [known, is_new] = ids_.try_emplace(n, next_id_);
+        if (is_new) ++next_id_;
+        segments.push_back({known->second, view.mask == static_cast<double>(n), 1.0});
+      }
+    }
+    return segments;
+  }
+
+ private:
+  std::uint32_t& next_id_;
+  std::map<std::size_t, std::uint32_t> ids_;  // of the objects present
+};
+
+}  // namespace
+
+std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
+                                         std::uint32_t& next_id) {
+  switch (settings.segment) {
+    case SegmentMode::kSource:
+      return std::make_unique<SourceSegmenter>(next_id);
+    case SegmentMode::kEdges:
+      return makeEdgeSegmenter(settings, next_id);
+    case SegmentMode::kBand:
+      return makeBandSegmenter(settings, next_id);
+    case SegmentMode::kAuto:
+      break;
+  }
+  if (has_mask) return std::make_unique<SourceSegmenter>(next_id);
+  return settings.method == Method::kThesis ? makeEdgeSegmenter(settings, next_id)
+                                            : makeBandSegmenter(settings, next_id);
+}
+
+void throwNothingAt(const Vec2& point_px, const std::string& why) {
+  throw SourceError("--object " + std::to_string(static_cast<int>(point_px.x())) + "," +
+                    std::to_string(static_cast<int>(point_px.y())) + ": " + why +
+                    "; give a point well inside the object in the first frame");
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+// Real objects: a careful start, then the mask carried with the object and a band around its
+// contour decided anew in every frame; lost, looked for by its colours, found again under a new id.
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/segment.hpp"
+#include "server/vision/segment_contour.hpp"
+#include "server/vision/segment_start.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kSettleRounds = 25;
+constexpr int kWeakFrames = 5;   // in a row: then the object is lost
+constexpr int kSearchEvery = 3;  // frames between two searches for a lost object
+constexpr int kForgetAfter =
+    15;  // frames lost, until an object chosen by itself is given up for another
+
+struct Tracked {
+  std::uint32_t id = 0;
+  cv::Mat mask;
+  ContourMemory memory;
+  double quality = 1.0;
+  int weak = 0;        // frames in a row that did not convince
+  int lost = 0;        // frames since it was lost; 0: present
+  double area_px = 0;  // when last seen well
+  double depth_mm = 0;
+};
+
+double meanDepth(const View& view, const cv::Mat& mask) {
+  return cv::mean(view.depth, mask & (view.depth > 0))[0];
+}
+
+class BandSegmenter final : public Segmenter {
+ public:
+  BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id)
+      : points_(settings.object_points_px), next_id_(next_id) {
+    for (const Vec2& point : settings.not_points_px) {
+      not_points_.emplace_back(static_cast<int>(point.x()), static_cast<int>(point.y()));
+    }
+  }
+
+  std::vector<Segment> next(const View& view, const Flows& flows) override {
+    followScene(view);
+    for (Tracked& object : objects_) {
+      if (object.lost == 0) {
+        follow(object, view, flows);
+      } else {
+        search(object, view);
+      }
+    }
+    if (frame_ == 0) startAtPoints(view);
+    if (points_.empty()) chooseByItself(view);
+    ++frame_;
+    std::vector<Segment> out;
+    for (const Tracked& object : objects_) {
+      if (object.lost == 0) out.push_back({object.id, object.mask.clone(), object.quality});
+    }
+    return out;
+  }
+
+ private:
+  void followScene(const View& view) {
+    if (frame_ == 0) noise_ = measureNoise(view.depth);
+    if (frame_ > 0 && refitPlanes(view.depth, planes_)) return;
+    if (frame_ > 0 && frame_ - planes_frame_ < 5) return;
+    planes_ = findPlanes(view.depth, noise_);
+    for (const Tracked& object : objects_) removePlanesOf(object, view);
+    planes_frame_ = frame_;
+  }
+
+  // A plane found anew that is the object itself, and which of them it stands on.
+  void removePlanesOf(const Tracked& object, const View& view) {
+    if (object.lost > 0) return;
+    const double area = cv::countNonZero(object.mask & (view.depth > 0));
+    const cv::Rect whole({0, 0}, view.depth.size());
+    std::erase_if(planes_, [&](Plane plane) {
+      plane.support = false;
+      return cv::countNonZero(onPlanes(view.depth, whole, {plane}) & object.mask) > 0.3 * area;
+    });
+    findSupports(view.depth, object.mask, planes_);
+  }
+
+  void startAtPoints(const View& view) {
+    for (const Vec2& point : points_) {
+      const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
+      std::vector<Plane> planes = planes_;
+      const Found found = objectAt(view.depth, at, noise_, planes);
+      if (found.why_not != nullptr) throwNothingAt(point, found.why_not);
+      begin(view, found.mask, planes);
+    }
+  }
+
+  void chooseByItself(const View& view) {
+    const bool given_up = !objects_.empty() && objects_[0].lost > kForgetAfter;
+    if ((!objects_.empty() && !given_up) || frame_ % kSearchEvery != 0) return;
+    std::vector<Plane> planes = planes_;
+    const cv::Rect whole({0, 0}, view.depth.size());
+    const cv::Mat labels = depthComponents(view.depth, onPlanes(view.depth, whole, planes), noise_);
+    const cv::Mat mask = nearestCompact(view, labels);
+    if (mask.empty()) return;
+    objects_.clear();
+    findSupports(view.depth, mask, planes);
+    begin(view, mask, planes);
+  }
+
+  void begin(const View& view, const cv::Mat& first_mask, const std::vector<Plane>& planes) {
+    planes_ = planes;
+    Tracked object;
+    object.id = next_id_++;
+    object.mask = cutByColor(view, first_mask, planes, not_points_);
+    settle(view, object);
+    seenWell(object, view);
+    objects_.push_back(object);
+  }
+
+  // The band step on one frame until the mask comes to rest.
+  void settle(const View& view, Tracked& object) {
+    for (int round = 0; round < kSettleRounds; ++round) {
+      object.memory = {};
+      learn(view, object.mask, object.memory);
+      const cv::Mat mask = decideContour(view, object.mask, noise_, planes_, object.memory).mask;
+      const int changed = cv::countNonZero(mask != object.mask);
+      if (cv::countNonZero(mask) < kSmallestObject_px) break;
+      object.mask = mask;
+      if (changed < 0.004 * cv::countNonZero(mask)) break;
+    }
+    object.memory = {};
+    learn(view, object.mask, object.memory);
+  }
+
+  void seenWell(Tracked& object, const View& view) const {
+    object.area_px = cv::countNonZero(object.mask);
+    if (const double depth = meanDepth(view, object.mask); depth > 0) object.depth_mm = depth;
+    object.quality = 1.0;
+    object.weak = 0;
+  }
+
+  void follow(Tracked& object, const View& view, const Flows& flows) {
+    const auto found = flows.find(object.id);
+    const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
+    const cv::Rect whole({0, 0}, object.mask.size());
+    const cv::Mat carried =
+        carryImage(object.mask, whole, whole, flow.similarity, cv::INTER_LINEAR) > 127;
+    if (!object.memory.evidence.empty()) {
+      const cv::Rect box = boxAround(carried, 2 * kBand_px);
+      object.memory.evidence = box.empty() ? cv::Mat()
+                                           : carryImage(object.memory.evidence, object.memory.box,
+                                                        box, flow.similarity, cv::INTER_LINEAR);
+      object.memory.box = box;
+    }
+    const double expected = cv::countNonZero(carried);
+    const ContourResult now = decideContour(view, carried, noise_, planes_, object.memory);
+    const double area = cv::countNonZero(now.mask);
+    if (area < kSmallestObject_px || expected < kSmallestObject_px) {
+      loose(object);
+      return;
+    }
+    const double ratio = area / expected;
+    if (ratio < 0.8 || ratio > 1.25 || now.inside_color < 0.0) {
+      object.mask = carried;
+      object.quality *= 0.7;
+      if (++object.weak > kWeakFrames) loose(object);
+      return;
+    }
+    object.mask = now.mask;
+    seenWell(object, view);
+    if (!flow.reliable) object.quality = 0.7;
+    learn(view, object.mask, object.memory);
+  }
+
+  static void loose(Tracked& object) {
+    object.lost = 1;
+    object.quality = 0.0;
+  }
+
+  // Over the whole picture, from the first colours and the last depth.
+  void search(Tracked& object, const View& view) {
+    if (object.lost++ % kSearchEvery != 0) return;
+    const cv::Mat candidate = likeliest(object, view);
+    if (candidate.empty()) return;
+    Tracked again;
+    again.mask = candidate;
+    again.memory.first = object.memory.first;
+    for (int round = 0; round < kSettleRounds; ++round) {
+      again.memory.evidence.release();
+      learn(view, again.mask, again.memory);
+      const ContourResult now = decideContour(view, again.mask, noise_, planes_, again.memory);
+      const int changed = cv::countNonZero(now.mask != again.mask);
+      again.mask = now.mask;
+      const int area = cv::countNonZero(again.mask);
+      if (area < kSmallestObject_px || now.inside_color < 0.5) return;
+      if (changed < 0.004 * area) break;
+    }
+    const double ratio = cv::countNonZero(again.mask) / object.area_px;
+    if (ratio < 0.3 || ratio > 2.5 || !clearOfBorder(again.mask)) return;
+    again.id = next_id_++;
+    seenWell(again, view);
+    object = again;
+  }
+
+  static cv::Mat likeliest(const Tracked& object, const View& view) {
+    ColorHistogram scene =
+        ColorHistogram::of(view.color, cv::Mat(view.color.size(), CV_8UC1, cv::Scalar(255)));
+    const std::vector<float> evidence =
+        colorEvidence(object.memory.first, object.memory.first, scene);
+    cv::Mat likely(view.color.size(), CV_32FC1);
+    for (int v = 0; v < likely.rows; ++v) {
+      for (int u = 0; u < likely.cols; ++u) {
+        const auto z = double(view.depth.at<float>(v, u));
+        const bool far_off = z > 0 && (z < 0.6 * object.depth_mm || z > 1.6 * object.depth_mm);
+        likely.at<float>(v, u) =
+            far_off ? -2.5F : evidence[ColorHistogram::binOf(view.color.at<cv::Vec3b>(v, u))];
+      }
+    }
+    cv::GaussianBlur(likely, likely, {}, 3.0);
+    cv::Mat labels;
+    cv::Mat stats;
+    cv::Mat centroids;
+    const int count =
+        cv::connectedComponentsWithStats(likely > 0.5, labels, stats, centroids, 8, CV_32S);
+    int best = 0;
+    for (int i = 1; i < count; ++i) {
+      const int area = stats.at<int>(i, cv::CC_STAT_AREA);
+      if (area < 0.25 * object.area_px || area > 3 * object.area_px) continue;
+      if (best == 0 || area > stats.at<int>(best, cv::CC_STAT_AREA)) best = i;
+    }
+    return best == 0 ? cv::Mat() : cv::Mat(labels == best);
+  }
+
+  std::vector<Vec2> points_;
+  std::vector<cv::Point> not_points_;
+  std::uint32_t& next_id_;
+  DepthNoise noise_;
+  std::vector<Plane> planes_;
+  std::vector<Tracked> objects_;
+  int frame_ = 0;
+  int planes_frame_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings,
+                                             std::uint32_t& next_id) {
+  return std::make_unique<BandSegmenter>(settings, next_id);
+}
+
+}  // namespace hapticast::server

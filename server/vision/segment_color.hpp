@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// 16 x 16 x 16 colour histograms and the evidence they give for object or background.
+#pragma once
+
+#include <array>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace hapticast::server {
+
+/// Fractions per colour bin; sums to 1, or all 0 when nothing was seen.
+class ColorHistogram {
+ public:
+  static constexpr std::size_t kBins = 16 * 16 * 16;
+
+  [[nodiscard]] static std::size_t binOf(const cv::Vec3b& bgr) {
+    return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U |
+           std::size_t{bgr[2]} >> 4U;
+  }
+  /// Of the pixels of `color` (CV_8UC3) inside `mask`, smoothed 1-2-1 along each channel.
+  static ColorHistogram of(const cv::Mat& color, const cv::Mat& mask);
+
+  /// Moves towards `other` by `share`; takes it over when nothing was seen yet.
+  void adapt(const ColorHistogram& other, double share);
+  [[nodiscard]] bool empty() const { return empty_; }
+  [[nodiscard]] float operator[](std::size_t bin) const { return fraction_[bin]; }
+
+ private:
+  std::array<float, kBins> fraction_{};
+  bool empty_ = true;
+};
+
+/// Per bin log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), cut to +-2.5. The larger
+/// floor below makes a colour never seen background.
+std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,
+                                 const ColorHistogram& background);
+
+}  // namespace hapticast::server

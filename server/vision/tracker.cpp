@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kRepeated = 0.98;
+
+bool equal(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size()) return false;
+  return a.empty() || cv::norm(a, b, cv::NORM_INF) == 0.0;
+}
+
+cv::Vec2d centroidOf(const cv::Mat& mask) {
+  const cv::Moments moments = cv::moments(mask, true);
+  return moments.m00 > 0 ? cv::Vec2d(moments.m10 / moments.m00, moments.m01 / moments.m00)
+                         : cv::Vec2d(0, 0);
+}
+
+}  // namespace
+
+Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id)
+    : info_(info), settings_(settings), next_id_(next_id) {}
+
+Flows Tracker::followTracks(const View& view) const {
+  Flows flows;
+  if (exact_masks_ && settings_.motion == MotionMode::kNone) return flows;  // nobody asks
+  for (const Track& track : tracks_) {
+    if (track.lost > 0) continue;
+    flows[track.id] = trackObject(last_.gray, view.gray, track.mask, track.last_step);
+  }
+  return flows;
+}
+
+bool Tracker::depthRepeats(const View& view, const cv::Mat& mask, const ObjectFlow& flow) const {
+  if (exact_masks_ || last_.depth.empty()) return false;
+  const cv::Rect box = boxAround(mask, 8);
+  const cv::Mat valid = view.depth(box) > 0;
+  const cv::Mat same = (view.depth(box) == last_.depth(box)) & valid;
+  if (cv::countNonZero(same) < kRepeated * cv::countNonZero(valid)) return false;
+  const cv::Vec2d shift(flow.similarity(0, 2), flow.similarity(1, 2));
+  return cv::norm(shift) > 0.3 ||
+         cv::norm(view.gray(box), last_.gray(box), cv::NORM_L1) > 1.2 * box.area();
+}
+
+Surface Tracker::surfaceOf(const Segment& segment, const View& view, bool repeated,
+                           const Track* track, const ObjectFlow& flow) const {
+  if (!repeated || track == nullptr)
+    return cleanSurface(view.depth, segment.mask, noise_, settings_.method);
+  // The last relief carried by the motion: this depth is one frame old.
+  const Surface& before = track->now.surface;
+  Surface out;
+  out.box = boxAround(segment.mask, 0);
+  out.mask = segment.mask(out.box).clone();
+  out.measured =
+      carryImage(before.measured, before.box, out.box, flow.similarity, cv::INTER_NEAREST) &
+      out.mask;
+  const cv::Mat depth =
+      carryImage(before.depth, before.box, out.box, flow.similarity, cv::INTER_NEAREST);
+  out.depth = filled(depth, out.measured & (depth > 0), out.mask);
+  return out;
+}
+
+void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow) {
+  const cv::Rect box = track.now.surface.box;
+  const double area = cv::countNonZero(track.now.surface.mask);
+  const cv::Size picture = segment.mask.size();
+  const bool entire =
+      box.x > 0 && box.y > 0 && box.br().x < picture.width && box.br().y < picture.height;
+  if (flow.rotation_reliable) track.full_area_px *= flow.scale() * flow.scale();
+  // A whole object that stays smaller has become smaller; one cut by the border has not.
+  if (entire) track.full_area_px += 0.05 * (area - track.full_area_px);
+  track.full_area_px = std::max(track.full_area_px, area);
+  track.now.visible_fraction = area / track.full_area_px;
+  track.now.quality = segment.quality * (flow.reliable ? 1.0 : 0.8);
+}
+
+void Tracker::update(const Segment& segment, const View& view, const Flows& flows, bool identical,
+                     double time_s) {
+  const auto known = std::find_if(tracks_.begin(), tracks_.end(),
+                                  [&](const Track& t) { return t.id == segment.id; });
+  if (known == tracks_.end()) {
+    TrackedObject first;
+    first.id = segment.id;
+    first.surface = surfaceOf(segment, view, false, nullptr, {});
+    first.quality = segment.quality;
+    PoseTracker motion(settings_.motion, exact_masks_, view.gray.size(), first.surface);
+    first.pose = motion.pose();
+    first.cells.time_s = time_s;
+    tracks_.push_back({segment.id,
+                       motion,
+                       first,
+                       segment.mask,
+                       double(cv::countNonZero(segment.mask)),
+                       0,
+                       {0, 0}});
+    return;
+  }
+  Track& track = *known;
+  if (identical) {
+    track.now.pose = track.motion.pose();
+    if (!track.now.cells.step.empty()) track.now.cells.step.setTo(0);
+    return;
+  }
+  const auto found = flows.find(segment.id);
+  const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
+  const bool repeated = depthRepeats(view, segment.mask, flow);
+  const Surface before = track.now.surface;
+  track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
+  track.now.pose = track.motion.advance({flow, track.now.surface, false, repeated});
+  if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
+    track.now.cells =
+        cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);
+    track.now.cells.time_s = time_s;
+    track.now.cells.interval_s = time_s - last_time_s_;
+  }
+  track.last_step = centroidOf(segment.mask) - centroidOf(track.mask);
+  track.mask = segment.mask;
+  updatePresence(track, segment, flow);
+}
+
+std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
+  const View view = makeView(frame, info_);
+  if (segmenter_ == nullptr) {
+    noise_ = measureNoise(view.depth);
+    exact_masks_ = !view.mask.empty() && (settings_.segment == SegmentMode::kAuto ||
+                                          settings_.segment == SegmentMode::kSource);
+    segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_);
+  }
+  const bool identical = equal(view.color, last_.color) && equal(view.depth, last_.depth) &&
+                         equal(view.mask, last_.mask);
+  Flows flows;
+  if (!identical) {
+    flows = followTracks(view);
+    last_segments_ = segmenter_->next(view, flows);
+  }
+  for (const Segment& segment : last_segments_) update(segment, view, flows, identical, time_s);
+  std::vector<TrackedObject> out;
+  for (Track& track : tracks_) {
+    const bool seen = std::any_of(last_segments_.begin(), last_segments_.end(),
+                                  [&](const Segment& s) { return s.id == track.id; });
+    track.lost = seen ? 0 : track.lost + 1;
+    track.now.seen = seen;
+    if (!seen) {
+      const double left = 1.0 - double(track.lost) / (kKeepLost + 1);
+      track.now.quality = std::min(track.now.quality, left);
+      track.now.visible_fraction = std::min(track.now.visible_fraction, left);
+    }
+    if (track.lost <= kKeepLost && out.size() < kMaxObjects) out.push_back(track.now);
+  }
+  std::erase_if(tracks_, [](const Track& track) { return track.lost > kKeepLost; });
+  last_ = view;
+  last_.color = view.color.clone();
+  last_.mask = view.mask.clone();
+  last_time_s_ = time_s;
+  return out;
+}
+
+}  // namespace hapticast::server

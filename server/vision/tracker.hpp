@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// The part of vision that does not need the clip's range: frame in, objects with their surface and
+// pose out. Used once to scan a clip and once to broadcast it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "server/vision/enhance.hpp"
+#include "server/vision/motion.hpp"
+#include "server/vision/motion_grid.hpp"
+#include "server/vision/segment.hpp"
+
+namespace hapticast::server {
+
+struct TrackedObject {
+  std::uint32_t id = 0;
+  bool seen = true;  ///< false: lost, kept where it was last seen
+  Surface surface;
+  Pose pose;
+  CellFlow cells;  ///< the thesis's method only
+  double quality = 1.0;
+  double visible_fraction = 1.0;
+};
+
+class Tracker {
+ public:
+  /// `next_id` is counted up and must outlive the tracker. `settings` and `info` are copied.
+  Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id);
+
+  /// The objects of the next frame, also those just lost (for kKeepLost frames, quality falling to
+  /// 0). Throws SourceError (a frame that does not fit the announcement, an object point on
+  /// nothing).
+  std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
+  [[nodiscard]] const DepthNoise& noise() const { return noise_; }
+
+  static constexpr int kKeepLost = 5;  ///< frames
+
+ private:
+  struct Track {
+    std::uint32_t id = 0;
+    PoseTracker motion;
+    TrackedObject now;
+    cv::Mat mask;
+    double full_area_px = 0.0;  // of the whole object, at its present size
+    int lost = 0;
+    cv::Vec2d last_step{0, 0};
+  };
+
+  [[nodiscard]] Flows followTracks(const View& view) const;
+  [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, bool repeated,
+                                  const Track* track, const ObjectFlow& flow) const;
+  [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,
+                                  const ObjectFlow& flow) const;
+  void update(const Segment& segment, const View& view, const Flows& flows, bool identical,
+              double time_s);
+  static void updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow);
+
+  SourceInfo info_;
+  VisionSettings settings_;
+  std::uint32_t& next_id_;
+  bool exact_masks_ = false;
+  std::unique_ptr<Segmenter> segmenter_;
+  DepthNoise noise_;
+  View last_;
+  double last_time_s_ = 0.0;
+  std::vector<Segment> last_segments_;
+  std::vector<Track> tracks_;
+};
+
+}  // namespace hapticast::server

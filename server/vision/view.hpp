@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// One frame as the stages of vision see it: colour, grey and *working depth*. Thread: the one that
+// runs Vision.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+/// 8-bit depth works as mm too: 255 is kHeightNear_mm, 0 is kHeightFar_mm. Mapped over exactly this
+/// range it gives height = h / 255 * 30 mm, as the thesis does.
+inline constexpr DepthRange kHeightRange{600.0, 1000.0};
+
+struct View {
+  cv::Mat color;  ///< CV_8UC3, BGR
+  cv::Mat gray;   ///< CV_8UC1
+  cv::Mat depth;  ///< CV_32FC1, working depth in mm, 0 = no measurement; always finite
+  cv::Mat mask;   ///< the source's: empty, or CV_8UC1 with n for object n
+};
+
+/// Checks types and sizes (throws SourceError) and makes the working images. Depths that are not
+/// finite, not positive or beyond 100 m count as not measured.
+View makeView(const RgbdFrame& frame, const SourceInfo& info);
+
+/// The rectangle around all non-zero pixels of `mask`, grown by `margin_px` and cut to the picture;
+/// empty if none.
+cv::Rect boxAround(const cv::Mat& mask, int margin_px);
+cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size);
+
+/// `mask` (0 / 255) eroded or dilated by a disc of `radius_px`; what is beyond the picture counts
+/// as outside for dilation and as inside for erosion.
+cv::Mat erodedBy(const cv::Mat& mask, int radius_px);
+cv::Mat dilatedBy(const cv::Mat& mask, int radius_px);
+
+/// Fills holes of `mask` (0 / 255) smaller than `largest_px` pixels.
+void fillHoles(cv::Mat& mask, int largest_px);
+
+/// Median of `values` (reordered); 0 when empty.
+double medianOf(std::vector<double>& values);
+
+}  // namespace hapticast::server

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/vision.hpp"
+
+#include <algorithm>
+#include <deque>
+
+#include "server/vision/describe.hpp"
+#include "server/vision/range.hpp"
+#include "server/vision/tracker.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr std::uint64_t kLongestScan =
+    600;  // frames; of a longer clip only its beginning is looked through
+constexpr double kClipMargin = 0.05;  // of the objects' span in depth, on either side
+constexpr double kLiveMargin = 0.5;   // they have more to show than what the first frame holds
+
+void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const char* flag) {
+  for (const Vec2& point : points) {
+    const bool inside =
+        point.x() >= 0 && point.y() >= 0 && point.x() < info.width_px && point.y() < info.height_px;
+    if (inside) continue;
+    throw SourceError(std::string(flag) + " " + std::to_string(point.x()) + "," +
+                      std::to_string(point.y()) + ": outside the picture, which is " +
+                      std::to_string(info.width_px) + "x" + std::to_string(info.height_px) +
+                      "; give u,v in pixels from its top-left corner");
+  }
+}
+
+}  // namespace
+
+class Vision::Impl {
+ public:
+  Impl(const SourceInfo& info, VisionSettings settings)
+      : info_(info), settings_(std::move(settings)), lookahead_(lookaheadFrames(info.fps)) {
+    checkPoints(info_, settings_.object_points_px, "--object");
+    checkPoints(info_, settings_.not_points_px, "--not");
+    description_.name = info_.name;
+    description_.fps = info_.fps;
+    description_.workspace.width_px = info_.width_px;
+    description_.workspace.height_px = info_.height_px;
+    description_.workspace.stretch = settings_.stretch;
+    description_.method = settings_.method;
+    description_.pipeline_latency = fromSeconds(lookahead_ / info_.fps);
+    description_.mass_kg = settings_.mass_kg;
+    range_ = settings_.depth_range ? settings_.depth_range : info_.depth_range;
+    if (info_.depth_kind == DepthKind::kHeight) range_ = kHeightRange;
+  }
+
+  void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+    if (info_.live) return;
+    std::uint32_t ids = 1;
+    Tracker tracker(info_, settings_, ids);
+    MotionHistory history;
+    RangeFinder finder;
+    const std::uint64_t total = std::min(kLongestScan, info_.frame_count.value_or(kLongestScan));
+    std::uint64_t done = 0;
+    for (; done < kLongestScan; ++done) {
+      const std::optional<RgbdFrame> frame = source.read();
+      if (!frame) break;
+      const double time_s = double(done) / info_.fps;
+      const std::vector<TrackedObject> objects = tracker.next(*frame, time_s);
+      history.add(done, time_s, objects);
+      for (const TrackedObject& object : objects) finder.add(object.surface, tracker.noise());
+      if (progress) progress(done + 1, std::max(total, done + 1));
+    }
+    source.rewind();
+    if (!range_) range_ = finder.range(kClipMargin);
+    if (!range_) return;  // no object in the clip
+    description_.largest_acceleration_mm_s2 =
+        history.largestAcceleration_mm_s2(lookahead_, nominal());
+  }
+
+  std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time) {
+    if (!tracker_ || frame.epoch != source_epoch_) restart(frame.epoch);
+    const double time_s = toSeconds(media_time);
+    std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
+    if (!range_ && !objects.empty()) findLiveRange(objects);
+    const std::uint64_t id = next_frame_id_++;
+    VisionResult result;
+    result.frame.epoch = epoch_;
+    result.frame.id = id;
+    result.frame.media_time = media_time;
+    result.color = frame.color.clone();  // the source may use its buffer again
+    for (const TrackedObject& object : objects) {
+      const HapticObject* last = nullptr;
+      for (const HapticObject& before : last_objects_)
+        last = before.id == object.id ? &before : last;
+      result.frame.objects.push_back(describeObject(object, id, last, nominal(), settings_));
+    }
+    last_objects_ = result.frame.objects;
+    history_.add(id, time_s, objects);
+    pending_.push_back(std::move(result));
+    if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
+    return takeReady();
+  }
+
+  std::vector<VisionResult> flush() {
+    while (!pending_.empty()) complete();
+    std::vector<VisionResult> out;
+    while (!ready_.empty()) out.push_back(*takeReady());
+    return out;
+  }
+
+  [[nodiscard]] const StreamDescription& description() const { return description_; }
+
+ private:
+  [[nodiscard]] NominalFrame nominal() const {
+    return {description_.workspace, range_.value_or(kHeightRange)};
+  }
+
+  // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
+  void restart(std::uint32_t source_epoch) {
+    while (!pending_.empty()) complete();
+    history_ = {};
+    last_objects_.clear();
+    tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_);
+    source_epoch_ = source_epoch;
+    ++epoch_;
+  }
+
+  void findLiveRange(const std::vector<TrackedObject>& objects) {
+    RangeFinder finder;
+    for (const TrackedObject& object : objects) finder.add(object.surface, tracker_->noise());
+    range_ = finder.range(kLiveMargin);
+  }
+
+  // The oldest pending frame gets its motion from the window around it.
+  void complete() {
+    VisionResult result = std::move(pending_.front());
+    pending_.pop_front();
+    const std::uint64_t id = result.frame.id;
+    for (HapticObject& object : result.frame.objects) {
+      Motion motion = history_.motion(object.id, id, lookahead_, nominal());
+      motion.quality = object.motion.quality;
+      motion.visible_fraction = object.motion.visible_fraction;
+      object.motion = motion;
+      if (settings_.method == Method::kThesis)
+        object.grid = history_.grid(object.id, id, lookahead_, nominal());
+      if (!info_.live) continue;
+      double& largest = description_.largest_acceleration_mm_s2;
+      largest = std::max(largest, motion.acceleration_mm_s2.norm());
+    }
+    const auto reach = static_cast<std::uint64_t>(lookahead_);
+    if (id > reach) history_.dropBefore(id - reach);
+    ready_.push_back(std::move(result));
+  }
+
+  std::optional<VisionResult> takeReady() {
+    if (ready_.empty()) return std::nullopt;
+    VisionResult result = std::move(ready_.front());
+    ready_.pop_front();
+    return result;
+  }
+
+  SourceInfo info_;
+  VisionSettings settings_;
+  int lookahead_;
+  StreamDescription description_;
+  std::optional<DepthRange> range_;
+  std::uint32_t next_object_id_ = 1;
+  std::uint64_t next_frame_id_ = 1;
+  std::uint32_t epoch_ = 0;
+  std::uint32_t source_epoch_ = 0;
+  std::unique_ptr<Tracker> tracker_;
+  MotionHistory history_;
+  std::vector<HapticObject> last_objects_;
+  std::deque<VisionResult> pending_;
+  std::deque<VisionResult> ready_;
+};
+
+Vision::Vision(const SourceInfo& info, VisionSettings settings)
+    : impl_(std::make_unique<Impl>(info, std::move(settings))) {}
+Vision::~Vision() = default;
+void Vision::scan(RgbdSource& source,
+                  const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  impl_->scan(source, progress);
+}
+std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media_time) {
+  return impl_->push(frame, media_time);
+}
+std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
+const StreamDescription& Vision::description() const { return impl_->description(); }
+
+}  // namespace hapticast::server

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/enhance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/vision/range.hpp"
+#include "tests/unit/server/vision_scenes.hpp"
+
+namespace hapticast::server {
+namespace {
+
+constexpr DepthRange kRange{600, 900};
+const Workspace kWorkspace{.width_px = 640, .height_px = 480};
+
+cv::Mat discMask(int size, double radius) {
+  cv::Mat mask = cv::Mat::zeros(size, size, CV_8UC1);
+  for (int v = 0; v < size; ++v) {
+    for (int u = 0; u < size; ++u) {
+      if (std::hypot(u - size / 2, v - size / 2) < radius) mask.at<uchar>(v, u) = 255;
+    }
+  }
+  return mask;
+}
+
+cv::Mat painted(int size, const std::function<double(int, int)>& depth) {
+  cv::Mat out(size, size, CV_32FC1);
+  for (int v = 0; v < size; ++v) {
+    for (int u = 0; u < size; ++u) out.at<float>(v, u) = static_cast<float>(depth(u, v));
+  }
+  return out;
+}
+
+// Largest error of the relief against the depth it should show, over pixels at least `inset` inside
+// the mask.
+double worstError(const Relief& relief, const cv::Mat& mask,
+                  const std::function<double(int, int)>& depth, int inset) {
+  const cv::Mat inner = inset > 0 ? erodedBy(mask, inset) : mask;
+  double worst = 0;
+  for (int v = 0; v < relief.rect.height; ++v) {
+    for (int u = 0; u < relief.rect.width; ++u) {
+      if (inner.at<uchar>(v + relief.rect.v, u + relief.rect.u) == 0) continue;
+      const auto height =
+          double(relief.height_mm[static_cast<std::size_t>(v * relief.rect.width + u)]);
+      const double truth = (kRange.far_mm - depth(u + relief.rect.u, v + relief.rect.v)) / 300 * 30;
+      worst = std::max(worst, std::abs(height - truth));
+    }
+  }
+  return worst;
+}
+
+const DepthNoise kNoise{{1.0}, 0.0};
+
+TEST(Enhance, KeepsAPlaneExactlyUpToTheRim) {
+  const cv::Mat mask = discMask(120, 45);
+  const auto plane = [](int u, int v) { return 700 + 0.8 * u - 0.3 * v; };
+  const Surface surface = cleanSurface(painted(120, plane), mask, kNoise, Method::kHapticast);
+  const auto relief = makeRelief(surface, kRange, kWorkspace, Method::kHapticast);
+  EXPECT_EQ(relief->rect, (PixelRect{16, 16, 89, 89}));
+  EXPECT_LT(worstError(*relief, mask, plane, 0), 1e-3);
+}
+
+TEST(Enhance, HasNoCurvatureBias) {
+  const cv::Mat mask = discMask(160, 60);
+  const auto bowl = [](int u, int v) {
+    return 680 + 0.02 * ((u - 80) * (u - 80) + (v - 80) * (v - 80));
+  };
+  const Surface surface = cleanSurface(painted(160, bowl), mask, kNoise, Method::kHapticast);
+  const auto relief = makeRelief(surface, kRange, kWorkspace, Method::kHapticast);
+  EXPECT_LT(worstError(*relief, mask, bowl, 9), 1e-3);
+  EXPECT_LT(worstError(*relief, mask, bowl, 0), 0.05);
+}
+
+TEST(Enhance, FillsHolesFromTheObject) {
+  const cv::Mat mask = discMask(160, 60);
+  const auto plane = [](int u, int v) { return 720 + 0.5 * u + 0.2 * v; };
+  cv::Mat depth = painted(160, plane);
+  cv::circle(depth, {80, 80}, 9, 0, cv::FILLED);
+  cv::rectangle(depth, cv::Rect(60, 110, 25, 3), 0, cv::FILLED);
+  const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
+  EXPECT_EQ(cv::countNonZero(surface.measured & (surface.depth <= 0)), 0);
+  EXPECT_LT(
+      worstError(*makeRelief(surface, kRange, kWorkspace, Method::kHapticast), mask, plane, 0),
+      0.15);
+}
+
+TEST(Enhance, RejectsBackgroundDepthAtTheRim) {
+  const cv::Mat mask = discMask(160, 60);
+  const cv::Mat inner = discMask(160, 57.5);
+  const auto object = [](int, int) { return 700.0; };
+  cv::Mat depth = painted(160, [](int, int) { return 1500.0; });
+  depth.setTo(700, inner);  // the mask is 2.5 px too large for the depth
+  const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
+  EXPECT_LT(
+      worstError(*makeRelief(surface, kRange, kWorkspace, Method::kHapticast), mask, object, 0),
+      0.05);
+  const Surface raw = cleanSurface(depth, mask, kNoise, Method::kThesis);
+  EXPECT_GT(worstError(*makeRelief(raw, kRange, kWorkspace, Method::kThesis), mask, object, 0),
+            5.0);
+}
+
+TEST(Enhance, DropsLonelyPixels) {
+  const cv::Mat mask = discMask(160, 60);
+  const auto object = [](int, int) { return 700.0; };
+  cv::Mat depth = painted(160, object);
+  depth.at<float>(80, 80) = 640;
+  depth.at<float>(50, 90) = 880;
+  const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
+  EXPECT_LT(
+      worstError(*makeRelief(surface, kRange, kWorkspace, Method::kHapticast), mask, object, 0),
+      0.01);
+}
+
+TEST(Enhance, SmoothsNoiseInsideTheMask) {
+  const cv::Mat mask = discMask(160, 60);
+  const auto object = [](int, int) { return 700.0; };
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 2.0);
+  const cv::Mat depth = painted(160, [&](int, int) { return 700 + noise(random); });
+  const auto relief = makeRelief(cleanSurface(depth, mask, {{2.0}, 0.0}, Method::kHapticast),
+                                 kRange, kWorkspace, Method::kHapticast);
+  // 2 mm of depth is 0.2 mm of height; the fit leaves well under half of it at the worst pixel of
+  // the interior.
+  EXPECT_LT(worstError(*relief, mask, object, 9), 0.2);
+}
+
+TEST(Enhance, ThesisRoundsTheRimOff) {
+  const cv::Mat mask = discMask(120, 45);
+  const auto object = [](int, int) { return 700.0; };
+  const Surface surface = cleanSurface(painted(120, object), mask, kNoise, Method::kThesis);
+  const auto relief = makeRelief(surface, kRange, kWorkspace, Method::kThesis);
+  EXPECT_LT(worstError(*relief, mask, object, 9), 1e-3);
+  EXPECT_GT(worstError(*relief, mask, object, 0), 5.0);
+}
+
+TEST(Enhance, HeightsStayInTheWorkspace) {
+  const cv::Mat mask = discMask(120, 45);
+  const cv::Mat depth = painted(120, [](int u, int) { return 300.0 + 8 * u; });
+  const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
+  for (const float height :
+       makeRelief(surface, kRange, kWorkspace, Method::kHapticast)->height_mm) {
+    EXPECT_GE(height, 0.0F);
+    EXPECT_LE(height, 30.0F);
+  }
+}
+
+TEST(Enhance, AnObjectWithoutAnyDepthIsFlat) {
+  const cv::Mat mask = discMask(120, 45);
+  const cv::Mat depth = cv::Mat::zeros(120, 120, CV_32FC1);
+  const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
+  for (const float height :
+       makeRelief(surface, kRange, kWorkspace, Method::kHapticast)->height_mm) {
+    EXPECT_EQ(height, 0.0F);
+  }
+}
+
+TEST(Enhance, RangeHoldsTheObjectAndIsNeverTooNarrow) {
+  const cv::Mat mask = discMask(120, 45);
+  RangeFinder wide;
+  EXPECT_FALSE(wide.range(0.05).has_value());
+  wide.add(cleanSurface(painted(120, [](int u, int) { return 500.0 + 5 * u; }), mask, kNoise,
+                        Method::kHapticast),
+           kNoise);
+  const DepthRange range = wide.range(0.05).value();
+  EXPECT_LT(range.near_mm, 585);
+  EXPECT_GT(range.far_mm, 1010);
+  RangeFinder flat;
+  flat.add(
+      cleanSurface(painted(120, [](int, int) { return 700.0; }), mask, kNoise, Method::kHapticast),
+      kNoise);
+  EXPECT_NEAR(flat.range(0.05)->far_mm - flat.range(0.05)->near_mm, 100, 1e-9);
+  RangeFinder noisy;
+  noisy.add(
+      cleanSurface(painted(120, [](int, int) { return 700.0; }), mask, kNoise, Method::kHapticast),
+      {{4.0}, 0});
+  EXPECT_NEAR(noisy.range(0.05)->far_mm - noisy.range(0.05)->near_mm, 240, 1e-9);
+}
+
+}  // namespace
+}  // namespace hapticast::server

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// Small synthetic RGB-D frames with known truth, and the real clips, for the tests of vision.
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server::test {
+
+/// Smooth noise that does not repeat, 0..1; the object's and the background's paint.
+inline double paint(double x, double y) {
+  return 0.5 + 0.17 * std::sin(0.31 * x + 0.7 * std::sin(0.13 * y)) +
+         0.17 * std::sin(0.27 * y + std::sin(0.11 * x)) +
+         0.15 * std::sin(0.17 * (x + y) + 2 * std::sin(0.05 * (x - y)));
+}
+
+struct BallScene {
+  int width = 320, height = 240;
+  double radius_px = 40;
+  double near_mm = 700;  ///< of the ball's front
+  double bulge_mm = 80;  ///< front to rim
+  double background_mm = 1200;
+  DepthKind kind = DepthKind::kMetric;
+  bool with_mask = true;
+
+  [[nodiscard]] SourceInfo info(double fps = 25.0) const {
+    SourceInfo out;
+    out.name = "ball";
+    out.width_px = width;
+    out.height_px = height;
+    out.fps = fps;
+    out.depth_kind = kind;
+    return out;
+  }
+  /// Depth of the ball at (du, dv) from its centre; 0 outside.
+  [[nodiscard]] double ballDepth(double du, double dv) const {
+    const double square = 1 - (du * du + dv * dv) / (radius_px * radius_px);
+    return square > 0 ? near_mm + bulge_mm * (1 - std::sqrt(square)) : 0.0;
+  }
+  /// The ball at (u, v), pixel centres at +0.5, its depth moved by `closer_mm` towards the camera.
+  [[nodiscard]] RgbdFrame frame(std::uint64_t index, double u, double v,
+                                double closer_mm = 0) const {
+    RgbdFrame out;
+    out.index = index;
+    out.color.create(height, width, CV_8UC3);
+    out.depth.create(height, width, CV_32FC1);
+    cv::Mat mask = cv::Mat::zeros(height, width, CV_8UC1);
+    for (int j = 0; j < height; ++j) {
+      for (int i = 0; i < width; ++i) {
+        const double du = i + 0.5 - u;
+        const double dv = j + 0.5 - v;
+        const double ball = ballDepth(du, dv);
+        const bool inside = ball > 0;
+        const double light = inside ? paint(du * 1.7 + 40, dv * 1.7) : paint(i, j + 300);
+        const double level = 40 + 200 * light;
+        out.color.at<cv::Vec3b>(j, i) =
+            inside
+                ? cv::Vec3b(cv::saturate_cast<uchar>(0.2 * level),
+                            cv::saturate_cast<uchar>(0.5 * level), cv::saturate_cast<uchar>(level))
+                : cv::Vec3b(cv::saturate_cast<uchar>(level), cv::saturate_cast<uchar>(0.8 * level),
+                            cv::saturate_cast<uchar>(0.3 * level));
+        const double z = inside ? ball - closer_mm : background_mm;
+        out.depth.at<float>(j, i) =
+            static_cast<float>(kind == DepthKind::kHeight ? std::round(255 * (1000 - z) / 400) : z);
+        if (kind == DepthKind::kHeight)
+          out.depth.at<float>(j, i) = std::max(0.0F, out.depth.at<float>(j, i));
+        if (inside) mask.at<uchar>(j, i) = 1;
+      }
+    }
+    if (with_mask) out.mask = mask;
+    return out;
+  }
+};
+
+/// A source that plays what a function makes.
+class FunctionSource final : public RgbdSource {
+ public:
+  FunctionSource(SourceInfo info, std::uint64_t frames,
+                 std::function<RgbdFrame(std::uint64_t)> make)
+      : info_(std::move(info)), frames_(frames), make_(std::move(make)) {
+    info_.frame_count = frames;
+  }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  std::optional<RgbdFrame> read() override {
+    if (next_ >= frames_) return std::nullopt;
+    RgbdFrame frame = make_(next_);
+    frame.index = next_++;
+    frame.epoch = epoch_;
+    frame.clip_time_s = double(frame.index) / info_.fps;
+    return frame;
+  }
+  bool skip() override { return next_ < frames_ && ++next_ > 0; }
+  void rewind() override {
+    next_ = 0;
+    ++epoch_;
+  }
+
+ private:
+  SourceInfo info_;
+  std::uint64_t frames_;
+  std::function<RgbdFrame(std::uint64_t)> make_;
+  std::uint64_t next_ = 0;
+  std::uint32_t epoch_ = 0;
+};
+
+/// Where the real clips are: $HAPTICAST_CLIPS, else beside the project.
+inline std::filesystem::path clipsFolder() {
+  const char* named = std::getenv("HAPTICAST_CLIPS");
+  return named != nullptr ? named : HAPTICAST_CLIPS;
+}
+
+/// Frame `index` of a real clip (layout of the clips folder); nullopt past its end or where there
+/// is none.
+inline std::optional<RgbdFrame> clipFrame(const std::string& clip, std::uint64_t index) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%06d", static_cast<int>(index));
+  const std::filesystem::path folder = clipsFolder() / clip;
+  RgbdFrame out;
+  out.index = index;
+  for (const char* ending : {".jpg", ".png"}) {
+    const auto path = folder / "rgb" / (std::string(number) + ending);
+    if (std::filesystem::exists(path)) out.color = cv::imread(path.string());
+  }
+  if (out.color.empty()) return std::nullopt;
+  const cv::Mat depth = cv::imread((folder / "depth" / (std::string(number) + ".png")).string(),
+                                   cv::IMREAD_UNCHANGED);
+  depth.convertTo(out.depth, CV_32F);
+  return out;
+}
+
+inline SourceInfo clipInfo(const std::string& clip, double fps) {
+  SourceInfo info;
+  info.name = clip;
+  info.fps = fps;
+  if (const auto first = clipFrame(clip, 0)) {
+    info.width_px = first->color.cols;
+    info.height_px = first->color.rows;
+  }
+  return info;
+}
+
+}  // namespace hapticast::server::test

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/vision.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/unit/server/vision_scenes.hpp"
+
+namespace hapticast::server {
+namespace {
+
+using test::BallScene;
+using test::FunctionSource;
+
+std::vector<VisionResult> runAll(Vision& vision, RgbdSource& source) {
+  std::vector<VisionResult> out;
+  double time_s = 10.0;
+  while (auto frame = source.read()) {
+    if (auto result = vision.push(*frame, mediaTime(time_s))) out.push_back(*result);
+    time_s += 1 / source.info().fps;
+  }
+  for (VisionResult& result : vision.flush()) out.push_back(result);
+  return out;
+}
+
+double middle(const Relief& relief) {
+  const int index = relief.rect.height / 2 * relief.rect.width + relief.rect.width / 2;
+  return double(relief.height_mm[static_cast<std::size_t>(index)]);
+}
+
+TEST(Vision, EveryFrameComesOutOnceInOrderAfterTheLookahead) {
+  const BallScene scene;
+  Vision vision(scene.info(), {});
+  EXPECT_EQ(vision.description().pipeline_latency, fromSeconds(3 / 25.0));
+  std::uint64_t out = 0;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    const auto result =
+        vision.push(scene.frame(i, 100 + 3.0 * double(i), 120), mediaTime(double(i) / 25));
+    EXPECT_EQ(result.has_value(), i >= 3);
+    if (result) {
+      EXPECT_EQ(result->frame.media_time, mediaTime(double(out++) / 25));
+    }
+  }
+  EXPECT_EQ(vision.flush().size(), 3U);
+  EXPECT_TRUE(vision.flush().empty());
+}
+
+TEST(Vision, MotionOfABallInThePlane) {
+  const BallScene scene;
+  const auto u = [](double t) { return 160 + 60 * std::sin(5 * t); };
+  const auto v = [](double t) { return 120 + 40 * std::cos(4 * t); };
+  FunctionSource source(scene.info(), 40, [&](std::uint64_t i) {
+    const double t = double(i) / 25;
+    return scene.frame(i, u(t), v(t));
+  });
+  Vision vision(source.info(), {});
+  vision.scan(source, {});
+  const std::vector<VisionResult> results = runAll(vision, source);
+  ASSERT_EQ(results.size(), 40U);
+  double square_error = 0;
+  double square = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    ASSERT_EQ(results[i].frame.objects.size(), 1U);
+    const Motion& motion = results[i].frame.objects[0].motion;
+    const double t = double(i) / 25;
+    EXPECT_NEAR(motion.position_mm.x(), (u(t) - 160) * 0.5, 0.1);
+    EXPECT_NEAR(motion.position_mm.y(), (120 - v(t)) * 0.5, 0.1);
+    if (i < 3 || i + 3 >= results.size()) continue;
+    EXPECT_NEAR(motion.velocity_mm_s.x(), 0.5 * 300 * std::cos(5 * t), 2.5);
+    const Vec3 acceleration(-0.5 * 1500 * std::sin(5 * t), 0.5 * 640 * std::cos(4 * t), 0);
+    square_error += (motion.acceleration_mm_s2 - acceleration).squaredNorm();
+    square += acceleration.squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(square_error / square), 0.04);
+  EXPECT_NEAR(vision.description().largest_acceleration_mm_s2, 800, 150);
+}
+
+TEST(Vision, ABallThatComesNearerRises) {
+  const BallScene scene;
+  FunctionSource source(scene.info(), 16,
+                        [&](std::uint64_t i) { return scene.frame(i, 160, 120, 4.0 * double(i)); });
+  VisionSettings settings;
+  settings.depth_range = DepthRange{600, 900};
+  Vision vision(source.info(), settings);
+  for (const VisionResult& result : runAll(vision, source)) {
+    EXPECT_NEAR(result.frame.objects.at(0).motion.velocity_mm_s.z(), 0.4 * 25, 0.1);
+    EXPECT_NEAR(result.frame.objects.at(0).motion.velocity_mm_s.x(), 0, 0.1);
+  }
+}
+
+TEST(Vision, AStillSceneHasNoMotionAndOneRelief) {
+  for (const bool with_mask : {true, false}) {
+    const BallScene scene{.with_mask = with_mask};
+    FunctionSource source(scene.info(), 10,
+                          [&](std::uint64_t i) { return scene.frame(i, 160, 120); });
+    VisionSettings settings;
+    settings.object_points_px = {{160, 120}};
+    Vision vision(source.info(), settings);
+    const std::vector<VisionResult> results = runAll(vision, source);
+    for (const VisionResult& result : results) {
+      const HapticObject& object = result.frame.objects.at(0);
+      EXPECT_EQ(object.motion.velocity_mm_s, Vec3::Zero());
+      EXPECT_EQ(object.motion.acceleration_mm_s2, Vec3::Zero());
+      EXPECT_EQ(object.motion.angular_velocity_rad_s, 0.0);
+      EXPECT_EQ(object.relief, results[0].frame.objects[0].relief);
+      EXPECT_EQ(object.changed_in_frame, results[0].frame.id);
+    }
+  }
+}
+
+TEST(Vision, EightBitHeightsMapToThirtyMillimetres) {
+  BallScene scene{.near_mm = 620, .kind = DepthKind::kHeight};
+  Vision vision(scene.info(), {});
+  (void)vision.push(scene.frame(0, 160, 120), mediaTime(0));
+  const auto results = vision.flush();
+  const Relief& relief = *results.at(0).frame.objects.at(0).relief;
+  EXPECT_NEAR(middle(relief), std::round(255 * 380 / 400.0) * 30 / 255, 0.1);
+}
+
+TEST(Vision, ANewSourceEpochIsANewStreamEpochWithoutMemory) {
+  const BallScene scene;
+  Vision vision(scene.info(), {});
+  std::vector<VisionResult> results;
+  for (std::uint64_t i = 0; i < 12; ++i) {
+    RgbdFrame frame = scene.frame(i % 6, i < 6 ? 60 + 10.0 * double(i) : 200, 120);
+    frame.epoch = i < 6 ? 4 : 5;
+    if (auto result = vision.push(frame, mediaTime(double(i) / 25))) results.push_back(*result);
+  }
+  for (VisionResult& result : vision.flush()) results.push_back(result);
+  ASSERT_EQ(results.size(), 12U);
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(results[i].frame.id, results[0].frame.id + i);
+    EXPECT_EQ(results[i].frame.epoch, results[0].frame.epoch + (i < 6 ? 0 : 1));
+    EXPECT_NEAR(results[i].frame.objects.at(0).motion.velocity_mm_s.x(), i < 6 ? 125 : 0, 1.0);
+  }
+  EXPECT_NE(results[5].frame.objects[0].id, results[6].frame.objects[0].id);
+}
+
+TEST(Vision, ALostObjectFadesAndIsDropped) {
+  const BallScene scene;
+  FunctionSource source(scene.info(), 20, [&](std::uint64_t i) {
+    return i < 8 || i >= 16 ? scene.frame(i, 100, 120) : scene.frame(i, -300, 120);
+  });
+  Vision vision(source.info(), {});
+  const std::vector<VisionResult> results = runAll(vision, source);
+  ASSERT_EQ(results.size(), 20U);
+  double quality = 1.0;
+  for (std::size_t i = 8; i < 13; ++i) {
+    const HapticObject& object = results[i].frame.objects.at(0);
+    EXPECT_EQ(object.id, results[0].frame.objects[0].id);
+    EXPECT_LT(object.motion.quality, quality);
+    quality = object.motion.quality;
+    EXPECT_EQ(object.relief, results[7].frame.objects[0].relief);
+    EXPECT_EQ(object.motion.velocity_mm_s, Vec3::Zero());
+  }
+  EXPECT_TRUE(results[13].frame.objects.empty());
+  EXPECT_GT(results[16].frame.objects.at(0).id, results[0].frame.objects[0].id);
+}
+
+TEST(Vision, AnObjectLeavingThePictureGetsLessVisible) {
+  const BallScene scene;
+  FunctionSource source(scene.info(), 12,
+                        [&](std::uint64_t i) { return scene.frame(i, 60 - 8.0 * double(i), 120); });
+  Vision vision(source.info(), {});
+  const std::vector<VisionResult> results = runAll(vision, source);
+  EXPECT_EQ(results[1].frame.objects.at(0).motion.visible_fraction, 1.0);
+  EXPECT_LT(results[9].frame.objects.at(0).motion.visible_fraction, 0.45);
+  // The body goes on moving although its visible part hardly does.
+  EXPECT_NEAR(results[6].frame.objects.at(0).motion.velocity_mm_s.x(), -8 * 0.5 * 25, 8);
+}
+
+TEST(Vision, PointsOutsideThePictureAreRefused) {
+  const BallScene scene;
+  for (const Vec2& point : {Vec2(320, 10), Vec2(-1, 10), Vec2(5, 240), Vec2(std::nan(""), 3)}) {
+    VisionSettings settings;
+    settings.object_points_px = {point};
+    try {
+      Vision vision(scene.info(), settings);
+      FAIL();
+    } catch (const SourceError& error) {
+      EXPECT_NE(std::string(error.what()).find("320x240"), std::string::npos);
+    }
+  }
+}
+
+TEST(Vision, ScanFindsOneRangeForTheClipAndRewinds) {
+  const BallScene scene;
+  FunctionSource source(scene.info(), 10, [&](std::uint64_t i) {
+    return scene.frame(i, 160, 120, 10.0 * double(i));
+  });
+  Vision vision(source.info(), {});
+  std::uint64_t last_done = 0;
+  vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_EQ(done, ++last_done);
+    EXPECT_EQ(total, 10U);
+  });
+  EXPECT_EQ(last_done, 10U);
+  const std::vector<VisionResult> results = runAll(vision, source);
+  ASSERT_EQ(results.size(), 10U);
+  const auto top = [](const VisionResult& result) {
+    return middle(*result.frame.objects.at(0).relief);
+  };
+  EXPECT_LT(top(results[9]), 30.0);
+  EXPECT_GT(top(results[9]), 26.0);
+  EXPECT_NEAR(top(results[9]) - top(results[0]), 90.0 / 170 * 30 / 1.1, 1.5);
+}
+
+TEST(Vision, TheThesisMethodSendsADenseGrid) {
+  const BallScene scene;
+  FunctionSource source(scene.info(), 12, [&](std::uint64_t i) {
+    return scene.frame(i, 100 + 3.0 * double(i), 120);
+  });
+  VisionSettings settings;
+  settings.method = Method::kThesis;
+  Vision vision(source.info(), settings);
+  const std::vector<VisionResult> results = runAll(vision, source);
+  const HapticObject& object = results[6].frame.objects.at(0);
+  ASSERT_NE(object.grid, nullptr);
+  EXPECT_EQ(object.grid->columns, 5);
+  EXPECT_EQ(object.grid->rows, 5);
+  ASSERT_EQ(object.grid->velocity_mm_s.size(), 25U);
+  EXPECT_NEAR(object.grid->velocity_mm_s[12].x(), 3 * 0.5 * 25, 1.0);
+  EXPECT_NEAR(object.grid->acceleration_mm_s2[12].x(), 0, 20);
+}
+
+struct ClipRun {
+  std::vector<VisionResult> results;
+  std::vector<cv::Mat> masks;  // of the first object; empty where there is none
+};
+
+ClipRun runClip(const std::string& clip, double fps, const VisionSettings& settings) {
+  const SourceInfo info = test::clipInfo(clip, fps);
+  Vision vision(info, settings);
+  ClipRun run;
+  for (std::uint64_t i = 0;; ++i) {
+    const auto frame = test::clipFrame(clip, i);
+    if (!frame) break;
+    if (auto result = vision.push(*frame, mediaTime(double(i) / fps)))
+      run.results.push_back(*result);
+  }
+  for (VisionResult& result : vision.flush()) run.results.push_back(result);
+  for (const VisionResult& result : run.results) {
+    cv::Mat mask = cv::Mat::zeros(info.height_px, info.width_px, CV_8UC1);
+    if (!result.frame.objects.empty()) {
+      const Relief& relief = *result.frame.objects[0].relief;
+      for (std::size_t k = 0; k < relief.mask.size(); ++k) {
+        const int u = relief.rect.u + static_cast<int>(k) % relief.rect.width;
+        const int v = relief.rect.v + static_cast<int>(k) / relief.rect.width;
+        mask.at<uchar>(v, u) = relief.mask[k];
+      }
+    }
+    run.masks.push_back(mask);
+  }
+  return run;
+}
+
+TEST(Vision, TheDragonIsHeldThroughTheDeskClip) {
+  if (!test::clipFrame("visp_rbt_desk", 0)) GTEST_SKIP() << "no clips in " << test::clipsFolder();
+  VisionSettings settings;
+  settings.object_points_px = {{505, 330}};
+  const ClipRun run = runClip("visp_rbt_desk", 30, settings);
+  ASSERT_EQ(run.results.size(), 99U);
+  double last_area = 0;
+  for (std::size_t i = 0; i < run.results.size(); ++i) {
+    ASSERT_EQ(run.results[i].frame.objects.size(), 1U) << i;
+    EXPECT_EQ(run.results[i].frame.objects[0].id, run.results[0].frame.objects[0].id);
+    // Truth by colour: the dragon is the only saturated yellow thing right of the middle.
+    cv::Mat hsv;
+    cv::cvtColor(run.results[i].color, hsv, cv::COLOR_BGR2HSV);
+    cv::Mat yellow;
+    cv::inRange(hsv, cv::Scalar(14, 110, 90), cv::Scalar(34, 255, 255), yellow);
+    const double area = cv::countNonZero(run.masks[i]);
+    EXPECT_GT(cv::countNonZero(yellow & (run.masks[i] > 0)) / area, 0.75) << i;
+    EXPECT_GT(area, 5500) << i;
+    EXPECT_LT(area, 11500) << i;
+    if (i > 0) {
+      EXPECT_NEAR(area / last_area, 1, 0.15) << i;
+    }
+    last_area = area;
+    const Motion& motion = run.results[i].frame.objects[0].motion;
+    EXPECT_TRUE(motion.position_mm.allFinite() && motion.acceleration_mm_s2.allFinite());
+    EXPECT_LT(motion.velocity_mm_s.norm(), 400) << i;
+  }
+}
+
+TEST(Vision, ThePersonIsHeldThroughTheTypingClip) {
+  if (!test::clipFrame("dkvfx_typing_person", 0))
+    GTEST_SKIP() << "no clips in " << test::clipsFolder();
+  VisionSettings settings;
+  settings.object_points_px = {{125, 260}};
+  const ClipRun run = runClip("dkvfx_typing_person", 24, settings);
+  ASSERT_EQ(run.results.size(), 48U);
+  for (std::size_t i = 0; i < run.results.size(); ++i) {
+    ASSERT_EQ(run.results[i].frame.objects.size(), 1U) << i;
+    EXPECT_EQ(run.results[i].frame.objects[0].id, run.results[0].frame.objects[0].id);
+    const cv::Mat inside = run.masks[i] > 0;
+    const double area = cv::countNonZero(inside);
+    EXPECT_GT(area, 30e3) << i;
+    EXPECT_LT(area, 48e3) << i;
+    for (const cv::Point part :
+         {cv::Point(125, 260), cv::Point(125, 90), cv::Point(60, 220), cv::Point(215, 300)}) {
+      EXPECT_NE(inside.at<uchar>(part), 0) << i << " " << part;  // chest, head, shoulder, hand
+    }
+    EXPECT_EQ(inside.at<uchar>(350, 270), 0) << i;  // the table
+    EXPECT_EQ(inside.at<uchar>(50, 300), 0) << i;   // nothing
+  }
+}
+
+TEST(Vision, SomethingIsFoundLostAndFoundAgainInTheTurningClip) {
+  if (!test::clipFrame("tum_fr1_rpy", 0)) GTEST_SKIP() << "no clips in " << test::clipsFolder();
+  const ClipRun run = runClip("tum_fr1_rpy", 30, {});
+  ASSERT_EQ(run.results.size(), 150U);
+  std::set<std::uint32_t> ids;
+  int without = 0;
+  int fading = 0;
+  for (const VisionResult& result : run.results) {
+    without += result.frame.objects.empty() ? 1 : 0;
+    for (const HapticObject& object : result.frame.objects) {
+      ids.insert(object.id);
+      fading += object.motion.quality < 0.5 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(ids.size(), 2U);
+  EXPECT_GT(without, 5);
+  EXPECT_LT(without, 120);
+  EXPECT_GT(fading, 5);
+}
+
+}  // namespace
+}  // namespace hapticast::server
