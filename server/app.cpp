@@ -108,7 +108,7 @@ void App::publish(VisionResult result) {
   last_published_ = result.frame.media_time;
   if (broadcaster_.videoWanted()) {
     broadcaster_.publish(encodeVideo({result.frame.epoch, result.frame.id, result.frame.media_time,
-                                      encodeJpeg(result.color, kJpegQuality)}));
+                                      encodePicture(result.color, kJpegQuality)}));
   }
   broadcaster_.publish(encoder_.encode(result.frame));
 }

@@ -21,8 +21,8 @@ set(rules
 set(doors
   "^boost/"                          "^common/asio\\.hpp$"
   "^common/asio\\.hpp$"              "^((server/stream|client/net|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^common/wire\\.cpp$"
-  "^google/protobuf"                 "^common/wire\\.cpp$"
+  "\\.pb\\.h$"                       "^common/wire(_encode)?\\.cpp$"
+  "^google/protobuf"                 "^common/wire(_encode)?\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/(wire|framing)\\.hpp$"    "^(common/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
