@@ -38,8 +38,9 @@ Vec2 deepestPoint(const PixelRect& rect, const std::vector<std::uint8_t>& mask) 
     }
   }
   if (deepest == mask.size()) return Vec2::Zero();
-  return {rect.u + static_cast<double>(deepest % width) + 0.5,
-          rect.v + static_cast<double>(deepest / width) + 0.5};
+  const std::size_t column = deepest % width;
+  const std::size_t row = deepest / width;
+  return {rect.u + static_cast<double>(column) + 0.5, rect.v + static_cast<double>(row) + 0.5};
 }
 
 }  // namespace hapticast
