@@ -13,7 +13,7 @@
 namespace hapticast::client {
 
 namespace {
-constexpr std::size_t kLargestFile = 64 * 1024;
+constexpr std::size_t kLargestFile = 65'536;
 constexpr std::size_t kLongestName = 64;
 
 /// Falcon class: chai3d's 8 N and 40 mm radius; mass, damping and continuous force are assumptions.

@@ -11,6 +11,14 @@
 
 namespace hapticast::client {
 
+inline DeviceProfile omni(double stiffness_N_mm, int delay_ticks, double friction_N = 0.0) {
+  DeviceProfile profile;
+  profile.stiffness_N_mm = stiffness_N_mm;
+  profile.delay_ticks = delay_ticks;
+  profile.friction_N = friction_N;
+  return profile;
+}
+
 class ManualClock final : public Clock {
  public:
   [[nodiscard]] LocalTime now() const noexcept override { return now_; }
