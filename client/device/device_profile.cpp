@@ -16,6 +16,14 @@ namespace {
 constexpr std::size_t kLargestFile = 65'536;
 constexpr std::size_t kLongestName = 64;
 
+/// Omni class. Its backdrive friction is said to be 0.26 N; the least that is sure is taken, since
+/// friction flatters stability.
+DeviceProfile omni() {
+  DeviceProfile profile;
+  profile.friction_N = 0.05;
+  return profile;
+}
+
 /// Falcon class: chai3d's 8 N and 40 mm radius; mass, damping and continuous force are assumptions.
 DeviceProfile falcon() {
   DeviceProfile profile;
@@ -149,7 +157,7 @@ std::string readSmallFile(const std::string& file) {
 }
 
 DeviceProfile parse(const std::string& file, const std::string& text) {
-  DeviceProfile profile;
+  DeviceProfile profile = omni();
   std::set<std::string> seen;
   std::istringstream lines(text);
   std::string line;
@@ -174,7 +182,7 @@ DeviceProfile parse(const std::string& file, const std::string& text) {
 }  // namespace
 
 DeviceProfile loadDeviceProfile(const std::string& name_or_file) {
-  if (name_or_file == "omni") return {};
+  if (name_or_file == "omni") return omni();
   if (name_or_file == "falcon") return falcon();
   return parse(name_or_file, readSmallFile(name_or_file));
 }

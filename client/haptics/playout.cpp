@@ -26,14 +26,14 @@ void approach(Duration& value, Duration target, Duration& budget) noexcept {
 
 MediaTime Playout::advance(LocalTime now, const Controls& controls, bool in_contact) noexcept {
   const Duration local = bounded(now.time_since_epoch(), kLargestOffset);
-  const bool restart = !running_ || controls.first_epoch != first_epoch_;
+  const bool restart = controls.connected && (!running_ || controls.first_epoch != first_epoch_);
+  if (!restart && !running_) return last_play_;
   const Duration elapsed =
       restart ? Duration{0} : std::max(local - last_.time_since_epoch(), Duration{0});
   last_ = LocalTime(restart ? local : std::max(local, last_.time_since_epoch()));
-  running_ = true;
-  first_epoch_ = controls.first_epoch;
-
-  if (controls.connected || restart) {
+  if (controls.connected) {
+    running_ = true;
+    first_epoch_ = controls.first_epoch;
     const Duration offset = bounded(controls.clock_offset, kLargestOffset / 2) -
                             bounded(controls.pipeline_latency, kLongestDelay);
     const Duration delay = std::clamp(controls.playout_delay_target, Duration{0}, kLongestDelay);

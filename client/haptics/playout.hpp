@@ -16,13 +16,13 @@ namespace hapticast::client {
 class Playout {
  public:
   /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch)
-  /// starts over. While paused it stands still; without a connection it runs on with what it last
-  /// knew. Any `now`.
+  /// starts over once its clock is known. While paused it stands still; without a connection it runs
+  /// on with what it last knew (0 before the first). Any `now`.
   MediaTime advance(LocalTime now, const Controls& controls, bool in_contact) noexcept;
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:
-  bool running_ = false;
+  bool running_ = false;  // was connected once
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};

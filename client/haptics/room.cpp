@@ -71,8 +71,9 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   SafetyInput input = safetyInput(hip, contact, scene, controls);
   input.world_jumped = world_changed || scene.jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
-  input.dynamic_N = dynamic_.evaluate(contact.object, contact.displacement_mm.norm(),
-                                      hip.acceleration_m_s2, play_time, controls, mapping_.scale);
+  const Vec3 contact_mm = report_.hip_mm + contact.displacement_mm;
+  input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
+                                      play_time, controls, mapping_.scale, &contact_mm);
   const SafetyOutput out = safety_.step(input);
 
   ++report_.tick;

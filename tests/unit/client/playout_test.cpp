@@ -117,6 +117,21 @@ TEST(Playout, PaceStaysWithinTwoPercentUnderRandomTargetsInContact) {
   }
 }
 
+TEST(Playout, StartsOverWhenTheClockBecomesKnown) {
+  // A connection is announced (new epoch, offset still 0) before its clock is known.
+  Playout playout;
+  Controls controls = connected();
+  const Duration offset = controls.clock_offset;
+  controls.connected = false;
+  controls.clock_offset = Duration{0};
+  playout.advance(localMs(1000), controls, false);
+  controls = connected();
+  controls.clock_offset = offset - std::chrono::hours(1);  // far behind the local clock
+  Playout fresh;
+  EXPECT_EQ(playout.advance(localMs(1001), controls, false),
+            fresh.advance(localMs(1001), controls, false));
+}
+
 TEST(Playout, IsMonotoneWhateverIsAskedWithinAConnection) {
   std::mt19937_64 random(2);
   const auto any = [&] {
@@ -130,6 +145,7 @@ TEST(Playout, IsMonotoneWhateverIsAskedWithinAConnection) {
     Playout playout;
     Controls controls;
     controls.first_epoch = 1;
+    controls.connected = true;
     MediaTime last = playout.advance(LocalTime(any()), controls, false);
     for (int tick = 0; tick < 200; ++tick) {
       controls.connected = random() % 4 != 0;
