@@ -18,18 +18,17 @@ class JitterEstimator {
 
   void reset() { samples_.clear(); }
 
-  /// A frame arrived `lateness` after it was complete at the server (may be negative by the clock's
-  /// error).
-  void add(LocalTime arrival, Duration lateness);
+  /// A frame arrived that was first needed at playout delays up to `needed`: its lateness plus the
+  /// media time by which the interpolation looks ahead to it (so skipped frames count).
+  void add(LocalTime arrival, Duration needed);
 
-  /// Quantile of the window + margin + `intervals` frame intervals (what the interpolation looks
-  /// ahead), within [intervals * frame_interval, kMaxDelay].
-  [[nodiscard]] Duration delay(Duration frame_interval, int intervals) const;
+  /// Quantile of the window + margin, within [least, kMaxDelay]; least + margin before any frame.
+  [[nodiscard]] Duration delay(Duration least) const;
 
  private:
   struct Sample {
     LocalTime arrival;
-    Duration lateness;
+    Duration needed;
   };
   std::deque<Sample> samples_;  // oldest first; at most kWindow long
 };

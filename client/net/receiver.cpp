@@ -6,6 +6,11 @@
 
 namespace hapticast::client {
 
+namespace {
+// A pause of the stream is no jitter.
+constexpr Duration kLargestGap = std::chrono::seconds(1);
+}  // namespace
+
 Receiver::Receiver(FramePool& pool, LatestValue<Controls>& controls, ReceiverSettings settings)
     : pool_(pool), controls_(controls), settings_(settings) {}
 
@@ -60,7 +65,7 @@ void Receiver::pong(const Pong& pong, LocalTime arrival) {
 void Receiver::publish(LocalTime now) {
   latest_.connected = described_ && clock_.ready();
   if (latest_.connected) latest_.clock_offset = clock_.offset(now);
-  latest_.playout_delay_target = jitter_.delay(latest_.frame_interval, settings_.lookahead_frames);
+  latest_.playout_delay_target = jitter_.delay(latest_.frame_interval * settings_.lookahead_frames);
   controls_.store(latest_);
 }
 
@@ -81,6 +86,7 @@ void Receiver::frame(HapticFrame frame, LocalTime arrival) {
   }
   observe(frame, arrival);
   last_id_ = frame.id;
+  last_media_time_ = frame.media_time;
   publish(arrival);
 
   FramePool::Index index = 0;
@@ -104,13 +110,15 @@ void Receiver::observe(const HapticFrame& frame, LocalTime arrival) {
   if (!clock_.ready()) return;
   const MediaTime media_now(arrival.time_since_epoch() + clock_.offset(arrival));
   const Duration lateness = media_now - frame.media_time - latest_.pipeline_latency;
-  const Duration lookahead = latest_.frame_interval * settings_.lookahead_frames;
-  if (lateness + lookahead > latest_.playout_delay_target) ++counts_.late;
-  // Across a gap the interpolation needs this frame as early as the first lost one.
-  const auto gap =
-      latest_.frame_interval * static_cast<std::int64_t>(std::min<std::uint64_t>(lost, 1000));
-  if (lateness + lookahead + gap <= latest_.playout_delay_target) counts_.concealed += lost;
-  jitter_.add(arrival, lateness);
+  // When play time reaches the frame before, interpolation begins to need this one.
+  const Duration gap = std::clamp(frame.media_time - last_media_time_, Duration{0}, kLargestGap);
+  const Duration needed = lateness + gap * settings_.lookahead_frames;
+  if (needed > latest_.playout_delay_target) {
+    ++counts_.late;
+  } else {
+    counts_.concealed += lost;
+  }
+  jitter_.add(arrival, needed);
 }
 
 void Receiver::fill(FramePool::Slot& slot, const HapticFrame& frame) {

@@ -74,6 +74,7 @@ class Receiver {
   std::uint32_t epoch_ = 0;                    // client-side, never repeats
   std::optional<std::uint32_t> server_epoch_;  // of the last frame of this connection
   std::optional<std::uint64_t> last_id_;       // of this connection
+  MediaTime last_media_time_;                  // of the frame last_id_
 };
 
 }  // namespace hapticast::client

@@ -11,32 +11,31 @@ constexpr Duration kFrame = milliseconds(40);
 
 TEST(JitterEstimator, StartsWithTheLookaheadAndAMargin) {
   const JitterEstimator jitter;
-  EXPECT_EQ(jitter.delay(kFrame, 1), milliseconds(45));
-  EXPECT_EQ(jitter.delay(kFrame, 2), milliseconds(85));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(45));
 }
 
 TEST(JitterEstimator, CoversNineteenFramesOfTwenty) {
   JitterEstimator jitter;
   for (int i = 1; i <= 100; ++i) jitter.add(localTime(0.04 * i), milliseconds(i));
-  EXPECT_EQ(jitter.delay(kFrame, 1), milliseconds(95 + 5 + 40));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(95 + 5));
 }
 
 TEST(JitterEstimator, ForgetsAfterItsWindow) {
   JitterEstimator jitter;
   for (int i = 0; i < 50; ++i) jitter.add(localTime(0.04 * i), milliseconds(300));
-  EXPECT_EQ(jitter.delay(kFrame, 1), milliseconds(345));
-  for (int i = 0; i < 130; ++i) jitter.add(localTime(2.0 + 0.04 * i), milliseconds(10));
-  EXPECT_EQ(jitter.delay(kFrame, 1), milliseconds(55));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(305));
+  for (int i = 0; i < 130; ++i) jitter.add(localTime(2.0 + 0.04 * i), milliseconds(50));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(55));
 }
 
 TEST(JitterEstimator, StaysWithinItsBounds) {
   JitterEstimator jitter;
   jitter.add(localTime(0), Duration::max());
-  EXPECT_EQ(jitter.delay(kFrame, 1), JitterEstimator::kMaxDelay);
+  EXPECT_EQ(jitter.delay(kFrame), JitterEstimator::kMaxDelay);
   jitter.reset();
   jitter.add(localTime(0), Duration::min());
-  EXPECT_EQ(jitter.delay(kFrame, 1), kFrame) << "never less than the interpolation looks ahead";
-  EXPECT_EQ(jitter.delay(std::chrono::seconds(1), 3), JitterEstimator::kMaxDelay);
+  EXPECT_EQ(jitter.delay(kFrame), kFrame) << "never less than the interpolation looks ahead";
+  EXPECT_EQ(jitter.delay(std::chrono::seconds(3)), JitterEstimator::kMaxDelay);
 }
 
 }  // namespace
