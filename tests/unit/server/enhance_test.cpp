@@ -138,8 +138,8 @@ TEST(Enhance, HeightsStayInTheWorkspace) {
   const cv::Mat mask = discMask(120, 45);
   const cv::Mat depth = painted(120, [](int u, int) { return 300.0 + 8 * u; });
   const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
-  for (const float height :
-       makeRelief(surface, kRange, kWorkspace, Method::kHapticast)->height_mm) {
+  const auto relief = makeRelief(surface, kRange, kWorkspace, Method::kHapticast);
+  for (const float height : relief->height_mm) {
     EXPECT_GE(height, 0.0F);
     EXPECT_LE(height, 30.0F);
   }
@@ -149,8 +149,8 @@ TEST(Enhance, AnObjectWithoutAnyDepthIsFlat) {
   const cv::Mat mask = discMask(120, 45);
   const cv::Mat depth = cv::Mat::zeros(120, 120, CV_32FC1);
   const Surface surface = cleanSurface(depth, mask, kNoise, Method::kHapticast);
-  for (const float height :
-       makeRelief(surface, kRange, kWorkspace, Method::kHapticast)->height_mm) {
+  const auto relief = makeRelief(surface, kRange, kWorkspace, Method::kHapticast);
+  for (const float height : relief->height_mm) {
     EXPECT_EQ(height, 0.0F);
   }
 }
