@@ -48,6 +48,20 @@ cv::Mat moment(const cv::Mat& image, const Kernels& kernels, int i, int j) {
   return out;
 }
 
+// The moment from one that was taken along x only.
+cv::Mat alongY(const cv::Mat& along_x, const Kernels& kernels, int j) {
+  cv::Mat out;
+  cv::filter2D(along_x, out, CV_32F, kernels.x[static_cast<std::size_t>(j)], {-1, -1}, 0,
+               cv::BORDER_CONSTANT);
+  return out;
+}
+cv::Mat alongX(const cv::Mat& image, const Kernels& kernels, int i) {
+  cv::Mat out;
+  cv::sepFilter2D(image, out, CV_32F, kernels.x[static_cast<std::size_t>(i)],
+                  cv::Mat::ones(1, 1, CV_32F), {-1, -1}, 0, cv::BORDER_CONSTANT);
+  return out;
+}
+
 // K = g(x) g(y) (a + b (x² + y²)) with sum K = 1 and sum K x² = sum K y² = 0.
 cv::Mat interiorFit(const cv::Mat& values, const Kernels& kernels) {
   const double m2 = cv::sum(kernels.x[2])[0];
@@ -62,14 +76,17 @@ void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
             const Kernels& kernels, cv::Mat& out) {
   std::array<std::array<cv::Mat, kOrders>, kOrders> of_mask;
   for (int i = 0; i < kOrders; ++i) {
+    const cv::Mat along_x = alongX(weight, kernels, i);
     for (int j = 0; i + j < kOrders; ++j) {
       of_mask[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
-          moment(weight, kernels, i, j);
+          alongY(along_x, kernels, j);
     }
   }
+  const std::array<cv::Mat, 3> along_x{alongX(values, kernels, 0), alongX(values, kernels, 1),
+                                       alongX(values, kernels, 2)};
   std::array<cv::Mat, 6> of_values;
   for (std::size_t k = 0; k < 6; ++k)
-    of_values[k] = moment(values, kernels, kBasis[k][0], kBasis[k][1]);
+    of_values[k] = alongY(along_x[static_cast<std::size_t>(kBasis[k][0])], kernels, kBasis[k][1]);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
       if (rim.at<unsigned char>(v, u) == 0) continue;
@@ -88,7 +105,7 @@ void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
         normal(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(r)) +=
             kRidge[r] * normal(0, 0);
       }
-      const double value = normal.ldlt().solve(right)[0];
+      const double value = normal.llt().solve(right)[0];
       out.at<float>(v, u) = std::isfinite(value) ? static_cast<float>(value) : 0.0F;
     }
   }

@@ -12,6 +12,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLookahead_s = 0.085;
+constexpr double kCurvature = 0.02;
 constexpr double kMisfit_mm = 0.12;  // a window that fits no better than this has a bounce in it
 
 struct Polynomial {
@@ -63,6 +64,13 @@ struct WindowFit {
     }
     return freedom > 0 ? std::sqrt(sum / freedom) : std::numeric_limits<double>::infinity();
   }
+  // Change of the step between samples.
+  [[nodiscard]] double curvature_mm() const {
+    double square = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      square += axes[i].c.size() > 2 ? 4 * axes[i].c[2] * axes[i].c[2] : 0.0;
+    return std::sqrt(square);
+  }
 };
 
 // What a window of this many samples bears.
@@ -103,14 +111,16 @@ Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookah
   const bool centred = at - first == reach && last - at == reach;
   WindowFit best = fitWindow(samples, first, last, at, h_s, orderFor(count, centred));
   if (count >= 6 && best.misfit_mm() > kMisfit_mm) {
-    double least = best.misfit_mm();
+    double least = std::numeric_limits<double>::infinity();
     for (std::size_t from = first; from <= at; ++from) {
       for (std::size_t to = std::max(at, from + 3); to <= last; ++to) {
         const WindowFit part = fitWindow(samples, from, to, at, h_s, 2);
-        // Longer windows win unless a shorter one fits far better.
-        const double misfit = part.misfit_mm() * (1 + 0.5 * double(count - (to - from + 1)));
-        if (misfit < 0.5 * least) {
-          least = 2 * misfit;
+        // Longer windows win unless a shorter one fits far better; and four samples across a bounce
+        // may fit a parabola by chance, but a much more curved one than those beside it.
+        const double misfit = part.misfit_mm() * (1 + 0.5 * double(count - (to - from + 1))) +
+                              kCurvature * part.curvature_mm();
+        if (misfit < least) {
+          least = misfit;
           best = part;
         }
       }

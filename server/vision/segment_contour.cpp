@@ -75,7 +75,7 @@ cv::Mat depthTerm(const cv::Mat& depth, const cv::Mat& band, const cv::Mat& on_p
         // holes are rare in it.
         const double off =
             std::abs(z - double(object.depth.at<float>(v, u))) / (12 + 3 * noise.at(z));
-        evidence = off < 2.0 ? -0.5 * hole : -1.0;
+        evidence = off < 2.0 ? -hole : -1.0;
       }
       out.at<float>(v, u) = static_cast<float>(evidence);
     }

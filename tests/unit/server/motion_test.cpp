@@ -16,7 +16,7 @@ cv::Mat texture(double shift_u, double shift_v) {
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
       out.at<uchar>(v, u) = cv::saturate_cast<uchar>(
-          30 + 200 * test::paint(1.6 * (u - shift_u), 1.6 * (v - shift_v)));
+          30 + 200 * test::paint(0.8 * (u - shift_u), 0.8 * (v - shift_v)));
     }
   }
   return out;

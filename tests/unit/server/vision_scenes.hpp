@@ -59,7 +59,7 @@ struct BallScene {
         const double dv = j + 0.5 - v;
         const double ball = ballDepth(du, dv);
         const bool inside = ball > 0;
-        const double light = inside ? paint(du * 1.7 + 40, dv * 1.7) : paint(i, j + 300);
+        const double light = inside ? paint(du * 0.8 + 40, dv * 0.8) : paint(i, j + 300);
         const double level = 40 + 200 * light;
         out.color.at<cv::Vec3b>(j, i) =
             inside
