@@ -28,6 +28,8 @@ class App {
   void run();
   /// Ends run() soon. Thread: any, also a signal handler.
   void stop() noexcept { stop_ = true; }
+  /// Whether frames have begun to go out: what fails later is no wrong input.
+  [[nodiscard]] bool streaming() const { return last_published_ != MediaTime{}; }
   [[nodiscard]] std::uint16_t port() const { return listener_.port(); }
 
  private:

@@ -16,11 +16,11 @@ int serve(const hapticast::server::Settings& settings) {
   std::unique_ptr<hapticast::server::App> app;
   try {
     app = std::make_unique<hapticast::server::App>(settings, clock);
+    app->run();
   } catch (const hapticast::server::SourceError& error) {
-    spdlog::error("--source {}: {}", settings.source, error.what());
-    return kWrongInput;
+    spdlog::error("{}", error.what());
+    return app && app->streaming() ? kFailed : kWrongInput;
   }
-  app->run();
   return kDone;
 }
 
