@@ -77,7 +77,8 @@ void App::scan() {
 void App::play() {
   const SourceInfo& info = source_->info();
   spdlog::info("listening on {}; streaming {} ({} x {}, {:g} frames/s). Ctrl-C ends it.",
-               listenAddress({settings_.listen.host, port()}), info.name, info.width_px, info.height_px, info.fps);
+               listenAddress({settings_.listen.host, port()}), info.name, info.width_px,
+               info.height_px, info.fps);
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {

@@ -16,8 +16,8 @@ namespace hapticast::client {
 class Playout {
  public:
   /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch)
-  /// starts over once its clock is known. While paused it stands still; without a connection it runs
-  /// on with what it last knew (0 before the first). Any `now`.
+  /// starts over once its clock is known. While paused it stands still; without a connection it
+  /// runs on with what it last knew (0 before the first). Any `now`.
   MediaTime advance(LocalTime now, const Controls& controls, bool in_contact) noexcept;
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 

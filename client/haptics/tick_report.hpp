@@ -27,7 +27,7 @@ struct Controls {
   Method stream_method = Method::kHapticast;
   double largest_acceleration_mm_s2 = 0.0;  ///< 0: unknown
   double author_mass_kg = 0.0;              ///< 0: none given
-  std::uint32_t rearm = 0;                  ///< a new value lets the force return after a lost device
+  std::uint32_t rearm = 0;  ///< a new value lets the force return after a lost device
 };
 
 /// How the surface of this tick was found.

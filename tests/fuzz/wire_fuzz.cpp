@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// decode(): no bytes crash it, and what it accepts can be sent on: encoded again, it is accepted again.
+// decode(): no bytes crash it, and what it accepts can be sent on: encoded again, it is accepted
+// again.
 #include <cstdint>
 #include <cstdlib>
 #include <span>

@@ -28,7 +28,8 @@ Relief makeRelief(const PixelRect& rect, const Workspace& workspace, const Heigh
       const Vec2 centre(u + 0.5, v + 0.5);
       const bool covered = mask(centre);
       relief.mask.push_back(covered ? 1 : 0);
-      relief.height_mm.push_back(covered ? static_cast<float>(height(workspace.toNominal(centre))) : 99.0F);
+      relief.height_mm.push_back(covered ? static_cast<float>(height(workspace.toNominal(centre)))
+                                         : 99.0F);
     }
   }
   return relief;
@@ -228,7 +229,7 @@ TEST(HeightField, EdgeDistanceOfAHalfPlaneAndADisc) {
     EXPECT_NEAR(half.edgeDistance_mm({320.0 - d, 240.0}), 0.25 * d, 0.02) << d;
   }
   EXPECT_NEAR(half.edgeDistance_mm({285.0, 240.0}), 1.25, 0.02);  // 5 px inside the left rim
-  EXPECT_NEAR(half.edgeDistance_mm({302.0, 240.0}), 3.0, 0.1);   // clamped to 12 px
+  EXPECT_NEAR(half.edgeDistance_mm({302.0, 240.0}), 3.0, 0.1);    // clamped to 12 px
   EXPECT_NEAR(half.edgeDistance_mm({9000.0, -9000.0}), -3.0, 0.1);
 
   const auto disc = [](const Vec2& px) { return (px - Vec2(320, 240)).norm() < 40.0; };
