@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// What each step on the way of a frame costs, 640 x 480, one thread. Run: build/release/tests/bench
+// (see its --help); quote ratios from one run, medians over --benchmark_repetitions.
+#include <benchmark/benchmark.h>
+
+#include "common/wire.hpp"
+#include "server/source/synthetic_source.hpp"
+#include "server/stream/encoded.hpp"
+#include "server/vision/picture.hpp"
+#include "server/vision/vision.hpp"
+#include "unit/client/stage.hpp"
+
+namespace hapticast {
+namespace {
+
+/// A whole clip of a synthetic scene, rendered before it is timed.
+std::vector<server::RgbdFrame> clip(server::SceneKind kind, bool with_mask) {
+  server::SyntheticSource source(kind, 25.0);
+  std::vector<server::RgbdFrame> frames;
+  while (auto frame = source.read()) {
+    if (!with_mask) frame->mask.release();
+    frames.push_back(std::move(*frame));
+  }
+  return frames;
+}
+
+/// A frame as vision makes it, with its relief.
+server::VisionResult visionResult() {
+  server::SyntheticSource source(server::SceneKind::kTumble, 25.0);
+  server::Vision vision(source.info(), {});
+  for (int i = 0;; ++i) {
+    auto result = vision.push(*source.read(), mediaTime(0.04 * i));
+    if (result && i >= 20) return std::move(*result);
+  }
+}
+
+void visionPush(benchmark::State& state, server::SceneKind kind, bool with_mask) {
+  const auto frames = clip(kind, with_mask);
+  server::Vision vision(server::SyntheticSource(kind, 25.0).info(), {});
+  std::size_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        vision.push(frames[i % frames.size()], mediaTime(0.04 * static_cast<double>(i))));
+    ++i;
+  }
+}
+BENCHMARK_CAPTURE(visionPush, tumble_source_mask, server::SceneKind::kTumble, true)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(visionPush, tumble_band, server::SceneKind::kTumble, false)
+    ->Unit(benchmark::kMillisecond);
+
+void encodeFrame(benchmark::State& state) {
+  const server::VisionResult result = visionResult();
+  for (auto _ : state) benchmark::DoNotOptimize(encode(result.frame));
+  state.counters["bytes"] = static_cast<double>(encode(result.frame).size());
+}
+BENCHMARK(encodeFrame)->Unit(benchmark::kMicrosecond);
+
+void encodeVideo(benchmark::State& state) {
+  const server::VisionResult result = visionResult();
+  for (auto _ : state) benchmark::DoNotOptimize(server::encodePicture(result.color, 80));
+}
+BENCHMARK(encodeVideo)->Unit(benchmark::kMicrosecond);
+
+void decodeFrame(benchmark::State& state) {
+  const auto bytes = encode(visionResult().frame);
+  for (auto _ : state) benchmark::DoNotOptimize(decode(bytes));
+}
+BENCHMARK(decodeFrame)->Unit(benchmark::kMicrosecond);
+
+void prepareHeights(benchmark::State& state) {
+  const server::VisionResult result = visionResult();
+  const Relief& relief = *result.frame.objects.at(0).relief;
+  for (auto _ : state) benchmark::DoNotOptimize(HeightField::prepare(relief, Workspace{}));
+  state.counters["px"] = static_cast<double>(relief.mask.size());
+}
+BENCHMARK(prepareHeights)->Unit(benchmark::kMicrosecond);
+
+/// A millisecond of pressing on a moving dome: the tick and, in the same figure, the virtual
+/// device.
+void tick(benchmark::State& state, client::SurfaceKind surface, Method method) {
+  client::RoomSettings settings;
+  settings.surface = surface;
+  settings.method = method;
+  client::HandScript hand(client::HandKind::kPress, {});
+  client::Stage stage(settings, &hand, 3.0);
+  stage.run(2000);
+  for (auto _ : state) benchmark::DoNotOptimize(stage.step());
+}
+BENCHMARK_CAPTURE(tick, normal, client::SurfaceKind::kNormal, Method::kHapticast);
+BENCHMARK_CAPTURE(tick, perturbed, client::SurfaceKind::kPerturbed, Method::kHapticast);
+BENCHMARK_CAPTURE(tick, thesis, client::SurfaceKind::kPerturbed, Method::kThesis);
+
+}  // namespace
+}  // namespace hapticast
