@@ -42,7 +42,8 @@ Explained explainedByHand(const StepState& now, const StepState& last, double le
   const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
   const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
   const double damping_Ns_mm = wallDamping_Ns_m(wall.local_stiffness_N_mm, lead_s) * 1e-3;
-  return {damping_Ns_mm * damped_mm_s * wall.normal, wall.local_stiffness_N_mm * moved_mm.norm()};
+  return {damping_Ns_mm * damped_mm_s * wall.normal,
+          wall.local_stiffness_N_mm * (entering ? now.depth_mm : moved_mm.norm())};
 }
 
 /// The point nearest to `point` on the way from the origin to `end`.

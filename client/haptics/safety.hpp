@@ -86,8 +86,8 @@ struct StepState {
 /// Measures the finished force: how far its step exceeds what the hand's own motion explains and S
 /// more. The hand explains, in the wall it touched before the tick: K|dx| in any direction, B dv
 /// along the normal (or a part of it), and where the tip itself enters (the depth is at most its
-/// way inwards) B v; velocities no larger than the damper's limit. Knows nothing of how the force
-/// was made. Must read 0 always; infinite when the force is not finite.
+/// way inwards) K depth and B v; velocities no larger than the damper's limit. Knows nothing of how
+/// the force was made. Must read 0 always; infinite when the force is not finite.
 class StepMeter {
  public:
   explicit StepMeter(const DeviceProfile& profile) noexcept;

@@ -107,7 +107,7 @@ class Rig {
       const double damper_N =
           b_mm * std::clamp(from_mm_s - hip.velocity_mm_s.z(), -most_mm_s, most_mm_s);
       explained_N.z() = std::clamp(rest_N.z(), std::min(damper_N, 0.0), std::max(damper_N, 0.0));
-      spring_N = k * moved_mm.norm();
+      spring_N = k * (was_contact_ ? moved_mm.norm() : out.penetration_mm);
     }
     rest_N -= explained_N;
     const bool rises = out.force_N.norm() > (before_N + explained_N).norm();
