@@ -14,8 +14,10 @@ namespace hapticast::client {
 namespace {
 
 constexpr double kFullWeight_mm = 0.2;  // penetration at which the dynamic force acts in full
-constexpr double kDeviceShare = 0.5;    // of the peak force, for m_object a_object
 constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
+// What no author has weighed is taken for a thing that fits into a hand. A heavier one would make
+// the errors of a slow clip, whose largest acceleration is hardly more than noise, fill the force.
+constexpr double kUnknownMass_kg = 0.5;
 constexpr double kPulse_s = 0.015;
 
 /// Device metres per nominal millimetre: beta of Eq. 6.
@@ -109,16 +111,14 @@ double DynamicForce::cursorMass_kg() const noexcept {
 }
 
 double DynamicForce::objectMass_kg(const Controls& controls, double scale) const noexcept {
-  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-  const double lightest_kg = kMassRatio * cursorMass_kg();
   const bool authored = controls.author_mass_kg > 0.0 && std::isfinite(controls.author_mass_kg);
-  const double largest_m_s2 = controls.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
-  const bool known = largest_m_s2 > 0.0 && std::isfinite(largest_m_s2);
-  const double peak_kg = known ? profile_.peak_N / largest_m_s2 : kUnlimited;
   const double wanted_kg =
-      std::min(authored ? controls.author_mass_kg : kUnlimited, kDeviceShare * peak_kg);
-  return std::min(std::isfinite(wanted_kg) ? std::max(wanted_kg, lightest_kg) : lightest_kg,
-                  peak_kg);
+      std::max(authored ? controls.author_mass_kg : kUnknownMass_kg, kMassRatio * cursorMass_kg());
+  const double largest_m_s2 = controls.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
+  if (!(largest_m_s2 > 0.0) || !std::isfinite(largest_m_s2)) return wanted_kg;
+  // The device's share is what it can hold for good: an object may accelerate for as long as a clip
+  // lasts, and noise never rests. The rest, up to the peak, is left to the surface and to impacts.
+  return std::min(wanted_kg, profile_.continuous_N / largest_m_s2);
 }
 
 Vec3 DynamicForce::pulse_N(const PlayObject& before, const PlayObject* after, MediaTime play_time,

@@ -26,8 +26,8 @@ class DynamicForce {
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time, const Controls& controls,
                 double scale, const Vec3* contact_mm = nullptr) noexcept;
 
-  /// m_object = min(author's, half the device's peak / largest a), never below 10 m_cursor unless
-  /// the device's peak forces it. Always finite, >= 0.
+  /// m_object = min(author's (0.5 kg when none is given), the device's continuous force / largest
+  /// a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
   [[nodiscard]] double objectMass_kg(const Controls& controls, double scale) const noexcept;
 
  private:

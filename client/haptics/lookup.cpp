@@ -11,6 +11,10 @@ namespace {
 
 constexpr double kLongestExtrapolation_s = 0.080;
 constexpr double kLongestHold_s = 0.300;
+// Frames farther apart than this and three intervals are not one motion: what lies between is
+// unknown, and a frame from a far future must not keep an old one alive.
+constexpr double kWidestGap_s = 1.0;
+constexpr double kWidestGap_intervals = 3.0;
 // Slots that are always left to the receiver.
 constexpr std::size_t kSpareSlots = 4;
 
@@ -159,11 +163,22 @@ void FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
   }
 }
 
+const PlayFrame* FrameLookup::nextOf(std::size_t before, const Controls& controls) const noexcept {
+  if (before + 1 >= held_count_) return nullptr;
+  const PlayFrame& now = frame(before);
+  const PlayFrame& next = frame(before + 1);
+  const double widest_s =
+      std::max(kWidestGap_s, kWidestGap_intervals * toSeconds(controls.frame_interval));
+  const bool connected =
+      next.epoch == now.epoch && secondsBetween(now.media_time, next.media_time) <= widest_s;
+  return connected ? &next : nullptr;
+}
+
 void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
                             const Controls& controls) noexcept {
   const PlayFrame& now = frame(before);
-  const bool has_next = before + 1 < held_count_ && frame(before + 1).epoch == now.epoch;
-  const PlayFrame* const next = has_next ? &frame(before + 1) : nullptr;
+  const PlayFrame* const next = nextOf(before, controls);
+  const bool has_next = next != nullptr;
   const double time_s = secondsBetween(now.media_time, play_time);
   // Times beyond 2^53 ns are rounded: the interval must not become zero.
   const double interval_s =

@@ -49,7 +49,8 @@ struct Scene {
 /// (kExtrapolated; the acceleration ramps to 0 meanwhile, so that its force does not step),
 /// standing still until 300 ms (kHeld), then kFaded. Nothing is interpolated across an epoch: the
 /// last frame of the old one is carried on by the same rules until the new one's first is due, so
-/// it does not matter when that arrives. An object that is missing in the next frame is carried on
+/// it does not matter when that arrives; nor across a gap of more than 1 s (and three frame
+/// intervals). An object that is missing in the next frame is carried on
 /// likewise until that frame; one that is new in it is not yet there. Velocities that cannot be
 /// meant (|v| dt > 3 |displacement| + 4 mm) are shortened before they bend the Hermite. While
 /// paused the scene stands still: velocities, accelerations and blend rate are 0.
@@ -74,6 +75,9 @@ class FrameLookup {
   }
   /// Index of the newest held frame at or before play time, or kNone.
   [[nodiscard]] std::size_t beforeIndex(MediaTime play_time) const noexcept;
+  /// The frame after `before` that it can be interpolated with, or null.
+  [[nodiscard]] const PlayFrame* nextOf(std::size_t before,
+                                        const Controls& controls) const noexcept;
   void takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;

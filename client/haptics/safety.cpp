@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "client/haptics/hip_motion.hpp"
 
@@ -14,28 +15,49 @@ constexpr double kDamperSpeed_mm_s = 300.0;    // limit of u inside the damper
 constexpr double kSurfaceSpeed_mm_s = 1500.0;  // faster is not plausible
 constexpr double kJump_mm = 3.0;               // change of depth in a tick that nothing explains
 constexpr double kArmDepth_mm = 2.0;
+constexpr double kFarthest_mm = 1000.0;  // a displacement beyond any device is a broken number
 constexpr double kFadeIn = kTick_s / 0.2;
 constexpr double kFadeOut = kTick_s / 0.1;
 constexpr double kStiffest_N_mm = 10.0;
 
 double smoothstep(double x) noexcept { return x * x * (3.0 - 2.0 * x); }
 
-/// The step of the force that the hand's own motion explains, N. A function of both ticks only.
-double explained_N(const StepState& now, const StepState& last, double lead_s) noexcept {
-  if (!now.contact && !last.contact) return 0.0;
-  const double stiffness_N_mm = std::max(now.local_stiffness_N_mm, last.local_stiffness_N_mm);
-  const double damping_Ns_mm = wallDamping_Ns_m(stiffness_N_mm, lead_s) * 1e-3;
-  double step_N = stiffness_N_mm * (now.position_mm - last.position_mm).norm() +
-                  damping_Ns_mm * (now.velocity_mm_s - last.velocity_mm_s).norm();
-  if (now.contact != last.contact) step_N += damping_Ns_mm * now.velocity_mm_s.norm();
-  return step_N;
+/// What the hand's own motion explains of a step of the force.
+struct Explained {
+  Vec3 damper_N = Vec3::Zero();  ///< this vector or a part of it: the damper acts along the normal
+  double spring_N = 0.0;         ///< this much in any direction: a relief is curved
+};
+
+/// Knows the tip's motion and the wall it touched *before* this tick: what the stream does to
+/// stiffness, surface or contact in this tick explains nothing.
+Explained explainedByHand(const StepState& now, const StepState& last, double lead_s) noexcept {
+  if (!now.contact && !last.contact) return {};
+  const StepState& wall = last.contact ? last : now;
+  const Vec3 moved_mm = now.position_mm - last.position_mm;
+  const double inwards_mm = -moved_mm.dot(wall.normal);
+  const bool entering = !last.contact;
+  if (entering && now.depth_mm > inwards_mm) return {};  // the surface came, not the hand
+  const Vec3 change_mm_s = entering ? now.velocity_mm_s : now.velocity_mm_s - last.velocity_mm_s;
+  // The damper's own limit: full speed when it begins, from one end to the other later.
+  const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
+  const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
+  const double damping_Ns_mm = wallDamping_Ns_m(wall.local_stiffness_N_mm, lead_s) * 1e-3;
+  return {damping_Ns_mm * damped_mm_s * wall.normal,
+          wall.local_stiffness_N_mm * (entering ? now.depth_mm : moved_mm.norm())};
 }
 
-bool allFinite(const SafetyInput& in) noexcept {
+/// The point nearest to `point` on the way from the origin to `end`.
+Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
+  const double square = end.squaredNorm();
+  return square > 0.0 ? Vec3(std::clamp(point.dot(end) / square, 0.0, 1.0) * end)
+                      : Vec3(Vec3::Zero());
+}
+
+bool believable(const SafetyInput& in) noexcept {
   return in.position_mm.allFinite() && in.velocity_mm_s.allFinite() &&
          in.displacement_mm.allFinite() && in.normal.allFinite() &&
          in.surface_velocity_mm_s.allFinite() && std::isfinite(in.stiffness_factor) &&
-         std::isfinite(in.stiffness_N_mm);
+         std::isfinite(in.stiffness_N_mm) && in.displacement_mm.norm() <= kFarthest_mm;
 }
 }  // namespace
 
@@ -60,12 +82,17 @@ StepMeter::StepMeter(const DeviceProfile& profile) noexcept
       lead_s_(wallLead_s(profile.delay_ticks)) {}
 
 double StepMeter::excess_N(const StepState& now, bool measurement_jumped) noexcept {
-  const double step_N = (now.force_N - last_.force_N).norm();
-  double allowed_N = now.force_N.norm() > last_.force_N.norm() ? rise_N_ : fall_N_;
-  if (!measurement_jumped) allowed_N += explained_N(now, last_, lead_s_);
+  const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_, lead_s_);
+  const Vec3 step_N = now.force_N - last_.force_N;
+  const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
+  const bool rises = now.force_N.norm() > (last_.force_N + explained_N).norm();
+  const double allowed_N = (rises ? rise_N_ : fall_N_) + hand.spring_N;
+  const double rest_N = (step_N - explained_N).norm();
   last_ = now;
   constexpr double kRounding_N = 1e-9;
-  return step_N > allowed_N + kRounding_N ? step_N - allowed_N : 0.0;
+  if (rest_N <= allowed_N + kRounding_N) return 0.0;
+  // A number that is none must not read as "no step".
+  return std::isfinite(rest_N) ? rest_N - allowed_N : std::numeric_limits<double>::infinity();
 }
 
 SafetyChain::SafetyChain(const DeviceProfile& profile) noexcept
@@ -78,9 +105,10 @@ SafetyChain::SafetyChain(const DeviceProfile& profile) noexcept
       meter_(profile) {}
 
 // The numbers of the steps are those of the stability notes. The fade (9) acts on the force before
-// the slew limit (8), so that what is limited and metered is the very force that is sent. Energy
-// meters and tank (5) and the continuous-force budget (6) belong between the sum of the forces and
-// the clamp.
+// the slew limit (8): a fade that begins or ends, a residue that joins and a gain that multiplies
+// all of it can step as well, and only a limit behind all of them holds for the force that is sent.
+// Energy meters and tank (5) and the continuous-force budget (6) belong between the sum of the
+// forces and the clamp.
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   SafetyOutput out;
   const Geometry geometry = plausible(in, out);  // 1
@@ -104,7 +132,11 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
     now.position_mm = last_.position_mm;
     now.velocity_mm_s = last_.velocity_mm_s;
   }
-  if (now.contact) now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
+  if (now.contact) {
+    now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
+    now.normal = geometry.normal;
+    now.depth_mm = geometry.displacement_mm.dot(geometry.normal) / geometry.stiffness_factor;
+  }
   now.force_N = slewed(target_N, now, in.measurement_jumped, out);  // 8
   out.step_excess_N = meter_.excess_N(now, in.measurement_jumped);
   out.force_N = now.force_N;
@@ -122,7 +154,7 @@ void SafetyChain::rearm() noexcept {
 }
 
 SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in, SafetyOutput& out) noexcept {
-  if (!allFinite(in)) {
+  if (!believable(in)) {
     out.not_finite = true;
     out.interferences |= bit(Interference::kNotFinite);
     return heldGeometry(in.position_mm);
@@ -166,7 +198,7 @@ SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& position_mm) const n
 
 bool SafetyChain::jumped(const SafetyInput& in, const Geometry& geometry) const noexcept {
   if (in.world_jumped || in.measurement_jumped) return true;
-  if (!geometry.contact) return false;
+  // Without contact the displacement is zero: a surface that vanishes jumps like one that appears.
   const double change_mm =
       std::abs(geometry.displacement_mm.norm() - geometry_.displacement_mm.norm());
   const double moved_mm = (in.position_mm - last_.position_mm).norm();
@@ -244,13 +276,19 @@ Vec3 SafetyChain::clamped(const Vec3& force_N, SafetyOutput& out) const noexcept
 /// the hand.
 Vec3 SafetyChain::slewed(const Vec3& target_N, const StepState& now, bool measurement_jumped,
                          SafetyOutput& out) const noexcept {
+  const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_, lead_s_);
   const Vec3 step_N = target_N - last_.force_N;
-  const double size_N = step_N.norm();
-  double allowed_N = target_N.norm() > last_.force_N.norm() ? rise_N_ : fall_N_;
-  if (!measurement_jumped) allowed_N += explained_N(now, last_, lead_s_);
+  const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
+  const Vec3 rest_N = step_N - explained_N;
+  const bool rises = target_N.norm() > (last_.force_N + explained_N).norm();
+  const double allowed_N = (rises ? rise_N_ : fall_N_) + hand.spring_N;
+  const double size_N = rest_N.norm();
   if (size_N <= allowed_N) return target_N;
   out.interferences |= bit(Interference::kSlew);
-  return last_.force_N + step_N * (allowed_N / size_N);
+  const Vec3 force_N = last_.force_N + explained_N + rest_N * (allowed_N / size_N);
+  if (force_N.norm() <= peak_N_) return force_N;
+  // The way round would leave what the device can stand; the straight way does not.
+  return last_.force_N + step_N * std::min(1.0, std::min(rise_N_, fall_N_) / step_N.norm());
 }
 
 }  // namespace hapticast::client

@@ -76,12 +76,18 @@ struct StepState {
   Vec3 force_N = Vec3::Zero();
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
+  // Without contact: zero.
   bool contact = false;
-  double local_stiffness_N_mm = 0.0;  ///< along the normal; 0 without contact
+  double local_stiffness_N_mm = 0.0;  ///< along the normal
+  Vec3 normal = Vec3::Zero();
+  double depth_mm = 0.0;  ///< along the normal
 };
 
-/// Measures the finished force: how far its step exceeds S + K|dx| + B|dv| + (entering or leaving ?
-/// B|v| : 0). Knows nothing of how the force was made. Must read 0 always.
+/// Measures the finished force: how far its step exceeds what the hand's own motion explains and S
+/// more. The hand explains, in the wall it touched before the tick: K|dx| in any direction, B dv
+/// along the normal (or a part of it), and where the tip itself enters (the depth is at most its
+/// way inwards) K depth and B v; velocities no larger than the damper's limit. Knows nothing of how
+/// the force was made. Must read 0 always; infinite when the force is not finite.
 class StepMeter {
  public:
   explicit StepMeter(const DeviceProfile& profile) noexcept;

@@ -9,14 +9,25 @@ namespace hapticast::client {
 
 namespace {
 
-/// The deepest contact in one frame as it was captured.
-Contact touchFrame(const PlayFrame* frame, const Vec3& hip_mm, const Workspace& workspace,
-                   const PlayObject*& touched) noexcept {
+const PlayObject* sameObject(const PlayFrame* frame, const PlayObject& object) noexcept {
+  if (frame == nullptr) return nullptr;
+  for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
+    const PlayObject& other = frame->objects[i];
+    if (other.id == object.id && other.layer == object.layer) return &other;
+  }
+  return nullptr;
+}
+
+/// The deepest contact in one frame as it was captured, of the objects that are there `now`: one
+/// that appears later would else grow out of nothing under the tip.
+Contact touchFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip_mm,
+                   const Workspace& workspace, const PlayObject*& touched) noexcept {
   Contact deepest;
   touched = nullptr;
   if (frame == nullptr) return deepest;
   for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
     const PlayObject& object = frame->objects[i];
+    if (sameObject(&now, object) == nullptr) continue;
     ObjectNow still;
     still.before = &object;
     still.position_mm = object.motion.position_mm;
@@ -35,15 +46,6 @@ Vec3 catmullRom(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3, 
   return p1 + 0.5 * s *
                   (p2 - p0 +
                    s * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + s * (3.0 * (p1 - p2) + p3 - p0)));
-}
-
-const PlayObject* sameObject(const PlayFrame* frame, const PlayObject& object) noexcept {
-  if (frame == nullptr) return nullptr;
-  for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
-    const PlayObject& other = frame->objects[i];
-    if (other.id == object.id && other.layer == object.layer) return &other;
-  }
-  return nullptr;
 }
 
 /// The touched object at play time, for the dynamic force.
@@ -73,7 +75,8 @@ Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_
   const PlayFrame* const from = frames[1];
   if (from == nullptr) return {};
   const bool new_epoch = !entered_ || from->epoch != epoch_;
-  if (new_epoch || from->id != frame_id_) frozen_hip_mm_ = hip_mm;
+  const bool new_interval = new_epoch || from->id != frame_id_;
+  if (new_interval) frozen_hip_mm_ = hip_mm;
   entered_ = true;
   epoch_ = from->epoch;
   frame_id_ = from->id;
@@ -81,7 +84,7 @@ Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_
   std::array<Contact, 4> at;
   std::array<const PlayObject*, 4> touched{};
   for (std::size_t k = 0; k < 4; ++k) {
-    at[k] = touchFrame(frames[k], frozen_hip_mm_, workspace, touched[k]);
+    at[k] = touchFrame(frames[k], *from, frozen_hip_mm_, workspace, touched[k]);
   }
   if (frames[2] == nullptr) at[2] = at[1];
   double s = 0.0;
@@ -106,7 +109,7 @@ Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_
   contact.surface_velocity_mm_s.setZero();
   contact.stiffness_factor = std::max(at[1].stiffness_factor, at[2].stiffness_factor);
   contact.contact = true;
-  contact.jump = new_epoch;
+  contact.jump = new_epoch || (new_interval && sameObject(frames[0], *object) == nullptr);
   object_ = objectNow(*object, *from, frames[2], s);
   contact.object = &object_;
   return contact;

@@ -16,8 +16,9 @@ class ThesisInterpolation {
   /// stood, at the HIP of the moment in which the interval [i, i+1] was entered; between them a
   /// Catmull-Rom cubic. Linear where i-1 or i+2 is missing, held where i+1 is. The surface counts
   /// as standing still. `contact.object` (the object touched in frame i or i+1, its acceleration
-  /// linear in between) holds until the next call. `jump` at the first contact look-up of an epoch.
-  /// The HIP freezes anew when the interval, and so the epoch, changes.
+  /// linear in between) holds until the next call. `jump` at the first look-up of an epoch and of
+  /// an object that was not in frame i-1; one that is not in frame i is not yet there. The HIP
+  /// freezes anew when the interval, and so the epoch, changes.
   Contact evaluate(const FrameLookup& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 

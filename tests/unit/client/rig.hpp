@@ -91,30 +91,47 @@ class Rig {
   void clear() { max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0; }
 
  private:
-  void measure(const HipEstimate& hip, const Vec3& before_N) {
-    const double step_N = (out.force_N - before_N).norm();
-    // The allowance as the notes have it, with the largest stiffness in play.
-    const double k = std::min(stiffness_N_mm, stiffnessLimit_N_mm(told_));
-    const double b_mm = (k * 1e3 * wallLead_s(told_.delay_ticks) + 1.0) * 1e-3;
-    double allowed_N = out.force_N.norm() > before_N.norm() ? told_.slew_rise_N_per_tick
-                                                            : told_.slew_fall_N_per_tick;
-    if (!hip.restarted && (out.contact || was_contact_)) {
-      allowed_N += k * (hip.position_mm - last_position_mm_).norm() +
-                   b_mm * (hip.velocity_mm_s - last_velocity_mm_s_).norm();
-      if (out.contact != was_contact_) allowed_N += b_mm * hip.velocity_mm_s.norm();
+  /// The same bound as the chain's meter, from what goes in and out only: K |dx| in any direction,
+  /// the damper along z, both of the wall before this tick; B v where the tip itself entered.
+  [[nodiscard]] double outerExcess_N(const HipEstimate& hip, const Vec3& before_N) const {
+    Vec3 rest_N = out.force_N - before_N;
+    Vec3 explained_N = Vec3::Zero();
+    double spring_N = 0.0;
+    const Vec3 moved_mm = hip.position_mm - last_position_mm_;
+    const bool entered = !was_contact_ && out.contact && out.penetration_mm <= -moved_mm.z();
+    if (!hip.restarted && (was_contact_ || entered)) {
+      const double k = was_contact_ ? last_stiffness_N_mm_ : rendered_N_mm();
+      const double b_mm = (k * 1e3 * wallLead_s(told_.delay_ticks) + 1.0) * 1e-3;
+      const double from_mm_s = was_contact_ ? last_velocity_mm_s_.z() : 0.0;
+      const double most_mm_s = was_contact_ ? 600.0 : 300.0;
+      const double damper_N =
+          b_mm * std::clamp(from_mm_s - hip.velocity_mm_s.z(), -most_mm_s, most_mm_s);
+      explained_N.z() = std::clamp(rest_N.z(), std::min(damper_N, 0.0), std::max(damper_N, 0.0));
+      spring_N = k * (was_contact_ ? moved_mm.norm() : out.penetration_mm);
     }
-    max_outer_excess_N = std::max(max_outer_excess_N, step_N - allowed_N);
+    rest_N -= explained_N;
+    const bool rises = out.force_N.norm() > (before_N + explained_N).norm();
+    return rest_N.norm() - spring_N -
+           (rises ? told_.slew_rise_N_per_tick : told_.slew_fall_N_per_tick);
+  }
+  [[nodiscard]] double rendered_N_mm() const {
+    return std::min(stiffness_N_mm, stiffnessLimit_N_mm(told_));
+  }
+  void measure(const HipEstimate& hip, const Vec3& before_N) {
+    max_outer_excess_N = std::max(max_outer_excess_N, outerExcess_N(hip, before_N));
     max_excess_N = std::max(max_excess_N, out.step_excess_N);
-    max_step_N = std::max(max_step_N, step_N);
+    max_step_N = std::max(max_step_N, (out.force_N - before_N).norm());
     max_force_N = std::max(max_force_N, out.force_N.norm());
     finite = finite && out.force_N.allFinite();
     was_contact_ = out.contact;
+    last_stiffness_N_mm_ = rendered_N_mm();
     last_position_mm_ = hip.position_mm;
     last_velocity_mm_s_ = hip.velocity_mm_s;
   }
 
   DeviceProfile told_;
   bool was_contact_ = false;
+  double last_stiffness_N_mm_ = 0.0;
   Vec3 last_position_mm_ = Vec3::Zero();
   Vec3 last_velocity_mm_s_ = Vec3::Zero();
 };
