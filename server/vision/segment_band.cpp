@@ -41,8 +41,8 @@ cv::Mat carriedMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
   const cv::Rect from = boxAround(mask, 1);
   if (from.empty()) return out;
   std::vector<cv::Point2d> corners;
-  for (const cv::Point& at : {from.tl(), from.br(), cv::Point(from.x, from.br().y),
-                              cv::Point(from.br().x, from.y)}) {
+  for (const cv::Point& at :
+       {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
     const cv::Vec2d to = similarity * cv::Vec3d(at.x, at.y, 1.0);
     corners.emplace_back(to[0], to[1]);
   }
@@ -51,10 +51,9 @@ cv::Mat carriedMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
   const auto [top, bottom] = std::minmax_element(
       corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
   const cv::Rect whole({0, 0}, mask.size());
-  const cv::Rect to =
-      cv::Rect(cv::Point(cvFloor(left->x) - 1, cvFloor(top->y) - 1),
-               cv::Point(cvCeil(right->x) + 2, cvCeil(bottom->y) + 2)) &
-      whole;
+  const cv::Rect to = cv::Rect(cv::Point(cvFloor(left->x) - 1, cvFloor(top->y) - 1),
+                               cv::Point(cvCeil(right->x) + 2, cvCeil(bottom->y) + 2)) &
+                      whole;
   if (to.empty()) return out;
   const cv::Mat moved = carryImage(mask(from), from, to, similarity, cv::INTER_LINEAR) > 127;
   moved.copyTo(out(to));
@@ -179,8 +178,7 @@ class BandSegmenter final : public Segmenter {
       object.memory.box = region.box;
     }
     const double expected = cv::countNonZero(carried);
-    const ContourResult now = 
-        decideContour(view, carried, region, noise_, planes_, object.memory);
+    const ContourResult now = decideContour(view, carried, region, noise_, planes_, object.memory);
     const double area = cv::countNonZero(now.mask);
     if (area < kSmallestObject_px || expected < kSmallestObject_px) {
       loose(object);
@@ -232,8 +230,8 @@ class BandSegmenter final : public Segmenter {
   }
 
   static cv::Mat likeliest(const Tracked& object, const View& view) {
-    const std::vector<float> evidence = colorEvidence(object.memory.first, object.memory.first,
-                                                      ColorHistogram::of(view.color));
+    const std::vector<float> evidence =
+        colorEvidence(object.memory.first, object.memory.first, ColorHistogram::of(view.color));
     cv::Mat likely(view.color.size(), CV_32FC1);
     for (int v = 0; v < likely.rows; ++v) {
       for (int u = 0; u < likely.cols; ++u) {

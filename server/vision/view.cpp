@@ -15,17 +15,14 @@ cv::Mat workingDepth(const cv::Mat& depth, DepthKind kind) {
   cv::Mat out(depth.size(), CV_32FC1);
   const auto step = static_cast<float>((kHeightRange.far_mm - kHeightRange.near_mm) / 255.0);
   const auto far_mm = static_cast<float>(kHeightRange.far_mm);
+  const bool heights = kind == DepthKind::kHeight;
   for (int v = 0; v < depth.rows; ++v) {
     const auto* in = depth.ptr<float>(v);
     auto* to = out.ptr<float>(v);
-    for (int u = 0; u < depth.cols; ++u) {
-      const float value = in[u];
-      if (kind == DepthKind::kHeight) {
-        to[u] = value >= 0.0F && value <= 255.0F ? far_mm - step * value : 0.0F;
-      } else {
-        to[u] = value > 0.0F && value < kLargestDepth_mm ? value : 0.0F;
-      }
-    }
+    for (int u = 0; heights && u < depth.cols; ++u)
+      to[u] = in[u] >= 0.0F && in[u] <= 255.0F ? far_mm - step * in[u] : 0.0F;
+    for (int u = 0; !heights && u < depth.cols; ++u)
+      to[u] = in[u] > 0.0F && in[u] < kLargestDepth_mm ? in[u] : 0.0F;
   }
   return out;
 }
