@@ -50,20 +50,20 @@ void sweep(cv::Mat& values, const cv::Mat& inside, const std::vector<cv::Point>&
   }
 }
 
-// The measured pixels of the mask that hang together with at least `wanted` of their eight
-// neighbours.
+// Fewer than `wanted` of the eight neighbours are known and hang together with this pixel.
 bool lonely(const cv::Mat& depth, const cv::Mat& known, int u, int v, double sigma, int wanted) {
-  const auto z = double(depth.at<float>(v, u));
+  const float z = depth.at<float>(v, u);
+  const auto step = static_cast<float>(8 + 5 * sigma);
   int near = 0;
-  for (int dv = -1; dv <= 1; ++dv) {
-    for (int du = -1; du <= 1; ++du) {
-      const cv::Point at(u + du, v + dv);
-      if ((du == 0 && dv == 0) || !cv::Rect({0, 0}, depth.size()).contains(at)) continue;
-      if (known.at<unsigned char>(at) == 0) continue;
-      near += std::abs(double(depth.at<float>(at)) - z) <= 8 + 5 * sigma ? 1 : 0;
+  for (int j = std::max(0, v - 1); j <= std::min(depth.rows - 1, v + 1); ++j) {
+    const auto* row = depth.ptr<float>(j);
+    const auto* is_known = known.ptr<unsigned char>(j);
+    for (int i = std::max(0, u - 1); i <= std::min(depth.cols - 1, u + 1); ++i) {
+      if ((i == u && j == v) || is_known[i] == 0 || std::abs(row[i] - z) > step) continue;
+      if (++near >= wanted) return false;
     }
   }
-  return near < wanted;
+  return true;
 }
 
 bool background(double z, double object, double behind, double sigma) {
@@ -75,6 +75,17 @@ bool background(double z, double object, double behind, double sigma) {
   return std::abs(off) > 60 + 6 * sigma;
 }
 
+// `values` where `known`, halved, and filled everywhere: enough where they are only compared with.
+cv::Mat filledAtHalfSize(const cv::Mat& values, const cv::Mat& known) {
+  cv::Mat weight;
+  known.convertTo(weight, CV_32F, 1.0 / 255.0);
+  cv::Mat weighted = values.mul(weight);
+  const cv::Size half((values.cols + 1) / 2, (values.rows + 1) / 2);
+  cv::resize(weighted, weighted, half, 0, 0, cv::INTER_AREA);
+  cv::resize(weight, weight, half, 0, 0, cv::INTER_AREA);
+  return pushPull(weighted, weight);
+}
+
 // Of the pixels `known` (measured, inside `mask`): those that are the object's.
 cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
               const DepthNoise& noise) {
@@ -82,19 +93,21 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
   const cv::Mat core_known = core & known;
   const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
   const bool two_sides = cv::countNonZero(core_known) >= 20 && cv::countNonZero(around) >= 20;
-  const cv::Mat object = two_sides ? filled(depth, core_known, cv::Mat()) : cv::Mat();
-  const cv::Mat behind = two_sides ? filled(depth, around, cv::Mat()) : cv::Mat();
+  const cv::Mat object = two_sides ? filledAtHalfSize(depth, core_known) : cv::Mat();
+  const cv::Mat behind = two_sides ? filledAtHalfSize(depth, around) : cv::Mat();
   cv::Mat keep = known.clone();
   for (int v = 0; v < depth.rows; ++v) {
+    const auto* is_known = known.ptr<unsigned char>(v);
+    const auto* is_core = core.ptr<unsigned char>(v);
     for (int u = 0; u < depth.cols; ++u) {
-      if (known.at<unsigned char>(v, u) == 0) continue;
+      if (is_known[u] == 0) continue;
       const auto z = double(depth.at<float>(v, u));
       const double sigma = noise.at(z);
-      const bool rim = core.at<unsigned char>(v, u) == 0;
-      const bool drop =
-          (rim && two_sides &&
-           background(z, double(object.at<float>(v, u)), double(behind.at<float>(v, u)), sigma)) ||
-          lonely(depth, known, u, v, sigma, rim ? 2 : 3);
+      const bool rim = is_core[u] == 0;
+      const bool drop = (rim && two_sides &&
+                         background(z, double(object.at<float>(v / 2, u / 2)),
+                                    double(behind.at<float>(v / 2, u / 2)), sigma)) ||
+                        lonely(depth, known, u, v, sigma, rim ? 2 : 3);
       if (drop) keep.at<unsigned char>(v, u) = 0;
     }
   }
@@ -104,13 +117,12 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
 }  // namespace
 
 cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted) {
-  if (cv::countNonZero(known) == 0) return values.clone();
-  cv::Mat weight;
-  known.convertTo(weight, CV_32F, 1.0 / 255.0);
-  cv::Mat out = pushPull(values.mul(weight), weight);
-  if (wanted.empty()) return out;
   std::vector<cv::Point> holes;
   cv::findNonZero(wanted & (known == 0), holes);
+  if (holes.empty() || cv::countNonZero(known) == 0) return values.clone();
+  cv::Mat out;
+  cv::resize(filledAtHalfSize(values, known), out, values.size(), 0, 0, cv::INTER_LINEAR);
+  values.copyTo(out, known);
   sweep(out, wanted | known, holes);
   return out;
 }
@@ -152,13 +164,16 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
   }
   auto relief = std::make_shared<Relief>();
   relief->rect = {surface.box.x, surface.box.y, surface.box.width, surface.box.height};
-  relief->height_mm.reserve(surface.mask.total());
-  relief->mask.reserve(surface.mask.total());
+  relief->height_mm.resize(surface.mask.total());
+  relief->mask.resize(surface.mask.total());
+  std::size_t at = 0;
   for (int v = 0; v < height.rows; ++v) {
-    for (int u = 0; u < height.cols; ++u) {
-      const bool inside = surface.mask.at<unsigned char>(v, u) != 0;
-      relief->mask.push_back(inside ? 1 : 0);
-      relief->height_mm.push_back(inside ? std::clamp(height.at<float>(v, u), 0.0F, top) : 0.0F);
+    const auto* inside = surface.mask.ptr<unsigned char>(v);
+    const auto* h = height.ptr<float>(v);
+    for (int u = 0; u < height.cols; ++u, ++at) {
+      if (inside[u] == 0) continue;
+      relief->mask[at] = 1;
+      relief->height_mm[at] = std::clamp(h[u], 0.0F, top);
     }
   }
   return relief;

@@ -34,8 +34,8 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
                                          const Workspace& workspace, Method method);
 
-/// Values of `values` (CV_32FC1) where `known` (0 / 255), elsewhere filled smoothly from them:
-/// push-pull, then membrane sweeps over the pixels of `wanted`. Nothing known: returned as it is.
+/// Values of `values` (CV_32FC1) where `known` (0 / 255), in the rest of `wanted` filled smoothly
+/// from them: push-pull, then membrane sweeps. Nothing known or nothing to fill: as they are.
 cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted);
 
 /// Value at each pixel of `mask` of the quadratic fitted to `values` around it with Gaussian

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The local quadratic fit: one fixed kernel where the whole window lies in the mask, a 6 x 6 solve
 // at the rim, both from separable Gaussian moments.
-#include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "server/vision/enhance.hpp"
 
@@ -26,7 +27,7 @@ struct Kernels {
 
 Kernels kernelsOf(double sigma_px) {
   Kernels out;
-  out.radius_px = static_cast<int>(std::ceil(3 * sigma_px));
+  out.radius_px = static_cast<int>(std::ceil(2.5 * sigma_px));
   double sum = 0;
   for (int k = -out.radius_px; k <= out.radius_px; ++k)
     sum += std::exp(-0.5 * k * k / (sigma_px * sigma_px));
@@ -48,20 +49,6 @@ cv::Mat moment(const cv::Mat& image, const Kernels& kernels, int i, int j) {
   return out;
 }
 
-// The moment from one that was taken along x only.
-cv::Mat alongY(const cv::Mat& along_x, const Kernels& kernels, int j) {
-  cv::Mat out;
-  cv::filter2D(along_x, out, CV_32F, kernels.x[static_cast<std::size_t>(j)], {-1, -1}, 0,
-               cv::BORDER_CONSTANT);
-  return out;
-}
-cv::Mat alongX(const cv::Mat& image, const Kernels& kernels, int i) {
-  cv::Mat out;
-  cv::sepFilter2D(image, out, CV_32F, kernels.x[static_cast<std::size_t>(i)],
-                  cv::Mat::ones(1, 1, CV_32F), {-1, -1}, 0, cv::BORDER_CONSTANT);
-  return out;
-}
-
 // K = g(x) g(y) (a + b (x² + y²)) with sum K = 1 and sum K x² = sum K y² = 0.
 cv::Mat interiorFit(const cv::Mat& values, const Kernels& kernels) {
   const double m2 = cv::sum(kernels.x[2])[0];
@@ -72,41 +59,96 @@ cv::Mat interiorFit(const cv::Mat& values, const Kernels& kernels) {
          b * (moment(values, kernels, 2, 0) + moment(values, kernels, 0, 2));
 }
 
-void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
-            const Kernels& kernels, cv::Mat& out) {
-  std::array<std::array<cv::Mat, kOrders>, kOrders> of_mask;
-  for (int i = 0; i < kOrders; ++i) {
-    const cv::Mat along_x = alongX(weight, kernels, i);
-    for (int j = 0; i + j < kOrders; ++j) {
-      of_mask[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
-          alongY(along_x, kernels, j);
+// What the fit needs of one row of pixels: moments along x of the mask (x^0 .. x^4) and of the
+// values (x^0 .. x^2). Eight of them, so that they are added up together.
+constexpr int kAlongX = 8;
+using AlongX = cv::Vec<float, kAlongX>;
+
+// Only where `needed`.
+cv::Mat momentsAlongX(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& needed,
+                      const Kernels& kernels) {
+  const int radius = kernels.radius_px;
+  std::vector<AlongX> taps;
+  for (int k = 0; k <= 2 * radius; ++k) {
+    AlongX tap;
+    for (int i = 0; i < kAlongX; ++i)
+      tap[i] = kernels.x[std::size_t(i < kOrders ? i : i - kOrders)].at<float>(k);
+    taps.push_back(tap);
+  }
+  cv::Mat out(values.size(), CV_MAKETYPE(CV_32F, kAlongX));
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* is_needed = needed.ptr<unsigned char>(v);
+    const auto* value = values.ptr<float>(v);
+    const auto* inside = weight.ptr<float>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if (is_needed[u] == 0) continue;
+      AlongX sum{};
+      for (int at = std::max(0, u - radius); at <= std::min(out.cols - 1, u + radius); ++at) {
+        const AlongX& tap = taps[std::size_t(at - u + radius)];
+        for (int i = 0; i < kOrders; ++i) sum[i] += tap[i] * inside[at];
+        for (int i = kOrders; i < kAlongX; ++i) sum[i] += tap[i] * value[at];
+      }
+      out.at<AlongX>(v, u) = sum;
     }
   }
-  const std::array<cv::Mat, 3> along_x{alongX(values, kernels, 0), alongX(values, kernels, 1),
-                                       alongX(values, kernels, 2)};
-  std::array<cv::Mat, 6> of_values;
-  for (std::size_t k = 0; k < 6; ++k)
-    of_values[k] = alongY(along_x[static_cast<std::size_t>(kBasis[k][0])], kernels, kBasis[k][1]);
+  return out;
+}
+
+// All moments at one pixel: moments[j][i] is of x^i y^j of the mask, and of the values behind them.
+using Moments = std::array<AlongX, kOrders>;
+
+Moments momentsAt(const cv::Mat& along_x, const Kernels& kernels, int v, int u) {
+  Moments out{};
+  const int radius = kernels.radius_px;
+  for (int k = -std::min(radius, v); k <= std::min(radius, along_x.rows - 1 - v); ++k) {
+    const auto& row = along_x.at<AlongX>(v + k, u);
+    for (std::size_t j = 0; j < kOrders; ++j) {
+      const float weight = kernels.x[j].at<float>(k + radius);
+      for (int i = 0; i < kAlongX; ++i) out[j][i] += weight * row[i];
+    }
+  }
+  return out;
+}
+
+// The constant of the fitted quadratic: LDL^T, and of the solution only what it needs. With the
+// basis backwards the constant is the last unknown, so nothing has to be substituted back.
+double constantOf(const Moments& moments) {
+  constexpr std::size_t n = kBasis.size();
+  std::array<std::array<double, n>, n> lower;
+  std::array<double, n> diagonal;
+  std::array<double, n> right;
+  const double whole = double(moments[0][0]);
+  for (std::size_t r = 0; r < n; ++r) {
+    const auto [xr, yr] = kBasis[n - 1 - r];
+    right[r] = double(moments[static_cast<std::size_t>(yr)][kOrders + xr]);
+    for (std::size_t c = 0; c <= r; ++c) {
+      const auto [xc, yc] = kBasis[n - 1 - c];
+      double sum = double(moments[static_cast<std::size_t>(yr + yc)][xr + xc]);
+      if (c == r) sum += kRidge[n - 1 - r] * whole;
+      for (std::size_t k = 0; k < c; ++k) sum -= lower[r][k] * lower[c][k] * diagonal[k];
+      if (c == r) {
+        diagonal[r] = sum;
+      } else {
+        lower[r][c] = sum / diagonal[c];
+      }
+    }
+    for (std::size_t k = 0; k < r; ++k) right[r] -= lower[r][k] * right[k];
+  }
+  return right[n - 1] / diagonal[n - 1];
+}
+
+void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
+            const Kernels& kernels, cv::Mat& out) {
+  cv::Mat needed;
+  cv::dilate(rim, needed, cv::Mat::ones(2 * kernels.radius_px + 1, 1, CV_8UC1));
+  const cv::Mat along_x = momentsAlongX(values, weight, needed, kernels);
   for (int v = 0; v < out.rows; ++v) {
+    const auto* at_rim = rim.ptr<unsigned char>(v);
+    auto* to = out.ptr<float>(v);
     for (int u = 0; u < out.cols; ++u) {
-      if (rim.at<unsigned char>(v, u) == 0) continue;
-      Eigen::Matrix<double, 6, 6> normal;
-      Eigen::Matrix<double, 6, 1> right;
-      for (std::size_t r = 0; r < 6; ++r) {
-        right[static_cast<Eigen::Index>(r)] = double(of_values[r].at<float>(v, u));
-        for (std::size_t c = 0; c < 6; ++c) {
-          const auto i = static_cast<std::size_t>(kBasis[r][0] + kBasis[c][0]);
-          const auto j = static_cast<std::size_t>(kBasis[r][1] + kBasis[c][1]);
-          normal(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
-              double(of_mask[i][j].at<float>(v, u));
-        }
-      }
-      for (std::size_t r = 1; r < 6; ++r) {
-        normal(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(r)) +=
-            kRidge[r] * normal(0, 0);
-      }
-      const double value = normal.llt().solve(right)[0];
-      out.at<float>(v, u) = std::isfinite(value) ? static_cast<float>(value) : 0.0F;
+      if (at_rim[u] == 0) continue;
+      const double value = constantOf(momentsAt(along_x, kernels, v, u));
+      to[u] = std::isfinite(value) ? static_cast<float>(value) : 0.0F;
     }
   }
 }

@@ -14,6 +14,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kCorners = 120;
+constexpr int kDense_px = 40000;  // in larger boxes corners are looked for at half size
 constexpr int kFewestTracks = 5;
 constexpr int kFewestForRotation = 12;
 
@@ -57,6 +58,23 @@ void fitMotion(ObjectFlow& flow) {
   flow.similarity = matrix;
   flow.rotation_reliable = agree >= kFewestForRotation && 2 * agree > static_cast<int>(found);
   keepInliers(flow, inliers);
+}
+
+std::vector<cv::Point2f> cornersOf(const cv::Mat& gray, const cv::Mat& mask) {
+  cv::Mat inner = erodedBy(mask, 2);
+  if (cv::countNonZero(inner) < 100) inner = mask;
+  cv::Mat picture = gray;
+  const float scale = boxAround(mask, 0).area() > kDense_px ? 2.0F : 1.0F;
+  if (scale > 1.0F) {
+    const cv::Size half(gray.cols / 2, gray.rows / 2);
+    cv::resize(gray, picture, half, 0, 0, cv::INTER_AREA);
+    cv::resize(inner, inner, half, 0, 0, cv::INTER_NEAREST);
+  }
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(picture, corners, kCorners, 0.01, 4.0 / double(scale), inner);
+  const float middle = 0.5F * (scale - 1.0F);  // of the pixels that became one
+  for (cv::Point2f& corner : corners) corner = scale * corner + cv::Point2f(middle, middle);
+  return corners;
 }
 
 }  // namespace
@@ -108,10 +126,7 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
   const int reach = 48 + static_cast<int>(std::min(1000.0, cv::norm(guess_px)));
   const cv::Rect box = boxAround(mask, reach);
   if (box.empty()) return flow;
-  cv::Mat inner = erodedBy(mask(box), 2);
-  if (cv::countNonZero(inner) < 100) inner = mask(box);
-  std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(last_gray(box), corners, kCorners, 0.01, 4.0, inner);
+  const std::vector<cv::Point2f> corners = cornersOf(last_gray(box), mask(box));
   if (corners.empty()) return flow;
   trackPoints(last_gray(box), gray(box), corners, guess_px, flow.from, flow.to);
   if (2 * flow.from.size() < corners.size() && cv::norm(guess_px) > 1.0) {

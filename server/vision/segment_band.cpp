@@ -31,7 +31,33 @@ struct Tracked {
 };
 
 double meanDepth(const View& view, const cv::Mat& mask) {
-  return cv::mean(view.depth, mask & (view.depth > 0))[0];
+  const cv::Rect box = boxAround(mask, 0);
+  return cv::mean(view.depth(box), mask(box) & (view.depth(box) > 0))[0];
+}
+
+// `mask` moved by `similarity`: only around where it comes to lie.
+cv::Mat carriedMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
+  cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
+  const cv::Rect from = boxAround(mask, 1);
+  if (from.empty()) return out;
+  std::vector<cv::Point2d> corners;
+  for (const cv::Point& at :
+       {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
+    const cv::Vec2d to = similarity * cv::Vec3d(at.x, at.y, 1.0);
+    corners.emplace_back(to[0], to[1]);
+  }
+  const auto [left, right] = std::minmax_element(
+      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  const auto [top, bottom] = std::minmax_element(
+      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
+  const cv::Rect whole({0, 0}, mask.size());
+  const cv::Rect to = cv::Rect(cv::Point(cvFloor(left->x) - 1, cvFloor(top->y) - 1),
+                               cv::Point(cvCeil(right->x) + 2, cvCeil(bottom->y) + 2)) &
+                      whole;
+  if (to.empty()) return out;
+  const cv::Mat moved = carryImage(mask(from), from, to, similarity, cv::INTER_LINEAR) > 127;
+  moved.copyTo(out(to));
+  return out;
 }
 
 class BandSegmenter final : public Segmenter {
@@ -120,16 +146,18 @@ class BandSegmenter final : public Segmenter {
   // The band step on one frame until the mask comes to rest.
   void settle(const View& view, Tracked& object) {
     for (int round = 0; round < kSettleRounds; ++round) {
+      const ContourRegion region = contourRegion(object.mask);
       object.memory = {};
-      learn(view, object.mask, object.memory);
-      const cv::Mat mask = decideContour(view, object.mask, noise_, planes_, object.memory).mask;
+      learn(view, object.mask, region, object.memory);
+      const cv::Mat mask =
+          decideContour(view, object.mask, region, noise_, planes_, object.memory).mask;
       const int changed = cv::countNonZero(mask != object.mask);
       if (cv::countNonZero(mask) < kSmallestObject_px) break;
       object.mask = mask;
       if (changed < 0.004 * cv::countNonZero(mask)) break;
     }
     object.memory = {};
-    learn(view, object.mask, object.memory);
+    learn(view, object.mask, contourRegion(object.mask), object.memory);
   }
 
   void seenWell(Tracked& object, const View& view) const {
@@ -142,18 +170,15 @@ class BandSegmenter final : public Segmenter {
   void follow(Tracked& object, const View& view, const Flows& flows) {
     const auto found = flows.find(object.id);
     const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
-    const cv::Rect whole({0, 0}, object.mask.size());
-    const cv::Mat carried =
-        carryImage(object.mask, whole, whole, flow.similarity, cv::INTER_LINEAR) > 127;
-    if (!object.memory.evidence.empty()) {
-      const cv::Rect box = boxAround(carried, 2 * kBand_px);
-      object.memory.evidence = box.empty() ? cv::Mat()
-                                           : carryImage(object.memory.evidence, object.memory.box,
-                                                        box, flow.similarity, cv::INTER_LINEAR);
-      object.memory.box = box;
+    const cv::Mat carried = carriedMask(object.mask, flow.similarity);
+    const ContourRegion region = contourRegion(carried);
+    if (!object.memory.evidence.empty() && !region.box.empty()) {
+      object.memory.evidence = carryImage(object.memory.evidence, object.memory.box, region.box,
+                                          flow.similarity, cv::INTER_LINEAR);
+      object.memory.box = region.box;
     }
     const double expected = cv::countNonZero(carried);
-    const ContourResult now = decideContour(view, carried, noise_, planes_, object.memory);
+    const ContourResult now = decideContour(view, carried, region, noise_, planes_, object.memory);
     const double area = cv::countNonZero(now.mask);
     if (area < kSmallestObject_px || expected < kSmallestObject_px) {
       loose(object);
@@ -169,7 +194,7 @@ class BandSegmenter final : public Segmenter {
     object.mask = now.mask;
     seenWell(object, view);
     if (!flow.reliable) object.quality = 0.7;
-    learn(view, object.mask, object.memory);
+    learn(view, object.mask, region, object.memory);
   }
 
   static void loose(Tracked& object) {
@@ -187,8 +212,10 @@ class BandSegmenter final : public Segmenter {
     again.memory.first = object.memory.first;
     for (int round = 0; round < kSettleRounds; ++round) {
       again.memory.evidence.release();
-      learn(view, again.mask, again.memory);
-      const ContourResult now = decideContour(view, again.mask, noise_, planes_, again.memory);
+      const ContourRegion region = contourRegion(again.mask);
+      learn(view, again.mask, region, again.memory);
+      const ContourResult now =
+          decideContour(view, again.mask, region, noise_, planes_, again.memory);
       const int changed = cv::countNonZero(now.mask != again.mask);
       again.mask = now.mask;
       const int area = cv::countNonZero(again.mask);
@@ -203,10 +230,8 @@ class BandSegmenter final : public Segmenter {
   }
 
   static cv::Mat likeliest(const Tracked& object, const View& view) {
-    ColorHistogram scene =
-        ColorHistogram::of(view.color, cv::Mat(view.color.size(), CV_8UC1, cv::Scalar(255)));
     const std::vector<float> evidence =
-        colorEvidence(object.memory.first, object.memory.first, scene);
+        colorEvidence(object.memory.first, object.memory.first, ColorHistogram::of(view.color));
     cv::Mat likely(view.color.size(), CV_32FC1);
     for (int v = 0; v < likely.rows; ++v) {
       for (int u = 0; u < likely.cols; ++u) {

@@ -25,23 +25,21 @@ void smoothAlong(std::array<float, ColorHistogram::kBins>& bins, std::size_t str
 
 }  // namespace
 
-ColorHistogram ColorHistogram::of(const cv::Mat& color, const cv::Mat& mask) {
+ColorHistogram ColorHistogram::of(const cv::Mat& color) {
   ColorHistogram out;
-  int count = 0;
   for (int v = 0; v < color.rows; ++v) {
     const auto* row = color.ptr<cv::Vec3b>(v);
-    const auto* inside = mask.ptr<unsigned char>(v);
-    for (int u = 0; u < color.cols; ++u) {
-      if (inside[u] == 0) continue;
-      out.fraction_[binOf(row[u])] += 1.0F;
-      ++count;
-    }
+    for (int u = 0; u < color.cols; ++u) out.count(row[u]);
   }
-  if (count == 0) return out;
-  for (float& fraction : out.fraction_) fraction /= static_cast<float>(count);
-  for (const std::size_t stride : {256U, 16U, 1U}) smoothAlong(out.fraction_, stride);
-  out.empty_ = false;
+  out.settle();
   return out;
+}
+
+void ColorHistogram::settle() {
+  if (count_ == 0) return;
+  for (float& fraction : fraction_) fraction /= static_cast<float>(count_);
+  for (const std::size_t stride : {256U, 16U, 1U}) smoothAlong(fraction_, stride);
+  empty_ = false;
 }
 
 void ColorHistogram::adapt(const ColorHistogram& other, double share) {

@@ -17,8 +17,16 @@ class ColorHistogram {
     return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U |
            std::size_t{bgr[2]} >> 4U;
   }
-  /// Of the pixels of `color` (CV_8UC3) inside `mask`, smoothed 1-2-1 along each channel.
-  static ColorHistogram of(const cv::Mat& color, const cv::Mat& mask);
+  /// Of all pixels of `color` (CV_8UC3).
+  static ColorHistogram of(const cv::Mat& color);
+
+  /// Counts a pixel. Call settle() after the last one, before anything else.
+  void count(const cv::Vec3b& bgr) {
+    fraction_[binOf(bgr)] += 1.0F;
+    ++count_;
+  }
+  /// Counts become fractions, smoothed 1-2-1 along each channel.
+  void settle();
 
   /// Moves towards `other` by `share`; takes it over when nothing was seen yet.
   void adapt(const ColorHistogram& other, double share);
@@ -27,6 +35,7 @@ class ColorHistogram {
 
  private:
   std::array<float, kBins> fraction_{};
+  int count_ = 0;
   bool empty_ = true;
 };
 

@@ -23,17 +23,29 @@ struct ContourMemory {
   cv::Rect box;
 };
 
+/// The box around a mask with room for the band and the ring of background beyond it, and how far
+/// each of its pixels lies inside the contour (CV_32FC1, px; outside below 0).
+struct ContourRegion {
+  cv::Rect box;  ///< empty: so is the mask
+  cv::Mat distance;
+};
+ContourRegion contourRegion(const cv::Mat& mask);
+
 struct ContourResult {
   cv::Mat mask;               ///< CV_8UC1, 0 / 255, size of the picture
   double inside_color = 0.0;  ///< mean colour evidence inside; below 0 it is not the object
 };
 
-/// `carried`: the last mask moved to this frame. `memory.evidence` must be carried to it too (or
-/// empty); it is replaced by this frame's. The histograms are not touched; see learn().
-ContourResult decideContour(const View& view, const cv::Mat& carried, const DepthNoise& noise,
-                            const std::vector<Plane>& planes, ContourMemory& memory);
+/// `carried`: the last mask moved to this frame, and its region. `memory.evidence` must be carried
+/// to it too (or empty); it is replaced by this frame's. The histograms are not touched; see
+/// learn().
+ContourResult decideContour(const View& view, const cv::Mat& carried, const ContourRegion& region,
+                            const DepthNoise& noise, const std::vector<Plane>& planes,
+                            ContourMemory& memory);
 
-/// Takes the colours of `mask` and of the ring around it into the memory.
-void learn(const View& view, const cv::Mat& mask, ContourMemory& memory);
+/// Takes the colours of `mask` and of the ring around it into the memory. `region`: of this mask or
+/// of one whose contour is at most a band away.
+void learn(const View& view, const cv::Mat& mask, const ContourRegion& region,
+           ContourMemory& memory);
 
 }  // namespace hapticast::server

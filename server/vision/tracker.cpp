@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
 
 namespace hapticast::server {
@@ -11,15 +12,22 @@ namespace {
 
 constexpr double kRepeated = 0.98;
 
+// Ends at the first row that differs, which is nearly always an early one.
 bool equal(const cv::Mat& a, const cv::Mat& b) {
   if (a.size() != b.size()) return false;
-  return a.empty() || cv::norm(a, b, cv::NORM_INF) == 0.0;
+  const std::size_t bytes = static_cast<std::size_t>(a.cols) * a.elemSize();
+  for (int v = 0; v < a.rows; ++v) {
+    if (std::memcmp(a.ptr(v), b.ptr(v), bytes) != 0) return false;
+  }
+  return true;
 }
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
-  const cv::Moments moments = cv::moments(mask, true);
-  return moments.m00 > 0 ? cv::Vec2d(moments.m10 / moments.m00, moments.m01 / moments.m00)
-                         : cv::Vec2d(0, 0);
+  const cv::Rect box = boxAround(mask, 0);
+  const cv::Moments moments = cv::moments(mask(box), true);
+  return moments.m00 > 0
+             ? cv::Vec2d(box.x + moments.m10 / moments.m00, box.y + moments.m01 / moments.m00)
+             : cv::Vec2d(0, 0);
 }
 
 }  // namespace

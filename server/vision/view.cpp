@@ -15,17 +15,14 @@ cv::Mat workingDepth(const cv::Mat& depth, DepthKind kind) {
   cv::Mat out(depth.size(), CV_32FC1);
   const auto step = static_cast<float>((kHeightRange.far_mm - kHeightRange.near_mm) / 255.0);
   const auto far_mm = static_cast<float>(kHeightRange.far_mm);
+  const bool heights = kind == DepthKind::kHeight;
   for (int v = 0; v < depth.rows; ++v) {
     const auto* in = depth.ptr<float>(v);
     auto* to = out.ptr<float>(v);
-    for (int u = 0; u < depth.cols; ++u) {
-      const float value = in[u];
-      if (kind == DepthKind::kHeight) {
-        to[u] = value >= 0.0F && value <= 255.0F ? far_mm - step * value : 0.0F;
-      } else {
-        to[u] = value > 0.0F && value < kLargestDepth_mm ? value : 0.0F;
-      }
-    }
+    for (int u = 0; heights && u < depth.cols; ++u)
+      to[u] = in[u] >= 0.0F && in[u] <= 255.0F ? far_mm - step * in[u] : 0.0F;
+    for (int u = 0; !heights && u < depth.cols; ++u)
+      to[u] = in[u] > 0.0F && in[u] < kLargestDepth_mm ? in[u] : 0.0F;
   }
   return out;
 }
@@ -68,17 +65,33 @@ cv::Rect boxAround(const cv::Mat& mask, int margin_px) {
 }
 
 namespace {
+
 cv::Mat disc(int radius_px) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius_px + 1, 2 * radius_px + 1});
 }
-// Large discs by distance transform: linear in the picture whatever the radius.
+
+// A disc taken apart: a square and crosses one after the other make an octagon of this radius, in
+// a tenth of the time. Large ones by distance transform: linear whatever the radius.
 constexpr int kLargestKernel_px = 2;
+constexpr int kLargestOctagon_px = 8;
+
+void byOctagon(const cv::Mat& mask, int radius_px, int operation, cv::Mat& out) {
+  const int square = (radius_px * 2 + 2) / 5;
+  const cv::Mat cross = cv::getStructuringElement(cv::MORPH_CROSS, {3, 3});
+  cv::morphologyEx(mask, out, operation, cross, {-1, -1}, radius_px - square);
+  cv::morphologyEx(out, out, operation, cv::Mat::ones(2 * square + 1, 2 * square + 1, CV_8UC1));
+}
+
 }  // namespace
 
 cv::Mat erodedBy(const cv::Mat& mask, int radius_px) {
   cv::Mat out;
   if (radius_px <= kLargestKernel_px) {
     cv::erode(mask, out, disc(radius_px));
+    return out;
+  }
+  if (radius_px <= kLargestOctagon_px) {
+    byOctagon(mask, radius_px, cv::MORPH_ERODE, out);
     return out;
   }
   cv::distanceTransform(mask, out, cv::DIST_L2, 3);
@@ -89,6 +102,10 @@ cv::Mat dilatedBy(const cv::Mat& mask, int radius_px) {
   cv::Mat out;
   if (radius_px <= kLargestKernel_px) {
     cv::dilate(mask, out, disc(radius_px));
+    return out;
+  }
+  if (radius_px <= kLargestOctagon_px) {
+    byOctagon(mask, radius_px, cv::MORPH_DILATE, out);
     return out;
   }
   if (cv::countNonZero(mask) == 0) return mask.clone();
