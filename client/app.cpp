@@ -19,9 +19,26 @@ namespace {
 constexpr auto kDrainInterval = std::chrono::milliseconds(10);
 constexpr int kMaxFaultFiles = 10;
 
+/// What `load` returns; its complaint begins with the flag that brought the file.
+template <class Load>
+auto loadFor(const char* flag, Load load) {
+  try {
+    return load();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string(flag) + " " + error.what());
+  }
+}
+
+/// Said now and not after the session.
+void requireWritable(const char* flag, const std::string& file) {
+  if (file.empty() || std::ofstream(file, std::ios::app)) return;
+  throw std::runtime_error(std::string(flag) + " " + file +
+                           ": cannot be written; is its folder there and writable?");
+}
+
 RoomSettings roomSettings(const Settings& settings) {
   RoomSettings room;
-  room.profile = loadDeviceProfile(settings.profile);
+  room.profile = loadFor("--profile", [&] { return loadDeviceProfile(settings.profile); });
   room.method = settings.method;
   room.surface = settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
   return room;
@@ -33,7 +50,8 @@ HandScript handScript(const Settings& settings, const DeviceProfile& profile) {
   if (settings.hand == "press") return {HandKind::kPress, stiffness};
   if (settings.hand == "slide") return {HandKind::kSlide, stiffness};
   if (settings.hand == "follow") return {HandKind::kFollow, stiffness};
-  return {HandKind::kFile, stiffness, loadHandTargets(settings.hand)};
+  return {HandKind::kFile, stiffness,
+          loadFor("--hand", [&] { return loadHandTargets(settings.hand); })};
 }
 
 ConnectionSettings connectionSettings(const Settings& settings) {
@@ -69,26 +87,35 @@ App::App(Settings settings, const Clock& clock)
                   {.welcomed =
                        [this](const auto& stream) {
                          spdlog::info("{}", describe(stream, settings_.method));
+                         told_why_.clear();
                        },
 #ifdef HAPTICAST_VIEWER
                    .video = [this](VideoFrame video) { viewer_.take(std::move(video)); },
 #else
                    .video = {},
 #endif
-                   .disconnected = [](const std::string& why) { spdlog::warn("{}", why); },
+                   .disconnected = [this](const std::string& why) { sayOnce(why); },
                    .failed =
                        [this](const std::string& why) {
                          spdlog::error("{}", why);
                          failed_ = true;
                          stop();
                        }}) {
+  requireWritable("--log", settings_.log_file);
+  requireWritable("--summary", settings_.summary_file);
+#ifdef HAPTICAST_VIEWER
+  if (!settings_.screenshot_file.empty()) Viewer::requirePictureName(settings_.screenshot_file);
+#endif
+  requireWritable("--screenshot", settings_.screenshot_file);
   if (settings_.log_file.empty()) return;
   log_.open(settings_.log_file);
-  if (!log_) {
-    throw std::runtime_error("--log " + settings_.log_file +
-                             ": cannot be written; is its folder there and writable?");
-  }
   writeReportHeading(log_);
+}
+
+void App::sayOnce(const std::string& why) {
+  // An absent server is tried about every second; the reason is told when it is another one.
+  if (why != told_why_) spdlog::warn("{}; trying again", why);
+  told_why_ = why;
 }
 
 bool App::run() {

@@ -38,6 +38,7 @@ class App {
   void wait();
   void drain();
   void dumpFault();
+  void sayOnce(const std::string& why);
   [[nodiscard]] RunResult result() const;
   void finish();
 
@@ -64,6 +65,7 @@ class App {
   std::atomic<bool> failed_{false};
   int faults_dumped_ = 0;
   bool told_contact_ = false;
+  std::string told_why_;  // the connection is down for this reason; network thread
 };
 
 }  // namespace hapticast::client

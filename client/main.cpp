@@ -18,7 +18,7 @@ int touch(const hapticast::client::Settings& settings) {
   try {
     app = std::make_unique<hapticast::client::App>(settings, clock);
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    spdlog::error("{}", hapticast::oneLine(error.what()));
     return kWrongInput;
   }
   return app->run() ? kDone : kFailed;
@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   try {
     return touch(settings);
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    spdlog::error("{}", hapticast::oneLine(error.what()));
     return kFailed;
   }
 }

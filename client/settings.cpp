@@ -45,9 +45,8 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
   app.add_option("--summary", settings.summary_file,
                  "Write counters, tick times and extremes at the end")
       ->type_name("FILE.json");
-  app.add_option("--seconds", settings.seconds, "Stop after S seconds; default: at Ctrl-C")
-      ->check(CLI::PositiveNumber)
-      ->type_name("S");
+  addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
+            "Stop after S seconds; default: at Ctrl-C");
   app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
 }
 

@@ -67,10 +67,11 @@ Duration ClockSync::offset(LocalTime now) {
         std::llround(kMaxDrift * nanoseconds(std::max(now - last_, Duration::zero()))));
     offset_ = std::clamp(wanted, offset_ - step, offset_ + step);
   }
+  behind_ = std::chrono::abs(wanted - offset_);
   last_ = now;
   return offset_;
 }
 
-Duration ClockSync::errorBound() const { return line_.error; }
+Duration ClockSync::errorBound() const { return line_.error + behind_; }
 
 }  // namespace hapticast

@@ -30,7 +30,8 @@ class ClockSync {
   /// kMaxDrift of the local time passed. Requires ready(); `now` does not run backwards.
   [[nodiscard]] Duration offset(LocalTime now);
 
-  /// How far the estimate may be off: half of the round trips it was made from. Requires ready().
+  /// How far the offset last handed out may be off: half of the round trips the estimate was made
+  /// from, and what the limited rate keeps it behind the estimate. Requires ready().
   [[nodiscard]] Duration errorBound() const;
 
  private:
@@ -53,6 +54,7 @@ class ClockSync {
   bool handed_out_ = false;
   LocalTime last_{};
   Duration offset_{0};
+  Duration behind_{0};  // how far offset_ is from the estimate
 };
 
 }  // namespace hapticast

@@ -3,9 +3,12 @@
 
 #include <charconv>
 #include <cmath>
+#include <iomanip>
 #include <iostream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
 namespace hapticast {
 
@@ -21,6 +24,35 @@ Vec2 pairOrThrow(const std::string& name, const std::string& text, const std::st
   const auto pair = parsePair(text);
   if (!pair) throw CLI::ValidationError(name, "'" + text + "' is not " + form);
   return *pair;
+}
+
+/// What `app` did not know, as one text.
+std::string unknownWords(const CLI::App& app) {
+  std::string words;
+  for (const std::string& word : app.remaining()) words += " '" + word + "'";
+  return words;
+}
+
+/// CLI11's complaint in words that name the flag or file and what is wrong with it.
+std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string what = error.what();
+  const auto after = [&what](const std::string& start) {
+    return what.starts_with(start) ? what.substr(start.size()) : what;
+  };
+  const std::string config = "--config " + app.get_config_ptr()->as<std::string>() + ": ";
+  if (dynamic_cast<const CLI::FileError*>(&error) != nullptr) return config + "cannot be read";
+  if (dynamic_cast<const CLI::ConfigError*>(&error) != nullptr) {
+    return config + "'" + after("INI was not able to parse ") + "' is no flag's name";
+  }
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) {
+    return after("Could not convert: ") + ": a flag is on or off (true or false)";
+  }
+  if (const std::size_t at = what.find(": At Most 1 required"); at != std::string::npos) {
+    return what.substr(0, at) + ": may be given only once";
+  }
+  // A mistyped flag makes a required one missing: name the cause.
+  if (!app.remaining().empty()) return "not understood:" + unknownWords(app);
+  return what;
 }
 
 }  // namespace
@@ -69,6 +101,19 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
   return app.add_option_function<std::string>(name, set, help)->type_name("HOST[:PORT]");
 }
 
+template <class Number>
+Number numberOrThrow(const std::string& name, const std::string& text, Number least, Number most) {
+  Number value{};
+  if (parseAll(text, value) && value >= least && value <= most) return value;
+  std::ostringstream form;
+  form << std::setprecision(12) << (std::is_integral_v<Number> ? "a whole number" : "a number")
+       << " from " << least << " to " << most;
+  throw CLI::ValidationError(name, "'" + text + "' is not " + form.str());
+}
+template double numberOrThrow(const std::string&, const std::string&, double, double);
+template std::uint64_t numberOrThrow(const std::string&, const std::string&, std::uint64_t,
+                                     std::uint64_t);
+
 CLI::Option* addPair(CLI::App& app, const std::string& name, std::optional<Vec2>& value,
                      const std::string& help, const std::string& form) {
   const auto set = [&value, name, form](const std::string& text) {
@@ -90,10 +135,19 @@ CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>&
 }
 
 void addConfigFile(CLI::App& app) {
-  app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name");
+  app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name")
+      ->type_name("FILE");
   app.allow_config_extras(CLI::config_extras_mode::error);
   // A comma (505,330) or a bracket ([::1]:80) belongs to the value; a list is a key repeated.
   app.get_config_formatter_base()->arrayDelimiter(';')->arrayBounds('{', '}');
+}
+
+std::string oneLine(std::string text) {
+  for (char& c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20 || code == 0x7F) c = '?';
+  }
+  return text;
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
@@ -106,9 +160,8 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     std::cout << version.what() << "\n";
     return 0;
   } catch (const CLI::ParseError& error) {
-    std::string line = error.what();
-    for (char& c : line) c = c == '\n' ? ' ' : c;
-    std::cerr << app.get_name() << ": " << line << " (--help lists what is allowed)\n";
+    std::cerr << app.get_name() << ": " << oneLine(complaint(app, error))
+              << " (--help lists what is allowed)\n";
     return 2;
   }
   return std::nullopt;

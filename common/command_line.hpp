@@ -36,6 +36,21 @@ CLI::Option* addPair(CLI::App& app, const std::string& name, std::optional<Vec2>
 CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
                       const std::string& help, const std::string& form);
 
+/// The number that `text` is; CLI::ValidationError if it is none from `least` to `most`.
+/// For double and std::uint64_t.
+template <class Number>
+Number numberOrThrow(const std::string& name, const std::string& text, Number least, Number most);
+
+/// A finite number from `least` to `most`; `unit` is for the help. A Value takes a Number.
+template <class Value, class Number>
+CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
+                       Number most, const std::string& unit, const std::string& help) {
+  const auto set = [&value, name, least, most](const std::string& text) {
+    value = numberOrThrow(name, text, least, most);
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name(unit);
+}
+
 /// One of the named `choices` (which have to outlive `app`).
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
@@ -54,6 +69,9 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
 /// Lets `--config FILE` hold every flag of `app` as a key of the same name; unknown keys are
 /// refused.
 void addConfigFile(CLI::App& app);
+
+/// `text` with control characters as '?': what files and peers bring must not steer a terminal.
+std::string oneLine(std::string text);
 
 /// Parses; nullopt: go on. Otherwise the exit code to leave with, after one line on stderr (2) or
 /// the help (0).

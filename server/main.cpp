@@ -18,8 +18,11 @@ int serve(const hapticast::server::Settings& settings) {
     app = std::make_unique<hapticast::server::App>(settings, clock);
     app->run();
   } catch (const hapticast::server::SourceError& error) {
-    spdlog::error("{}", error.what());
+    spdlog::error("{}", hapticast::oneLine(error.what()));
     return app && app->streaming() ? kFailed : kWrongInput;
+  } catch (const hapticast::server::AddressError& error) {
+    spdlog::error("--listen: {}", hapticast::oneLine(error.what()));
+    return kWrongInput;
   }
   return kDone;
 }
@@ -37,7 +40,7 @@ int main(int argc, char** argv) {
   try {
     return serve(settings);
   } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
+    spdlog::error("{}", hapticast::oneLine(error.what()));
     return kFailed;
   }
 }

@@ -43,12 +43,11 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
                  "or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video files, 8-bit depth), or "
                  "camera:N,M (colour camera, depth camera)")
       ->required();
-  app.add_option("--fps", settings.fps, "Frames a second; default: the source's own")
-      ->check(CLI::Range(1.0, 240.0));
+  addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
+            "Frames a second; default: the source's own");
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
-  app.add_option("--frames", settings.frames, "Stop after N frames")
-      ->check(CLI::PositiveNumber)
-      ->type_name("N");
+  addNumber(app, "--frames", settings.frames, std::uint64_t{1}, std::uint64_t{1'000'000'000}, "N",
+            "Stop after N frames");
 }
 
 void addVisionOptions(CLI::App& app, VisionSettings& vision) {
@@ -68,14 +67,10 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
                "Stretch the picture over the whole 160 x 120 mm (the thesis's two scales)");
   addChoice(app, "--motion", vision.motion, kMotionModes,
             "Velocity from Lucas-Kanade (x, y), depth differences (z), auto: both, or none");
-  app.add_option("--stiffness", vision.material.stiffness_N_mm,
-                 "The surface's stiffness; default: each viewer's own")
-      ->check(CLI::Range(0.01, 10.0))
-      ->type_name("N/MM");
-  app.add_option("--mass", vision.mass_kg,
-                 "The object's mass for the dynamic force; default: each viewer's choice")
-      ->check(CLI::Range(0.001, 100.0))
-      ->type_name("KG");
+  addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
+            "The surface's stiffness; default: each viewer's own");
+  addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
+            "The object's mass for the dynamic force; default: each viewer's choice");
   addChoice(app, "--method", vision.method, kMethods,
             "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
             "dense grid, stretched");
@@ -90,11 +85,11 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   app->set_version_flag("--version", HAPTICAST_VERSION);
   addSourceOptions(*app, settings);
   addEndpoint(*app, "--listen", settings.listen,
-              "Where clients connect; default: 0.0.0.0:7447; port 0: any free one");
-  app->add_option("--max-clients", settings.max_clients,
-                  "More are turned away with a message; default: 64")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("N");
+              "Where clients connect: an IP address of this machine and a port; default: "
+              "0.0.0.0:7447 (all addresses); port 0: any free one")
+      ->type_name("ADDR[:PORT]");
+  addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
+            "N", "More are turned away with a message; default: 64");
   addVisionOptions(*app, settings.vision);
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);

@@ -63,11 +63,12 @@ std::vector<HandTarget> loadHandTargets(const std::string& file) {
     targets.push_back(checked(row, targets, file, line));
   }
   if (!in.eof()) {
-    if (line == 0 && !in.is_open()) {
+    if (in.bad() || !in.is_open()) {
       throw std::runtime_error(file +
-                               ": cannot be read (a file of t_s,x_mm,y_mm,z_mm rows is wanted)");
+                               ": cannot be read (allowed are press, slide, follow or a file of "
+                               "t_s,x_mm,y_mm,z_mm rows)");
     }
-    fail(file, line + 1, "unreadable or longer than 256 characters");
+    fail(file, line + 1, "longer than 256 characters");
   }
   if (targets.empty()) throw std::runtime_error(file + ": no rows of t_s,x_mm,y_mm,z_mm");
   return targets;

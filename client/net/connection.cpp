@@ -110,7 +110,8 @@ asio::awaitable<Result<Connection::Endpoints>> Connection::resolve() {
   co_await race->timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   if (!race->ec) co_return Error{ErrorCode::kTimeout, "the name look-up takes too long"};
   if (*race->ec) {
-    co_return Error{ErrorCode::kTimeout, "unknown host (" + race->ec->message() + ")"};
+    co_return Error{ErrorCode::kTimeout,
+                    "unknown host; is the name right? (" + race->ec->message() + ")"};
   }
   co_return race->endpoints;
 }
@@ -122,7 +123,6 @@ asio::awaitable<Error> Connection::attempt() {
 
   auto link = link_ = std::make_shared<Link>(io_);
   link->deadline = clock_.now() + settings_.connect_deadline;
-  link->overdue = "no answer";
   asio::co_spawn(
       io_, [this, link] { return watch(link); }, asio::detached);
   boost::system::error_code ec;
@@ -130,8 +130,10 @@ asio::awaitable<Error> Connection::attempt() {
                                asio::redirect_error(asio::use_awaitable, ec));
   if (ec) {
     link->close();
-    co_return Error{ErrorCode::kTimeout,
-                    "cannot connect: " + (link->timed_out ? link->overdue : ec.message())};
+    if (link->timed_out) co_return Error{ErrorCode::kTimeout, "cannot connect: no answer"};
+    const char* const advice =
+        ec == asio::error::connection_refused ? " (no hapticast-server listens there)" : "";
+    co_return Error{ErrorCode::kTimeout, "cannot connect: " + ec.message() + advice};
   }
   link->socket.set_option(asio::ip::tcp::no_delay(true), ec);
   link->deadline = clock_.now() + settings_.connect_deadline;

@@ -19,6 +19,11 @@ double strength(const TickReport& report) {
 
 }  // namespace
 
+void Viewer::requirePictureName(const std::string& file) {
+  if (!cv::haveImageWriter(file))
+    throw std::runtime_error("--screenshot " + file + ": is no picture's name; give FILE.png");
+}
+
 void Viewer::take(VideoFrame picture) {
   const std::lock_guard lock(mutex_);
   pictures_.push_back(std::move(picture));

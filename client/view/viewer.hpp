@@ -16,6 +16,9 @@ namespace hapticast::client {
 
 class Viewer {
  public:
+  /// Throws std::runtime_error unless `file` ends as a picture does, such as .png.
+  static void requirePictureName(const std::string& file);
+
   /// A picture from the stream; kept for the moments around its time.
   void take(VideoFrame picture);
   /// One tick, in order, shortly after it happened.

@@ -84,8 +84,9 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps) {
                       ": is a single file; depth is needed too, so give COLOR,DEPTH or a folder");
   }
   if (spec.find(',') != std::string::npos) return openPair(spec, fps);
-  throw SourceError((spec.empty() ? "(empty source)" : spec) +
-                    ": no such folder; give synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");
+  throw SourceError(
+      (spec.empty() ? "(empty source)" : spec) +
+      ": no such file or folder; give synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");
 }
 
 }  // namespace hapticast::server

@@ -13,8 +13,9 @@ namespace {
 
 constexpr auto kPauseAfterError = std::chrono::milliseconds(200);
 
+template <class Failure = AddressError>
 [[noreturn]] void fail(const std::string& address, const std::string& why) {
-  throw std::runtime_error("cannot listen on " + address + ": " + why);
+  throw Failure("cannot listen on " + address + ": " + why);
 }
 
 asio::ip::tcp::endpoint parse(const std::string& address) {
@@ -53,7 +54,7 @@ Listener::Listener(asio::io_context& io, const std::string& address, Broadcaster
     : acceptor_(io), pause_(io), broadcaster_(broadcaster) {
   const auto endpoint = parse(address);
   const auto require = [&](const boost::system::error_code& ec) {
-    if (ec) fail(address, advice(ec));
+    if (ec) fail<std::runtime_error>(address, advice(ec));
   };
   boost::system::error_code ec;
   require(acceptor_.open(endpoint.protocol(), ec));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 
 #include "common/asio.hpp"
@@ -10,10 +11,17 @@
 
 namespace hapticast::server {
 
+/// What was given as address is none: wrong input, where other failures to listen are the
+/// machine's.
+class AddressError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 class Listener {
  public:
   /// `address` is ADDR:PORT, numeric, IPv6 in brackets; port 0 takes a free one. Throws
-  /// std::runtime_error with one line that names the address and what to do.
+  /// AddressError or std::runtime_error with one line that names the address and what to do.
   Listener(asio::io_context& io, const std::string& address, Broadcaster& broadcaster);
 
   [[nodiscard]] std::uint16_t port() const { return port_; }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <sstream>
 
 #include "server/vision/describe.hpp"
 #include "server/vision/range.hpp"
@@ -22,10 +23,11 @@ void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const 
     const bool inside =
         point.x() >= 0 && point.y() >= 0 && point.x() < info.width_px && point.y() < info.height_px;
     if (inside) continue;
-    throw SourceError(std::string(flag) + " " + std::to_string(point.x()) + "," +
-                      std::to_string(point.y()) + ": outside the picture, which is " +
-                      std::to_string(info.width_px) + "x" + std::to_string(info.height_px) +
-                      "; give u,v in pixels from its top-left corner");
+    std::ostringstream what;
+    what << flag << ' ' << point.x() << ',' << point.y() << ": outside the picture, which is "
+         << info.width_px << 'x' << info.height_px
+         << "; give u,v in pixels from its top-left corner";
+    throw SourceError(what.str());
   }
 }
 

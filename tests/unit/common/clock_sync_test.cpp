@@ -70,6 +70,22 @@ TEST(ClockSync, StaysWithinItsBoundWhateverTheAsymmetry) {
   }
 }
 
+TEST(ClockSync, BoundsItsErrorWhileItMovesToABetterEstimate) {
+  Network network;
+  network.up_s = 0.1;  // only at first
+  ClockSync sync;
+  double now = network.burst(sync, kStart_s);
+  const double first = std::abs(network.error(sync, now));
+  network.up_s = network.down_s;
+  for (int i = 0; i < 200; ++i) {
+    network.ping(sync, now);
+    now += 0.1;
+    const double error = std::abs(network.error(sync, now));
+    ASSERT_LE(error, toSeconds(sync.errorBound()) + 1e-6) << i;
+  }
+  EXPECT_GT(std::abs(network.error(sync, now)), 0.5 * first) << "20 s at 0.05 % are 10 ms";
+}
+
 TEST(ClockSync, TrustsThePingsThatWaitedInNoQueue) {
   Network network;
   network.queue_s = 0.020;

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// Both programs when others come, die, hang and come back.
+#include <algorithm>
+#include <iostream>
+
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/integration/stream_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+// Under a sanitizer twenty real-time loops would starve everything else.
+constexpr std::size_t kClients = kFullSpeed ? 20 : 5;
+// A queue that grew would hold far more after some 250 frames of about 20 kB.
+constexpr long kGrowth_kB = 16'384;
+constexpr double kPushed_N = 0.2;
+
+double now_s() { return toSeconds(SteadyClock().now()); }
+
+/// Whether anyone listens on this port of IPv4.
+bool listening(std::uint16_t port) {
+  std::ifstream table("/proc/net/tcp");
+  std::array<char, 8> wanted{};
+  std::snprintf(wanted.data(), wanted.size(), ":%04X", port);
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream words(line);
+    std::string slot;
+    std::string local;
+    std::string remote;
+    std::string state;
+    words >> slot >> local >> remote >> state;
+    if (local.ends_with(wanted.data()) && state == "0A") return true;
+  }
+  return false;
+}
+
+std::uint16_t portOf(const std::string& address) {
+  return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+}
+
+class ProgramsLifeTest : public ProgramsTest {
+ protected:
+  /// A still scene long enough that no wrap of it disturbs a touch.
+  [[nodiscard]] std::string stillClip() const {
+    const std::string clip = makeClip("still", 1);
+    for (const char* part : {"rgb", "depth", "mask"}) {
+      const std::string folder = clip + "/" + part + "/";
+      for (int i = 101; i < 400; ++i)
+        std::filesystem::create_hard_link(folder + "100.png", folder + std::to_string(i) + ".png");
+    }
+    return clip;
+  }
+  [[nodiscard]] std::vector<LogRow> log() const { return readLog(path("log.csv")); }
+  /// A client whose hand stays on the object.
+  [[nodiscard]] std::unique_ptr<Process> follow(const std::string& address) const {
+    return startClient(
+        {address, "--hand", "follow", "--log", path("log.csv"), "--summary", path("summary.json")});
+  }
+  bool feelsForceAfter(double t_s) const {
+    return waitUntil(kSoon, [&] {
+      const auto rows = log();
+      return !rows.empty() && rows.back().t_s > t_s && rows.back().force_N.norm() > kPushed_N;
+    });
+  }
+  bool feelsNothingAfter(double t_s) const {
+    return waitUntil(kSoon, [&] {
+      const auto rows = log();
+      return !rows.empty() && rows.back().t_s > t_s && rows.back().force_N == Vec3::Zero();
+    });
+  }
+  /// Ends a client that feels a force; the force has to end first.
+  void interruptInForce(Process& client) const {
+    ASSERT_TRUE(feelsForceAfter(0.0));
+    interrupt(client);
+    const auto rows = log();
+    ASSERT_FALSE(rows.empty());
+    EXPECT_EQ(rows.back().force_N, Vec3::Zero());
+    std::ostringstream summary;
+    summary << std::ifstream(path("summary.json")).rdbuf();
+    EXPECT_NE(summary.str().find("\"step_excess_max_N\": 0,"), std::string::npos) << summary.str();
+  }
+
+  asio::io_context io;
+};
+
+TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
+  const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
+  const std::string address = addressOf(*server);
+  std::vector<std::unique_ptr<Process>> clients;
+  for (std::size_t i = 0; i < kClients; ++i)
+    clients.push_back(startClient({address, "--summary", path(std::to_string(i) + ".json")}));
+  for (const auto& client : clients) ASSERT_TRUE(client->says("connected: ", kSoon));
+  Process& killed = *clients[0];
+  Process& stopped = *clients[1];
+
+  RawPeer viewer(io, portOf(address));
+  viewer.send(Hello{kProtocolVersion, "counts", false, true});
+  double pinged_s = 0.0;
+  const auto lastId = [&] {
+    if (now_s() > pinged_s + 1.0) viewer.send(Ping{localTime(pinged_s = now_s())});
+    viewer.poll();
+    EXPECT_FALSE(viewer.closed);
+    const auto frames = viewer.all<HapticFrame>();
+    return frames.empty() ? 0 : frames.back().id;
+  };
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return lastId() > 0; }));
+  const long before_kB = server->residentMemory_kB();
+  killed.signal(SIGKILL);
+  EXPECT_EQ(killed.wait(kSoon), 128 + SIGKILL);
+  stopped.signal(SIGSTOP);
+  // Dropped, when it has taken nothing or said nothing for long.
+  EXPECT_TRUE(waitUntil(kSoon, [&] {
+    (void)lastId();
+    return countOf("closing 127.0.0.1", server->output()) == 1;
+  })) << server->output();
+  const long after_kB = server->residentMemory_kB();
+  const std::uint64_t last = lastId();
+  // The others get a second more to read what the viewer has read.
+  EXPECT_TRUE(waitUntil(kSoon, [&] { return lastId() > last + 25; }));
+  stopped.signal(SIGCONT);
+  EXPECT_TRUE(stopped.says("connected: ", kSoon, 2)) << stopped.output();
+
+  const auto frames = viewer.all<HapticFrame>();
+  for (std::size_t i = 1; i < frames.size(); ++i) ASSERT_EQ(frames[i].id, frames[i - 1].id + 1);
+  const std::uint64_t counted = last - frames.front().id + 1;
+  std::cout << kClients << " clients, " << counted << " frames counted beside a killed and a "
+            << "stopped one; server " << before_kB << " kB before, " << after_kB << " kB after\n";
+  if (kFullSpeed) {
+    EXPECT_LT(after_kB, before_kB + kGrowth_kB);
+  }
+  for (std::size_t i = 1; i < clients.size(); ++i) clients[i]->signal(SIGINT);
+  for (std::size_t i = 1; i < clients.size(); ++i) {
+    EXPECT_EQ(clients[i]->wait(kSoon), 0) << clients[i]->output();
+    if (i == 1) continue;
+    std::ostringstream summary;
+    summary << std::ifstream(path(std::to_string(i) + ".json")).rdbuf();
+    const std::string text = summary.str();
+    EXPECT_NE(text.find("\"lost\": 0,"), std::string::npos) << text;
+    EXPECT_NE(text.find("\"step_excess_max_N\": 0,"), std::string::npos) << text;
+    const std::size_t at = text.find("\"received\": ");
+    ASSERT_NE(at, std::string::npos) << text;
+    EXPECT_GE(std::stoull(text.substr(at + 12)), counted) << "client " << i;
+    EXPECT_EQ(countOf("connected: ", clients[i]->output()), 1U) << clients[i]->output();
+  }
+  interrupt(*server);
+}
+
+TEST_F(ProgramsLifeTest, AServerThatDiesAndComesBackIsTouchedAgain) {
+  const std::string clip = stillClip();
+  auto server = startServer({"--source", clip, "--loop"});
+  const std::string address = addressOf(*server);
+  const auto client = follow(address);
+  ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
+
+  const double killed_s = now_s();
+  server->signal(SIGKILL);
+  EXPECT_EQ(server->wait(kSoon), 128 + SIGKILL);
+  EXPECT_TRUE(client->says("trying again", kSoon)) << client->output();
+  ASSERT_TRUE(feelsNothingAfter(now_s()));
+  EXPECT_FALSE(listening(portOf(address)));
+
+  server = startServer({"--source", clip, "--loop"}, address);
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return listening(portOf(address)); })) << server->output();
+  const double listening_s = now_s();
+  ASSERT_TRUE(client->says("connected: ", kSoon, 2)) << client->output();
+  const double back_s = now_s() - listening_s;
+  ASSERT_TRUE(feelsForceAfter(listening_s)) << client->output();
+  interruptInForce(*client);
+  interrupt(*server);
+
+  const auto rows = log();
+  const auto faded = std::find_if(rows.begin(), rows.end(), [&](const LogRow& row) {
+    return row.t_s > killed_s && row.force_N == Vec3::Zero();
+  });
+  ASSERT_NE(faded, rows.end());
+  const auto returned = std::find_if(faded, rows.end(),
+                                     [](const LogRow& row) { return row.force_N != Vec3::Zero(); });
+  ASSERT_NE(returned, rows.end());
+  EXPECT_GT(returned->t_s, listening_s) << "no force without a server";
+  std::cout << "force at zero " << faded->t_s - killed_s << " s after the kill; connected "
+            << back_s << " s after the server listened, first force " << returned->t_s - listening_s
+            << " s after it\n";
+  if (kFullSpeed) {
+    EXPECT_LT(back_s, 2.0);
+    EXPECT_LT(faded->t_s - killed_s, 1.0);
+  }
+}
+
+TEST_F(ProgramsLifeTest, AServerThatIsToldToEndSaysGoodbye) {
+  const auto server = startServer({"--source", stillClip(), "--loop"});
+  const auto client = follow(addressOf(*server));
+  ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
+  interrupt(*server, SIGTERM);
+  EXPECT_TRUE(client->says("the server ends", kSoon)) << client->output();
+  EXPECT_TRUE(feelsNothingAfter(now_s()));
+  interrupt(*client, SIGTERM);
+  EXPECT_EQ(log().back().force_N, Vec3::Zero());
+}
+
+TEST_F(ProgramsLifeTest, AClipWithoutLoopEndsTheServer) {
+  const auto server = startServer({"--source", makeClip("clip")});
+  EXPECT_EQ(server->wait(kStart), 0) << server->output();
+  const auto cut = startServer({"--source", makeClip("clip"), "--loop", "--frames", "9"});
+  EXPECT_EQ(cut->wait(kStart), 0) << cut->output();
+}
+
+}  // namespace
+}  // namespace hapticast::testing

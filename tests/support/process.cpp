@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/process.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+namespace hapticast::testing {
+
+namespace {
+std::string temporaryFile() {
+  const char* const folder = std::getenv("TMPDIR");
+  std::string name = std::string(folder != nullptr ? folder : "/tmp") + "/hapticast_out_XXXXXX";
+  const int file = ::mkstemp(name.data());
+  if (file < 0) throw std::runtime_error(name + ": cannot be made");
+  ::close(file);
+  return name;
+}
+
+/// In the child: nothing but system calls until the program runs.
+[[noreturn]] void become(char* const* arguments, const char* output_file) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing running
+  const int input = ::open("/dev/null", O_RDONLY);
+  // Appending, so that both streams write behind each other.
+  const int output = ::open(output_file, O_WRONLY | O_APPEND);
+  ::dup2(input, STDIN_FILENO);
+  ::dup2(output, STDOUT_FILENO);
+  ::dup2(output, STDERR_FILENO);
+  ::execv(arguments[0], arguments);
+  ::_exit(127);
+}
+}  // namespace
+
+Process::Process(std::vector<std::string> command) : output_file_(temporaryFile()) {
+  std::vector<char*> arguments;
+  for (std::string& each : command) arguments.push_back(each.data());
+  arguments.push_back(nullptr);
+  pid_ = ::fork();
+  if (pid_ < 0) {
+    ::unlink(output_file_.c_str());
+    throw std::runtime_error(command.front() + ": " + std::strerror(errno));
+  }
+  if (pid_ == 0) become(arguments.data(), output_file_.c_str());
+}
+
+Process::~Process() {
+  if (running()) {
+    signal(SIGKILL);
+    (void)wait(std::chrono::seconds(10));
+  }
+  ::unlink(output_file_.c_str());
+}
+
+std::string Process::output() const {
+  std::ostringstream text;
+  text << std::ifstream(output_file_, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+bool Process::says(const std::string& text, std::chrono::seconds deadline, std::size_t times) {
+  bool ended = false;
+  (void)waitUntil(deadline, [&] {
+    ended = !running();  // before the look at the output, so that its last words count
+    return countOf(text, output()) >= times || ended;
+  });
+  return countOf(text, output()) >= times;
+}
+
+std::optional<int> Process::wait(std::chrono::seconds deadline) {
+  (void)waitUntil(deadline, [this] { return !running(); });
+  return exit_code_;
+}
+
+void Process::signal(int number) const {
+  if (!exit_code_) ::kill(pid_, number);
+}
+
+bool Process::running() {
+  if (exit_code_) return false;
+  int status = 0;
+  if (::waitpid(pid_, &status, WNOHANG) != pid_) return true;
+  exit_code_ = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  return false;
+}
+
+long Process::residentMemory_kB() const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stol(line.substr(6));
+  }
+  return 0;
+}
+
+bool waitUntil(std::chrono::seconds deadline, const std::function<bool()>& done) {
+  const auto give_up = std::chrono::steady_clock::now() + deadline;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+std::size_t countOf(const std::string& text, const std::string& where) {
+  std::size_t count = 0;
+  for (std::size_t at = where.find(text); at != std::string::npos; at = where.find(text, at + 1))
+    ++count;
+  return count;
+}
+
+}  // namespace hapticast::testing

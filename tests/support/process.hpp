@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Runs a real program as a child: its output in a file, signals, deadlines. Nothing of it outlives
+// the object. Thread: one.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hapticast::testing {
+
+class Process {
+ public:
+  /// Starts `command` (program and arguments); what it says on stdout and stderr is kept together.
+  /// A program that cannot be run ends with 127. Throws std::runtime_error if there is no process.
+  explicit Process(std::vector<std::string> command);
+  /// Kills it if it still runs.
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// All it has said so far.
+  [[nodiscard]] std::string output() const;
+  /// Whether it says `text` `times` times before `deadline`; gives up when it ends without.
+  bool says(const std::string& text, std::chrono::seconds deadline, std::size_t times = 1);
+  /// Its exit code, 128 + the signal that ended it, or nullopt if it still runs after `deadline`.
+  std::optional<int> wait(std::chrono::seconds deadline);
+  void signal(int number) const;
+  [[nodiscard]] bool running();
+  /// Its resident memory in kB, 0 when it has ended.
+  [[nodiscard]] long residentMemory_kB() const;
+
+ private:
+  pid_t pid_ = -1;
+  std::optional<int> exit_code_;
+  std::string output_file_;
+};
+
+/// Asks `done` every 20 ms until it says yes; false when it has not by the deadline.
+bool waitUntil(std::chrono::seconds deadline, const std::function<bool()>& done);
+
+/// How often `text` stands in `where`.
+std::size_t countOf(const std::string& text, const std::string& where);
+
+}  // namespace hapticast::testing
