@@ -46,7 +46,7 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                  "Write counters, tick times and extremes at the end")
       ->type_name("FILE.json");
   app.add_option("--seconds", settings.seconds, "Stop after S seconds; default: at Ctrl-C")
-      ->check(CLI::PositiveNumber)
+      ->check(numberFrom(0.001, 1e8))
       ->type_name("S");
   app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
 }

@@ -1,27 +1,43 @@
 // SPDX-License-Identifier: MIT
 #include "common/command_line.hpp"
 
+#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <iostream>
+#include <sstream>
 #include <string_view>
 #include <system_error>
+
+#include "common/text.hpp"
 
 namespace hapticast {
 
 namespace {
 
-template <class Number>
-bool parseAll(std::string_view text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 Vec2 pairOrThrow(const std::string& name, const std::string& text, const std::string& form) {
   const auto pair = parsePair(text);
-  if (!pair) throw CLI::ValidationError(name, "'" + text + "' is not " + form);
+  if (!pair) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
   return *pair;
 }
+
+/// Config files as readKeyValues() has them. CLI11's own reader takes sections, nests them without
+/// a limit, and loses a key that is repeated further down.
+class KeyValueConfig : public CLI::ConfigBase {
+ public:
+  [[nodiscard]] std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    const auto pairs = readKeyValues(in, "--config");
+    if (!pairs.ok()) throw CLI::FileError(pairs.error().message, CLI::ExitCodes::FileError);
+    std::vector<CLI::ConfigItem> items;
+    for (const KeyValue& pair : pairs.value()) {
+      const auto same = std::find_if(items.begin(), items.end(),
+                                     [&](const auto& item) { return item.name == pair.key; });
+      CLI::ConfigItem& item = same != items.end() ? *same : items.emplace_back();
+      item.name = pair.key;
+      item.inputs.push_back(pair.value);
+    }
+    return items;
+  }
+};
 
 }  // namespace
 
@@ -41,7 +57,11 @@ std::optional<Endpoint> parseEndpoint(const std::string& text) {
   }
   if (endpoint.host.empty() || endpoint.host.find_first_of(" \t/") != std::string::npos)
     return std::nullopt;
-  if (!rest.empty() && !parseAll(rest.substr(1), endpoint.port)) return std::nullopt;
+  if (!rest.empty()) {
+    const char* const end = rest.data() + rest.size();
+    const auto [stop, error] = std::from_chars(rest.data() + 1, end, endpoint.port);
+    if (error != std::errc() || stop != end) return std::nullopt;
+  }
   return endpoint;
 }
 
@@ -49,11 +69,21 @@ std::optional<Vec2> parsePair(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos) return std::nullopt;
   const std::string_view view = text;
-  Vec2 pair;
-  if (!parseAll(view.substr(0, comma), pair.x()) || !parseAll(view.substr(comma + 1), pair.y()))
-    return std::nullopt;
-  if (!pair.allFinite()) return std::nullopt;
-  return pair;
+  const auto first = parseNumber(view.substr(0, comma));
+  const auto second = parseNumber(view.substr(comma + 1));
+  if (!first || !second) return std::nullopt;
+  return Vec2(*first, *second);
+}
+
+CLI::Validator numberFrom(double least, double most) {
+  std::ostringstream range;
+  range << least << " to " << most;
+  return {[least, most, range = range.str()](std::string& text) {
+            const auto value = parseNumber(text);
+            if (value && *value >= least && *value <= most) return std::string();
+            return inQuotes(text) + " is not a number from " + range;
+          },
+          range.str()};
 }
 
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
@@ -62,7 +92,7 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
     const auto endpoint = parseEndpoint(text);
     if (!endpoint) {
       throw CLI::ValidationError(
-          name, "'" + text + "' is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
+          name, inQuotes(text) + " is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
     }
     value = *endpoint;
   };
@@ -92,8 +122,7 @@ CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>&
 void addConfigFile(CLI::App& app) {
   app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name");
   app.allow_config_extras(CLI::config_extras_mode::error);
-  // A comma (505,330) or a bracket ([::1]:80) belongs to the value; a list is a key repeated.
-  app.get_config_formatter_base()->arrayDelimiter(';')->arrayBounds('{', '}');
+  app.config_formatter(std::make_shared<KeyValueConfig>());
 }
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/geometry.hpp"
+#include "common/text.hpp"
 
 namespace hapticast {
 
@@ -26,6 +27,10 @@ struct Endpoint {
 std::optional<Endpoint> parseEndpoint(const std::string& text);
 /// Two finite numbers "A,B"; nullopt otherwise.
 std::optional<Vec2> parsePair(const std::string& text);
+
+/// Lets a finite number through that is at least and at most so large (CLI::Range and
+/// CLI::PositiveNumber let NaN through).
+CLI::Validator numberFrom(double least, double most);
 
 /// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
 /// px".
@@ -45,14 +50,14 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
   const auto set = [&value, &choices, name, names](const std::string& text) {
     const auto found = choices.find(text);
     if (found == choices.end())
-      throw CLI::ValidationError(name, "'" + text + "' is not one of " + names);
+      throw CLI::ValidationError(name, inQuotes(text) + " is not one of " + names);
     value = found->second;
   };
   return app.add_option_function<std::string>(name, set, help)->type_name(names);
 }
 
-/// Lets `--config FILE` hold every flag of `app` as a key of the same name; unknown keys are
-/// refused.
+/// Lets `--config FILE` hold every flag of `app` as a key of the same name (`key = value` lines,
+/// readKeyValues(); a list is a key repeated); unknown keys are refused.
 void addConfigFile(CLI::App& app);
 
 /// Parses; nullopt: go on. Otherwise the exit code to leave with, after one line on stderr (2) or

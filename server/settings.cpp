@@ -20,13 +20,16 @@ const std::map<std::string, MotionMode> kMotionModes{{"auto", MotionMode::kAuto}
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
 
+constexpr double kMostDepth_mm = 1e6;
+
 /// --depth-range NEAR,FAR into the vision's own type.
 void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
   const auto set = [&range](const std::string& text) {
     const auto pair = parsePair(text);
-    if (!pair || pair->x() < 0.0 || pair->y() <= pair->x()) {
-      throw CLI::ValidationError("--depth-range",
-                                 "'" + text + "' is not NEAR,FAR in mm with 0 <= NEAR < FAR");
+    if (!pair || pair->x() < 0.0 || pair->y() <= pair->x() || pair->y() > kMostDepth_mm) {
+      throw CLI::ValidationError(
+          "--depth-range",
+          inQuotes(text) + " is not NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000");
     }
     range = DepthRange{pair->x(), pair->y()};
   };
@@ -44,7 +47,7 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
                  "camera:N,M (colour camera, depth camera)")
       ->required();
   app.add_option("--fps", settings.fps, "Frames a second; default: the source's own")
-      ->check(CLI::Range(1.0, 240.0));
+      ->check(numberFrom(1.0, 240.0));
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_option("--frames", settings.frames, "Stop after N frames")
       ->check(CLI::PositiveNumber)
@@ -70,11 +73,11 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "Velocity from Lucas-Kanade (x, y), depth differences (z), auto: both, or none");
   app.add_option("--stiffness", vision.material.stiffness_N_mm,
                  "The surface's stiffness; default: each viewer's own")
-      ->check(CLI::Range(0.01, 10.0))
+      ->check(numberFrom(0.01, 10.0))
       ->type_name("N/MM");
   app.add_option("--mass", vision.mass_kg,
                  "The object's mass for the dynamic force; default: each viewer's choice")
-      ->check(CLI::Range(0.001, 100.0))
+      ->check(numberFrom(0.001, 100.0))
       ->type_name("KG");
   addChoice(app, "--method", vision.method, kMethods,
             "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "

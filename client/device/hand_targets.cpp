@@ -49,12 +49,21 @@ HandTarget checked(const std::array<double, 4>& row, const std::vector<HandTarge
 
 std::vector<HandTarget> loadHandTargets(const std::string& file) {
   std::ifstream in(file);
+  if (!in) {
+    throw std::runtime_error(file +
+                             ": cannot be read (a file of t_s,x_mm,y_mm,z_mm rows is wanted)");
+  }
+  return readHandTargets(in, file);
+}
+
+std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& file) {
   std::vector<HandTarget> targets;
   std::array<char, kLongestLine + 1> buffer{};
   std::size_t line = 0;
   while (in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) {
     ++line;
-    std::string_view text(buffer.data());
+    std::string_view text(buffer.data(), static_cast<std::size_t>(in.gcount()));
+    if (!in.eof()) text.remove_suffix(1);  // the end of the line
     while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
     if (text.empty() || (line == 1 && text == "t_s,x_mm,y_mm,z_mm")) continue;
     std::array<double, 4> row{};
@@ -62,13 +71,7 @@ std::vector<HandTarget> loadHandTargets(const std::string& file) {
     if (targets.size() == kMostRows) fail(file, line, "more than a million rows");
     targets.push_back(checked(row, targets, file, line));
   }
-  if (!in.eof()) {
-    if (line == 0 && !in.is_open()) {
-      throw std::runtime_error(file +
-                               ": cannot be read (a file of t_s,x_mm,y_mm,z_mm rows is wanted)");
-    }
-    fail(file, line + 1, "unreadable or longer than 256 characters");
-  }
+  if (!in.eof()) fail(file, line + 1, "unreadable or longer than 256 characters");
   if (targets.empty()) throw std::runtime_error(file + ": no rows of t_s,x_mm,y_mm,z_mm");
   return targets;
 }
