@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "common/command_line.hpp"
 
+#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -10,19 +10,28 @@
 #include <system_error>
 #include <type_traits>
 
+#include "common/text.hpp"
+
 namespace hapticast {
 
 namespace {
 
+/// The whole of `text` as a number; nullopt otherwise. Doubles are finite.
 template <class Number>
-bool parseAll(std::string_view text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
+std::optional<Number> parsed(std::string_view text) {
+  if constexpr (std::is_same_v<Number, double>) {
+    return parseNumber(text);
+  } else {
+    Number value{};
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc() && stop == end ? std::optional(value) : std::nullopt;
+  }
 }
 
 Vec2 pairOrThrow(const std::string& name, const std::string& text, const std::string& form) {
   const auto pair = parsePair(text);
-  if (!pair) throw CLI::ValidationError(name, "'" + text + "' is not " + form);
+  if (!pair) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
   return *pair;
 }
 
@@ -33,16 +42,21 @@ std::string unknownWords(const CLI::App& app) {
   return words;
 }
 
+/// Marks what readKeyValues() says of a config file; the file's name takes its place.
+const std::string kConfigText = "config text";
+
 /// CLI11's complaint in words that name the flag or file and what is wrong with it.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   const std::string what = error.what();
   const auto after = [&what](const std::string& start) {
     return what.starts_with(start) ? what.substr(start.size()) : what;
   };
-  const std::string config = "--config " + app.get_config_ptr()->as<std::string>() + ": ";
-  if (dynamic_cast<const CLI::FileError*>(&error) != nullptr) return config + "cannot be read";
+  const std::string config = "--config " + app.get_config_ptr()->as<std::string>();
+  if (dynamic_cast<const CLI::FileError*>(&error) != nullptr) {
+    return config + (what.starts_with(kConfigText) ? after(kConfigText) : ": cannot be read");
+  }
   if (dynamic_cast<const CLI::ConfigError*>(&error) != nullptr) {
-    return config + "'" + after("INI was not able to parse ") + "' is no flag's name";
+    return config + ": '" + after("INI was not able to parse ") + "' is no flag's name";
   }
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) {
     return after("Could not convert: ") + ": a flag is on or off (true or false)";
@@ -54,6 +68,25 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   if (!app.remaining().empty()) return "not understood:" + unknownWords(app);
   return what;
 }
+
+/// Config files as readKeyValues() has them. CLI11's own reader takes sections, nests them without
+/// a limit, and loses a key that is repeated further down.
+class KeyValueConfig : public CLI::ConfigBase {
+ public:
+  [[nodiscard]] std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    const auto pairs = readKeyValues(in, kConfigText);
+    if (!pairs.ok()) throw CLI::FileError(pairs.error().message, CLI::ExitCodes::FileError);
+    std::vector<CLI::ConfigItem> items;
+    for (const KeyValue& pair : pairs.value()) {
+      const auto same = std::find_if(items.begin(), items.end(),
+                                     [&](const auto& item) { return item.name == pair.key; });
+      CLI::ConfigItem& item = same != items.end() ? *same : items.emplace_back();
+      item.name = pair.key;
+      item.inputs.push_back(pair.value);
+    }
+    return items;
+  }
+};
 
 }  // namespace
 
@@ -73,7 +106,11 @@ std::optional<Endpoint> parseEndpoint(const std::string& text) {
   }
   if (endpoint.host.empty() || endpoint.host.find_first_of(" \t/") != std::string::npos)
     return std::nullopt;
-  if (!rest.empty() && !parseAll(rest.substr(1), endpoint.port)) return std::nullopt;
+  if (!rest.empty()) {
+    const auto port = parsed<std::uint16_t>(rest.substr(1));
+    if (!port) return std::nullopt;
+    endpoint.port = *port;
+  }
   return endpoint;
 }
 
@@ -81,11 +118,10 @@ std::optional<Vec2> parsePair(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos) return std::nullopt;
   const std::string_view view = text;
-  Vec2 pair;
-  if (!parseAll(view.substr(0, comma), pair.x()) || !parseAll(view.substr(comma + 1), pair.y()))
-    return std::nullopt;
-  if (!pair.allFinite()) return std::nullopt;
-  return pair;
+  const auto first = parseNumber(view.substr(0, comma));
+  const auto second = parseNumber(view.substr(comma + 1));
+  if (!first || !second) return std::nullopt;
+  return Vec2(*first, *second);
 }
 
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
@@ -94,7 +130,7 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
     const auto endpoint = parseEndpoint(text);
     if (!endpoint) {
       throw CLI::ValidationError(
-          name, "'" + text + "' is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
+          name, inQuotes(text) + " is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
     }
     value = *endpoint;
   };
@@ -103,12 +139,13 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
 
 template <class Number>
 Number numberOrThrow(const std::string& name, const std::string& text, Number least, Number most) {
-  Number value{};
-  if (parseAll(text, value) && value >= least && value <= most) return value;
+  if (const auto value = parsed<Number>(text); value && *value >= least && *value <= most) {
+    return *value;
+  }
   std::ostringstream form;
   form << std::setprecision(12) << (std::is_integral_v<Number> ? "a whole number" : "a number")
        << " from " << least << " to " << most;
-  throw CLI::ValidationError(name, "'" + text + "' is not " + form.str());
+  throw CLI::ValidationError(name, inQuotes(text) + " is not " + form.str());
 }
 template double numberOrThrow(const std::string&, const std::string&, double, double);
 template std::uint64_t numberOrThrow(const std::string&, const std::string&, std::uint64_t,
@@ -138,8 +175,7 @@ void addConfigFile(CLI::App& app) {
   app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name")
       ->type_name("FILE");
   app.allow_config_extras(CLI::config_extras_mode::error);
-  // A comma (505,330) or a bracket ([::1]:80) belongs to the value; a list is a key repeated.
-  app.get_config_formatter_base()->arrayDelimiter(';')->arrayBounds('{', '}');
+  app.config_formatter(std::make_shared<KeyValueConfig>());
 }
 
 std::string oneLine(std::string text) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/geometry.hpp"
+#include "common/text.hpp"
 
 namespace hapticast {
 
@@ -60,14 +61,14 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
   const auto set = [&value, &choices, name, names](const std::string& text) {
     const auto found = choices.find(text);
     if (found == choices.end())
-      throw CLI::ValidationError(name, "'" + text + "' is not one of " + names);
+      throw CLI::ValidationError(name, inQuotes(text) + " is not one of " + names);
     value = found->second;
   };
   return app.add_option_function<std::string>(name, set, help)->type_name(names);
 }
 
-/// Lets `--config FILE` hold every flag of `app` as a key of the same name; unknown keys are
-/// refused.
+/// Lets `--config FILE` hold every flag of `app` as a key of the same name (`key = value` lines,
+/// readKeyValues(); a list is a key repeated); unknown keys are refused.
 void addConfigFile(CLI::App& app);
 
 /// `text` with control characters as '?': what files and peers bring must not steer a terminal.

@@ -20,13 +20,16 @@ const std::map<std::string, MotionMode> kMotionModes{{"auto", MotionMode::kAuto}
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
 
+constexpr double kMostDepth_mm = 1e6;
+
 /// --depth-range NEAR,FAR into the vision's own type.
 void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
   const auto set = [&range](const std::string& text) {
     const auto pair = parsePair(text);
-    if (!pair || pair->x() < 0.0 || pair->y() <= pair->x()) {
-      throw CLI::ValidationError("--depth-range",
-                                 "'" + text + "' is not NEAR,FAR in mm with 0 <= NEAR < FAR");
+    if (!pair || pair->x() < 0.0 || pair->y() <= pair->x() || pair->y() > kMostDepth_mm) {
+      throw CLI::ValidationError(
+          "--depth-range",
+          inQuotes(text) + " is not NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000");
     }
     range = DepthRange{pair->x(), pair->y()};
   };

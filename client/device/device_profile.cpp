@@ -2,7 +2,6 @@
 #include "client/device/device_profile.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -10,10 +9,11 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "common/text.hpp"
+
 namespace hapticast::client {
 
 namespace {
-constexpr std::size_t kLargestFile = 65'536;
 constexpr std::size_t kLongestName = 64;
 
 /// Omni class. Its backdrive friction is said to be 0.26 N; the least that is sure is taken, since
@@ -66,38 +66,25 @@ constexpr int kMostDelay_ticks = 5;
 constexpr double kLeastWorkspace_mm = 10.0;
 constexpr double kMostWorkspace_mm = 2000.0;
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// A file position that complains.
 struct Place {
   const std::string& file;
   int line;
-  std::string key;
+  const std::string& key;
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error(file + ":" + std::to_string(line) + ": " +
-                             (key.empty() ? "" : key + ": ") + what);
+    throw std::runtime_error(file + ":" + std::to_string(line) + ": " + key + ": " + what);
   }
 };
 
-std::string shortened(std::string_view text) {
-  return "'" + std::string(text.substr(0, 40)) + (text.size() > 40 ? "...'" : "'");
-}
-
 double number(std::string_view text, double least, double most, const Place& place) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() ||
-      !(value >= least && value <= most)) {
+  const auto value = parseNumber(text);
+  if (!value || *value < least || *value > most) {
     std::ostringstream what;
-    what << shortened(text) << " is not a number from " << least << " to " << most;
+    what << inQuotes(text) << " is not a number from " << least << " to " << most;
     place.fail(what.str());
   }
-  return value;
+  return *value;
 }
 
 Vec3 workspace(std::string_view text, const Place& place) {
@@ -126,7 +113,7 @@ void assign(DeviceProfile& profile, std::string_view value, const Place& place) 
     profile.name = value;
   } else if (place.key == "delay_ticks") {
     const double ticks = number(value, 0, kMostDelay_ticks, place);
-    if (ticks != std::floor(ticks)) place.fail(shortened(value) + " is not a whole number");
+    if (ticks != std::floor(ticks)) place.fail(inQuotes(value) + " is not a whole number");
     profile.delay_ticks = static_cast<int>(ticks);
   } else if (place.key == "workspace_mm") {
     profile.workspace_mm = workspace(value, place);
@@ -140,51 +127,34 @@ void assign(DeviceProfile& profile, std::string_view value, const Place& place) 
   }
 }
 
-std::string readSmallFile(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text(kLargestFile + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad() || (in.gcount() == 0 && !in.eof())) {
-    throw std::runtime_error(file +
-                             ": cannot be read as a device profile (allowed are omni, falcon or a "
-                             "readable file)");
-  }
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kLargestFile) {
-    throw std::runtime_error(file + ": larger than 64 KiB, not a device profile");
-  }
-  return text;
-}
+}  // namespace
 
-DeviceProfile parse(const std::string& file, const std::string& text) {
+DeviceProfile readDeviceProfile(std::istream& in, const std::string& file) {
+  const auto pairs = readKeyValues(in, file);
+  if (!pairs.ok()) throw std::runtime_error(pairs.error().message);
   DeviceProfile profile = omni();
   std::set<std::string> seen;
-  std::istringstream lines(text);
-  std::string line;
-  for (int count = 1; std::getline(lines, line); ++count) {
-    const std::string_view content = trimmed(std::string_view(line).substr(0, line.find('#')));
-    if (content.empty()) continue;
-    const auto equals = content.find('=');
-    if (equals == std::string_view::npos) {
-      Place{file, count, ""}.fail(shortened(content) + " is not a `key = value` line");
-    }
-    const Place place{
-        file, count,
-        std::string(trimmed(content.substr(0, std::min<std::size_t>(equals, kLongestName))))};
-    if (!seen.insert(place.key).second) place.fail("stands twice");
-    assign(profile, trimmed(content.substr(equals + 1)), place);
+  for (const KeyValue& pair : pairs.value()) {
+    const Place place{file, pair.line, pair.key};
+    if (!seen.insert(pair.key).second) place.fail("stands twice");
+    assign(profile, pair.value, place);
   }
   if (profile.continuous_N > profile.peak_N) {
     throw std::runtime_error(file + ": continuous_N is larger than peak_N");
   }
   return profile;
 }
-}  // namespace
 
 DeviceProfile loadDeviceProfile(const std::string& name_or_file) {
   if (name_or_file == "omni") return omni();
   if (name_or_file == "falcon") return falcon();
-  return parse(name_or_file, readSmallFile(name_or_file));
+  std::ifstream in(name_or_file, std::ios::binary);
+  if (!in) {
+    throw std::runtime_error(name_or_file +
+                             ": cannot be read as a device profile (allowed are omni, falcon or a "
+                             "readable file)");
+  }
+  return readDeviceProfile(in, name_or_file);
 }
 
 }  // namespace hapticast::client

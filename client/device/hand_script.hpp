@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <istream>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct HandTarget {
 /// +-1000 mm, at most a million rows. Throws std::runtime_error with one line that names file and
 /// line.
 std::vector<HandTarget> loadHandTargets(const std::string& file);
+/// The text of such a file; `file` only names it in complaints.
+std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& file);
 
 /// What the hand reckons with when it pushes.
 struct HandStiffness {

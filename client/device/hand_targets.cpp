@@ -20,6 +20,12 @@ constexpr double kFarthest_mm = 1000.0;
   throw std::runtime_error(file + ":" + std::to_string(line) + ": " + what);
 }
 
+std::runtime_error unreadable(const std::string& file) {
+  return std::runtime_error(file +
+                            ": cannot be read (allowed are press, slide, follow or a file of "
+                            "t_s,x_mm,y_mm,z_mm rows)");
+}
+
 /// Four numbers separated by commas, or false.
 bool parseRow(std::string_view text, std::array<double, 4>& row) {
   const char* at = text.data();
@@ -49,12 +55,18 @@ HandTarget checked(const std::array<double, 4>& row, const std::vector<HandTarge
 
 std::vector<HandTarget> loadHandTargets(const std::string& file) {
   std::ifstream in(file);
+  if (!in) throw unreadable(file);
+  return readHandTargets(in, file);
+}
+
+std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& file) {
   std::vector<HandTarget> targets;
   std::array<char, kLongestLine + 1> buffer{};
   std::size_t line = 0;
   while (in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) {
     ++line;
-    std::string_view text(buffer.data());
+    std::string_view text(buffer.data(), static_cast<std::size_t>(in.gcount()));
+    if (!in.eof()) text.remove_suffix(1);  // the end of the line
     while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
     if (text.empty() || (line == 1 && text == "t_s,x_mm,y_mm,z_mm")) continue;
     std::array<double, 4> row{};
@@ -63,11 +75,7 @@ std::vector<HandTarget> loadHandTargets(const std::string& file) {
     targets.push_back(checked(row, targets, file, line));
   }
   if (!in.eof()) {
-    if (in.bad() || !in.is_open()) {
-      throw std::runtime_error(file +
-                               ": cannot be read (allowed are press, slide, follow or a file of "
-                               "t_s,x_mm,y_mm,z_mm rows)");
-    }
+    if (in.bad()) throw unreadable(file);
     fail(file, line + 1, "longer than 256 characters");
   }
   if (targets.empty()) throw std::runtime_error(file + ": no rows of t_s,x_mm,y_mm,z_mm");

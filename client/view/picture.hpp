@@ -4,13 +4,9 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <span>
 
 namespace hapticast::client {
-
-/// The size a JPEG announces in its frame header, without decoding it; nullopt when there is none.
-std::optional<cv::Size> jpegSize(std::span<const std::uint8_t> jpeg);
 
 /// Decodes to CV_8UC3. Empty unless it is a whole JPEG of exactly `expected` size: what comes from
 /// outside says how much memory a decoder takes, so it is held against the announced picture first.

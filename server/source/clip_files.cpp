@@ -11,6 +11,7 @@
 #include <map>
 #include <string_view>
 
+#include "common/text.hpp"
 #include "server/source/json_scalars.hpp"
 #include "server/source/rgbd_source.hpp"
 
@@ -33,15 +34,6 @@ std::string readText(const fs::path& file) {
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   if (!in) throw SourceError(file.string() + ": cannot be read");
   return text;
-}
-
-std::optional<double> parseNumber(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
 }
 
 bool isImage(const fs::path& file) {
@@ -200,7 +192,7 @@ class Meta {
     if (found == scalars_.end() || found->second == "null") return std::nullopt;
     const auto value = parseNumber(found->second);
     if (!value || *value < low || *value > high) {
-      throw SourceError(file_.string() + ": \"" + key + "\" is " + found->second +
+      throw SourceError(file_.string() + ": \"" + key + "\" is " + inQuotes(found->second) +
                         ", where a number from " + trimmed(low) + " to " + trimmed(high) +
                         " is expected");
     }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
+#include "common/jpeg_size.hpp"
 
 namespace hapticast::server {
 
@@ -19,42 +20,19 @@ namespace {
 
 constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
 
-using Bytes = std::vector<std::uint8_t>;
+using Bytes = std::span<const std::uint8_t>;
 
-std::uint32_t bigEndian(const Bytes& bytes, std::size_t at, std::size_t count) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) value = value << 8U | bytes[at + i];
-  return value;
-}
-
-struct HeaderSize {
-  std::uint32_t width, height;
-};
-
-std::optional<HeaderSize> pngSize(const Bytes& bytes) {
+std::optional<PictureSize> pngSize(Bytes bytes) {
   constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   if (bytes.size() < 24 || !std::equal(kSignature.begin(), kSignature.end(), bytes.begin())) {
     return std::nullopt;
   }
-  return HeaderSize{bigEndian(bytes, 16, 4), bigEndian(bytes, 20, 4)};
-}
-
-/// Walks the segments up to the start-of-frame one.
-std::optional<HeaderSize> jpegSize(const Bytes& bytes) {
-  if (bytes.size() < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8) return std::nullopt;
-  std::size_t at = 2;
-  while (at + 9 <= bytes.size() && bytes[at] == 0xFF) {
-    const std::uint8_t marker = bytes[at + 1];
-    if (marker == 0xFF) {  // fill byte
-      ++at;
-      continue;
-    }
-    const bool is_frame =
-        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame) return HeaderSize{bigEndian(bytes, at + 7, 2), bigEndian(bytes, at + 5, 2)};
-    at += 2 + bigEndian(bytes, at + 2, 2);
-  }
-  return std::nullopt;
+  const auto bigEndian = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (const std::uint8_t byte : bytes.subspan(at, 4)) value = value << 8U | byte;
+    return value;
+  };
+  return PictureSize{bigEndian(16), bigEndian(20)};
 }
 
 std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
@@ -63,7 +41,7 @@ std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
 }
 
 /// The whole file, or a problem.
-std::string readBytes(const std::filesystem::path& file, Bytes& bytes) {
+std::string readBytes(const std::filesystem::path& file, std::vector<std::uint8_t>& bytes) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) return "cannot be read (" + error.message() + ")";
@@ -76,27 +54,35 @@ std::string readBytes(const std::filesystem::path& file, Bytes& bytes) {
 }
 
 ImageResult readFile(const std::filesystem::path& file, int flags) {
-  Bytes bytes;
+  std::vector<std::uint8_t> bytes;
   if (std::string problem = readBytes(file, bytes); !problem.empty()) return {{}, problem};
+  return decodeImage(bytes, flags);
+}
+
+}  // namespace
+
+ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto size = pngSize(bytes);
   if (!size) size = jpegSize(bytes);
   if (!size) return {{}, "is not a PNG or JPEG image"};
-  if (size->width > kMaxWidth_px || size->height > kMaxHeight_px) {
-    return {{}, tooLarge(size->width, size->height)};
+  if (size->width_px > kMaxWidth_px || size->height_px > kMaxHeight_px) {
+    return {{}, tooLarge(size->width_px, size->height_px)};
   }
-  if (bytes[0] == 0x89 && text.rfind("IEND") == std::string_view::npos) return {{}, "is cut off"};
+  // The decoders would fill what is missing with grey.
+  const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
+  if (text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
   cv::Mat image;
   try {
-    image = cv::imdecode(bytes, flags);
+    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1,
+                                 const_cast<std::uint8_t*>(bytes.data())),
+                         flags);
   } catch (const cv::Exception&) {
     image.release();
   }
   if (image.empty()) return {{}, "cannot be decoded"};
   return {image, ""};
 }
-
-}  // namespace
 
 std::string sizeText(int width_px, int height_px) {
   return std::to_string(width_px) + "x" + std::to_string(height_px);

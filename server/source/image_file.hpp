@@ -3,8 +3,10 @@
 // phrases that complete a sentence beginning with the file's name. Thread: any.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <span>
 #include <string>
 
 #include "server/source/rgbd_source.hpp"
@@ -35,6 +37,9 @@ struct DepthFormat {
 /// Reads a PNG or JPEG of at most 1920x1080 and 64 MiB: as BGR (CV_8UC3), or as it is in the file.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
+
+/// The same of a file's bytes; `flags` are cv::ImreadModes.
+[[nodiscard]] ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags);
 
 /// A depth picture as it came (CV_8UC1, CV_8UC3 with equal channels, CV_16UC1) -> CV_32FC1 as
 /// RgbdFrame has it.

@@ -9,6 +9,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kMaxDepth = 32;
+constexpr std::size_t kMaxPath_bytes = 256;
 
 /// Recursive descent; every function returns false at the first thing that is not JSON.
 class Reader {
@@ -31,7 +32,7 @@ class Reader {
   }
 
   bool value(const std::string& path, bool keep, int depth) {
-    if (depth > kMaxDepth) return false;
+    if (depth > kMaxDepth || path.size() > kMaxPath_bytes) return false;
     std::string scalar;
     switch (peek()) {
       case '{':

@@ -12,7 +12,7 @@ namespace hapticast::server {
 
 /// Path ("intrinsics.fx") -> text of the value: a string without quotes (escapes of one character
 /// resolved, \u kept as '?'), or a number, true, false, null as written. Elements of arrays are
-/// left out. nullopt: not a JSON object, or nested deeper than 32.
+/// left out. nullopt: not a JSON object, nested deeper than 32, or a path longer than 256 bytes.
 [[nodiscard]] std::optional<std::map<std::string, std::string>> readJsonScalars(
     std::string_view text);
 

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
+
+#include "tests/unit/client/complaint.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -127,46 +130,41 @@ TEST(HandScript, AnObjectThatLeapsIsFollowedSmoothly) {
   EXPECT_LE(scenery.hardest_mm_s2, 5001.0);
 }
 
-class HandTargetsFile : public testing::Test {
- protected:
-  void TearDown() override { std::remove(file_.c_str()); }
-  std::vector<HandTarget> load(const std::string& text) {
-    std::ofstream(file_, std::ios::binary) << text;
-    return loadHandTargets(file_);
-  }
-  std::string complaint(const std::string& text) {
-    try {
-      (void)load(text);
-    } catch (const std::runtime_error& error) {
-      const std::string what = error.what();
-      EXPECT_EQ(what.find(file_), 0u) << what;
-      return what.substr(std::min(what.size(), file_.size()));
-    }
-    return "accepted";
-  }
-  const std::string file_ = testing::TempDir() + "hand_" +
-                            testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
-};
+std::vector<HandTarget> read(const std::string& text) {
+  std::istringstream in(text);
+  return readHandTargets(in, "a file");
+}
+std::string complaint(const std::string& text) { return complaint(readHandTargets, text); }
 
-TEST_F(HandTargetsFile, IsFollowedLinearly) {
+TEST(HandTargetsFile, IsFollowedLinearly) {
   HandScript hand(HandKind::kFile, {},
-                  load("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
+                  read("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
   Scenery scenery;
   for (int i = 0; i < 1001; ++i) scenery.step(hand);  // the first step is t = 0
   EXPECT_NEAR((scenery.target_mm - Vec3(5.0, -10.0, 35.0)).norm(), 0.0, 1e-9);
   for (int i = 0; i < 5000; ++i) scenery.step(hand);
   EXPECT_EQ(scenery.target_mm, Vec3(10.0, -20.0, 30.0));
-  HandScript early(HandKind::kFile, {}, load("0.5,1,2,3"));
+  HandScript early(HandKind::kFile, {}, read("0.5,1,2,3"));
   scenery.step(early);
   EXPECT_EQ(scenery.target_mm, Vec3(1.0, 2.0, 3.0));
 }
 
-TEST_F(HandTargetsFile, ComplaintsNameTheLine) {
+TEST(HandTargetsFile, IsReadFromAFile) {
+  const std::string file = testing::TempDir() + "hapticast_hand.csv";
+  std::ofstream(file, std::ios::binary) << "0.5,1,2,3\n";
+  const auto targets = loadHandTargets(file);
+  ASSERT_EQ(targets.size(), 1U);
+  EXPECT_EQ(targets[0].position_mm, Vec3(1.0, 2.0, 3.0));
+  std::remove(file.c_str());
+}
+
+TEST(HandTargetsFile, ComplaintsNameTheLine) {
   const std::string row = ": a row is four numbers: t_s,x_mm,y_mm,z_mm";
   EXPECT_EQ(complaint("0,1,2"), ":1" + row);
   EXPECT_EQ(complaint("0,1,2,3\n1,1,2,3,4"), ":2" + row);
   EXPECT_EQ(complaint("0,1,2,3\n1,1,2,x"), ":2" + row);
   EXPECT_EQ(complaint("0,1,2,3\nt_s,x_mm,y_mm,z_mm"), ":2" + row);
+  EXPECT_EQ(complaint(std::string("0,1,2,3\0,4", 10)), ":1" + row);
   EXPECT_EQ(complaint("0,1,2,nan"), ":1: a position is not within -1000 to 1000 mm");
   EXPECT_EQ(complaint("0,1,2000,3"), ":1: a position is not within -1000 to 1000 mm");
   EXPECT_EQ(complaint("-1,1,2,3"), ":1: t_s is not from 0 to 86400");

@@ -36,6 +36,14 @@ struct Extreme {
   }
   Extreme(const Extreme&) = delete;
   Extreme& operator=(const Extreme&) = delete;
+  void raiseWall(double velocity_mm_s, int ticks) {
+    rig.wall_velocity_mm_s = velocity_mm_s;
+    for (int i = 0; i < ticks; ++i) {
+      rig.wall_mm += velocity_mm_s * 1e-3;
+      rig.step();
+    }
+    rig.wall_velocity_mm_s = 0.0;
+  }
   Rig rig;
   std::string name;
 };
@@ -59,12 +67,7 @@ TEST_P(SafetyExtremes, SurfaceAppearsFarAboveTheTip) {
 TEST_P(SafetyExtremes, SurfaceRisesThirtyMillimetresWithinAFrame) {
   Extreme e(GetParam());
   e.name = "30 mm rise within one frame of 40 ms";
-  e.rig.wall_velocity_mm_s = 750.0;
-  for (int i = 0; i < 40; ++i) {
-    e.rig.wall_mm += 0.75;
-    e.rig.step();
-  }
-  e.rig.wall_velocity_mm_s = 0.0;
+  e.raiseWall(750.0, 40);
   e.rig.run(1000);
   EXPECT_GT(e.rig.max_force_N, 1.0);
 }
@@ -145,12 +148,7 @@ TEST_P(SafetyExtremes, ObjectArrivesFast) {
   Extreme e(GetParam(), 5.0);
   e.name = "object arrives at 0.9 m/s";
   e.rig.wall_mm = -20.0;
-  e.rig.wall_velocity_mm_s = 900.0;
-  for (int i = 0; i < 33; ++i) {
-    e.rig.wall_mm += 0.9;
-    e.rig.step();
-  }
-  e.rig.wall_velocity_mm_s = 0.0;
+  e.raiseWall(900.0, 33);
   e.rig.run(1000);
   EXPECT_GT(e.rig.max_force_N, 0.5);
 }

@@ -37,7 +37,7 @@ class CommandLineTest : public testing::Test {
   CommandLineTest() : app_("test", "program") {
     addPairs(app_, "--object", points_, "points", "U,V in px");
     addEndpoint(app_, "--listen", listen_, "where");
-    app_.add_option("--fps", fps_, "rate")->check(CLI::Range(1.0, 240.0));
+    addNumber(app_, "--fps", fps_, 1.0, 240.0, "1..240", "rate");
     addConfigFile(app_);
   }
 
@@ -82,6 +82,45 @@ TEST_F(CommandLineTest, ConfigFileHoldsTheSameKeys) {
   EXPECT_EQ(points_, (std::vector<Vec2>{{505.0, 330.0}, {10.0, 20.0}}));
   EXPECT_EQ(listen_, (Endpoint{"::1", 90}));
   EXPECT_DOUBLE_EQ(fps_, 60.0);
+}
+
+TEST_F(CommandLineTest, NumbersAreFiniteAndWithinTheirRange) {
+  for (const char* text : {"nan", "inf", "-1", "0.99", "241", "1e999", "60 ", "6O", "0x20"}) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse({"--fps", text}), 2) << text;
+    const std::string line = testing::internal::GetCapturedStderr();
+    EXPECT_NE(line.find("--fps"), std::string::npos) << line;
+    EXPECT_NE(line.find(" is not a number from 1 to 240"), std::string::npos) << line;
+  }
+  EXPECT_EQ(parse({"--fps", "2.4e2"}), std::nullopt);
+  EXPECT_DOUBLE_EQ(fps_, 240.0);
+}
+
+TEST_F(CommandLineTest, ConfigFileCollectsAListFromAllItsLines) {
+  const std::string path = testing::TempDir() + "/hapticast_list.conf";
+  std::ofstream(path) << "object = 1,2\nfps = 60\nobject = 3,4\n";
+  EXPECT_EQ(parse({"--config", path.c_str()}), std::nullopt);
+  EXPECT_EQ(points_, (std::vector<Vec2>{{1.0, 2.0}, {3.0, 4.0}}));
+}
+
+TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
+  const std::string path = testing::TempDir() + "/hapticast_wrong.conf";
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"fps = 60\n[section]\n", "--config:2: '[section]' is not a `key = value` line"},
+      {"fps\n", "--config:1: 'fps' is not a `key = value` line"},
+      {"-- = 1\n", "--config:1: '-- = 1' is not a `key = value` line"},
+      {"config = other.conf\n", "config"},
+      {"help = true\n", "help"},
+      {"fps = 60\nfps = 50\n", "--fps"},
+      {"# " + std::string(70'000, 'x'), "--config: larger than 64 KiB"}};
+  for (const auto& [text, complaint] : wrong) {
+    std::ofstream(path) << text;
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse({"--config", path.c_str()}), 2) << text.substr(0, 40);
+    const std::string line = testing::internal::GetCapturedStderr();
+    EXPECT_NE(line.find(complaint), std::string::npos) << line;
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+  }
 }
 
 TEST_F(CommandLineTest, ConfigFileRefusesUnknownKeys) {

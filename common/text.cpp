@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace hapticast {
+
+namespace {
+
+constexpr std::size_t kMostQuoted_bytes = 40;
+
+bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+bool isKey(std::string_view text) {
+  return !text.empty() && text.size() <= kMaxKey_bytes && isLetter(text.front()) &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return isLetter(c) || (c >= '0' && c <= '9') || c == '-' || c == '_';
+         });
+}
+
+std::string_view unquoted(std::string_view text) {
+  const bool in_quotes = text.size() >= 2 && text.front() == text.back() &&
+                         (text.front() == '"' || text.front() == '\'');
+  return in_quotes ? text.substr(1, text.size() - 2) : text;
+}
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::string inQuotes(std::string_view text) {
+  return "'" + std::string(text.substr(0, kMostQuoted_bytes)) +
+         (text.size() > kMostQuoted_bytes ? "...'" : "'");
+}
+
+std::optional<double> parseNumber(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name) {
+  std::string text(kMaxKeyValueText_bytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad() || (in.gcount() == 0 && !in.eof())) {
+    return Error{ErrorCode::kMalformed, name + ": cannot be read"};
+  }
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > kMaxKeyValueText_bytes) {
+    return Error{ErrorCode::kTooLarge, name + ": larger than 64 KiB"};
+  }
+  std::vector<KeyValue> pairs;
+  std::string_view rest = text;
+  for (int line = 1; !rest.empty(); ++line) {
+    const std::string_view whole = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(whole.size() + 1, rest.size()));
+    const std::string_view content = trimmed(whole.substr(0, whole.find('#')));
+    if (content.empty()) continue;
+    const std::size_t equals = std::min(content.find('='), content.size());
+    const std::string_view key = trimmed(content.substr(0, equals));
+    if (equals == content.size() || !isKey(key)) {
+      return Error{ErrorCode::kMalformed, name + ":" + std::to_string(line) + ": " +
+                                              inQuotes(content) + " is not a `key = value` line"};
+    }
+    pairs.push_back(
+        {line, std::string(key), std::string(unquoted(trimmed(content.substr(equals + 1))))});
+  }
+  return pairs;
+}
+
+}  // namespace hapticast

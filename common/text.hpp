@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Text from outside: numbers, and small files of `key = value` lines (config files, device
+// profiles). Limits first, typed errors. Thread: any, not the loop's (allocates).
+#pragma once
+
+#include <istream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace hapticast {
+
+inline constexpr std::size_t kMaxKeyValueText_bytes = 65'536;
+inline constexpr std::size_t kMaxKey_bytes = 64;
+
+/// Without the white space at both ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+/// In quotes, cut after 40 bytes: what an error message says of a wrong value.
+[[nodiscard]] std::string inQuotes(std::string_view text);
+/// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
+[[nodiscard]] std::optional<double> parseNumber(std::string_view text);
+
+struct KeyValue {
+  int line = 0;  ///< 1 is the first
+  std::string key;
+  std::string value;
+};
+
+/// The `key = value` lines of at most 64 KiB. `#` begins a comment; a key is a letter and then
+/// letters, digits, `-` and `_`, at most 64; a value may stand in a pair of quotes. Error messages
+/// begin with `name`: "NAME:LINE: ...".
+Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
+
+}  // namespace hapticast

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Config files of both programs and the values of flags: any text is taken or refused with a
+// CLI::ParseError, and what is taken is within the limits that the flags promise.
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <sstream>
+#include <string>
+
+#include "client/settings.hpp"
+#include "common/command_line.hpp"
+#include "server/settings.hpp"
+
+namespace {
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+bool accepts(std::unique_ptr<CLI::App> app, const std::string& text) {
+  std::istringstream in(text);
+  try {
+    app->parse_from_stream(in);
+  } catch (const CLI::ParseError&) {
+    return false;
+  }
+  return true;
+}
+
+void server(const std::string& text) {
+  hapticast::server::Settings settings;
+  if (!accepts(hapticast::server::commandLine(settings), text)) return;
+  require(settings.fps == 0.0 || (settings.fps >= 1.0 && settings.fps <= 240.0));
+  require(settings.max_clients >= 1 && settings.max_clients <= 10'000);
+  require(!settings.listen.host.empty());
+  const auto& vision = settings.vision;
+  require(!vision.mass_kg || (*vision.mass_kg >= 0.001 && *vision.mass_kg <= 100.0));
+  for (const auto& point : vision.object_points_px) require(point.allFinite());
+  for (const auto& point : vision.not_points_px) require(point.allFinite());
+}
+
+void client(const std::string& text) {
+  hapticast::client::Settings settings;
+  if (!accepts(hapticast::client::commandLine(settings), text)) return;
+  require(settings.seconds >= 0.0 && settings.seconds <= 1e8);
+  require(settings.device == "virtual" && settings.transport == "tcp");
+  require(!settings.server.host.empty());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  server(text);
+  client(text);
+  if (const auto endpoint = hapticast::parseEndpoint(text)) require(!endpoint->host.empty());
+  if (const auto pair = hapticast::parsePair(text)) require(pair->allFinite());
+  return 0;
+}

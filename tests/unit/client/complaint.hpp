@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// What a reader of a device's files says of a wrong text.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace hapticast::client {
+
+/// What read(stream, file name) complains of, without the file's name; "accepted" if of nothing.
+template <class Read>
+std::string complaint(Read read, const std::string& text) {
+  std::istringstream in(text);
+  try {
+    (void)read(in, "a file");
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find("a file:"), 0U) << what;
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    return what.substr(std::min<std::size_t>(what.size(), 6));
+  }
+  return "accepted";
+}
+
+}  // namespace hapticast::client

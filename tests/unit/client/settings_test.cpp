@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "client/settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/command_line_probe.hpp"
+
+namespace hapticast::client {
+namespace {
+
+using Probe = testing_support::CommandLineProbe<Settings, commandLine>;
+
+TEST(ClientSettings, Defaults) {
+  const Probe run({"--device", "virtual"});
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  EXPECT_EQ(run.settings.server, (Endpoint{"localhost", 7447}));
+  EXPECT_EQ(run.settings.profile, "omni");
+  EXPECT_EQ(run.settings.transport, "tcp");
+  EXPECT_EQ(run.settings.surface, SurfaceKind::kNormal);
+  EXPECT_EQ(run.settings.hand, "press");
+  EXPECT_EQ(run.settings.seconds, 0.0);
+  EXPECT_EQ(run.settings.method, Method::kHapticast);
+  EXPECT_FALSE(run.settings.quiet);
+  EXPECT_TRUE(run.settings.log_file.empty() && run.settings.summary_file.empty() &&
+              run.settings.screenshot_file.empty());
+}
+
+void expectAll(const Settings& settings) {
+  EXPECT_EQ(settings.server, (Endpoint{"::1", 99}));
+  EXPECT_EQ(settings.device, "virtual");
+  EXPECT_EQ(settings.profile, "falcon");
+  EXPECT_EQ(settings.hand, "slide");
+  EXPECT_EQ(settings.transport, "tcp");
+  EXPECT_EQ(settings.surface, SurfaceKind::kPerturbed);
+  EXPECT_EQ(settings.method, Method::kThesis);
+  EXPECT_EQ(settings.log_file, "a.csv");
+  EXPECT_EQ(settings.summary_file, "b.json");
+#ifdef HAPTICAST_VIEWER
+  EXPECT_EQ(settings.screenshot_file, "c.png");
+#endif
+  EXPECT_EQ(settings.seconds, 2.5);
+  EXPECT_TRUE(settings.quiet);
+}
+
+const std::vector<std::pair<std::string, std::string>> kAll = {
+    {"server", "[::1]:99"},  {"device", "virtual"},    {"profile", "falcon"}, {"hand", "slide"},
+    {"transport", "tcp"},    {"surface", "perturbed"}, {"method", "thesis"},  {"log", "a.csv"},
+    {"summary", "b.json"},   {"seconds", "2.5"},       {"quiet", "true"},
+#ifdef HAPTICAST_VIEWER
+    {"screenshot", "c.png"},
+#endif
+};
+
+TEST(ClientSettings, EveryFlag) {
+  std::vector<std::string> arguments;
+  for (const auto& [key, value] : kAll) {
+    if (key == "server") {
+      arguments.push_back(value);
+    } else {
+      arguments.push_back("--" + key);
+      if (key != "quiet") arguments.push_back(value);
+    }
+  }
+  const Probe run(arguments);
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  expectAll(run.settings);
+}
+
+TEST(ClientSettings, EveryKeyOfAConfigFile) {
+  const Probe run = Probe::withConfig(kAll);
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  expectAll(run.settings);
+}
+
+TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
+  const Probe run = Probe::withConfig(kAll, {"--hand", "follow"});
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  EXPECT_EQ(run.settings.hand, "follow");
+  EXPECT_EQ(run.settings.profile, "falcon");
+}
+
+TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
+  const std::vector<std::array<std::string, 3>> wrong = {{"--device", "mouse", "virtual"},
+                                                         {"--transport", "udp", "tcp"},
+                                                         {"--surface", "flat", "normal|perturbed"},
+                                                         {"--method", "best", "hapticast|thesis"},
+                                                         {"--seconds", "nan", "0.001 to 1e+08"},
+                                                         {"--seconds", "0", "0.001 to 1e+08"},
+                                                         {"--seconds", "1e300", "0.001 to 1e+08"},
+                                                         {"server", "host:99999", "HOST:PORT"},
+                                                         {"server", "a b", "HOST:PORT"}};
+  for (const auto& [flag, value, allowed] : wrong) {
+    std::vector<std::string> arguments{"--device", "virtual"};
+    if (flag == "--device") arguments.clear();
+    if (flag != "server") arguments.push_back(flag);
+    arguments.push_back(value);
+    const Probe run(arguments);
+    EXPECT_EQ(run.exit_code, 2) << flag << " " << value;
+    run.expectErrorWith({flag, value, allowed});
+  }
+}
+
+TEST(ClientSettings, WhatIsMissingOrUnknownIsTold) {
+  const Probe none({});
+  EXPECT_EQ(none.exit_code, 2);
+  none.expectErrorWith({"--device"});
+  const Probe unknown({"--device", "virtual", "--forse", "1"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  unknown.expectErrorWith({"--forse"});
+}
+
+TEST(ClientSettings, HelpAndVersionEndWithZero) {
+  const Probe help({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const auto& [key, value] : kAll) EXPECT_NE(help.output.find(key), std::string::npos) << key;
+  const Probe version({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_NE(version.output.find('.'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapticast::client

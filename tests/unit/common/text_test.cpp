@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "common/text.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace hapticast {
+namespace {
+
+Result<std::vector<KeyValue>> read(const std::string& text) {
+  std::istringstream in(text);
+  return readKeyValues(in, "f");
+}
+std::string complaint(const std::string& text) {
+  const auto result = read(text);
+  return result.ok() ? "accepted" : result.error().message;
+}
+
+TEST(Text, NumbersAreWholeAndFinite) {
+  EXPECT_EQ(parseNumber("-1.5e2"), -150.0);
+  EXPECT_EQ(parseNumber("0"), 0.0);
+  for (const char* text : {"", " 1", "1 ", "+1", "1,0", "1x", "nan", "inf", "1e999", "-", "0x10"}) {
+    EXPECT_FALSE(parseNumber(text)) << text;
+  }
+}
+
+TEST(Text, QuotesAreCutAfterFortyBytes) {
+  EXPECT_EQ(inQuotes("a b"), "'a b'");
+  EXPECT_EQ(inQuotes(std::string(41, 'x')), "'" + std::string(40, 'x') + "...'");
+}
+
+TEST(Text, KeyValueLinesWithCommentsSpaceAndQuotes) {
+  const auto result = read(
+      "# first\r\n\n  fps=60  # rate\r\nmax-clients =\t3\nfile = \"a b\"\nfile = 'c'\nempty =\n"
+      "q = \"\nx_2 = a = b");
+  ASSERT_TRUE(result.ok());
+  std::string all;
+  for (const KeyValue& pair : result.value()) {
+    all += std::to_string(pair.line) + ":" + pair.key + "=" + pair.value + "|";
+  }
+  EXPECT_EQ(all, "3:fps=60|4:max-clients=3|5:file=a b|6:file=c|7:empty=|8:q=\"|9:x_2=a = b|");
+}
+
+TEST(Text, OtherLinesAreToldWithTheirNumber) {
+  EXPECT_EQ(complaint("a = 1\nb"), "f:2: 'b' is not a `key = value` line");
+  EXPECT_EQ(complaint("= 1"), "f:1: '= 1' is not a `key = value` line");
+  for (const char* text : {"[a]", "[a = 1]", "-- = 1", "++ = 1", "2a = 1", "a b = 1", "a.b = 1"}) {
+    EXPECT_NE(complaint(text), "accepted") << text;
+  }
+  EXPECT_NE(complaint(std::string("a\0b = 1", 7)), "accepted");
+  EXPECT_EQ(complaint(std::string(64, 'k') + " = 1"), "accepted");
+  EXPECT_NE(complaint(std::string(65, 'k') + " = 1"), "accepted");
+}
+
+TEST(Text, SizeIsLimited) {
+  EXPECT_EQ(complaint(std::string(65'536, '\n')), "accepted");
+  EXPECT_EQ(complaint(std::string(65'537, '\n')), "f: larger than 64 KiB");
+  EXPECT_EQ(complaint(""), "accepted");
+}
+
+TEST(Text, AStreamThatFailsIsTold) {
+  std::istringstream in("a = 1");
+  in.setstate(std::ios::failbit);
+  const auto result = readKeyValues(in, "f");
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().message, "f: cannot be read");
+}
+
+}  // namespace
+}  // namespace hapticast

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "server/settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/command_line_probe.hpp"
+
+namespace hapticast::server {
+namespace {
+
+using Probe = testing_support::CommandLineProbe<Settings, commandLine>;
+
+TEST(ServerSettings, Defaults) {
+  const Probe run({"--source", "synthetic:still"});
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  EXPECT_EQ(run.settings.source, "synthetic:still");
+  EXPECT_EQ(run.settings.fps, 0.0);
+  EXPECT_EQ(run.settings.frames, 0U);
+  EXPECT_EQ(run.settings.listen, (Endpoint{"0.0.0.0", 7447}));
+  EXPECT_EQ(run.settings.max_clients, 64U);
+  EXPECT_FALSE(run.settings.loop || run.settings.quiet || run.settings.vision.stretch);
+  EXPECT_EQ(run.settings.vision.segment, SegmentMode::kAuto);
+  EXPECT_EQ(run.settings.vision.motion, MotionMode::kAuto);
+  EXPECT_EQ(run.settings.vision.method, Method::kHapticast);
+  EXPECT_EQ(run.settings.vision.mass_kg, std::nullopt);
+  EXPECT_FALSE(run.settings.vision.depth_range.has_value());
+}
+
+void expectAll(const Settings& settings) {
+  EXPECT_EQ(settings.source, "my clip");
+  EXPECT_EQ(settings.fps, 60.0);
+  EXPECT_TRUE(settings.loop);
+  EXPECT_EQ(settings.frames, 1000U);
+  EXPECT_EQ(settings.listen, (Endpoint{"127.0.0.1", 0}));
+  EXPECT_EQ(settings.max_clients, 3U);
+  EXPECT_TRUE(settings.quiet);
+  const VisionSettings& vision = settings.vision;
+  EXPECT_EQ(vision.object_points_px, (std::vector<Vec2>{{505.0, 330.0}, {10.0, 20.0}}));
+  EXPECT_EQ(vision.not_points_px, (std::vector<Vec2>{{300.0, 400.0}}));
+  EXPECT_EQ(vision.segment, SegmentMode::kBand);
+  ASSERT_TRUE(vision.depth_range.has_value());
+  EXPECT_EQ(vision.depth_range->near_mm, 500.0);
+  EXPECT_EQ(vision.depth_range->far_mm, 1500.0);
+  EXPECT_TRUE(vision.stretch);
+  EXPECT_EQ(vision.motion, MotionMode::kLk);
+  EXPECT_EQ(vision.material.stiffness_N_mm, 0.4);
+  EXPECT_EQ(vision.mass_kg, 0.25);
+  EXPECT_EQ(vision.method, Method::kThesis);
+}
+
+const std::vector<std::pair<std::string, std::string>> kAll = {
+    {"source", "my clip"}, {"fps", "60"},         {"loop", "true"},
+    {"frames", "1000"},    {"quiet", "true"},     {"listen", "127.0.0.1:0"},
+    {"max-clients", "3"},  {"object", "505,330"}, {"not", "300,400"},
+    {"object", "10,20"},   {"segment", "band"},   {"depth-range", "500,1500"},
+    {"stretch", "true"},   {"motion", "lk"},      {"stiffness", "0.4"},
+    {"mass", "0.25"},      {"method", "thesis"},
+};
+
+TEST(ServerSettings, EveryFlag) {
+  std::vector<std::string> arguments;
+  for (const auto& [key, value] : kAll) {
+    arguments.push_back("--" + key);
+    if (value != "true") arguments.push_back(value);
+  }
+  const Probe run(arguments);
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  expectAll(run.settings);
+}
+
+TEST(ServerSettings, EveryKeyOfAConfigFile) {
+  const Probe run = Probe::withConfig(kAll);
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  expectAll(run.settings);
+}
+
+TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
+  const std::vector<std::array<std::string, 3>> wrong = {
+      {"--fps", "nan", "1 to 240"},
+      {"--fps", "0.5", "1 to 240"},
+      {"--frames", "-1", ""},
+      {"--frames", "0", ""},
+      {"--frames", "1e30", ""},
+      {"--frames", "many", ""},
+      {"--listen", "::1:80", "HOST:PORT"},
+      {"--max-clients", "0", "1"},
+      {"--max-clients", "10001", "10000"},
+      {"--object", "12", "U,V in px"},
+      {"--object", "nan,1", "U,V in px"},
+      {"--not", "1,2,3", "U,V in px"},
+      {"--segment", "magic", "auto|band|edges|source"},
+      {"--depth-range", "900,500", "NEAR,FAR in mm"},
+      {"--depth-range", "-1,500", "NEAR,FAR in mm"},
+      {"--depth-range", "0,1e300", "NEAR,FAR in mm"},
+      {"--motion", "rgb", "auto|depth|lk|none"},
+      {"--stiffness", "inf", "0.01 to 10"},
+      {"--mass", "nan", "0.001 to 100"},
+      {"--method", "best", "hapticast|thesis"}};
+  for (const auto& [flag, value, allowed] : wrong) {
+    const Probe run({"--source", "synthetic:still", flag, value});
+    EXPECT_EQ(run.exit_code, 2) << flag << " " << value;
+    run.expectErrorWith({flag, value, allowed});
+  }
+}
+
+TEST(ServerSettings, WhatIsMissingOrUnknownIsTold) {
+  const Probe none({});
+  EXPECT_EQ(none.exit_code, 2);
+  none.expectErrorWith({"--source"});
+  const Probe unknown({"--source", "a", "--speed", "1"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  unknown.expectErrorWith({"--speed"});
+}
+
+TEST(ServerSettings, HelpAndVersionEndWithZero) {
+  const Probe help({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const auto& [key, value] : kAll) {
+    EXPECT_NE(help.output.find("--" + key), std::string::npos) << key;
+  }
+  EXPECT_EQ(Probe({"--version"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace hapticast::server
