@@ -106,13 +106,13 @@ TEST_F(CommandLineTest, ConfigFileCollectsAListFromAllItsLines) {
 TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
   const std::string path = testing::TempDir() + "/hapticast_wrong.conf";
   const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"fps = 60\n[section]\n", "--config:2: '[section]' is not a `key = value` line"},
-      {"fps\n", "--config:1: 'fps' is not a `key = value` line"},
-      {"-- = 1\n", "--config:1: '-- = 1' is not a `key = value` line"},
+      {"fps = 60\n[section]\n", ".conf:2: '[section]' is not a `key = value` line"},
+      {"fps\n", ".conf:1: 'fps' is not a `key = value` line"},
+      {"-- = 1\n", ".conf:1: '-- = 1' is not a `key = value` line"},
       {"config = other.conf\n", "config"},
       {"help = true\n", "help"},
       {"fps = 60\nfps = 50\n", "--fps"},
-      {"# " + std::string(70'000, 'x'), "--config: larger than 64 KiB"}};
+      {"# " + std::string(70'000, 'x'), ".conf: larger than 64 KiB"}};
   for (const auto& [text, complaint] : wrong) {
     std::ofstream(path) << text;
     testing::internal::CaptureStderr();
