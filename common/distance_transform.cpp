@@ -90,14 +90,24 @@ NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int 
     const std::size_t start = static_cast<std::size_t>(v) * columns;
     envelope.clear();
     for (int u = 0; u < width; ++u) {
-      const std::int32_t candidate = row[start + static_cast<std::size_t>(u)];
+      const std::size_t i = start + static_cast<std::size_t>(u);
+      const std::int32_t candidate = row[i];
       if (candidate < 0) continue;
+      // Within a run of marked pixels only its ends are nearest to anything but themselves.
+      const bool within_run =
+          candidate == v && u > 0 && u + 1 < width && row[i - 1] == v && row[i + 1] == v;
+      if (within_run) continue;
       const double dv_mm = mm_per_px.y() * (v - candidate);
       envelope.add(u, dv_mm * dv_mm);
     }
     if (envelope.empty()) continue;
     envelope.forEach(width, [&](int u, int column, double squared) {
       const std::size_t i = start + static_cast<std::size_t>(u);
+      if (row[i] == v) {  // marked itself
+        result.distance_mm[i] = 0.0F;
+        result.nearest[i] = static_cast<std::int32_t>(i);
+        return;
+      }
       result.distance_mm[i] = static_cast<float>(std::sqrt(squared));
       result.nearest[i] = row[start + static_cast<std::size_t>(column)] * width + column;
     });

@@ -19,9 +19,9 @@ constexpr int kEdgeRadius_px = 6;
 constexpr int kSeamPasses = 2;
 
 /// One direction of a separable Gaussian blur over lines of `length` values, `stride` apart; ends
-/// held. Lines start at 0, `next`, 2 `next`, ...
-void blurLines(std::vector<float>& values, std::size_t lines, std::size_t next, std::size_t length,
-               std::size_t stride) {
+/// held. Lines start at 0, `next`, 2 `next`, ... Only where `wanted`: the rest stays as it is.
+void blurLines(std::vector<float>& values, const std::vector<std::uint8_t>& wanted,
+               std::size_t lines, std::size_t next, std::size_t length, std::size_t stride) {
   constexpr auto kRadius = static_cast<std::size_t>(kEdgeRadius_px);
   std::array<float, kRadius + 1> weight{};
   float sum = 0.0F;
@@ -38,6 +38,7 @@ void blurLines(std::vector<float>& values, std::size_t lines, std::size_t next, 
       line[i] = at[std::clamp(i, kRadius, length + kRadius - 1) * stride - kRadius * stride];
     }
     for (std::size_t i = 0; i < length; ++i) {
+      if (wanted[n * next + i * stride] == 0) continue;
       const float* const centre = line.data() + i + kRadius;
       float value = weight[0] * centre[0];
       for (std::size_t k = 1; k <= kRadius; ++k) {
@@ -55,16 +56,20 @@ std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width
   // The edge runs between pixel centres.
   const auto half = static_cast<float>(0.5 * mm_per_px.mean());
   const auto limit = static_cast<float>(HeightField::kMargin_px * mm_per_px.mean());
+  // Farther away all that the blur reaches is the limit.
+  const auto reach = static_cast<float>(kEdgeRadius_px * mm_per_px.sum());
+  std::vector<std::uint8_t> wanted(mask.size());
   std::vector<float> edge(mask.size());
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const float signed_mm =
         mask[i] != 0 ? to_outside.distance_mm[i] - half : half - to_inside.distance_mm[i];
+    wanted[i] = std::abs(signed_mm) < limit + reach ? 1 : 0;
     edge[i] = std::clamp(signed_mm, -limit, limit);
   }
   const auto columns = static_cast<std::size_t>(width);
   const auto rows = static_cast<std::size_t>(height);
-  blurLines(edge, rows, columns, columns, 1);
-  blurLines(edge, columns, 1, rows, columns);
+  blurLines(edge, wanted, rows, columns, columns, 1);
+  blurLines(edge, wanted, columns, 1, rows, columns);
   return edge;
 }
 

@@ -73,7 +73,7 @@ Duration Receiver::clockErrorBound() const {
   return clock_.ready() ? clock_.errorBound() : Duration::zero();
 }
 
-void Receiver::frame(HapticFrame frame, LocalTime arrival) {
+void Receiver::frame(HapticFrame frame, const Clock& clock) {
   if (last_id_ && frame.id <= *last_id_) {
     ++counts_.duplicates;
     return;
@@ -84,31 +84,34 @@ void Receiver::frame(HapticFrame frame, LocalTime arrival) {
     if (server_epoch_) ++epoch_;
     server_epoch_ = frame.epoch;
   }
-  observe(frame, arrival);
-  last_id_ = frame.id;
-  last_media_time_ = frame.media_time;
-  publish(arrival);
-
   FramePool::Index index = 0;
-  if (!pool_.acquire(index)) {
+  const bool has_slot = pool_.acquire(index);
+  if (has_slot) {
+    fill(pool_.slot(index), frame);
+  } else {
     ++counts_.no_slot;
     // The next frames may say "unchanged" of what this one brings.
     for (const HapticObject& object : frame.objects) (void)reliefs_.resolve(object, frame.id);
-    return;
   }
-  fill(pool_.slot(index), frame);
+  // Preparing reliefs takes milliseconds in which the loop does not have the frame yet.
+  const LocalTime ready = clock.now();
+  observe(frame, ready);
+  last_id_ = frame.id;
+  last_media_time_ = frame.media_time;
+  publish(ready);
+  if (!has_slot) return;
   pool_.publish(index);
   ++counts_.received;
 }
 
-void Receiver::observe(const HapticFrame& frame, LocalTime arrival) {
+void Receiver::observe(const HapticFrame& frame, LocalTime ready) {
   // The first frame of a connection is sent whenever the viewer comes: its age says nothing of the
   // network.
   if (!last_id_) return;
   const std::uint64_t lost = frame.id - *last_id_ - 1;
   counts_.lost += lost;
   if (!clock_.ready()) return;
-  const MediaTime media_now(arrival.time_since_epoch() + clock_.offset(arrival));
+  const MediaTime media_now(ready.time_since_epoch() + clock_.offset(ready));
   const Duration lateness = media_now - frame.media_time - latest_.pipeline_latency;
   // When play time reaches the frame before, interpolation begins to need this one.
   const Duration gap = std::clamp(frame.media_time - last_media_time_, Duration{0}, kLargestGap);
@@ -118,7 +121,7 @@ void Receiver::observe(const HapticFrame& frame, LocalTime arrival) {
   } else {
     counts_.concealed += lost;
   }
-  jitter_.add(arrival, needed);
+  jitter_.add(ready, needed);
 }
 
 void Receiver::fill(FramePool::Slot& slot, const HapticFrame& frame) {

@@ -45,7 +45,8 @@ class Receiver {
   void describe(const StreamDescription& description, LocalTime now);
   /// An answered ping.
   void pong(const Pong& pong, LocalTime arrival);
-  void frame(HapticFrame frame, LocalTime arrival);
+  /// A frame that has come. Its lateness is measured by `clock` when it is ready for the loop.
+  void frame(HapticFrame frame, const Clock& clock);
   void disconnected(LocalTime now);
   /// Pause and resume by the viewer; a resume starts a new epoch.
   void setPaused(bool paused, LocalTime now);
@@ -57,7 +58,7 @@ class Receiver {
  private:
   void startEpoch();
   void publish(LocalTime now);
-  void observe(const HapticFrame& frame, LocalTime arrival);
+  void observe(const HapticFrame& frame, LocalTime ready);
   void fill(FramePool::Slot& slot, const HapticFrame& frame);
   void fillObject(FramePool::Slot& slot, std::size_t index, const HapticObject& object,
                   std::uint64_t frame_id);

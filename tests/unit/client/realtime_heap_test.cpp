@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <functional>
+#include <memory>
 
 #include "unit/client/stage.hpp"
 
@@ -52,6 +54,10 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
   *out = __libc_memalign(alignment, size);
   return *out == nullptr ? 12 : 0;
 }
+void* memalign(std::size_t alignment, std::size_t size) {
+  check();
+  return __libc_memalign(alignment, size);
+}
 void free(void* old) {
   check();
   __libc_free(old);
@@ -61,37 +67,74 @@ void free(void* old) {
 namespace hapticast::client {
 namespace {
 
+void live(const RoomSettings& settings) {
+  HandScript hand{HandKind::kSlide, HandStiffness{}};
+  auto log = std::make_unique<Room::Log>();
+  Stage stage(settings, &hand, 3.0, log.get());
+  stage.before_tick = [] { heap_forbidden = true; };
+  stage.after_tick = [] { heap_forbidden = false; };
+  int contact = 0;
+  for (int i = 0; i < 6000; ++i) {
+    if (i == 3000 || i == 3500) stage.newEpoch();
+    if (i == 4000 || i == 4200) {
+      stage.state.paused = !stage.state.paused;
+      stage.state.workspace.width_mm = 180.0;
+      stage.controls.store(stage.state);
+    }
+    if (i == 5000) stage.streaming = false;
+    stage.lost = i == 5900;
+    stage.blind = i == 4500;
+    contact += stage.step().contact;
+  }
+  EXPECT_GT(contact, 500);
+}
+
 TEST(RealtimeHeap, TheTickUsesNone) {
   for (const Method method : {Method::kHapticast, Method::kThesis}) {
     for (const SurfaceKind surface : {SurfaceKind::kPerturbed, SurfaceKind::kNormal}) {
-      RoomSettings settings;
-      settings.method = method;
-      settings.surface = surface;
-      HandScript hand{HandKind::kSlide, HandStiffness{}};
-      Stage stage(settings, &hand, 3.0);
-      stage.before_tick = [] { heap_forbidden = true; };
-      stage.after_tick = [] { heap_forbidden = false; };
-      int contact = 0;
-      for (int i = 0; i < 6000; ++i) {
-        if (i == 3000 || i == 3500) stage.newEpoch();
-        if (i == 5000) stage.streaming = false;
-        stage.lost = i == 5900;
-        contact += stage.step().contact;
+      for (const Interpolation interpolation :
+           {Interpolation::kHermite, Interpolation::kLinear, Interpolation::kHold}) {
+        RoomSettings settings;
+        settings.method = method;
+        settings.surface = surface;
+        settings.interpolation = interpolation;
+        live(settings);
       }
-      EXPECT_GT(contact, 500);
     }
   }
 }
 
-TEST(RealtimeHeapDeathTest, TheGuardSeesAnAllocation) {
+/// Each way to the heap, called so that no compiler can leave it out.
+TEST(RealtimeHeapDeathTest, TheGuardSeesEveryWayToTheHeap) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_DEATH(
-      {
-        heap_forbidden = true;
-        int* volatile leak = new int(1);
-        delete leak;
-      },
-      "heap used inside a tick");
+  struct alignas(64) Wide {
+    char bytes[64];
+  };
+  void* (*volatile get)(std::size_t) = std::malloc;
+  void* (*volatile get_zero)(std::size_t, std::size_t) = std::calloc;
+  void* (*volatile get_again)(void*, std::size_t) = std::realloc;
+  void* (*volatile get_aligned)(std::size_t, std::size_t) = std::aligned_alloc;
+  void (*volatile give_back)(void*) = std::free;
+  void* const block = get(8);
+  Wide* volatile wide = nullptr;
+  const std::function<void()> ways[] = {
+      [] { delete new volatile int(1); },
+      [&] { wide = new Wide; },  // aligned
+      [&] { (void)get(8); },
+      [&] { (void)get_zero(8, 8); },
+      [&] { (void)get_again(block, 1024); },
+      [&] { (void)get_aligned(64, 64); },
+      [&] { give_back(block); },
+  };
+  for (const auto& way : ways) {
+    EXPECT_DEATH(
+        {
+          heap_forbidden = true;
+          way();
+        },
+        "heap used inside a tick");
+  }
+  give_back(block);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdio>
 
 #include "unit/client/stage.hpp"
 
@@ -32,6 +33,39 @@ TEST(Room, APressedDomePushesBackWithOneNewton) {
   std::nth_element(forces_N.begin(), middle, forces_N.end());
   EXPECT_NEAR(*middle, 1.0, 0.05);
   EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, PressPushesOneNewtonWithoutMuchOvershoot) {
+  HandScript hand = presser();
+  Stage stage({}, &hand);
+  (void)stage.run(8000);
+  EXPECT_GT(stage.max_force_N, 0.95);
+  EXPECT_LT(stage.max_force_N, 1.3);
+}
+
+TEST(Room, SlideStaysOneMillimetreDeepAtTwoCentimetresPerSecond) {
+  HandScript hand{HandKind::kSlide, HandStiffness{}};
+  Stage stage({}, &hand);
+  Vec3 last_mm = stage.run(2500).hip_mm;
+  double depth_mm = 0.0;
+  double deepest_mm = 0.0;
+  double way_mm = 0.0;
+  int contact = 0;
+  for (int i = 1; i <= 8000; ++i) {
+    const TickReport& report = stage.step();
+    contact += report.contact;
+    depth_mm += report.penetration_mm / 8000.0;
+    deepest_mm = std::max(deepest_mm, report.penetration_mm);
+    if (i % 50 != 0) continue;
+    way_mm += (report.hip_mm - last_mm).head<2>().norm();
+    last_mm = report.hip_mm;
+  }
+  std::printf("slide: %d %% in contact, %.2f mm deep (at most %.2f), %.1f mm/s\n", contact / 80,
+              depth_mm, deepest_mm, way_mm / 8.0);
+  EXPECT_EQ(contact, 8000);
+  EXPECT_NEAR(depth_mm, 1.0, 0.15);
+  EXPECT_LT(deepest_mm, 1.6);
+  EXPECT_NEAR(way_mm / 8.0, 15.0, 5.0);  // 20 at most; slower where the figure turns
 }
 
 TEST(Room, ReportsWhatIsBelowTheTip) {

@@ -264,76 +264,6 @@ TEST(SafetyChain, ADirectionThatTurnsAtOnceIsSlowed) {
   EXPECT_NEAR((out.force_N - Vec3(1.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
 }
 
-/// A meter that has seen a tip resting in a wall of 0.5 N/mm under 1 N.
-struct RestingMeter {
-  RestingMeter() {
-    state.contact = true;
-    state.local_stiffness_N_mm = 0.5;
-    state.normal = Vec3::UnitZ();
-    state.depth_mm = 2.0;
-    for (int i = 1; i <= 10; ++i) {
-      state.force_N.z() = 0.1 * i;
-      EXPECT_EQ(meter.excess_N(state, false), 0.0);
-    }
-  }
-  StepMeter meter{DeviceProfile{}};
-  StepState state;
-};
-
-TEST(StepMeter, TheDamperExplainsOnlyItsOwnDirection) {
-  const double damping_N = wallDamping_Ns_m(0.5, wallLead_s(1)) * 0.1;  // of 100 mm/s
-  for (const double direction : {1.0, -1.0}) {
-    RestingMeter in;
-    in.state.velocity_mm_s = {0.0, 0.0, -100.0};  // pushed in: more force, not less
-    in.state.force_N.z() += direction * (damping_N + 0.6);
-    const double allowed_N = direction > 0.0 ? damping_N + 0.2 : 0.5;
-    EXPECT_NEAR(in.meter.excess_N(in.state, false), damping_N + 0.6 - allowed_N, 1e-9);
-    RestingMeter across;
-    across.state.velocity_mm_s = {300.0, 0.0, 0.0};  // a fast slide explains nothing
-    across.state.force_N.z() += 0.6;
-    EXPECT_NEAR(across.meter.excess_N(across.state, false), 0.4, 1e-9);
-  }
-  RestingMeter fast;  // beyond the damper's limit of 0.3 m/s to either side
-  fast.state.velocity_mm_s = {0.0, 0.0, -5000.0};
-  fast.state.force_N.z() += 3.0;
-  EXPECT_NEAR(fast.meter.excess_N(fast.state, false), 3.0 - 6.0 * damping_N - 0.2, 1e-9);
-}
-
-TEST(StepMeter, AStifferStreamExplainsNothing) {
-  RestingMeter meter;
-  meter.state.local_stiffness_N_mm = 5.0;
-  meter.state.position_mm.z() -= 0.1;
-  meter.state.velocity_mm_s.z() = -10.0;
-  meter.state.force_N.z() += 2.0;
-  const double hand_N = 0.5 * 0.1 + wallDamping_Ns_m(0.5, wallLead_s(1)) * 0.01;
-  EXPECT_NEAR(meter.meter.excess_N(meter.state, false), 2.0 - hand_N - 0.2, 1e-9);
-}
-
-TEST(StepMeter, AContactThatTheStreamMadeExplainsNothing) {
-  for (const bool by_hand : {true, false}) {
-    StepMeter meter{DeviceProfile{}};
-    StepState state;
-    state.velocity_mm_s = {0.0, 0.0, -200.0};
-    EXPECT_EQ(meter.excess_N(state, false), 0.0);
-    state.position_mm.z() -= 0.2;
-    state.contact = true;
-    state.normal = Vec3::UnitZ();
-    state.local_stiffness_N_mm = 0.5;
-    state.depth_mm = by_hand ? 0.1 : 0.3;  // the tip cannot have come deeper than it moved
-    state.force_N.z() = 1.0;
-    const double hand_N = 0.5 * 0.1 + wallDamping_Ns_m(0.5, wallLead_s(1)) * 0.2;
-    EXPECT_NEAR(meter.excess_N(state, false), 1.0 - 0.2 - (by_hand ? hand_N : 0.0), 1e-9);
-  }
-}
-
-TEST(StepMeter, ANumberThatIsNoneIsNoSilence) {
-  for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
-    RestingMeter meter;
-    meter.state.force_N.x() = bad;
-    EXPECT_EQ(meter.meter.excess_N(meter.state, false), std::numeric_limits<double>::infinity());
-  }
-}
-
 TEST(SafetyChain, ADisplacementBeyondAnyDeviceIsABrokenNumber) {
   for (const double far_mm : {2000.0, 1e200, std::numeric_limits<double>::max()}) {
     SafetyChain chain = armedChain(DeviceProfile{});
@@ -347,31 +277,6 @@ TEST(SafetyChain, ADisplacementBeyondAnyDeviceIsABrokenNumber) {
     }
     EXPECT_EQ(chain.acts(), false);
   }
-}
-
-TEST(StepMeter, SeesAStepThatNothingExplains) {
-  StepMeter meter{DeviceProfile{}};
-  StepState state;
-  EXPECT_EQ(meter.excess_N(state, false), 0.0);
-  state.force_N = {0.0, 0.0, 0.2};
-  EXPECT_EQ(meter.excess_N(state, false), 0.0);
-  state.force_N = {0.0, 0.0, 1.2};
-  EXPECT_NEAR(meter.excess_N(state, false), 0.8, 1e-12);
-  state.force_N = {0.0, 0.0, 0.7};
-  EXPECT_EQ(meter.excess_N(state, false), 0.0);
-  // A moved tip explains K |dx| in contact, nothing in the air or across a jump of the measurement.
-  state.position_mm.x() += 2.0;
-  state.force_N.z() += 1.2;
-  EXPECT_NEAR(meter.excess_N(state, false), 1.0, 1e-12);
-  state.contact = true;
-  state.local_stiffness_N_mm = 0.5;
-  (void)meter.excess_N(state, false);
-  state.position_mm.x() += 2.0;
-  state.force_N.z() += 1.2;
-  EXPECT_EQ(meter.excess_N(state, false), 0.0);
-  state.position_mm.x() += 2.0;
-  state.force_N.z() += 1.2;
-  EXPECT_NEAR(meter.excess_N(state, true), 1.0, 1e-12);
 }
 
 }  // namespace

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Attacks on the room by broken numbers, one at a time and all at once by chance.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "unit/client/attack.hpp"
+
+namespace hapticast::client {
+namespace {
+
+/// Sets one number of an object to `value`.
+using Poison = void (*)(PlayObject&, double);
+constexpr Poison kPoisons[] = {
+    [](PlayObject& o, double x) { o.motion.position_mm.x() = x; },
+    [](PlayObject& o, double x) { o.motion.position_mm.z() = x; },
+    [](PlayObject& o, double x) { o.motion.velocity_mm_s.y() = x; },
+    [](PlayObject& o, double x) { o.motion.velocity_mm_s.z() = x; },
+    [](PlayObject& o, double x) { o.motion.acceleration_mm_s2.x() = x; },
+    [](PlayObject& o, double x) { o.motion.acceleration_mm_s2.z() = x; },
+    [](PlayObject& o, double x) { o.motion.angle_rad = x; },
+    [](PlayObject& o, double x) { o.motion.angular_velocity_rad_s = x; },
+    [](PlayObject& o, double x) { o.motion.quality = x; },
+    [](PlayObject& o, double) {
+      static const HeightField kEmpty;
+      o.field = &kEmpty;
+    },
+    [](PlayObject& o, double x) {  // a grid of no size, or shorter than it says
+      static MotionGrid grid;
+      grid.columns = grid.rows = x > 0.0 ? 1'000'000 : -1;
+      o.grid = &grid;
+    },
+    [](PlayObject& o, double x) { o.material.stiffness_N_mm = x; },
+    [](PlayObject& o, double x) { o.material.texture_K_mm = x; },
+    [](PlayObject& o, double x) {
+      o.impact_count = kMaxImpacts;
+      for (Impact& impact : o.impacts) impact.delta_velocity_mm_s = {0.0, 0.0, x};
+    },
+    [](PlayObject& o, double x) {
+      o.impact_count = 1'000'000;
+      o.impacts[0].time = MediaTime(Duration(x > 0.0 ? std::numeric_limits<std::int64_t>::max()
+                                                     : std::numeric_limits<std::int64_t>::min()));
+    },
+};
+
+TEST(RoomPoison, PoisonInEveryFieldAndThenItComesBack) {
+  for (const RoomSettings& room : everyRoom()) {
+    for (std::size_t field = 0; field < std::size(kPoisons); ++field) {
+      for (const double value : {kNaN, kInfinity, -kInfinity, 1e308, -1e308, 1e12, -1e12, 5e3}) {
+        Attack attack(room);
+        attack.name = "field " + std::to_string(field) + " = " + std::to_string(value);
+        bool poisoned = false;
+        attack.scene = [&](PlayFrame& frame, double) {
+          attack.add(frame, plateAt(9.5));
+          if (poisoned) {
+            for (Impact& impact : frame.objects[0].impacts) impact.time = frame.media_time;
+            kPoisons[field](frame.objects[0], value);
+          }
+        };
+        (void)attack.run(500);
+        poisoned = true;
+        (void)attack.run(60);  // between a good and a bad frame
+        (void)attack.run(100);
+        poisoned = false;
+        const TickReport& report = attack.run(700);
+        EXPECT_GT(report.force_N.norm(), 0.1) << attack.name;
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(RoomPoison, AbsurdControls) {
+  static constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  static constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
+  const std::function<void(Controls&)> changes[] = {
+      [](Controls& c) { c.workspace.width_mm = 0.0; },
+      [](Controls& c) { c.workspace.width_mm = kNaN; },
+      [](Controls& c) { c.workspace.height_mm = kInfinity; },
+      [](Controls& c) { c.workspace.depth_mm = -kInfinity; },
+      [](Controls& c) { c.workspace.width_mm = c.workspace.height_mm = 1e-300; },
+      [](Controls& c) { c.workspace.width_px = c.workspace.height_px = 0; },
+      [](Controls& c) { c.workspace.width_px = 1; },
+      [](Controls& c) { c.workspace.stretch = true; },
+      [](Controls& c) { c.frame_interval = Duration(0); },
+      [](Controls& c) { c.frame_interval = Duration(kMost); },
+      [](Controls& c) { c.frame_interval = Duration(kLeast); },
+      [](Controls& c) { c.clock_offset = Duration(kMost); },
+      [](Controls& c) { c.clock_offset = Duration(kLeast); },
+      [](Controls& c) { c.pipeline_latency = Duration(kLeast); },
+      [](Controls& c) { c.playout_delay_target = Duration(kMost); },
+      [](Controls& c) { c.playout_delay_target = Duration(kLeast); },
+      [](Controls& c) { c.largest_acceleration_mm_s2 = 1e-300; },
+      [](Controls& c) { c.author_mass_kg = 1e300; },
+      [](Controls& c) { c.first_epoch = 1000; },
+  };
+  for (const RoomSettings& room : everyRoom()) {
+    int number = 0;
+    for (const auto& change : changes) {
+      Attack attack(room);
+      attack.name = "change " + std::to_string(number++);
+      attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
+      (void)attack.run(700);
+      const Controls good = attack.control;
+      change(attack.control);
+      (void)attack.run(400);
+      attack.control = good;
+      attack.control.first_epoch = ++attack.epoch;  // a new connection: its clock starts over
+      EXPECT_GT(attack.run(1200).force_N.norm(), 0.2) << attack.name;
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+/// Everything at once, by chance.
+void chaos(const RoomSettings& room, unsigned seed, bool moving) {
+  std::mt19937_64 random(seed);
+  const auto chance = [&](double p) { return std::uniform_real_distribution(0., 1.)(random) < p; };
+  const auto between = [&](double a, double b) {
+    return std::uniform_real_distribution(a, b)(random);
+  };
+  Attack attack(room);
+  attack.name = "chaos " + std::to_string(seed);
+  attack.scene = [&](PlayFrame& frame, double) {
+    const int count = static_cast<int>(between(0.5, 4.0));
+    for (int i = 0; i < count; ++i) {
+      const double slope = 0.5 * std::floor(between(-3.0, 3.99));
+      PlayObject object = plateAt(std::floor(between(6.0, 14.0)),
+                                  static_cast<std::uint32_t>(chance(0.9) ? i : 7), slope);
+      const double fast = chance(0.1) ? 1e4 : 100.0;
+      object.motion.velocity_mm_s = {between(-fast, fast), between(-fast, fast),
+                                     between(-fast, fast)};
+      object.motion.acceleration_mm_s2 = 30.0 * Vec3::Constant(between(-fast, fast));
+      object.motion.angular_velocity_rad_s = chance(0.1) ? between(-100.0, 100.0) : 0.0;
+      object.material.stiffness_N_mm = chance(0.3) ? between(0.0, 8.0) : 0.0;
+      if (chance(0.1)) object.impacts[object.impact_count++] = {frame.media_time, {0, 0, fast}};
+      if (chance(0.02)) kPoisons[random() % std::size(kPoisons)](object, kNaN);
+      attack.add(frame, object);
+    }
+  };
+  if (moving) attack.hold(Hand::light());
+  for (int i = 0; i < 20'000; ++i) {
+    if (attack.device && i % 300 == 0) {
+      attack.device->setTarget({between(-20.0, 20.0), between(-20.0, 20.0), between(-15.0, 10.0)});
+    }
+    if (chance(0.002)) attack.streaming = !attack.streaming;
+    if (!attack.streaming && chance(0.02)) attack.publish(attack.next_s - between(0.0, 0.3));
+    if (chance(0.001)) ++attack.epoch;
+    if (chance(0.001)) attack.control.paused = !attack.control.paused;
+    if (chance(0.001)) attack.control.connected = !attack.control.connected;
+    if (chance(0.001)) attack.control.first_epoch = attack.epoch = attack.epoch + 1;
+    if (chance(0.002)) attack.control.clock_offset = Duration(std::int64_t(between(-1e8, 1e8)));
+    if (chance(0.002))
+      attack.control.playout_delay_target = Duration(std::int64_t(between(0, 4e8)));
+    if (chance(0.001)) attack.control.workspace.width_mm = chance(0.5) ? 160.0 : 100.0;
+    if (chance(0.001)) ++attack.control.rearm;
+    const double luck = between(0.0, 1.0);
+    attack.state.status = luck < 0.0002  ? DeviceStatus::kLost
+                          : luck < 0.002 ? DeviceStatus::kNoData
+                                         : DeviceStatus::kOk;
+    (void)attack.step();
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_GT(attack.max_force_N, 0.1) << attack.name;
+}
+
+TEST(RoomPoison, ChaosDoesNotStepAHandThatStandsStill) {
+  unsigned seed = 0;
+  for (const RoomSettings& room : everyRoom()) {
+    for (int i = 0; i < 3; ++i) chaos(room, ++seed, false);
+  }
+}
+
+TEST(RoomPoison, ChaosDoesNotStepAHandThatMoves) {
+  unsigned seed = 100;
+  for (const RoomSettings& room : everyRoom()) chaos(room, ++seed, true);
+}
+
+}  // namespace
+}  // namespace hapticast::client
