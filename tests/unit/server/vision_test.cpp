@@ -254,9 +254,6 @@ TEST(Vision, TheBouncesOfASceneAreAnnounced) {
   EXPECT_GT(next, 2U);
   EXPECT_LT(worst_ms, 2.0);
   EXPECT_LT(worst_share, 0.1);
-  std::cout << next << " impacts, worst time error " << worst_ms << " ms, worst dv error "
-            << 100 * worst_share << " %, largest acceleration "
-            << vision.description().largest_acceleration_mm_s2 << "\n";
 }
 
 struct ClipRun {
