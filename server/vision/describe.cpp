@@ -2,10 +2,13 @@
 #include "server/vision/describe.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hapticast::server {
 
 namespace {
+
+constexpr double kHighQuantile = 0.99;
 
 bool equalReliefs(const Relief& a, const Relief& b) {
   return a.rect == b.rect && a.mask == b.mask && a.height_mm == b.height_mm;
@@ -27,7 +30,8 @@ Sample NominalFrame::sample(const Pose& pose, double time_s) const {
 void MotionHistory::add(std::uint64_t frame, double time_s,
                         const std::vector<TrackedObject>& objects) {
   for (const TrackedObject& object : objects) {
-    if (object.seen) entries_[object.id].push_back({frame, time_s, object.pose, object.cells});
+    if (object.seen)
+      entries_[object.id].push_back({frame, time_s, object.pose, object.cells, object.quality});
   }
 }
 
@@ -41,21 +45,28 @@ void MotionHistory::dropBefore(std::uint64_t frame) {
   });
 }
 
+MotionHistory::Window MotionHistory::window(std::uint32_t id, std::uint64_t frame, int lookahead,
+                                            const NominalFrame& nominal) const {
+  Window out;
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return out;
+  const auto reach = static_cast<std::uint64_t>(lookahead);
+  for (const Entry& entry : found->second) {
+    if (entry.frame + reach < frame || entry.frame > frame + reach) continue;
+    if (entry.frame == frame) out.at = out.samples.size();
+    out.samples.push_back(nominal.sample(entry.pose, entry.time_s));
+  }
+  return out;
+}
+
 Motion MotionHistory::motion(std::uint32_t id, std::uint64_t frame, int lookahead,
                              const NominalFrame& nominal) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return {};
-  std::vector<Sample> samples;
-  std::optional<std::size_t> at;
-  const auto reach = static_cast<std::uint64_t>(lookahead);
-  for (const Entry& entry : found->second) {
-    if (entry.frame + reach < frame || entry.frame > frame + reach) continue;
-    if (entry.frame == frame) at = samples.size();
-    samples.push_back(nominal.sample(entry.pose, entry.time_s));
-  }
+  const Window around = window(id, frame, lookahead, nominal);
   Motion out;
-  if (at) {
-    out = motionFrom(samples, *at, lookahead);
+  if (around.at) {
+    out = motionFrom(around.samples, *around.at, lookahead);
   } else {
     const Sample rest = nominal.sample(found->second.back().pose, 0.0);
     out.position_mm = rest.position_mm;
@@ -81,16 +92,32 @@ std::shared_ptr<const MotionGrid> MotionHistory::grid(std::uint32_t id, std::uin
   return at ? gridFrom(flows, *at, nominal.mmPerStep()) : nullptr;
 }
 
-double MotionHistory::largestAcceleration_mm_s2(int lookahead, const NominalFrame& nominal) const {
-  double largest = 0.0;
+std::vector<double> MotionHistory::accelerations_mm_s2(int lookahead,
+                                                       const NominalFrame& nominal) const {
+  std::vector<double> out;
   const auto reach = static_cast<std::size_t>(lookahead);
   for (const auto& [id, entries] : entries_) {
+    ImpactFinder impacts;
     for (std::size_t i = reach; i + reach < entries.size(); ++i) {
-      largest = std::max(
-          largest, motion(id, entries[i].frame, lookahead, nominal).acceleration_mm_s2.norm());
+      const Window around = window(id, entries[i].frame, lookahead, nominal);
+      impacts.look(around.samples, *around.at);
+      const bool whole = around.samples.size() == 2 * reach + 1;
+      const double span_s = whole ? entries[i + reach].time_s - entries[i].time_s : 0.0;
+      if (!whole || entries[i].quality < kGoodQuality ||
+          !impacts.around(entries[i].time_s, span_s).empty())
+        continue;
+      out.push_back(motionFrom(around.samples, *around.at, lookahead).acceleration_mm_s2.norm());
     }
   }
-  return largest;
+  return out;
+}
+
+double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2) {
+  if (accelerations_mm_s2.empty()) return 0.0;
+  const auto last = static_cast<double>(accelerations_mm_s2.size() - 1);
+  const auto high = accelerations_mm_s2.begin() + std::lround(kHighQuantile * last);
+  std::nth_element(accelerations_mm_s2.begin(), high, accelerations_mm_s2.end());
+  return *high;
 }
 
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,

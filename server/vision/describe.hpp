@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
+#include "server/vision/impact.hpp"
 #include "server/vision/motion_window.hpp"
 #include "server/vision/tracker.hpp"
 
@@ -30,12 +32,20 @@ class MotionHistory {
     double time_s = 0.0;
     Pose pose;
     CellFlow cells;
+    double quality = 1.0;
+  };
+  /// The poses of an object over the frames around one, in order of time.
+  struct Window {
+    std::vector<Sample> samples;
+    std::optional<std::size_t> at;  ///< of that frame; nullopt: it was lost there
   };
 
   /// Frames come in order; lost objects have no entry.
   void add(std::uint64_t frame, double time_s, const std::vector<TrackedObject>& objects);
   void dropBefore(std::uint64_t frame);
 
+  [[nodiscard]] Window window(std::uint32_t id, std::uint64_t frame, int lookahead,
+                              const NominalFrame& nominal) const;
   /// Motion of object `id` at `frame`. Without an entry there (lost) it rests at its last known
   /// pose.
   [[nodiscard]] Motion motion(std::uint32_t id, std::uint64_t frame, int lookahead,
@@ -43,12 +53,21 @@ class MotionHistory {
   [[nodiscard]] std::shared_ptr<const MotionGrid> grid(std::uint32_t id, std::uint64_t frame,
                                                        int lookahead,
                                                        const NominalFrame& nominal) const;
-  /// The largest acceleration of any object over whole windows.
-  [[nodiscard]] double largestAcceleration_mm_s2(int lookahead, const NominalFrame& nominal) const;
+  /// Sizes of the accelerations of all objects, from whole windows of well measured frames without
+  /// an impact in them.
+  [[nodiscard]] std::vector<double> accelerations_mm_s2(int lookahead,
+                                                        const NominalFrame& nominal) const;
 
  private:
   std::map<std::uint32_t, std::deque<Entry>> entries_;
 };
+
+/// Of an object that is seen and followed; carried on without being seen well is below.
+inline constexpr double kGoodQuality = 0.75;
+
+/// What a clip's largest acceleration is announced as: the 0.99 quantile, because the one largest
+/// of hundreds of measured values is the worst of their noise. 0 when empty. Reorders.
+double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 
 /// The object as it enters the descriptor; its motion comes later, with the window. `last`: the
 /// same object in the frame before, or null; an unchanged relief keeps its pointer and its

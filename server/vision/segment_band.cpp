@@ -116,7 +116,7 @@ class BandSegmenter final : public Segmenter {
       std::vector<Plane> planes = planes_;
       const Found found = objectAt(view.depth, at, noise_, planes);
       if (found.why_not != nullptr) throwNothingAt(point, found.why_not);
-      begin(view, found.mask, planes);
+      begin(view, found.mask, at, planes);
     }
   }
 
@@ -130,14 +130,16 @@ class BandSegmenter final : public Segmenter {
     if (mask.empty()) return;
     objects_.clear();
     findSupports(view.depth, mask, planes);
-    begin(view, mask, planes);
+    const cv::Rect box = boxAround(mask, 0);
+    begin(view, mask, (box.tl() + box.br()) / 2, planes);
   }
 
-  void begin(const View& view, const cv::Mat& first_mask, const std::vector<Plane>& planes) {
+  void begin(const View& view, const cv::Mat& first_mask, const cv::Point& point,
+             const std::vector<Plane>& planes) {
     planes_ = planes;
     Tracked object;
     object.id = next_id_++;
-    object.mask = cutByColor(view, first_mask, planes, not_points_);
+    object.mask = cutByColor(view, first_mask, planes, point, not_points_);
     settle(view, object);
     seenWell(object, view);
     objects_.push_back(object);

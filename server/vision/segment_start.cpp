@@ -74,6 +74,25 @@ cv::Mat tidy(const cv::Mat& component) {
   return mask;
 }
 
+// Into the marks for GrabCut (whose corner is at `origin`): what the author does not mean. It may
+// be one with the object in depth, so none of it may pass for surely the object.
+void markNot(const cv::Point& object, const std::vector<cv::Point>& not_points,
+             const cv::Point& origin, cv::Mat& marks) {
+  const auto square = [](const cv::Point& p) { return p.dot(p); };
+  for (const cv::Point& point : not_points) {
+    for (int v = 0; v < marks.rows; ++v) {
+      auto* row = marks.ptr<unsigned char>(v);
+      for (int u = 0; u < marks.cols; ++u) {
+        const cv::Point at(u, v);
+        if (row[u] != cv::GC_BGD && square(at - (point - origin)) < square(at - object))
+          row[u] = cv::GC_PR_BGD;
+      }
+    }
+  }
+  for (const cv::Point& point : not_points)
+    cv::circle(marks, point - origin, 10, cv::GC_BGD, cv::FILLED);
+}
+
 int labelNear(const cv::Mat& labels, const cv::Point& point) {
   int best = 0;
   int best_square = 12 * 12 + 1;
@@ -194,7 +213,7 @@ Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& n
 }
 
 cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plane>& planes,
-                   const std::vector<cv::Point>& not_points) {
+                   const cv::Point& object_point, const std::vector<cv::Point>& not_points) {
   const cv::Rect box = boxAround(mask, 60);
   cv::Mat marks(box.size(), CV_8UC1, cv::Scalar(cv::GC_PR_BGD));
   marks.setTo(cv::GC_PR_FGD, mask(box));
@@ -205,8 +224,7 @@ cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plan
   double deepest = 0.0;
   cv::minMaxLoc(inner, nullptr, &deepest);
   marks.setTo(cv::GC_FGD, inner > std::clamp(0.3 * deepest, 5.0, 10.0));
-  for (const cv::Point& point : not_points)
-    cv::circle(marks, point - box.tl(), 10, cv::GC_BGD, cv::FILLED);
+  markNot(object_point - box.tl(), not_points, box.tl(), marks);
   const double shrink = std::min(0.5, std::sqrt(kLargestCut_px / box.area()));
   const cv::Size half(std::max(8, int(box.width * shrink)), std::max(8, int(box.height * shrink)));
   cv::Mat color;
@@ -223,7 +241,7 @@ cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plan
   cv::resize(cut, cut, box.size(), 0, 0, cv::INTER_LINEAR);
   cut = cut > 127;
   const double ratio = double(cv::countNonZero(cut)) / cv::countNonZero(mask);
-  if (ratio < 0.4 || ratio > 2.5) return mask;
+  if (ratio < (not_points.empty() ? 0.4 : 0.1) || ratio > 2.5) return mask;
   cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
   cut.copyTo(out(box));
   return out;

@@ -35,8 +35,10 @@ Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& n
                std::vector<Plane>& planes);
 
 /// `mask` settled by colour: GrabCut at half size or less; the mask itself where that changes its
-/// area to outside 0.4 .. 2.5 times. `not_points`: discs of 10 px that are surely not the object.
+/// area to outside 0.4 .. 2.5 times. `object_point` is on it; around each of `not_points` a disc of
+/// 10 px surely is not, and what is nearer to one of them than to the object's point (then down to
+/// 0.1 times the area may be left) is rather not.
 cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plane>& planes,
-                   const std::vector<cv::Point>& not_points);
+                   const cv::Point& object_point, const std::vector<cv::Point>& not_points);
 
 }  // namespace hapticast::server

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <map>
 #include <sstream>
 
 #include "server/vision/describe.hpp"
@@ -15,8 +16,9 @@ namespace {
 
 constexpr std::uint64_t kLongestScan =
     600;  // frames; of a longer clip only its beginning is looked through
-constexpr double kClipMargin = 0.05;  // of the objects' span in depth, on either side
-constexpr double kLiveMargin = 0.5;   // they have more to show than what the first frame holds
+constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
+constexpr double kClipMargin = 0.05;         // of the objects' span in depth, on either side
+constexpr double kLiveMargin = 0.5;  // they have more to show than what the first frame holds
 
 void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const char* flag) {
   for (const Vec2& point : points) {
@@ -43,7 +45,7 @@ class Vision::Impl {
     description_.fps = info_.fps;
     description_.workspace.width_px = info_.width_px;
     description_.workspace.height_px = info_.height_px;
-    description_.workspace.stretch = settings_.stretch;
+    description_.workspace.stretch = settings_.stretch || settings_.method == Method::kThesis;
     description_.method = settings_.method;
     description_.pipeline_latency = fromSeconds(lookahead_ / info_.fps);
     description_.mass_kg = settings_.mass_kg;
@@ -71,8 +73,8 @@ class Vision::Impl {
     source.rewind();
     if (!range_) range_ = finder.range(kClipMargin);
     if (!range_) return;  // no object in the clip
-    description_.largest_acceleration_mm_s2 =
-        history.largestAcceleration_mm_s2(lookahead_, nominal());
+    std::vector<double> accelerations = history.accelerations_mm_s2(lookahead_, nominal());
+    description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
   }
 
   std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time) {
@@ -117,6 +119,7 @@ class Vision::Impl {
   void restart(std::uint32_t source_epoch) {
     while (!pending_.empty()) complete();
     history_ = {};
+    impacts_.clear();
     last_objects_.clear();
     tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_);
     source_epoch_ = source_epoch;
@@ -139,15 +142,40 @@ class Vision::Impl {
       motion.quality = object.motion.quality;
       motion.visible_fraction = object.motion.visible_fraction;
       object.motion = motion;
+      findImpacts(object, result.frame);
       if (settings_.method == Method::kThesis)
         object.grid = history_.grid(object.id, id, lookahead_, nominal());
-      if (!info_.live) continue;
-      double& largest = description_.largest_acceleration_mm_s2;
-      largest = std::max(largest, motion.acceleration_mm_s2.norm());
+      if (info_.live) boundAcceleration(object);
     }
+    std::erase_if(impacts_, [&](const auto& item) {
+      return std::none_of(result.frame.objects.begin(), result.frame.objects.end(),
+                          [&](const HapticObject& o) { return o.id == item.first; });
+    });
     const auto reach = static_cast<std::uint64_t>(lookahead_);
     if (id > reach) history_.dropBefore(id - reach);
     ready_.push_back(std::move(result));
+  }
+
+  // An impact between this frame and the next is known now; those of the frames before are repeated
+  // for a viewer who has missed them.
+  void findImpacts(HapticObject& object, const HapticFrame& frame) {
+    const MotionHistory::Window around =
+        history_.window(object.id, frame.id, lookahead_, nominal());
+    if (!around.at) return;
+    ImpactFinder& finder = impacts_[object.id];
+    finder.look(around.samples, *around.at);
+    object.impacts = finder.around(toSeconds(frame.media_time), lookahead_ / info_.fps);
+  }
+
+  // Of a live source: never falls.
+  void boundAcceleration(const HapticObject& object) {
+    if (object.motion.quality < kGoodQuality || !object.impacts.empty()) return;
+    live_accelerations_mm_s2_.push_back(object.motion.acceleration_mm_s2.norm());
+    if (live_accelerations_mm_s2_.size() < kFewestForBound) return;  // stays unknown
+    if (live_accelerations_mm_s2_.size() > kLongestScan) live_accelerations_mm_s2_.pop_front();
+    std::vector<double> recent(live_accelerations_mm_s2_.begin(), live_accelerations_mm_s2_.end());
+    double& largest = description_.largest_acceleration_mm_s2;
+    largest = std::max(largest, largestAcceleration_mm_s2(recent));
   }
 
   std::optional<VisionResult> takeReady() {
@@ -168,6 +196,8 @@ class Vision::Impl {
   std::uint32_t source_epoch_ = 0;
   std::unique_ptr<Tracker> tracker_;
   MotionHistory history_;
+  std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id
+  std::deque<double> live_accelerations_mm_s2_;
   std::vector<HapticObject> last_objects_;
   std::deque<VisionResult> pending_;
   std::deque<VisionResult> ready_;

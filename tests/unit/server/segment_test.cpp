@@ -186,6 +186,63 @@ TEST(Segment, FollowsSeveralObjects) {
   }
 }
 
+TEST(Segment, APointOfNotKeepsAnotherThingOfTheSameDepthOut) {
+  // A red and a blue box side by side: one thing by depth, two by colour.
+  RgbdFrame frame;
+  frame.color.create(240, 320, CV_8UC3);
+  frame.depth.create(240, 320, CV_32FC1);
+  const cv::Rect red(70, 80, 90, 80);
+  const cv::Rect blue(160, 80, 60, 80);
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      const bool is_red = red.contains({u, v});
+      const bool is_blue = blue.contains({u, v});
+      const double light = 60 + 120 * test::paint(u, v);
+      frame.depth.at<float>(v, u) = is_red || is_blue ? 900.0F : 1500.0F;
+      frame.color.at<cv::Vec3b>(v, u) =
+          cv::Vec3b(cv::saturate_cast<uchar>(light * (is_red ? 0.2 : 1)),
+                    cv::saturate_cast<uchar>(light * (is_red || is_blue ? 0.2 : 1)),
+                    cv::saturate_cast<uchar>(light * (is_blue ? 0.2 : 1)));
+    }
+  }
+  const auto shareOfBlue = [&](const std::vector<Vec2>& not_points) {
+    std::uint32_t id = 1;
+    VisionSettings settings;
+    settings.object_points_px = {{110, 120}};
+    settings.not_points_px = not_points;
+    SourceInfo info;
+    info.width_px = 320;
+    info.height_px = 240;
+    Runner runner{info, makeSegmenter(settings, false, id), {}, {}};
+    double share = 0;
+    for (int i = 0; i < 3; ++i) {
+      const cv::Mat mask = runner.next(frame).at(0).mask;
+      EXPECT_GT(cv::countNonZero(mask(red)), 0.95 * red.area());
+      share = double(cv::countNonZero(mask(blue))) / blue.area();
+    }
+    return share;
+  };
+  EXPECT_GT(shareOfBlue({}), 0.9);
+  EXPECT_LT(shareOfBlue({{195, 120}}), 0.05);
+}
+
+TEST(Segment, EdgesOfASyntheticScene) {
+  const auto source = openSource("synthetic:bounce", 25);
+  std::uint32_t id = 1;
+  VisionSettings settings;
+  settings.segment = SegmentMode::kEdges;
+  std::optional<RgbdFrame> frame = source->read();
+  const cv::Moments ball = cv::moments(frame->mask, true);
+  settings.object_points_px = {{ball.m10 / ball.m00, ball.m01 / ball.m00}};
+  Runner runner{source->info(), makeSegmenter(settings, true, id), {}, {}};
+  for (int i = 0; i < 25; ++i, frame = source->read()) {
+    runner.next(*frame);
+    ASSERT_EQ(runner.segments.size(), 1U) << i;
+    EXPECT_EQ(runner.segments[0].id, 1U);
+    EXPECT_GT(overlap(runner.segments[0].mask, frame->mask == 1), 0.85) << i;
+  }
+}
+
 TEST(Segment, RefusesFramesOfAnotherSize) {
   const test::BallScene scene;
   RgbdFrame frame = scene.frame(3, 100, 100);

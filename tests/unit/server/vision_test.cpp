@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "server/source/synthetic_scene.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
@@ -224,6 +225,37 @@ TEST(Vision, TheThesisMethodSendsADenseGrid) {
   EXPECT_NEAR(object.grid->acceleration_mm_s2[12].x(), 0, 20);
 }
 
+TEST(Vision, TheBouncesOfASceneAreAnnounced) {
+  const auto source = openSource("synthetic:bounce", 25);
+  Vision vision(source->info(), {});
+  const SyntheticScene scene(SceneKind::kBounce, vision.description().workspace);
+  vision.scan(*source, {});
+  std::vector<Impact> found;
+  const std::uint64_t count = source->info().frame_count.value();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto result = vision.push(*source->read(), mediaTime(double(i) / 25));
+    if (!result || result->frame.objects.empty()) continue;
+    for (const Impact& impact : result->frame.objects[0].impacts) {
+      if (found.empty() || impact.time > found.back().time) found.push_back(impact);
+    }
+  }
+  std::size_t next = 0;
+  double worst_ms = 0;
+  double worst_share = 0;
+  for (const SceneImpact& truth : scene.impacts()) {
+    if (truth.time_s < 0.12 || truth.time_s > double(count) / 25 - 0.32) continue;
+    ASSERT_LT(next, found.size()) << truth.time_s;
+    const Vec3 off = found[next].delta_velocity_mm_s - truth.delta_velocity_mm_s;
+    worst_ms = std::max(worst_ms, 1e3 * std::abs(toSeconds(found[next].time) - truth.time_s));
+    worst_share = std::max(worst_share, off.norm() / truth.delta_velocity_mm_s.norm());
+    ++next;
+  }
+  EXPECT_EQ(next, found.size());
+  EXPECT_GT(next, 2U);
+  EXPECT_LT(worst_ms, 2.0);
+  EXPECT_LT(worst_share, 0.1);
+}
+
 struct ClipRun {
   std::vector<VisionResult> results;
   std::vector<cv::Mat> masks;  // of the first object; empty where there is none
@@ -281,6 +313,7 @@ TEST(Vision, TheDragonIsHeldThroughTheDeskClip) {
     const Motion& motion = run.results[i].frame.objects[0].motion;
     EXPECT_TRUE(motion.position_mm.allFinite() && motion.acceleration_mm_s2.allFinite());
     EXPECT_LT(motion.velocity_mm_s.norm(), 400) << i;
+    EXPECT_TRUE(run.results[i].frame.objects[0].impacts.empty()) << i;
   }
 }
 
@@ -294,6 +327,7 @@ TEST(Vision, ThePersonIsHeldThroughTheTypingClip) {
   for (std::size_t i = 0; i < run.results.size(); ++i) {
     ASSERT_EQ(run.results[i].frame.objects.size(), 1U) << i;
     EXPECT_EQ(run.results[i].frame.objects[0].id, run.results[0].frame.objects[0].id);
+    EXPECT_TRUE(run.results[i].frame.objects[0].impacts.empty()) << i;
     const cv::Mat inside = run.masks[i] > 0;
     const double area = cv::countNonZero(inside);
     EXPECT_GT(area, 30e3) << i;
@@ -319,6 +353,7 @@ TEST(Vision, SomethingIsFoundLostAndFoundAgainInTheTurningClip) {
     for (const HapticObject& object : result.frame.objects) {
       ids.insert(object.id);
       fading += object.motion.quality < 0.5 ? 1 : 0;
+      EXPECT_TRUE(object.impacts.empty());
     }
   }
   EXPECT_GE(ids.size(), 2U);
