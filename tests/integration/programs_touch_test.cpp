@@ -42,8 +42,8 @@ const Arguments kSummaryKeys = {"ticks",
                                 "interferences.jump",
                                 "realtime.fifo",
                                 "realtime.mlock"};
-// Ticks in which the device is pushed back: most of a press.
-constexpr std::size_t kEnoughContact = 1000;
+// Ticks in which the device is pushed back: a third of a press.
+constexpr std::size_t kEnoughContact = 500;
 // What a server may skip before it is too slow for the claim about interpolation.
 constexpr double kSkippedShare = 0.02;
 
@@ -182,6 +182,7 @@ struct RealClip {
   const char* name;
   const char* object_px;
 };
+void PrintTo(const RealClip& clip, std::ostream* out) { *out << clip.name; }
 
 class ProgramsRealClipTest : public ProgramsTouchTest,
                              public ::testing::WithParamInterface<RealClip> {};
