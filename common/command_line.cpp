@@ -151,15 +151,6 @@ template double numberOrThrow(const std::string&, const std::string&, double, do
 template std::uint64_t numberOrThrow(const std::string&, const std::string&, std::uint64_t,
                                      std::uint64_t);
 
-CLI::Option* addPair(CLI::App& app, const std::string& name, std::optional<Vec2>& value,
-                     const std::string& help, const std::string& form) {
-  const auto set = [&value, name, form](const std::string& text) {
-    value = pairOrThrow(name, text, form);
-  };
-  return app.add_option_function<std::string>(name, set, help)
-      ->type_name(form.substr(0, form.find(' ')));
-}
-
 CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
                       const std::string& help, const std::string& form) {
   const auto set = [&values, name, form](const std::vector<std::string>& texts) {

@@ -32,8 +32,6 @@ std::optional<Vec2> parsePair(const std::string& text);
 /// px".
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          const std::string& help);
-CLI::Option* addPair(CLI::App& app, const std::string& name, std::optional<Vec2>& value,
-                     const std::string& help, const std::string& form);
 CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
                       const std::string& help, const std::string& form);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What bad input gets from the programs: one clear line, the right exit code, no crash.
+#include <algorithm>
 #include <random>
 
 #include "tests/integration/programs_fixture.hpp"
@@ -204,33 +205,46 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
     viewer.poll();
     return viewer.all<HapticFrame>();
   };
-  // What a peer gets that sends these bytes: an error, and the end of the connection.
-  const auto farewell = [&](const std::vector<std::uint8_t>& bytes) {
-    RawPeer peer(io, port);
-    if (!bytes.empty()) peer.send(bytes);
+  // What peers get that send these bytes, at once: an error, and the end of the connection.
+  const auto farewells = [&](const std::vector<std::vector<std::uint8_t>>& sent) {
+    std::vector<std::unique_ptr<RawPeer>> peers;
+    for (const auto& bytes : sent) {
+      peers.push_back(std::make_unique<RawPeer>(io, port));
+      if (!bytes.empty()) peers.back()->send(bytes);
+    }
     EXPECT_TRUE(waitUntil(kSoon, [&] {
       viewer.send(Ping{localTime(1.0)});
       (void)frames();
-      peer.poll();
-      return peer.closed;
+      for (const auto& peer : peers) peer->poll();
+      return std::all_of(peers.begin(), peers.end(), [](const auto& each) { return each->closed; });
     }));
-    EXPECT_FALSE(peer.reset) << "the error could have been lost";
-    const auto errors = peer.all<Error>();
-    return errors.size() == 1 ? errors[0] : Error{ErrorCode::kShuttingDown, "no single error"};
+    std::vector<Error> answers;
+    for (const auto& peer : peers) {
+      EXPECT_FALSE(peer->reset) << "the error could have been lost";
+      const auto errors = peer->all<Error>();
+      answers.push_back(errors.size() == 1 ? errors[0]
+                                           : Error{ErrorCode::kShuttingDown, "no single error"});
+    }
+    return answers;
   };
-  const Error version =
-      farewell(*framed(encode(Hello{kProtocolVersion + 1, "new\n", false, true})));
-  EXPECT_EQ(version.code, ErrorCode::kVersion);
-  EXPECT_NE(version.message.find("version"), std::string::npos);
   std::mt19937 random(7);
   std::vector<std::uint8_t> noise(100'000);
   for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() | 1U);
-  EXPECT_EQ(farewell(noise).code, ErrorCode::kTooLarge);
-  noise.resize(500);
-  EXPECT_EQ(farewell(*framed(noise)).code, ErrorCode::kMalformed);
-  EXPECT_EQ(farewell({0x01, 0x00, 0x01, 0x00}).code, ErrorCode::kTooLarge);
-  EXPECT_EQ(farewell({}).code, ErrorCode::kTimeout) << "half-open";
-  EXPECT_EQ(farewell({0x10, 0x00}).code, ErrorCode::kTimeout) << "half a message";
+  const std::vector<std::uint8_t> short_noise(noise.begin(), noise.begin() + 500);
+  const auto answers =
+      farewells({*framed(encode(Hello{kProtocolVersion + 1, "new\n", false, true})),
+                 noise,
+                 *framed(short_noise),
+                 {0x01, 0x00, 0x01, 0x00},
+                 {},
+                 {0x10, 0x00}});
+  EXPECT_EQ(answers[0].code, ErrorCode::kVersion);
+  EXPECT_NE(answers[0].message.find("version"), std::string::npos);
+  EXPECT_EQ(answers[1].code, ErrorCode::kTooLarge) << "random bytes";
+  EXPECT_EQ(answers[2].code, ErrorCode::kMalformed) << "random bytes as a message";
+  EXPECT_EQ(answers[3].code, ErrorCode::kTooLarge) << "64 KiB + 1";
+  EXPECT_EQ(answers[4].code, ErrorCode::kTimeout) << "half-open";
+  EXPECT_EQ(answers[5].code, ErrorCode::kTimeout) << "half a message";
 
   const std::size_t before = frames().size();
   EXPECT_TRUE(waitUntil(kSoon, [&] { return frames().size() > before + 10; }));

@@ -42,8 +42,8 @@ const Arguments kSummaryKeys = {"ticks",
                                 "interferences.jump",
                                 "realtime.fifo",
                                 "realtime.mlock"};
-// Ticks in which the device is pushed back: most of a press.
-constexpr std::size_t kEnoughContact = 1000;
+// Ticks in which the device is pushed back: a third of a press.
+constexpr std::size_t kEnoughContact = 500;
 // What a server may skip before it is too slow for the claim about interpolation.
 constexpr double kSkippedShare = 0.02;
 
@@ -145,6 +145,20 @@ TEST_F(ProgramsTouchTest, EveryHandTouchesTheBouncingBall) {
   touchWith({"press", "slide", "follow", hand}, {"--source", "synthetic:bounce", "--loop"});
 }
 
+#ifdef HAPTICAST_VIEWER
+TEST_F(ProgramsTouchTest, LeavesAPictureOfTheTouch) {
+  const std::string picture = path("picture.png");
+  touchWith({"press"}, {"--source", "synthetic:still", "--loop"}, {"--screenshot", picture});
+  const cv::Mat image = cv::imread(picture);
+  ASSERT_FALSE(image.empty());
+  EXPECT_GE(image.cols, 640);
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(image, mean, deviation);
+  EXPECT_GT(deviation[0], 5.0) << "a single colour";
+}
+#endif
+
 TEST_F(ProgramsTouchTest, ThesisOnBothSides) {
   touchWith({"press"}, {"--source", "synthetic:bounce", "--loop", "--method", "thesis"},
             {"--method", "thesis"});
@@ -168,6 +182,7 @@ struct RealClip {
   const char* name;
   const char* object_px;
 };
+void PrintTo(const RealClip& clip, std::ostream* out) { *out << clip.name; }
 
 class ProgramsRealClipTest : public ProgramsTouchTest,
                              public ::testing::WithParamInterface<RealClip> {};

@@ -170,8 +170,7 @@ TEST(HandTargetsFile, ComplaintsNameTheLine) {
   EXPECT_EQ(complaint("-1,1,2,3"), ":1: t_s is not from 0 to 86400");
   EXPECT_EQ(complaint("nan,1,2,3"), ":1: t_s is not from 0 to 86400");
   EXPECT_EQ(complaint("1,1,2,3\n1,1,2,3"), ":2: t_s does not rise");
-  EXPECT_EQ(complaint("0,0,0,0\n" + std::string(500, '1')),
-            ":2: longer than 256 characters");
+  EXPECT_EQ(complaint("0,0,0,0\n" + std::string(500, '1')), ":2: longer than 256 characters");
   EXPECT_EQ(complaint(""), ": no rows of t_s,x_mm,y_mm,z_mm");
   EXPECT_EQ(complaint("t_s,x_mm,y_mm,z_mm\n"), ": no rows of t_s,x_mm,y_mm,z_mm");
   EXPECT_THROW((void)loadHandTargets("/nonexistent.csv"), std::runtime_error);

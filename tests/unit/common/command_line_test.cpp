@@ -38,6 +38,9 @@ class CommandLineTest : public testing::Test {
     addPairs(app_, "--object", points_, "points", "U,V in px");
     addEndpoint(app_, "--listen", listen_, "where");
     addNumber(app_, "--fps", fps_, 1.0, 240.0, "1..240", "rate");
+    addNumber(app_, "--frames", frames_, std::uint64_t{1}, std::uint64_t{1000}, "N", "how many");
+    addNumber(app_, "--mass", mass_kg_, 0.001, 100.0, "KG", "optional");
+    app_.add_flag("--loop", loop_, "again");
     addConfigFile(app_);
   }
 
@@ -50,6 +53,9 @@ class CommandLineTest : public testing::Test {
   std::vector<Vec2> points_;
   Endpoint listen_;
   double fps_ = 25.0;
+  std::uint64_t frames_ = 0;
+  std::optional<double> mass_kg_;
+  bool loop_ = false;
 };
 
 TEST_F(CommandLineTest, PointsRepeat) {
@@ -72,6 +78,48 @@ TEST_F(CommandLineTest, WrongValueIsOneLineWithFlagValueAndForm) {
   EXPECT_NE(range.find("--fps"), std::string::npos) << range;
   EXPECT_NE(range.find("900"), std::string::npos) << range;
   EXPECT_NE(range.find("240"), std::string::npos) << range;
+}
+
+TEST_F(CommandLineTest, NumbersAreWholeTextsWithinTheirRange) {
+  EXPECT_EQ(parse({"--fps", "2.5e1", "--frames", "1000", "--mass", "0.5"}), std::nullopt);
+  EXPECT_DOUBLE_EQ(fps_, 25.0);
+  EXPECT_EQ(frames_, 1000U);
+  EXPECT_EQ(mass_kg_, 0.5);
+  for (const char* wrong : {"", "nan", "inf", "0", "241", "25x", "1e999", "true"}) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse({"--fps", wrong}), 2) << wrong;
+    EXPECT_NE(testing::internal::GetCapturedStderr().find("--fps: '" + std::string(wrong) + "'"),
+              std::string::npos);
+  }
+  for (const char* wrong : {"0", "-1", "1001", "2.5", "99999999999999999999", "1e2"}) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse({"--frames", wrong}), 2) << wrong;
+    EXPECT_NE(testing::internal::GetCapturedStderr().find("a whole number from 1 to 1000"),
+              std::string::npos);
+  }
+}
+
+TEST_F(CommandLineTest, ComplaintsNameTheCause) {
+  const std::vector<std::pair<std::vector<const char*>, std::string>> wrong = {
+      {{"--bogus", "1"}, "'--bogus'"},
+      {{"--fps", "2", "--fps", "3"}, "--fps: may be given only once"},
+      {{"--loop=maybe"}, "--loop = maybe: a flag is on or off"},
+  };
+  for (const auto& [arguments, words] : wrong) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse(arguments), 2);
+    const std::string line = testing::internal::GetCapturedStderr();
+    EXPECT_NE(line.find(words), std::string::npos) << line;
+  }
+  app_.add_option("--source")->required();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"--sourc", "x"}), 2);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("'--sourc'"), std::string::npos);
+}
+
+TEST(CommandLine, ForeignTextCannotSteerATerminal) {
+  EXPECT_EQ(oneLine("a\x1b[2J\r\n\tb\x7f"), "a?[2J???b?");
+  EXPECT_EQ(oneLine("größer"), "größer");
 }
 
 TEST_F(CommandLineTest, ConfigFileHoldsTheSameKeys) {

@@ -41,8 +41,9 @@ TEST(OpenSource, TheFrameRateIsChecked) {
 }
 
 TEST(OpenSource, APathWithNeither) {
-  EXPECT_THAT(openError("/no/such/place"),
-              AllOf(HasSubstr("/no/such/place: no such file or folder"), HasSubstr("synthetic:NAME")));
+  EXPECT_THAT(
+      openError("/no/such/place"),
+      AllOf(HasSubstr("/no/such/place: no such file or folder"), HasSubstr("synthetic:NAME")));
   EXPECT_THAT(openError(""), HasSubstr("(empty source)"));
   const TempFolder folder;
   folder.write("video.mp4", std::string("x"));
