@@ -80,15 +80,16 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
 }
 
 TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
-  const std::vector<std::array<std::string, 3>> wrong = {{"--device", "mouse", "virtual"},
-                                                         {"--transport", "udp", "tcp"},
-                                                         {"--surface", "flat", "normal|perturbed"},
-                                                         {"--method", "best", "hapticast|thesis"},
-                                                         {"--seconds", "nan", "0.001 to 1000000000"},
-                                                         {"--seconds", "0", "0.001 to 1000000000"},
-                                                         {"--seconds", "1e300", "0.001 to 1000000000"},
-                                                         {"server", "host:99999", "HOST:PORT"},
-                                                         {"server", "a b", "HOST:PORT"}};
+  const std::vector<std::array<std::string, 3>> wrong = {
+      {"--device", "mouse", "virtual"},
+      {"--transport", "udp", "tcp"},
+      {"--surface", "flat", "normal|perturbed"},
+      {"--method", "best", "hapticast|thesis"},
+      {"--seconds", "nan", "0.001 to 1000000000"},
+      {"--seconds", "0", "0.001 to 1000000000"},
+      {"--seconds", "1e300", "0.001 to 1000000000"},
+      {"server", "host:99999", "HOST:PORT"},
+      {"server", "a b", "HOST:PORT"}};
   for (const auto& [flag, value, allowed] : wrong) {
     std::vector<std::string> arguments{"--device", "virtual"};
     if (flag == "--device") arguments.clear();
