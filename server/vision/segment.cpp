@@ -43,20 +43,20 @@ class SourceSegmenter final : public Segmenter {
 }  // namespace
 
 std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
-                                         std::uint32_t& next_id) {
+                                         std::uint32_t& next_id, RememberedStart* remembered) {
   switch (settings.segment) {
     case SegmentMode::kSource:
       return std::make_unique<SourceSegmenter>(next_id);
     case SegmentMode::kEdges:
       return makeEdgeSegmenter(settings, next_id);
     case SegmentMode::kBand:
-      return makeBandSegmenter(settings, next_id);
+      return makeBandSegmenter(settings, next_id, remembered);
     case SegmentMode::kAuto:
       break;
   }
   if (has_mask) return std::make_unique<SourceSegmenter>(next_id);
   return settings.method == Method::kThesis ? makeEdgeSegmenter(settings, next_id)
-                                            : makeBandSegmenter(settings, next_id);
+                                            : makeBandSegmenter(settings, next_id, remembered);
 }
 
 void throwNothingAt(const Vec2& point_px, const std::string& why) {

@@ -32,14 +32,20 @@ class Segmenter {
 /// Below this many pixels an object is lost.
 inline constexpr int kSmallestObject_px = 40;
 
+/// The careful start of a clip, kept by who plays the clip again and again: it costs as much as ten
+/// frames. Null until there is one.
+struct BandStart;  // segment_band.cpp
+using RememberedStart = std::shared_ptr<const BandStart>;
+
 /// Which segmenter `settings` ask for, given whether the source brings masks. `next_id` is counted
-/// up and must outlive the segmenter.
+/// up; it and `remembered` (may be null) must outlive the segmenter.
 std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
-                                         std::uint32_t& next_id);
+                                         std::uint32_t& next_id,
+                                         RememberedStart* remembered = nullptr);
 std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
                                              std::uint32_t& next_id);
-std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings,
-                                             std::uint32_t& next_id);
+std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
+                                             RememberedStart* remembered);
 
 /// Throws the SourceError of an object point with nothing under it; `why` says what is there
 /// instead.

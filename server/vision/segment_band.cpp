@@ -60,16 +60,39 @@ cv::Mat carriedMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
   return out;
 }
 
+}  // namespace
+
+struct BandStart {
+  cv::Mat color;
+  cv::Mat depth;
+  std::vector<Tracked> objects;
+  std::vector<Plane> planes;
+  DepthNoise noise;
+};
+
+namespace {
+
 class BandSegmenter final : public Segmenter {
  public:
-  BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id)
-      : points_(settings.object_points_px), next_id_(next_id) {
+  BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id, RememberedStart* remembered)
+      : points_(settings.object_points_px), next_id_(next_id), remembered_(remembered) {
     for (const Vec2& point : settings.not_points_px) {
       not_points_.emplace_back(static_cast<int>(point.x()), static_cast<int>(point.y()));
     }
   }
 
   std::vector<Segment> next(const View& view, const Flows& flows) override {
+    if (frame_ > 0 || !recall(view)) decide(view, flows);
+    ++frame_;
+    std::vector<Segment> out;
+    for (const Tracked& object : objects_) {
+      if (object.lost == 0) out.push_back({object.id, object.mask.clone(), object.quality});
+    }
+    return out;
+  }
+
+ private:
+  void decide(const View& view, const Flows& flows) {
     followScene(view);
     for (Tracked& object : objects_) {
       if (object.lost == 0) {
@@ -80,15 +103,28 @@ class BandSegmenter final : public Segmenter {
     }
     if (frame_ == 0) startAtPoints(view);
     if (points_.empty()) chooseByItself(view);
-    ++frame_;
-    std::vector<Segment> out;
-    for (const Tracked& object : objects_) {
-      if (object.lost == 0) out.push_back({object.id, object.mask.clone(), object.quality});
-    }
-    return out;
+    if (frame_ == 0) remember(view);
   }
 
- private:
+  void remember(const View& view) const {
+    if (remembered_ == nullptr) return;
+    *remembered_ = std::make_shared<BandStart>(
+        BandStart{view.color.clone(), view.depth.clone(), objects_, planes_, noise_});
+  }
+
+  // The same first frame again has the same start, but for the ids.
+  bool recall(const View& view) {
+    if (remembered_ == nullptr || *remembered_ == nullptr) return false;
+    const BandStart& start = **remembered_;
+    if (!equalImages(start.color, view.color) || !equalImages(start.depth, view.depth))
+      return false;
+    objects_ = start.objects;
+    for (Tracked& object : objects_) object.id = next_id_++;
+    planes_ = start.planes;
+    noise_ = start.noise;
+    return true;
+  }
+
   void followScene(const View& view) {
     if (frame_ == 0) noise_ = measureNoise(view.depth);
     if (frame_ > 0 && refitPlanes(view.depth, planes_)) return;
@@ -261,6 +297,7 @@ class BandSegmenter final : public Segmenter {
   std::vector<Vec2> points_;
   std::vector<cv::Point> not_points_;
   std::uint32_t& next_id_;
+  RememberedStart* remembered_;
   DepthNoise noise_;
   std::vector<Plane> planes_;
   std::vector<Tracked> objects_;
@@ -270,9 +307,9 @@ class BandSegmenter final : public Segmenter {
 
 }  // namespace
 
-std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings,
-                                             std::uint32_t& next_id) {
-  return std::make_unique<BandSegmenter>(settings, next_id);
+std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
+                                             RememberedStart* remembered) {
+  return std::make_unique<BandSegmenter>(settings, next_id, remembered);
 }
 
 }  // namespace hapticast::server

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <opencv2/imgproc.hpp>
 
 namespace hapticast::server {
@@ -11,16 +10,6 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kRepeated = 0.98;
-
-// Ends at the first row that differs, which is nearly always an early one.
-bool equal(const cv::Mat& a, const cv::Mat& b) {
-  if (a.size() != b.size()) return false;
-  const std::size_t bytes = static_cast<std::size_t>(a.cols) * a.elemSize();
-  for (int v = 0; v < a.rows; ++v) {
-    if (std::memcmp(a.ptr(v), b.ptr(v), bytes) != 0) return false;
-  }
-  return true;
-}
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
@@ -32,8 +21,9 @@ cv::Vec2d centroidOf(const cv::Mat& mask) {
 
 }  // namespace
 
-Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id)
-    : info_(info), settings_(settings), next_id_(next_id) {}
+Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id,
+                 RememberedStart& remembered)
+    : info_(info), settings_(settings), next_id_(next_id), remembered_(remembered) {}
 
 Flows Tracker::followTracks(const View& view) const {
   Flows flows;
@@ -138,10 +128,10 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
     noise_ = measureNoise(view.depth);
     exact_masks_ = !view.mask.empty() && (settings_.segment == SegmentMode::kAuto ||
                                           settings_.segment == SegmentMode::kSource);
-    segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_);
+    segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_, &remembered_);
   }
-  const bool identical = equal(view.color, last_.color) && equal(view.depth, last_.depth) &&
-                         equal(view.mask, last_.mask);
+  const bool identical = equalImages(view.color, last_.color) &&
+                         equalImages(view.depth, last_.depth) && equalImages(view.mask, last_.mask);
   Flows flows;
   if (!identical) {
     flows = followTracks(view);

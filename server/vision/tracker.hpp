@@ -27,8 +27,10 @@ struct TrackedObject {
 
 class Tracker {
  public:
-  /// `next_id` is counted up and must outlive the tracker. `settings` and `info` are copied.
-  Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id);
+  /// `next_id` is counted up; it and `remembered` must outlive the tracker. `settings` and `info`
+  /// are copied.
+  Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id,
+          RememberedStart& remembered);
 
   /// The objects of the next frame, also those just lost (for kKeepLost frames, quality falling to
   /// 0). Throws SourceError (a frame that does not fit the announcement, an object point on
@@ -61,6 +63,7 @@ class Tracker {
   SourceInfo info_;
   VisionSettings settings_;
   std::uint32_t& next_id_;
+  RememberedStart& remembered_;
   bool exact_masks_ = false;
   std::unique_ptr<Segmenter> segmenter_;
   DepthNoise noise_;

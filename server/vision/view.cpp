@@ -2,6 +2,7 @@
 #include "server/vision/view.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -58,6 +59,15 @@ cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size) {
   const cv::Rect larger(rect.x - margin_px, rect.y - margin_px, rect.width + 2 * margin_px,
                         rect.height + 2 * margin_px);
   return larger & cv::Rect(cv::Point(), size);
+}
+
+bool equalImages(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size()) return false;
+  const std::size_t bytes = static_cast<std::size_t>(a.cols) * a.elemSize();
+  for (int v = 0; v < a.rows; ++v) {
+    if (std::memcmp(a.ptr(v), b.ptr(v), bytes) != 0) return false;
+  }
+  return true;
 }
 
 cv::Rect boxAround(const cv::Mat& mask, int margin_px) {

@@ -24,6 +24,10 @@ struct View {
 /// finite, not positive or beyond 100 m count as not measured.
 View makeView(const RgbdFrame& frame, const SourceInfo& info);
 
+/// Whether two images of one type are the same, pixel by pixel. Ends at the first row that differs,
+/// which is nearly always an early one.
+bool equalImages(const cv::Mat& a, const cv::Mat& b);
+
 /// The rectangle around all non-zero pixels of `mask`, grown by `margin_px` and cut to the picture;
 /// empty if none.
 cv::Rect boxAround(const cv::Mat& mask, int margin_px);

@@ -56,7 +56,7 @@ class Vision::Impl {
   void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
     if (info_.live) return;
     std::uint32_t ids = 1;
-    Tracker tracker(info_, settings_, ids);
+    Tracker tracker(info_, settings_, ids, start_);
     MotionHistory history;
     RangeFinder finder;
     const std::uint64_t total = std::min(kLongestScan, info_.frame_count.value_or(kLongestScan));
@@ -121,7 +121,7 @@ class Vision::Impl {
     history_ = {};
     impacts_.clear();
     last_objects_.clear();
-    tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_);
+    tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_, start_);
     source_epoch_ = source_epoch;
     ++epoch_;
   }
@@ -194,6 +194,7 @@ class Vision::Impl {
   std::uint64_t next_frame_id_ = 1;
   std::uint32_t epoch_ = 0;
   std::uint32_t source_epoch_ = 0;
+  RememberedStart start_;  // a clip that is looped, or was scanned, starts as it did
   std::unique_ptr<Tracker> tracker_;
   MotionHistory history_;
   std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id

@@ -71,6 +71,32 @@ TEST(Segment, SourceModeNeedsMasks) {
             std::string::npos);
 }
 
+TEST(Segment, AClipThatBeginsAgainStartsAsItDid) {
+  std::uint32_t id = 1;
+  test::BallScene scene;
+  scene.with_mask = false;
+  VisionSettings settings;
+  settings.object_points_px = {{100, 100}};
+  RememberedStart start;
+  std::vector<cv::Mat> masks;
+  for (int round = 0; round < 2; ++round) {
+    Runner runner{scene.info(), makeSegmenter(settings, false, id, &start), {}, {}};
+    for (std::uint64_t i = 0; i < 5; ++i) {
+      runner.next(scene.frame(i, 100 + 4.0 * double(i), 100));
+      ASSERT_EQ(runner.segments.size(), 1U);
+      EXPECT_EQ(runner.segments[0].id, static_cast<std::uint32_t>(round + 1));
+      if (round == 0) masks.push_back(runner.segments[0].mask);
+      EXPECT_EQ(overlap(runner.segments[0].mask, masks[i]), 1.0) << round << " " << i;
+    }
+  }
+  // Another first frame is decided anew.
+  Runner other{scene.info(), makeSegmenter(settings, false, id, &start), {}, {}};
+  const RgbdFrame moved = scene.frame(0, 106, 104);
+  other.next(moved);
+  ASSERT_EQ(other.segments.size(), 1U);
+  EXPECT_LT(overlap(other.segments[0].mask, masks[0]), 0.95);
+}
+
 class MovingBall : public testing::TestWithParam<std::pair<SegmentMode, double>> {};
 
 TEST_P(MovingBall, IsHeldOverFrames) {
