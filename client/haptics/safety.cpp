@@ -285,7 +285,7 @@ Vec3 SafetyChain::slewed(const Vec3& target_N, const StepState& now, bool measur
   const double size_N = rest_N.norm();
   if (size_N <= allowed_N) return target_N;
   out.interferences |= bit(Interference::kSlew);
-  const Vec3 force_N = last_.force_N + explained_N + rest_N * (allowed_N / size_N);
+  Vec3 force_N = last_.force_N + explained_N + rest_N * (allowed_N / size_N);
   if (force_N.norm() <= peak_N_) return force_N;
   // The way round would leave what the device can stand; the straight way does not.
   return last_.force_N + step_N * std::min(1.0, std::min(rise_N_, fall_N_) / step_N.norm());
