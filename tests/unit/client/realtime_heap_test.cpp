@@ -8,7 +8,7 @@
 
 #include <cstdlib>
 
-#include "unit/client/stage.hpp"
+#include "tests/unit/client/stage.hpp"
 
 namespace {
 thread_local bool heap_forbidden = false;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "unit/client/stage.hpp"
+#include "tests/unit/client/stage.hpp"
 
 namespace hapticast::client {
 namespace {
