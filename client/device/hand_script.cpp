@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/haptics/hip_motion.hpp"
+
 namespace hapticast::client {
 
 namespace {
-constexpr double kTick_s = 1e-3;
 constexpr double kSpeed_mm_s = 300.0;        // against the object
 constexpr double kObjectSpeed_mm_s = 600.0;  // followed at most
 constexpr double kAcceleration_mm_s2 = 5000.0;

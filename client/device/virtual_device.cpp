@@ -5,12 +5,12 @@
 #include <cmath>
 #include <ctime>
 
+#include "client/haptics/hip_motion.hpp"
 #include "client/haptics/tick_report.hpp"
 
 namespace hapticast::client {
 
 namespace {
-constexpr double kTick_s = 1e-3;
 constexpr Duration kTick{1'000'000};
 constexpr int kLongestCatchUp_ticks = 1000;
 

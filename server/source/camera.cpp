@@ -24,7 +24,7 @@ void openDevice(cv::VideoCapture& capture, int number, double fps) {
   if (fps > 0.0) capture.set(cv::CAP_PROP_FPS, fps);
 }
 
-cv::Mat firstFrame(cv::VideoCapture& capture, const std::string& name) {
+cv::Mat firstPicture(cv::VideoCapture& capture, const std::string& name) {
   cv::Mat frame;
   if (!capture.read(frame) || frame.empty()) {
     throw SourceError(name + ": gives no picture; is it a camera that captures?");
@@ -53,8 +53,8 @@ Camera::Camera(int color, int depth, double fps)
   openDevice(depth_, depth, fps);
   // Otherwise 16-bit depth would be squeezed into 8 bits.
   depth_.set(cv::CAP_PROP_CONVERT_RGB, 0.0);
-  const cv::Mat picture = firstFrame(color_, color_name_);
-  const cv::Mat raw = firstFrame(depth_, depth_name_);
+  const cv::Mat picture = firstPicture(color_, color_name_);
+  const cv::Mat raw = firstPicture(depth_, depth_name_);
   format_.kind = kindOf(raw, depth_name_);
   if (picture.type() != CV_8UC3)
     throw SourceError(color_name_ + ": gives no colour; choose another camera");

@@ -11,7 +11,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kLattice_px = 8;
+constexpr int kSampleStep_px = 8;
 
 struct Cell {
   std::array<std::vector<double>, 3> steps;
@@ -20,8 +20,8 @@ struct Cell {
 void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                const Surface& now, CellFlow& out, std::vector<Cell>& cells) {
   std::vector<cv::Point2f> points;
-  for (int v = kLattice_px / 2; v < last_mask.rows; v += kLattice_px) {
-    for (int u = kLattice_px / 2; u < last_mask.cols; u += kLattice_px) {
+  for (int v = kSampleStep_px / 2; v < last_mask.rows; v += kSampleStep_px) {
+    for (int u = kSampleStep_px / 2; u < last_mask.cols; u += kSampleStep_px) {
       if (last_mask.at<unsigned char>(v, u) != 0) points.emplace_back(float(u), float(v));
     }
   }

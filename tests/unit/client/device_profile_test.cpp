@@ -13,11 +13,11 @@
 namespace hapticast::client {
 namespace {
 
-DeviceProfile read(const std::string& text) {
+DeviceProfile profileOf(const std::string& text) {
   std::istringstream in(text);
   return readDeviceProfile(in, "a file");
 }
-std::string complaint(const std::string& text) { return complaint(readDeviceProfile, text); }
+std::string profileComplaint(const std::string& text) { return complaint(readDeviceProfile, text); }
 
 TEST(DeviceProfileFile, BuiltIn) {
   const DeviceProfile omni = loadDeviceProfile("omni");
@@ -31,7 +31,7 @@ TEST(DeviceProfileFile, BuiltIn) {
 }
 
 TEST(DeviceProfileFile, EveryFieldByItsName) {
-  const DeviceProfile p = read(
+  const DeviceProfile p = profileOf(
       "# my own device\nname = bench\r\nmass_kg=0.2\npeak_N = 5\ncontinuous_N = 2\ncount_mm = 0.01 "
       "# fine\n"
       "delay_ticks = 3\n\n  stiffness_N_mm = 1.25\nslew_rise_N_per_tick = "
@@ -62,35 +62,39 @@ TEST(DeviceProfileFile, IsReadFromAFile) {
 }
 
 TEST(DeviceProfileFile, WhatIsNotSaidIsOmni) {
-  const DeviceProfile p = read("friction_N = 0.1");
+  const DeviceProfile p = profileOf("friction_N = 0.1");
   EXPECT_EQ(p.friction_N, 0.1);
   EXPECT_EQ(p.mass_kg, 0.045);
 }
 
 TEST(DeviceProfileFile, ComplaintsNameLineKeyAndWhatIsAllowed) {
-  EXPECT_EQ(complaint("\nmass_kg = 0"), ":2: mass_kg: '0' is not a number from 0.001 to 10");
-  EXPECT_EQ(complaint("mass_kg = heavy"), ":1: mass_kg: 'heavy' is not a number from 0.001 to 10");
-  EXPECT_EQ(complaint("mass_kg = nan"), ":1: mass_kg: 'nan' is not a number from 0.001 to 10");
-  EXPECT_EQ(complaint("peak_N = 1e999"), ":1: peak_N: '1e999' is not a number from 0.1 to 100");
-  EXPECT_EQ(complaint("peak_N = 3 N"), ":1: peak_N: '3 N' is not a number from 0.1 to 100");
-  EXPECT_EQ(complaint("peak_N ="), ":1: peak_N: '' is not a number from 0.1 to 100");
-  EXPECT_EQ(complaint("delay_ticks = 6"), ":1: delay_ticks: '6' is not a number from 0 to 5");
-  EXPECT_EQ(complaint("delay_ticks = 1.5"), ":1: delay_ticks: '1.5' is not a whole number");
-  EXPECT_EQ(complaint("workspace_mm = 100 90"),
+  EXPECT_EQ(profileComplaint("\nmass_kg = 0"), ":2: mass_kg: '0' is not a number from 0.001 to 10");
+  EXPECT_EQ(profileComplaint("mass_kg = heavy"),
+            ":1: mass_kg: 'heavy' is not a number from 0.001 to 10");
+  EXPECT_EQ(profileComplaint("mass_kg = nan"),
+            ":1: mass_kg: 'nan' is not a number from 0.001 to 10");
+  EXPECT_EQ(profileComplaint("peak_N = 1e999"),
+            ":1: peak_N: '1e999' is not a number from 0.1 to 100");
+  EXPECT_EQ(profileComplaint("peak_N = 3 N"), ":1: peak_N: '3 N' is not a number from 0.1 to 100");
+  EXPECT_EQ(profileComplaint("peak_N ="), ":1: peak_N: '' is not a number from 0.1 to 100");
+  EXPECT_EQ(profileComplaint("delay_ticks = 6"),
+            ":1: delay_ticks: '6' is not a number from 0 to 5");
+  EXPECT_EQ(profileComplaint("delay_ticks = 1.5"), ":1: delay_ticks: '1.5' is not a whole number");
+  EXPECT_EQ(profileComplaint("workspace_mm = 100 90"),
             ":1: workspace_mm: three numbers are wanted: width height depth");
-  EXPECT_EQ(complaint("workspace_mm = 100 90 80 70"),
+  EXPECT_EQ(profileComplaint("workspace_mm = 100 90 80 70"),
             ":1: workspace_mm: '80 70' is not a number from 10 to 2000");
-  EXPECT_EQ(complaint("mass"), ":1: 'mass' is not a `key = value` line");
-  EXPECT_EQ(complaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: stands twice");
-  EXPECT_EQ(complaint("name ="), ":1: name: 1 to 64 characters are wanted");
-  EXPECT_EQ(complaint("continuous_N = 5"), ": continuous_N is larger than peak_N");
-  EXPECT_EQ(complaint("weight = 3").find(":1: weight: unknown key, allowed are name, "), 0u);
+  EXPECT_EQ(profileComplaint("mass"), ":1: 'mass' is not a `key = value` line");
+  EXPECT_EQ(profileComplaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: stands twice");
+  EXPECT_EQ(profileComplaint("name ="), ":1: name: 1 to 64 characters are wanted");
+  EXPECT_EQ(profileComplaint("continuous_N = 5"), ": continuous_N is larger than peak_N");
+  EXPECT_EQ(profileComplaint("weight = 3").find(":1: weight: unknown key, allowed are name, "), 0u);
 }
 
 TEST(DeviceProfileFile, NonsenseIsRefusedWithoutHarm) {
-  EXPECT_EQ(complaint(std::string(70'000, '#')), ": larger than 64 KiB");
-  EXPECT_NE(complaint(std::string(60'000, 'x') + "=1"), "accepted");
-  EXPECT_NE(complaint(std::string("\0\xff\x80=\0", 5)), "accepted");
+  EXPECT_EQ(profileComplaint(std::string(70'000, '#')), ": larger than 64 KiB");
+  EXPECT_NE(profileComplaint(std::string(60'000, 'x') + "=1"), "accepted");
+  EXPECT_NE(profileComplaint(std::string("\0\xff\x80=\0", 5)), "accepted");
   EXPECT_THROW((void)loadDeviceProfile("/nonexistent/profile"), std::runtime_error);
   EXPECT_THROW((void)loadDeviceProfile(testing::TempDir()), std::runtime_error);  // a folder
 }

@@ -13,6 +13,8 @@
 
 namespace hapticast::client {
 
+inline const Workspace kWorkspace;
+
 /// A field over `rect` with heights from nominal mm, masked by a function of nominal mm.
 inline std::shared_ptr<const HeightField> makeField(
     const PixelRect& rect, const Workspace& workspace,

@@ -130,21 +130,21 @@ TEST(HandScript, AnObjectThatLeapsIsFollowedSmoothly) {
   EXPECT_LE(scenery.hardest_mm_s2, 5001.0);
 }
 
-std::vector<HandTarget> read(const std::string& text) {
+std::vector<HandTarget> targetsOf(const std::string& text) {
   std::istringstream in(text);
   return readHandTargets(in, "a file");
 }
-std::string complaint(const std::string& text) { return complaint(readHandTargets, text); }
+std::string targetsComplaint(const std::string& text) { return complaint(readHandTargets, text); }
 
 TEST(HandTargetsFile, IsFollowedLinearly) {
   HandScript hand(HandKind::kFile, {},
-                  read("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
+                  targetsOf("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
   Scenery scenery;
   for (int i = 0; i < 1001; ++i) scenery.step(hand);  // the first step is t = 0
   EXPECT_NEAR((scenery.target_mm - Vec3(5.0, -10.0, 35.0)).norm(), 0.0, 1e-9);
   for (int i = 0; i < 5000; ++i) scenery.step(hand);
   EXPECT_EQ(scenery.target_mm, Vec3(10.0, -20.0, 30.0));
-  HandScript early(HandKind::kFile, {}, read("0.5,1,2,3"));
+  HandScript early(HandKind::kFile, {}, targetsOf("0.5,1,2,3"));
   scenery.step(early);
   EXPECT_EQ(scenery.target_mm, Vec3(1.0, 2.0, 3.0));
 }
@@ -160,19 +160,20 @@ TEST(HandTargetsFile, IsReadFromAFile) {
 
 TEST(HandTargetsFile, ComplaintsNameTheLine) {
   const std::string row = ": a row is four numbers: t_s,x_mm,y_mm,z_mm";
-  EXPECT_EQ(complaint("0,1,2"), ":1" + row);
-  EXPECT_EQ(complaint("0,1,2,3\n1,1,2,3,4"), ":2" + row);
-  EXPECT_EQ(complaint("0,1,2,3\n1,1,2,x"), ":2" + row);
-  EXPECT_EQ(complaint("0,1,2,3\nt_s,x_mm,y_mm,z_mm"), ":2" + row);
-  EXPECT_EQ(complaint(std::string("0,1,2,3\0,4", 10)), ":1" + row);
-  EXPECT_EQ(complaint("0,1,2,nan"), ":1: a position is not within -1000 to 1000 mm");
-  EXPECT_EQ(complaint("0,1,2000,3"), ":1: a position is not within -1000 to 1000 mm");
-  EXPECT_EQ(complaint("-1,1,2,3"), ":1: t_s is not from 0 to 86400");
-  EXPECT_EQ(complaint("nan,1,2,3"), ":1: t_s is not from 0 to 86400");
-  EXPECT_EQ(complaint("1,1,2,3\n1,1,2,3"), ":2: t_s does not rise");
-  EXPECT_EQ(complaint("0,0,0,0\n" + std::string(500, '1')), ":2: longer than 256 characters");
-  EXPECT_EQ(complaint(""), ": no rows of t_s,x_mm,y_mm,z_mm");
-  EXPECT_EQ(complaint("t_s,x_mm,y_mm,z_mm\n"), ": no rows of t_s,x_mm,y_mm,z_mm");
+  EXPECT_EQ(targetsComplaint("0,1,2"), ":1" + row);
+  EXPECT_EQ(targetsComplaint("0,1,2,3\n1,1,2,3,4"), ":2" + row);
+  EXPECT_EQ(targetsComplaint("0,1,2,3\n1,1,2,x"), ":2" + row);
+  EXPECT_EQ(targetsComplaint("0,1,2,3\nt_s,x_mm,y_mm,z_mm"), ":2" + row);
+  EXPECT_EQ(targetsComplaint(std::string("0,1,2,3\0,4", 10)), ":1" + row);
+  EXPECT_EQ(targetsComplaint("0,1,2,nan"), ":1: a position is not within -1000 to 1000 mm");
+  EXPECT_EQ(targetsComplaint("0,1,2000,3"), ":1: a position is not within -1000 to 1000 mm");
+  EXPECT_EQ(targetsComplaint("-1,1,2,3"), ":1: t_s is not from 0 to 86400");
+  EXPECT_EQ(targetsComplaint("nan,1,2,3"), ":1: t_s is not from 0 to 86400");
+  EXPECT_EQ(targetsComplaint("1,1,2,3\n1,1,2,3"), ":2: t_s does not rise");
+  EXPECT_EQ(targetsComplaint("0,0,0,0\n" + std::string(500, '1')),
+            ":2: longer than 256 characters");
+  EXPECT_EQ(targetsComplaint(""), ": no rows of t_s,x_mm,y_mm,z_mm");
+  EXPECT_EQ(targetsComplaint("t_s,x_mm,y_mm,z_mm\n"), ": no rows of t_s,x_mm,y_mm,z_mm");
   EXPECT_THROW((void)loadHandTargets("/nonexistent.csv"), std::runtime_error);
   EXPECT_THROW((void)loadHandTargets(testing::TempDir()), std::runtime_error);
 }

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "unit/client/stage.hpp"
+#include "tests/unit/client/stage.hpp"
 
 namespace hapticast::client {
 namespace {

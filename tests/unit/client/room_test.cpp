@@ -7,7 +7,7 @@
 #include <bit>
 #include <cstdio>
 
-#include "unit/client/stage.hpp"
+#include "tests/unit/client/stage.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "unit/client/rig.hpp"
+#include "tests/unit/client/rig.hpp"
 
 namespace hapticast::client {
 namespace {

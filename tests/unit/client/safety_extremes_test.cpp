@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "unit/client/rig.hpp"
+#include "tests/unit/client/rig.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "unit/client/rig.hpp"
+#include "tests/unit/client/rig.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/haptics/room.hpp"
-#include "unit/client/rig.hpp"
+#include "tests/unit/client/rig.hpp"
 
 namespace hapticast::client {
 

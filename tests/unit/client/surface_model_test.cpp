@@ -14,7 +14,6 @@
 namespace hapticast::client {
 namespace {
 
-const Workspace kWorkspace;
 constexpr double kRadius_mm = 20.0;
 
 ObjectNow standing(const PlayObject& object) {

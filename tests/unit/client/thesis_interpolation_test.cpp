@@ -10,8 +10,6 @@
 namespace hapticast::client {
 namespace {
 
-const Workspace kWorkspace;
-
 /// A flat plate that stands higher by frames; hip under all of them.
 class ThesisInterpolationTest : public ::testing::Test {
  protected:

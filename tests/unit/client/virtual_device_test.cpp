@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "unit/client/rig.hpp"
+#include "tests/unit/client/rig.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -13,10 +13,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string openError(const std::string& spec) {
-  return errorOf([&] { (void)openSource(spec, 0.0); });
-}
-
 TEST(Camera, AMissingDeviceIsNamed) {
   EXPECT_THAT(openError("camera:91,92"),
               AllOf(HasSubstr("/dev/video91: no such camera"), HasSubstr("see /dev/video*")));

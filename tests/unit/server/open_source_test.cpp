@@ -14,10 +14,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string openError(const std::string& spec, double fps = 0.0) {
-  return errorOf([&] { (void)openSource(spec, fps); });
-}
-
 TEST(OpenSource, EverySyntheticScene) {
   for (const char* name : {"bounce", "approach", "tumble", "still"}) {
     const auto source = openSource(std::string("synthetic:") + name, 0.0);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/server/source_files.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
@@ -28,15 +29,6 @@ struct Runner {
     return segments;
   }
 };
-
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const SourceError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(Segment, TakesTheSourcesMasksAsTheyAre) {
   std::uint32_t id = 1;

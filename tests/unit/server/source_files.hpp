@@ -89,4 +89,9 @@ inline std::string errorOf(const std::function<void()>& action) {
   return "";
 }
 
+/// What openSource() complains of.
+inline std::string openError(const std::string& spec, double fps = 0.0) {
+  return errorOf([&] { (void)openSource(spec, fps); });
+}
+
 }  // namespace hapticast::server
