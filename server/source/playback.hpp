@@ -7,8 +7,9 @@
 namespace hapticast::server {
 
 /// Passes over `skip` frames and reads the next; at the clip's end it rewinds (a new epoch) if
-/// `loop`, and what is left to pass over is passed over there. nullopt: the clip has ended, or
-/// looping finds no frame that can be read. Throws SourceError as the source does.
+/// `loop`. The first frame of a round is never passed over: objects are looked for in it, at the
+/// points given for it. nullopt: the clip has ended, or looping finds no frame that can be read.
+/// Throws SourceError as the source does.
 std::optional<RgbdFrame> readOn(RgbdSource& source, std::uint64_t skip, bool loop);
 
 }  // namespace hapticast::server

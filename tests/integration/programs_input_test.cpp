@@ -2,6 +2,7 @@
 // What bad input gets from the programs: one clear line, the right exit code, no crash.
 #include <algorithm>
 #include <random>
+#include <thread>
 
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/integration/stream_fixture.hpp"
@@ -192,6 +193,28 @@ TEST_F(ProgramsInputTest, FramesThatCannotBeReadAreLeftOut) {
   EXPECT_EQ(countOf("depth/102.png: is not a PNG or JPEG image", text), 1U) << text;
   EXPECT_EQ(countOf("depth/104.png: is 64x48", text), 1U) << text;
   EXPECT_EQ(countOf("left out", text), 2U) << text;
+}
+
+TEST_F(ProgramsInputTest, AServerThatSkipsFramesStillStartsEachRoundWithTheFirst) {
+  const std::string clip = makeClip("clip", 8);
+  std::filesystem::remove_all(clip + "/mask");
+  for (int i = 100; i < 108; ++i) {  // the point named holds for the first only
+    cv::Mat depth(96, 128, CV_16UC1, cv::Scalar(0));
+    cv::circle(depth, {i == 100 ? 30 : 95, 48}, 16, cv::Scalar(900), cv::FILLED);
+    setDepth(clip, i, depth);
+  }
+  const auto server = startServer({"--source", clip, "--object", "30,48", "--loop"});
+  (void)addressOf(*server);
+  // Stopped for some frames again and again, at any place of the clip: what is due is skipped.
+  for (int i = 0; i < 12 && server->running(); ++i) {
+    server->signal(SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(130));
+    server->signal(SIGCONT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_TRUE(server->running()) << server->output();
+  EXPECT_TRUE(server->says("frames skipped", kSoon)) << server->output();
+  interrupt(*server);
 }
 
 TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
