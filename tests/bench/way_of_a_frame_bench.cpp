@@ -8,7 +8,7 @@
 #include "server/stream/encoded.hpp"
 #include "server/vision/picture.hpp"
 #include "server/vision/vision.hpp"
-#include "unit/client/stage.hpp"
+#include "tests/unit/client/stage.hpp"
 
 namespace hapticast {
 namespace {

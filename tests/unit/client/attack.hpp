@@ -18,8 +18,8 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/haptics/room.hpp"
-#include "unit/client/frame_builder.hpp"
-#include "unit/client/rig.hpp"
+#include "tests/unit/client/frame_builder.hpp"
+#include "tests/unit/client/rig.hpp"
 
 namespace hapticast::client {
 

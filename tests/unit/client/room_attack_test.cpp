@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "unit/client/attack.hpp"
+#include "tests/unit/client/attack.hpp"
 
 namespace hapticast::client {
 namespace {

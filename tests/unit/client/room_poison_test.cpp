@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-#include "unit/client/attack.hpp"
+#include "tests/unit/client/attack.hpp"
 
 namespace hapticast::client {
 namespace {
