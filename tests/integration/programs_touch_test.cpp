@@ -141,7 +141,7 @@ TEST_F(ProgramsTouchTest, EveryHandTouchesTheStillBall) {
 
 TEST_F(ProgramsTouchTest, EveryHandTouchesTheBouncingBall) {
   // A hand that knows nothing of the ball waits where it comes by.
-  const std::string hand = write("hand.csv", "0,0,0,40\n1,0,0,20\n");
+  const std::string hand = write("hand.csv", "0,-10,27,40\n1,-10,27,18\n");
   touchWith({"press", "slide", "follow", hand}, {"--source", "synthetic:bounce", "--loop"});
 }
 
