@@ -14,7 +14,6 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kCorners = 120;
-constexpr int kDense_px = 40000;  // in larger boxes corners are looked for at half size
 constexpr int kFewestTracks = 5;
 constexpr int kFewestForRotation = 12;
 

@@ -11,6 +11,9 @@
 
 namespace hapticast::server {
 
+/// In boxes of more pixels every second one is enough: for corners, for means.
+inline constexpr int kDense_px = 40000;
+
 struct ObjectFlow {
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< last px -> this px
   bool reliable = false;                     ///< the shift is measured; else it is the guess

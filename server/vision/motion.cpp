@@ -15,7 +15,6 @@ constexpr double kStill_rad = 0.0015;
 constexpr double kStill_mm = 0.05;
 constexpr double kTrimFloor_mm = 3.0;  // at least an 8-bit level: MAD is 0 on whole numbers
 constexpr double kInnerMask = 0.15;    // of the largest distance to the rim: the inner mask
-constexpr int kDense_px = 40000;
 
 double trimmedMean(std::vector<double>& values, double floor_mm) {
   const double median = medianOf(values);

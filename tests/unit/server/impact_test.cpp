@@ -55,8 +55,8 @@ Found findAll(const std::vector<Sample>& samples) {
   return out;
 }
 
-std::vector<Sample> samplesOf(int count, double noise_mm,
-                              const std::function<Vec3(double)>& position) {
+std::vector<Sample> noisySamples(int count, double noise_mm,
+                                 const std::function<Vec3(double)>& position) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, noise_mm);
   std::vector<Sample> out;
@@ -70,7 +70,7 @@ std::vector<Sample> samplesOf(int count, double noise_mm,
 
 // Falls with 2000 mm/s² and bounces at `when` with 600 mm/s.
 std::vector<Sample> bounceAt(double when, double noise_mm) {
-  return samplesOf(24, noise_mm, [when](double t) {
+  return noisySamples(24, noise_mm, [when](double t) {
     const double s = std::abs(t - when);
     return Vec3(40 * t, 600 * s - 1000 * s * s, 5);
   });
@@ -104,14 +104,15 @@ TEST(Impact, SmoothMotionAndNoiseAreNone) {
   const auto lissajous = [](double t) {
     return Vec3(40 * std::sin(9 * t), 30 * std::cos(7 * t), 10 * std::sin(11 * t));
   };
-  EXPECT_TRUE(findAll(samplesOf(250, 0.0, lissajous)).impacts.empty());
-  EXPECT_TRUE(findAll(samplesOf(250, 0.1, lissajous)).impacts.empty());
-  EXPECT_TRUE(findAll(samplesOf(500, 0.3, [](double) { return Vec3(1, 2, 3); })).impacts.empty());
+  EXPECT_TRUE(findAll(noisySamples(250, 0.0, lissajous)).impacts.empty());
+  EXPECT_TRUE(findAll(noisySamples(250, 0.1, lissajous)).impacts.empty());
+  EXPECT_TRUE(
+      findAll(noisySamples(500, 0.3, [](double) { return Vec3(1, 2, 3); })).impacts.empty());
 }
 
 TEST(Impact, AStepOfThePositionIsNone) {
   const auto jump = [](double t) { return Vec3(t < 0.41 ? 0.0 : 8.0, 0, 0); };
-  EXPECT_TRUE(findAll(samplesOf(24, 0.0, jump)).impacts.empty());
+  EXPECT_TRUE(findAll(noisySamples(24, 0.0, jump)).impacts.empty());
 }
 
 TEST(Impact, MissingFramesAndEqualTimesAreSurvived) {
