@@ -4,19 +4,23 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace hapticast::server {
 
 namespace {
 
-// The source's masks, taken as they are.
+// The source's masks, taken as they are: all objects, or those under the author's points in the
+// first frame.
 class SourceSegmenter final : public Segmenter {
  public:
-  explicit SourceSegmenter(std::uint32_t& next_id) : next_id_(next_id) {}
+  SourceSegmenter(const std::vector<Vec2>& points, std::uint32_t& next_id)
+      : points_(points), next_id_(next_id) {}
 
   std::vector<Segment> next(const View& view, const Flows& /*flows*/) override {
     if (view.mask.empty())
       throw SourceError("--segment source: the source brings no mask; use --segment auto");
+    if (!points_.empty()) choose(view.mask);
     std::array<int, 256> area{};
     for (int v = 0; v < view.mask.rows; ++v) {
       const auto* row = view.mask.ptr<unsigned char>(v);
@@ -26,7 +30,7 @@ class SourceSegmenter final : public Segmenter {
     for (std::size_t n = 1; n < area.size(); ++n) {
       if (area[n] < kSmallestObject_px) {
         ids_.erase(n);
-      } else if (segments.size() < kMaxObjects) {
+      } else if (segments.size() < kMaxObjects && (chosen_.empty() || chosen_.contains(n))) {
         const auto [known, is_new] = ids_.try_emplace(n, next_id_);
         if (is_new) ++next_id_;
         segments.push_back({known->second, view.mask == static_cast<double>(n), 1.0});
@@ -36,6 +40,18 @@ class SourceSegmenter final : public Segmenter {
   }
 
  private:
+  void choose(const cv::Mat& mask) {
+    for (const Vec2& point : points_) {
+      const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
+      const auto value = mask.at<unsigned char>(at);
+      if (value == 0) throwNothingAt(point, "the source's mask has no object there");
+      chosen_.insert(value);
+    }
+    points_.clear();
+  }
+
+  std::vector<Vec2> points_;      // until the first frame has been seen
+  std::set<std::size_t> chosen_;  // values of the mask; empty: all
   std::uint32_t& next_id_;
   std::map<std::size_t, std::uint32_t> ids_;  // of the objects present
 };
@@ -46,7 +62,7 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
                                          std::uint32_t& next_id, RememberedStart* remembered) {
   switch (settings.segment) {
     case SegmentMode::kSource:
-      return std::make_unique<SourceSegmenter>(next_id);
+      return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
     case SegmentMode::kEdges:
       return makeEdgeSegmenter(settings, next_id);
     case SegmentMode::kBand:
@@ -54,7 +70,7 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
     case SegmentMode::kAuto:
       break;
   }
-  if (has_mask) return std::make_unique<SourceSegmenter>(next_id);
+  if (has_mask) return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
   return settings.method == Method::kThesis ? makeEdgeSegmenter(settings, next_id)
                                             : makeBandSegmenter(settings, next_id, remembered);
 }

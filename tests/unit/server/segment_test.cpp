@@ -42,6 +42,23 @@ TEST(Segment, TakesTheSourcesMasksAsTheyAre) {
   EXPECT_EQ(cv::countNonZero(runner.segments[1].mask), 600);
 }
 
+TEST(Segment, PointsChooseAmongTheSourcesMasks) {
+  std::uint32_t id = 1;
+  const test::BallScene scene;
+  RgbdFrame frame = scene.frame(0, 100, 100);
+  cv::rectangle(frame.mask, cv::Rect(200, 150, 30, 20), 7, cv::FILLED);
+  VisionSettings settings;
+  settings.object_points_px = {{205, 155}};
+  Runner runner{scene.info(), makeSegmenter(settings, true, id), {}, {}};
+  runner.next(frame);
+  ASSERT_EQ(runner.segments.size(), 1U);
+  EXPECT_EQ(cv::countNonZero(runner.segments[0].mask), 600);
+  settings.object_points_px = {{2, 2}};
+  Runner nothing{scene.info(), makeSegmenter(settings, true, id), {}, {}};
+  EXPECT_NE(errorOf([&] { nothing.next(frame); }).find("--object 2,2: the source's mask"),
+            std::string::npos);
+}
+
 TEST(Segment, GivesAnObjectThatCameBackANewId) {
   std::uint32_t id = 1;
   const test::BallScene scene;
