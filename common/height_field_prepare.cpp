@@ -108,8 +108,9 @@ void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8
       fits.emplace_back(height_mm, mask, width, height, u, v);
     }
     const auto here = static_cast<int>(i);
-    height_mm[i] = static_cast<float>(
-        fits[static_cast<std::size_t>(fit)].at(here % width - u, here / width - v));
+    const int row = here / width;
+    height_mm[i] =
+        static_cast<float>(fits[static_cast<std::size_t>(fit)].at(here % width - u, row - v));
   }
   smoothSeams(height_mm, mask, width, height, to_inside, mm_per_px.minCoeff());
 }
@@ -154,7 +155,8 @@ void HeightField::complete(bool continued) {
   const auto deepest = static_cast<int>(std::distance(
       to_outside.distance_mm.begin(),
       std::max_element(to_outside.distance_mm.begin(), to_outside.distance_mm.end())));
-  deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + deepest / width + 0.5};
+  const int row = deepest / width;
+  deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
 }
 

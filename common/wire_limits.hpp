@@ -27,6 +27,6 @@ inline constexpr std::size_t kStreamName = 256;
 inline constexpr std::size_t kErrorText = 512;
 inline constexpr std::size_t kJpeg = 4U << 20U;
 /// Summed rectangles of all reliefs of a frame: bounds what a receiver has to prepare.
-inline constexpr std::size_t kReliefPixels = 2U * 1920U * 1080U;
+inline constexpr std::size_t kReliefPixels = std::size_t{2} * 1920 * 1080;
 
 }  // namespace hapticast::limits

@@ -87,10 +87,10 @@ void App::play() {
     const MediaTime media_time =
         info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
-    if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result));
+    if (auto result = vision_.push(*frame, media_time)) publish(*result);
     sayWhatWasSkipped(pacer);
   }
-  for (VisionResult& result : vision_.flush()) publish(std::move(result));
+  for (const VisionResult& result : vision_.flush()) publish(result);
   waitUntil(last_published_ + announced_.pipeline_latency + kPlayout);
 }
 
@@ -101,7 +101,7 @@ std::optional<RgbdFrame> App::nextFrame(Pacer& pacer) {
   return readOn(*source_, plan.skip, settings_.loop && !stop_);
 }
 
-void App::publish(VisionResult result) {
+void App::publish(const VisionResult& result) {
   if (vision_.description() != announced_) {
     announced_ = vision_.description();
     broadcaster_.describe(announced_);

@@ -36,7 +36,7 @@ class App {
   void scan();
   void play();
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
-  void publish(VisionResult result);
+  void publish(const VisionResult& result);
   void sayWhatWasSkipped(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
 

@@ -8,7 +8,7 @@
 namespace hapticast::client {
 
 namespace {
-constexpr std::size_t kMaxSamples = 5 * 240;  // the window at the highest frame rate
+constexpr std::size_t kMaxSamples = std::size_t{5} * 240;  // the window at the highest frame rate
 }
 
 void JitterEstimator::add(LocalTime arrival, Duration needed) {

@@ -225,6 +225,7 @@ TEST_F(ConnectionTest, StopsCleanlyInEveryState) {
 TEST_F(ConnectionTest, TwentyClientsGetEveryFrame) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<TestClient>> clients;
+  clients.reserve(20);
   for (int i = 0; i < 20; ++i) {
     clients.push_back(std::make_unique<TestClient>(io, clock, server.listener.port()));
   }

@@ -334,7 +334,8 @@ TEST(DistanceTransform, EqualsBruteForceOnRandomMasks) {
     for (auto& pixel : mask) pixel = covered(random) ? 1 : 0;
     const NearestPixel result = nearestPixel(mask, width, height, 1, step);
     const auto distance = [&](int i, int j) {
-      return std::hypot(step.x() * (i % width - j % width), step.y() * (i / width - j / width));
+      const int rows = i / width - j / width;
+      return std::hypot(step.x() * (i % width - j % width), step.y() * rows);
     };
     for (int i = 0; i < width * height; ++i) {
       double best = std::numeric_limits<double>::infinity();

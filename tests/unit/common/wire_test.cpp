@@ -341,9 +341,9 @@ TEST(Wire, BoundsTheSumOfReliefs) {
   frame.objects[0].grid = nullptr;
   auto large = std::make_shared<Relief>();
   large->rect = {0, 0, 1920, 1080};
-  large->mask.assign(1920U * 1080U, 0);
+  large->mask.assign(std::size_t{1920} * 1080, 0);
   large->mask[77] = 1;
-  large->height_mm.assign(1920U * 1080U, 1.0F);
+  large->height_mm.assign(std::size_t{1920} * 1080, 1.0F);
   frame.objects[0].relief = large;
   frame.objects.push_back(frame.objects[0]);
   frame.objects[1].id = 2;

@@ -118,6 +118,7 @@ TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
 
 std::vector<Sample> samplesOf(double fps, int count, const std::function<Vec3(double)>& position) {
   std::vector<Sample> out;
+  out.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) out.push_back({i / fps, position(i / fps), 0.5 * i / fps, true});
   return out;
 }
