@@ -133,8 +133,9 @@ TEST_F(DynamicForceTest, AddsTheGridAtTheContactCarriedBack) {
   grid.rows = 2;
   for (int cell = 0; cell < 6; ++cell) {
     grid.velocity_mm_s.push_back(Eigen::Vector3f::Zero());
-    grid.acceleration_mm_s2.push_back(Eigen::Vector3f(
-        100.0F * static_cast<float>(cell % 3), 1000.0F * static_cast<float>(cell / 3), 0.0F));
+    const int row = cell / 3;
+    grid.acceleration_mm_s2.push_back(Eigen::Vector3f(100.0F * static_cast<float>(cell % 3),
+                                                      1000.0F * static_cast<float>(row), 0.0F));
   }
   before.grid = &grid;
   before.grid_rect = {304, 224, 48, 32};
