@@ -47,7 +47,7 @@ const std::string kConfigText = "config text";
 
 /// CLI11's complaint in words that name the flag or file and what is wrong with it.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
-  const std::string what = error.what();
+  std::string what = error.what();
   const auto after = [&what](const std::string& start) {
     return what.starts_with(start) ? what.substr(start.size()) : what;
   };

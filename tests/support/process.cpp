@@ -43,6 +43,7 @@ std::string temporaryFile() {
 
 Process::Process(std::vector<std::string> command) : output_file_(temporaryFile()) {
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (std::string& each : command) arguments.push_back(each.data());
   arguments.push_back(nullptr);
   pid_ = ::fork();

@@ -78,7 +78,7 @@ class StrictJson {
         key = string();
         expect(':');
       }
-      value(path.empty() ? key : path + "." + key);
+      value(path.empty() ? key : std::string(path).append(".").append(key));
       space();
     }
     ++at_;

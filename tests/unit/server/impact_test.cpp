@@ -128,6 +128,7 @@ TEST(Impact, AllOfASceneAreFoundAndNoOthers) {
   const SyntheticScene scene(SceneKind::kBounce, workspace);
   std::vector<Sample> samples;
   const int count = static_cast<int>(scene.duration_s() * 25);
+  samples.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     samples.push_back({i / 25.0, scene.at(i / 25.0).motion().position_mm, 0.0, true});
   const Found found = findAll(samples);
