@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kPictureWidth_px = 960;
 constexpr int kPlotHeight_px = 260;
+// Above the video: the text, and room for a cone that touches near the upper edge.
+constexpr int kHeadHeight_px = 90;
 constexpr double kArrow_px_per_N = 90.0;
 constexpr double kCone_mm = 26.0;
 // Height towards the viewer is drawn obliquely, up and a little to the right.
@@ -89,16 +91,22 @@ cv::Mat Overlay::draw(const cv::Mat& picture, const TickReport& report,
                       const Workspace& workspace) const {
   const double scale = static_cast<double>(kPictureWidth_px) / workspace.width_px;
   const cv::Size size(kPictureWidth_px, static_cast<int>(std::lround(scale * workspace.height_px)));
-  cv::Mat canvas(size.height + kPlotHeight_px, size.width, CV_8UC3, kGround);
-  cv::Mat video = canvas(cv::Rect(0, 0, size.width, size.height));
-  if (!picture.empty()) cv::resize(picture, video, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::Mat canvas(kHeadHeight_px + size.height + kPlotHeight_px, size.width, CV_8UC3, kGround);
+  if (!picture.empty()) {
+    cv::resize(picture, canvas(cv::Rect({0, kHeadHeight_px}, size)), size, 0.0, 0.0,
+               cv::INTER_AREA);
+  }
 
-  const Vec2 tip_px = scale * workspace.toImage(report.hip_mm.head<2>());
-  drawCone(video, tip_px, scale / workspace.mmPerPixel().x());
-  drawForce(video, tip_px, report.force_N);
-  cv::rectangle(video, cv::Rect(0, 0, size.width, 26), kGround, cv::FILLED);
-  putLabel(video, describe(report), {10, 18}, kText);
-  drawPlot(canvas(cv::Rect(0, size.height, size.width, kPlotHeight_px)), toSeconds(report.time));
+  cv::Mat scene = canvas(cv::Rect(0, 0, size.width, kHeadHeight_px + size.height));
+  const Vec2 hip_px = scale * workspace.toImage(report.hip_mm.head<2>());
+  // A HIP beside the picture is shown at its edge.
+  const Vec2 tip_px = hip_px.cwiseMax(Vec2::Zero()).cwiseMin(Vec2(size.width, size.height)) +
+                      Vec2(0.0, kHeadHeight_px);
+  drawCone(scene, tip_px, scale / workspace.mmPerPixel().x());
+  drawForce(scene, tip_px, report.force_N);
+  putLabel(canvas, describe(report), {10, 18}, kText);
+  const cv::Rect plot(0, scene.rows, size.width, kPlotHeight_px);
+  drawPlot(canvas(plot), toSeconds(report.time));
   return canvas;
 }
 

@@ -8,6 +8,8 @@
 namespace hapticast::client {
 namespace {
 
+constexpr int kHead_px = 90;  // text and room for the cone, above the video
+
 TickReport pressing(int tick, double force_N) {
   TickReport report;
   report.tick = static_cast<std::uint64_t>(tick);
@@ -33,14 +35,15 @@ TEST(Overlay, ConeStandsAtTheHipAndTheArrowGrowsWithTheForce) {
   const Overlay overlay;
   const cv::Mat none = overlay.draw(picture, pressing(0, 0.0), workspace);
   EXPECT_EQ(none.cols, 960);
-  const cv::Vec3b tip = none.at<cv::Vec3b>(240, 720);  // (40, 20) mm is (480, 160) px of 640 x 480
+  // (40, 20) mm is (480, 160) px of 640 x 480; the video begins below the head.
+  const cv::Vec3b tip = none.at<cv::Vec3b>(kHead_px + 240, 720);
   EXPECT_EQ(tip, cv::Vec3b(255, 255, 255));
 
-  const cv::Rect above_text(0, 26, 960, 720 - 26);
+  const cv::Rect below_text(0, 26, 960, kHead_px + 720 - 26);
   const cv::Rect one =
-      differing(none(above_text), overlay.draw(picture, pressing(0, 1.0), workspace)(above_text));
+      differing(none(below_text), overlay.draw(picture, pressing(0, 1.0), workspace)(below_text));
   const cv::Rect two =
-      differing(none(above_text), overlay.draw(picture, pressing(0, 2.0), workspace)(above_text));
+      differing(none(below_text), overlay.draw(picture, pressing(0, 2.0), workspace)(below_text));
   EXPECT_GT(two.area(), one.area());
   EXPECT_GT(one.area(), 0);
 }
@@ -55,6 +58,13 @@ TEST(Overlay, PlotKeepsPeaksBetweenItsPoints) {
   const cv::Mat a = flat.draw({}, pressing(999, 0.0), workspace);
   const cv::Mat b = peak.draw({}, pressing(999, 0.0), workspace);
   EXPECT_GT(differing(a, b).height, 100);
+}
+
+TEST(Overlay, AHipBesideThePictureIsShownAtItsEdge) {
+  TickReport report = pressing(0, 0.0);
+  report.hip_mm = {0.0, 63.0, 10.0};  // 3 mm above the upper edge
+  const cv::Mat drawn = Overlay().draw({}, report, Workspace{});
+  EXPECT_EQ(drawn.at<cv::Vec3b>(kHead_px, 480), cv::Vec3b(255, 255, 255));
 }
 
 TEST(Overlay, SurvivesOddReports) {
