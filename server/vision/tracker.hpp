@@ -51,7 +51,7 @@ class Tracker {
     cv::Vec2d last_step{0, 0};
   };
 
-  [[nodiscard]] Flows followTracks(const View& view) const;
+  [[nodiscard]] Flows followTracks(const View& view);
   [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, bool repeated,
                                   const Track* track, const ObjectFlow& flow) const;
   [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,
