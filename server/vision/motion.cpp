@@ -135,7 +135,8 @@ void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool
 
 Pose PoseTracker::advance(const Observation& seen) {
   pose_.depth_seen = true;
-  if (mode_ == MotionMode::kNone || seen.identical) return pose_;
+  // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
+  if (mode_ == MotionMode::kNone || seen.identical || seen.at_rest) return pose_;
   const Shape now = shapeOf(seen.surface);
   const double growth = now.area_px / std::max(1.0, last_.area_px);
   const bool trusted = now.entire && last_.entire && growth > 0.8 && growth < 1.25;

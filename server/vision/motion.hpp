@@ -28,6 +28,7 @@ struct Observation {
   const Surface& surface;
   bool identical = false;  ///< the frame equals the last one
   bool repeated = false;   ///< its depth is the last frame's, its colour is not
+  bool at_rest = false;    ///< all of the surface is held: the pose stays exactly as it is
 };
 
 /// Follows one object. The point is carried by the robust flow and pulled slowly (5 % a frame) to

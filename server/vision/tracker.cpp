@@ -64,6 +64,16 @@ Surface Tracker::surfaceOf(const Segment& segment, const View& view, bool repeat
   return out;
 }
 
+void Tracker::hold(Track& track, const View& view, bool repeated) const {
+  track.now.held_share = 0.0;
+  if (settings_.method == Method::kThesis) return;
+  Surface& surface = track.now.surface;
+  const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
+  if (!worthHolding(noise_, depth_mm, info_.depth_kind)) return;
+  surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
+  track.now.held_share = track.hold.share();
+}
+
 void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow) {
   const cv::Rect box = track.now.surface.box;
   const double area = cv::countNonZero(track.now.surface.mask);
@@ -96,12 +106,15 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
                        segment.mask,
                        double(cv::countNonZero(segment.mask)),
                        0,
-                       {0, 0}});
+                       {0, 0},
+                       {}});
+    hold(tracks_.back(), view, false);
     return;
   }
   Track& track = *known;
   if (identical) {
     track.now.pose = track.motion.pose();
+    track.now.held_share = 1.0;
     if (!track.now.cells.step.empty()) track.now.cells.step.setTo(0);
     return;
   }
@@ -110,7 +123,9 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   const bool repeated = depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
   track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
-  track.now.pose = track.motion.advance({flow, track.now.surface, false, repeated});
+  hold(track, view, repeated);
+  track.now.pose = track.motion.advance(
+      {flow, track.now.surface, /*identical=*/false, repeated, track.now.atRest()});
   if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
     track.now.cells =
         cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/vision/enhance.hpp"
+#include "server/vision/hold.hpp"
 #include "server/vision/motion.hpp"
 #include "server/vision/motion_grid.hpp"
 #include "server/vision/segment.hpp"
@@ -23,6 +24,10 @@ struct TrackedObject {
   CellFlow cells;  ///< the thesis's method only
   double quality = 1.0;
   double visible_fraction = 1.0;
+  double held_share = 0.0;  ///< 0..1, the part of the surface that is held; 1: all of it is at rest
+                            ///< and equals the last frame's
+
+  [[nodiscard]] bool atRest() const { return held_share >= 1.0; }
 };
 
 class Tracker {
@@ -49,6 +54,7 @@ class Tracker {
     double full_area_px = 0.0;  // of the whole object, at its present size
     int lost = 0;
     cv::Vec2d last_step{0, 0};
+    Hold hold;
   };
 
   [[nodiscard]] Flows followTracks(const View& view) const;
@@ -58,6 +64,8 @@ class Tracker {
                                   const ObjectFlow& flow) const;
   void update(const Segment& segment, const View& view, const Flows& flows, bool identical,
               double time_s);
+  /// Holds what is at rest of the track's new surface; does nothing where there is no noise.
+  void hold(Track& track, const View& view, bool repeated) const;
   static void updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow);
 
   SourceInfo info_;
