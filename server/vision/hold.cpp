@@ -12,7 +12,6 @@ constexpr int kMargin_px = 6;  // an outline that flickers stays within tiles th
 constexpr double kSoftness_px = 3.0;
 constexpr float kNothing = 0.02F;    // of weight: the tail of the softness
 constexpr float kMostlyHeld = 0.5F;  // of weight
-constexpr double kWorth_mm = 0.1;
 
 cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
   const int size = Tile::kSize_px;
@@ -30,12 +29,6 @@ cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, 
 }
 
 }  // namespace
-
-bool worthHolding(const DepthNoise& noise, double depth_mm, DepthKind kind) {
-  const double sigma_mm = noise.at(depth_mm);
-  const double quantisation_mm = kind == DepthKind::kHeight ? 0.51 * noise.quantum_mm : 0.0;
-  return sigma_mm > std::max(kWorth_mm, quantisation_mm);
-}
 
 void Hold::moveTo(const cv::Rect& area) {
   if (area == area_) return;
@@ -150,10 +143,10 @@ void Hold::countShare() {
   share_ = all > 0 ? double(still) / all : 0.0;
 }
 
-Surface Hold::surface() const {
+Surface Hold::surface(double quantum_mm) const {
   const cv::Rect tight = cv::boundingRect(held_.mask);
   return {tight + area_.tl(), held_.mask(tight).clone(), held_.depth(tight).clone(),
-          held_.measured(tight) & held_.mask(tight)};
+          held_.measured(tight) & held_.mask(tight), quantum_mm};
 }
 
 Surface Hold::apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bool repeated) {
@@ -166,7 +159,7 @@ Surface Hold::apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bo
   keepReference(seen);
   countShare();
   if (cv::countNonZero(held_.mask) == 0) return now;
-  return surface();
+  return surface(now.quantum_mm);
 }
 
 }  // namespace hapticast::server

@@ -33,7 +33,7 @@ class Hold {
   void blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight,
                  const HoldImages& now);
   void countShare();
-  [[nodiscard]] Surface surface() const;
+  [[nodiscard]] Surface surface(double quantum_mm) const;
 
   cv::Rect area_;    // px, corners on tiles
   HoldImages held_;  // over area_; gray: the reference
@@ -41,9 +41,5 @@ class Hold {
   HoldTiles tiles_;
   double share_ = 0.0;
 };
-
-/// Whether depth of this noise gains anything by being held: exact depth and clean 8-bit depth do
-/// not.
-bool worthHolding(const DepthNoise& noise, double depth_mm, DepthKind kind);
 
 }  // namespace hapticast::server

@@ -61,6 +61,7 @@ Surface Tracker::surfaceOf(const Segment& segment, const View& view, bool repeat
   const cv::Mat depth =
       carryImage(before.depth, before.box, out.box, flow.similarity, cv::INTER_NEAREST);
   out.depth = filled(depth, out.measured & (depth > 0), out.mask);
+  out.quantum_mm = before.quantum_mm;
   return out;
 }
 
@@ -69,7 +70,7 @@ void Tracker::hold(Track& track, const View& view, bool repeated) const {
   if (settings_.method == Method::kThesis) return;
   Surface& surface = track.now.surface;
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
-  if (!worthHolding(noise_, depth_mm, info_.depth_kind)) return;
+  if (noise_.clean(depth_mm)) return;
   surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
   track.now.held_share = track.hold.share();
 }
@@ -141,6 +142,7 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   const View view = makeView(frame, info_);
   if (segmenter_ == nullptr) {
     noise_ = measureNoise(view.depth);
+    noise_.eight_bit = info_.depth_kind == DepthKind::kHeight;
     exact_masks_ = !view.mask.empty() && (settings_.segment == SegmentMode::kAuto ||
                                           settings_.segment == SegmentMode::kSource);
     segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_, &remembered_);

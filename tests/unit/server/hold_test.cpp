@@ -199,13 +199,6 @@ TEST(Hold, RepeatedDepthDoesNotCount) {
   EXPECT_GT(run.error_mm(run.held, 160) / run.error_mm(run.free, 160), 0.8);
 }
 
-TEST(Hold, CleanDepthIsNotWorthIt) {
-  EXPECT_TRUE(worthHolding({{1.5}, 0.0}, 700, DepthKind::kMetric));
-  EXPECT_FALSE(worthHolding({{0.03}, 0.0}, 700, DepthKind::kMetric));
-  EXPECT_FALSE(worthHolding({{0.78}, 1.57}, 700, DepthKind::kHeight));
-  EXPECT_TRUE(worthHolding({{1.6}, 1.57}, 700, DepthKind::kHeight));
-}
-
 // Through all of vision: what is felt at rest, and what is sent.
 struct StillRun {
   double force_noise_N = 0.0;  // root mean square over pixels and frames 20 ..
