@@ -10,6 +10,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kRepeated = 0.98;
+constexpr double kFewestDepth = 0.02;  // of the mask, to make a surface of
+constexpr double kBlindQuality = 0.5;  // at most: followed without depth
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
@@ -19,11 +21,30 @@ cv::Vec2d centroidOf(const cv::Mat& mask) {
              : cv::Vec2d(0, 0);
 }
 
+bool hasDepth(const View& view, const cv::Mat& mask) {
+  const cv::Rect box = boxAround(mask, 0);
+  return cv::countNonZero(mask(box) & (view.depth(box) > 0)) >=
+         kFewestDepth * cv::countNonZero(mask(box));
+}
+
 }  // namespace
 
 Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id,
                  RememberedStart& remembered)
     : info_(info), settings_(settings), next_id_(next_id), remembered_(remembered) {}
+
+void Tracker::learnNoise(const View& view) {
+  noise_ = measureNoise(view.depth);
+  noise_.eight_bit = info_.depth_kind == DepthKind::kHeight;
+}
+
+void Tracker::forgetScene(const View& view) {
+  learnNoise(view);
+  segmenter_->sceneCut();
+  tracks_.clear();
+  last_segments_.clear();
+  last_ = {};
+}
 
 Flows Tracker::followTracks(const View& view) const {
   Flows flows;
@@ -89,27 +110,32 @@ void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectF
   track.now.quality = segment.quality * (flow.reliable ? 1.0 : 0.8);
 }
 
+void Tracker::start(const Segment& segment, const View& view, double time_s) {
+  TrackedObject first;
+  first.id = segment.id;
+  first.surface = surfaceOf(segment, view, false, nullptr, {});
+  first.quality = segment.quality;
+  PoseTracker motion(settings_.motion, exact_masks_, view.gray.size(), first.surface);
+  first.pose = motion.pose();
+  first.cells.time_s = time_s;
+  tracks_.push_back({segment.id,
+                     motion,
+                     first,
+                     segment.mask,
+                     double(cv::countNonZero(segment.mask)),
+                     0,
+                     {0, 0},
+                     {}});
+  hold(tracks_.back(), view, false);
+}
+
 void Tracker::update(const Segment& segment, const View& view, const Flows& flows, bool identical,
                      double time_s) {
   const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                   [&](const Track& t) { return t.id == segment.id; });
+  const bool blind = !hasDepth(view, segment.mask);
   if (known == tracks_.end()) {
-    TrackedObject first;
-    first.id = segment.id;
-    first.surface = surfaceOf(segment, view, false, nullptr, {});
-    first.quality = segment.quality;
-    PoseTracker motion(settings_.motion, exact_masks_, view.gray.size(), first.surface);
-    first.pose = motion.pose();
-    first.cells.time_s = time_s;
-    tracks_.push_back({segment.id,
-                       motion,
-                       first,
-                       segment.mask,
-                       double(cv::countNonZero(segment.mask)),
-                       0,
-                       {0, 0},
-                       {}});
-    hold(tracks_.back(), view, false);
+    if (!blind) start(segment, view, time_s);  // else there is nothing to touch yet
     return;
   }
   Track& track = *known;
@@ -121,7 +147,7 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   }
   const auto found = flows.find(segment.id);
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
-  const bool repeated = depthRepeats(view, segment.mask, flow);
+  const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
   track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
   hold(track, view, repeated);
@@ -136,17 +162,19 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   track.last_step = centroidOf(segment.mask) - centroidOf(track.mask);
   track.mask = segment.mask;
   updatePresence(track, segment, flow);
+  if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
 }
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
   const View view = makeView(frame, info_);
   if (segmenter_ == nullptr) {
-    noise_ = measureNoise(view.depth);
-    noise_.eight_bit = info_.depth_kind == DepthKind::kHeight;
+    learnNoise(view);
     exact_masks_ = !view.mask.empty() && (settings_.segment == SegmentMode::kAuto ||
                                           settings_.segment == SegmentMode::kSource);
     segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_, &remembered_);
   }
+  scene_cut_ = scene_cuts_.next(view);
+  if (scene_cut_) forgetScene(view);
   const bool identical = equalImages(view.color, last_.color) &&
                          equalImages(view.depth, last_.depth) && equalImages(view.mask, last_.mask);
   Flows flows;

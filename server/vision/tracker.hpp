@@ -12,6 +12,7 @@
 #include "server/vision/hold.hpp"
 #include "server/vision/motion.hpp"
 #include "server/vision/motion_grid.hpp"
+#include "server/vision/scene_cut.hpp"
 #include "server/vision/segment.hpp"
 
 namespace hapticast::server {
@@ -42,6 +43,8 @@ class Tracker {
   /// nothing).
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
   [[nodiscard]] const DepthNoise& noise() const { return noise_; }
+  /// Whether the last frame shows another scene than those before: its objects are all new.
+  [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
   static constexpr int kKeepLost = 5;  ///< frames
 
@@ -57,11 +60,14 @@ class Tracker {
     Hold hold;
   };
 
+  void learnNoise(const View& view);
+  void forgetScene(const View& view);
   [[nodiscard]] Flows followTracks(const View& view) const;
   [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, bool repeated,
                                   const Track* track, const ObjectFlow& flow) const;
   [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,
                                   const ObjectFlow& flow) const;
+  void start(const Segment& segment, const View& view, double time_s);
   void update(const Segment& segment, const View& view, const Flows& flows, bool identical,
               double time_s);
   /// Holds what is at rest of the track's new surface; does nothing where there is no noise.
@@ -75,6 +81,8 @@ class Tracker {
   bool exact_masks_ = false;
   std::unique_ptr<Segmenter> segmenter_;
   DepthNoise noise_;
+  SceneCuts scene_cuts_;
+  bool scene_cut_ = false;
   View last_;
   double last_time_s_ = 0.0;
   std::vector<Segment> last_segments_;

@@ -90,6 +90,7 @@ class Vision::Impl {
     if (!tracker_ || frame.epoch != source_epoch_) restart(frame.epoch);
     const double time_s = toSeconds(media_time);
     std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
+    if (tracker_->sceneCut()) startEpoch();
     if (!range_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
     VisionResult result;
@@ -127,15 +128,19 @@ class Vision::Impl {
   }
 
   // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
-  void restart(std::uint32_t source_epoch) {
+  void startEpoch() {
     while (!pending_.empty()) complete();
     history_ = {};
     impacts_.clear();
     cutters_.clear();
     last_objects_.clear();
+    ++epoch_;
+  }
+
+  void restart(std::uint32_t source_epoch) {
+    startEpoch();
     tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_, start_);
     source_epoch_ = source_epoch;
-    ++epoch_;
   }
 
   void findLiveRange(const std::vector<TrackedObject>& objects) {
