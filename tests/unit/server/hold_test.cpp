@@ -206,15 +206,18 @@ struct StillRun {
   bool moves = false;
 };
 
-StillRun runStill(Method method) {
+StillRun runStill(Method method, bool with_mask = true) {
   const NoisyBall ball;
   VisionSettings settings;
+  settings.object_points_px = {{160, 120}};
   settings.method = method;
   settings.depth_range = DepthRange{600, 600 + 30 / kGain};
   Vision vision(ball.scene.info(), settings);
   std::vector<HapticObject> objects;
   for (std::uint64_t i = 0; i < 40; ++i) {
-    const auto result = vision.push(ball.frame(i, 160, 120, 0), mediaTime(double(i) / 25));
+    RgbdFrame frame = ball.frame(i, 160, 120, 0);
+    if (!with_mask) frame.mask.release();
+    const auto result = vision.push(frame, mediaTime(double(i) / 25));
     if (result) objects.push_back(result->frame.objects.at(0));
   }
   StillRun out;
@@ -250,6 +253,13 @@ TEST(Hold, AStillSceneHasNoForceNoiseNoMotionAndNothingToSend) {
   RecordProperty("thesis_force_noise_N", std::to_string(thesis.force_noise_N));
   EXPECT_GT(thesis.force_noise_N, 0.005);
   EXPECT_GT(thesis.changed, 10U);
+}
+
+TEST(Hold, AStillSceneIsStillWithMasksOfOurOwn) {
+  const StillRun held = runStill(Method::kHapticast, false);
+  EXPECT_EQ(held.force_noise_N, 0.0);
+  EXPECT_EQ(held.changed, 0U);
+  EXPECT_FALSE(held.moves);
 }
 
 }  // namespace
