@@ -50,13 +50,20 @@ HoldImages Hold::imagesOf(const cv::Mat& gray, const Surface& now) const {
   return out;
 }
 
+void Hold::countPixels() {
+  pixels_.clear();
+  for (int row = 0; row < tiles_.rows(); ++row) {
+    for (int column = 0; column < tiles_.columns(); ++column)
+      pixels_.push_back(cv::countNonZero(held_.mask(tiles_.rectOf(column, row))));
+  }
+}
+
 // Tiles without the object go with the ones beside them: what moves behind it is not its motion.
 double Hold::weightAround(int column, int row) const {
   double weight = 0.0;
   for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
     for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u) {
-      if (cv::countNonZero(held_.mask(tiles_.rectOf(u, v))) > 0)
-        weight = std::max(weight, tiles_.tileAt(u, v).weight);
+      if (pixelsIn(u, v) > 0) weight = std::max(weight, tiles_.tileAt(u, v).weight);
     }
   }
   return weight;
@@ -65,16 +72,17 @@ double Hold::weightAround(int column, int row) const {
 // How much of this frame enters each pixel: per tile, with soft borders between the tiles.
 cv::Mat Hold::weights() const {
   cv::Mat out(area_.size(), CV_32FC1);
+  double lowest = 1.0;
+  double highest = 0.0;
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const cv::Rect rect = tiles_.rectOf(column, row);
-      const bool empty = cv::countNonZero(held_.mask(rect)) == 0;
-      out(rect).setTo(empty ? weightAround(column, row) : tiles_.tileAt(column, row).weight);
+      const double weight = pixelsIn(column, row) == 0 ? weightAround(column, row)
+                                                       : tiles_.tileAt(column, row).weight;
+      out(tiles_.rectOf(column, row)).setTo(weight);
+      lowest = std::min(lowest, weight);
+      highest = std::max(highest, weight);
     }
   }
-  double lowest = 0.0;
-  double highest = 0.0;
-  cv::minMaxLoc(out, &lowest, &highest);
   if (lowest < highest) cv::GaussianBlur(out, out, {}, kSoftness_px);
   return out;
 }
@@ -93,14 +101,26 @@ void Hold::keepReference(const HoldImages& now) {
 }
 
 void Hold::blend(const HoldImages& now) {
-  const cv::Mat weight = weights();
+  const auto takesPart = [&](int column, int row) {
+    const Tile& tile = tiles_.tileAt(column, row);
+    return !tile.mask_held || tile.weight > 0.0;
+  };
+  std::vector<cv::Rect> changing;  // with the tiles beside them, whose borders are soft
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const cv::Rect rect = tiles_.rectOf(column, row);
-      const bool mask_held = tiles_.tileAt(column, row).mask_held;
-      if (!mask_held || cv::norm(weight(rect), cv::NORM_INF) >= kNothing)
-        blendTile(rect, mask_held, weight, now);
+      bool any = false;
+      for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
+        for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u)
+          any = any || takesPart(u, v);
+      }
+      if (any) changing.push_back(tiles_.rectOf(column, row));
     }
+  }
+  if (changing.empty()) return;
+  const cv::Mat weight = weights();
+  for (const cv::Rect& rect : changing) {
+    const Tile& tile = tiles_.tileAt(rect.x / Tile::kSize_px, rect.y / Tile::kSize_px);
+    blendTile(rect, tile.mask_held, weight, now);
   }
 }
 
@@ -130,11 +150,12 @@ void Hold::blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight
 }
 
 void Hold::countShare() {
+  countPixels();
   int still = 0;
   int all = 0;
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const int pixels = cv::countNonZero(held_.mask(tiles_.rectOf(column, row)));
+      const int pixels = pixelsIn(column, row);
       all += pixels;
       const Tile& tile = tiles_.tileAt(column, row);
       if (tile.mask_held && tile.weight <= 0.0) still += pixels;
@@ -154,6 +175,7 @@ Surface Hold::apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bo
   if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
   moveTo(tilesAround(grown(box, kMargin_px, gray.size()), gray.size()));
   HoldImages seen = imagesOf(gray, now);
+  countPixels();
   tiles_.look(held_, last_gray_, seen, sigma_mm, repeated);
   blend(seen);
   keepReference(seen);

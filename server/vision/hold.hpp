@@ -5,6 +5,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "server/vision/enhance.hpp"
 #include "server/vision/hold_tiles.hpp"
@@ -26,6 +27,10 @@ class Hold {
  private:
   void moveTo(const cv::Rect& area);
   [[nodiscard]] HoldImages imagesOf(const cv::Mat& gray, const Surface& now) const;
+  void countPixels();
+  [[nodiscard]] int pixelsIn(int column, int row) const {
+    return pixels_[static_cast<std::size_t>(row * tiles_.columns() + column)];
+  }
   [[nodiscard]] cv::Mat weights() const;
   [[nodiscard]] double weightAround(int column, int row) const;
   void keepReference(const HoldImages& now);
@@ -39,6 +44,7 @@ class Hold {
   HoldImages held_;  // over area_; gray: the reference
   cv::Mat last_gray_;
   HoldTiles tiles_;
+  std::vector<int> pixels_;  // of the object, per tile
   double share_ = 0.0;
 };
 

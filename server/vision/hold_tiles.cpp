@@ -19,6 +19,7 @@ constexpr int kFewestPixels = 24;  // of the object; with less the whole tile is
 constexpr int kFewestCore = 32;    // for a mean depth
 constexpr std::size_t kFewestTiles = 4;
 constexpr std::size_t kFewestForGain = 8;
+constexpr int kGainStep_px = 4;   // every fourth pixel and row are enough for a mean
 constexpr double kTexture = 3.0;  // levels; below, colour cannot see motion
 // Evidence of another depth is (off / limit)² a frame: a little off has to last, far off is at
 // once.
@@ -82,8 +83,15 @@ double HoldTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
     for (int column = 0; column < columns_; ++column) {
       if (tileAt(column, row).frames == 0) continue;
       const cv::Rect rect = rectOf(column, row);
-      const double before = cv::sum(held.gray(rect))[0];
-      if (before > 0) gains.push_back(cv::sum(now.gray(rect))[0] / before);
+      float before = 0;
+      float after = 0;
+      for (int v = rect.y; v < rect.br().y; v += kGainStep_px) {
+        for (int u = rect.x; u < rect.br().x; u += kGainStep_px) {
+          before += held.gray.at<float>(v, u);
+          after += now.gray.at<float>(v, u);
+        }
+      }
+      if (before > 0) gains.push_back(double(after / before));
     }
   }
   return gains.size() < kFewestForGain ? 1.0 : std::clamp(medianOf(gains), 0.5, 2.0);
