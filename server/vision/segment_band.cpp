@@ -35,31 +35,6 @@ double meanDepth(const View& view, const cv::Mat& mask) {
   return cv::mean(view.depth(box), mask(box) & (view.depth(box) > 0))[0];
 }
 
-// `mask` moved by `similarity`: only around where it comes to lie.
-cv::Mat carriedMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
-  cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
-  const cv::Rect from = boxAround(mask, 1);
-  if (from.empty()) return out;
-  std::vector<cv::Point2d> corners;
-  for (const cv::Point& at :
-       {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
-    const cv::Vec2d to = similarity * cv::Vec3d(at.x, at.y, 1.0);
-    corners.emplace_back(to[0], to[1]);
-  }
-  const auto [left, right] = std::minmax_element(
-      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-  const auto [top, bottom] = std::minmax_element(
-      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
-  const cv::Rect whole({0, 0}, mask.size());
-  const cv::Rect to = cv::Rect(cv::Point(cvFloor(left->x) - 1, cvFloor(top->y) - 1),
-                               cv::Point(cvCeil(right->x) + 2, cvCeil(bottom->y) + 2)) &
-                      whole;
-  if (to.empty()) return out;
-  const cv::Mat moved = carryImage(mask(from), from, to, similarity, cv::INTER_LINEAR) > 127;
-  moved.copyTo(out(to));
-  return out;
-}
-
 }  // namespace
 
 struct BandStart {
@@ -89,6 +64,12 @@ class BandSegmenter final : public Segmenter {
       if (object.lost == 0) out.push_back({object.id, object.mask.clone(), object.quality});
     }
     return out;
+  }
+
+  void sceneCut() override {
+    new_scene_ = true;
+    if (points_.empty()) objects_.clear();
+    for (Tracked& object : objects_) loose(object);
   }
 
  private:
@@ -122,13 +103,15 @@ class BandSegmenter final : public Segmenter {
     for (Tracked& object : objects_) object.id = next_id_++;
     planes_ = start.planes;
     noise_ = start.noise;
+    new_scene_ = false;
     return true;
   }
 
   void followScene(const View& view) {
-    if (frame_ == 0) noise_ = measureNoise(view.depth);
-    if (frame_ > 0 && refitPlanes(view.depth, planes_)) return;
-    if (frame_ > 0 && frame_ - planes_frame_ < 5) return;
+    if (new_scene_) noise_ = measureNoise(view.depth);
+    if (!new_scene_ && refitPlanes(view.depth, planes_)) return;
+    if (!new_scene_ && frame_ - planes_frame_ < 5) return;
+    new_scene_ = false;
     planes_ = findPlanes(view.depth, noise_);
     for (const Tracked& object : objects_) removePlanesOf(object, view);
     planes_frame_ = frame_;
@@ -208,7 +191,7 @@ class BandSegmenter final : public Segmenter {
   void follow(Tracked& object, const View& view, const Flows& flows) {
     const auto found = flows.find(object.id);
     const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
-    const cv::Mat carried = carriedMask(object.mask, flow.similarity);
+    const cv::Mat carried = carryMask(object.mask, flow.similarity);
     const ContourRegion region = contourRegion(carried);
     if (!object.memory.evidence.empty() && !region.box.empty()) {
       object.memory.evidence = carryImage(object.memory.evidence, object.memory.box, region.box,
@@ -303,6 +286,7 @@ class BandSegmenter final : public Segmenter {
   std::vector<Tracked> objects_;
   int frame_ = 0;
   int planes_frame_ = 0;
+  bool new_scene_ = true;
 };
 
 }  // namespace

@@ -17,6 +17,10 @@ constexpr int kTriples = 250;
 constexpr double kSmallestPlane = 0.06;
 constexpr double kSmallestGround = 0.02;  // of the picture, for a plane that is surely ground
 constexpr double kGroundSlope = 1.5;      // mm of depth per px
+constexpr double kClean_mm = 0.1;
+// What rounding alone reads as noise on a slope: second differences of one quantum. Finer quanta
+// read the same when a sensor's correlated noise is on them.
+constexpr double kRounding = 0.61;
 constexpr std::size_t kLargestNoiseBins = 400;
 
 struct LatticePoint {
@@ -123,6 +127,10 @@ double DepthNoise::at(double depth_mm) const {
 
 double DepthNoise::step_mm(double depth_mm) const {
   return std::max({5.0, 6 * at(depth_mm), 1.5 * quantum_mm});
+}
+
+bool DepthNoise::clean(double depth_mm) const {
+  return at(depth_mm) <= std::max(kClean_mm, eight_bit ? kRounding * quantum_mm : 0.0);
 }
 
 DepthNoise measureNoise(const cv::Mat& depth) {

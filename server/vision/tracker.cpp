@@ -10,6 +10,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kRepeated = 0.98;
+constexpr double kFewestDepth = 0.02;  // of the mask, to make a surface of
+constexpr double kBlindQuality = 0.5;  // at most: followed without depth
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
@@ -26,11 +28,30 @@ CameraModel usualCamera(const SourceInfo& info) {
   return {focal_px, focal_px, 0.5 * info.width_px, 0.5 * info.height_px};
 }
 
+bool hasDepth(const View& view, const cv::Mat& mask) {
+  const cv::Rect box = boxAround(mask, 0);
+  return cv::countNonZero(mask(box) & (view.depth(box) > 0)) >=
+         kFewestDepth * cv::countNonZero(mask(box));
+}
+
 }  // namespace
 
 Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id,
                  RememberedStart& remembered)
     : info_(info), settings_(settings), next_id_(next_id), remembered_(remembered) {}
+
+void Tracker::learnNoise(const View& view) {
+  noise_ = measureNoise(view.depth);
+  noise_.eight_bit = info_.depth_kind == DepthKind::kHeight;
+}
+
+void Tracker::forgetScene(const View& view) {
+  learnNoise(view);
+  segmenter_->sceneCut();
+  tracks_.clear();
+  last_segments_.clear();
+  last_ = {};
+}
 
 Flows Tracker::followTracks(const View& view) {
   Flows flows;
@@ -71,7 +92,18 @@ Surface Tracker::surfaceOf(const Segment& segment, const View& view, bool repeat
   const cv::Mat depth =
       carryImage(before.depth, before.box, out.box, flow.similarity, cv::INTER_NEAREST);
   out.depth = filled(depth, out.measured & (depth > 0), out.mask);
+  out.quantum_mm = before.quantum_mm;
   return out;
+}
+
+void Tracker::hold(Track& track, const View& view, bool repeated) const {
+  track.now.held_share = 0.0;
+  if (settings_.method == Method::kThesis) return;
+  Surface& surface = track.now.surface;
+  const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
+  if (noise_.clean(depth_mm)) return;
+  surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
+  track.now.held_share = track.hold.share();
 }
 
 void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow) {
@@ -88,46 +120,60 @@ void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectF
   track.now.quality = segment.quality * (flow.reliable ? 1.0 : 0.8);
 }
 
+void Tracker::start(const Segment& segment, const View& view, double time_s) {
+  TrackedObject first;
+  first.id = segment.id;
+  first.surface = surfaceOf(segment, view, false, nullptr, {});
+  first.quality = segment.quality;
+  const bool rigid =
+      settings_.method == Method::kHapticast &&
+      (settings_.motion == MotionMode::kAuto || settings_.motion == MotionMode::kRgbd);
+  PoseTracker motion({settings_.motion, rigid, exact_masks_,
+                      info_.camera.value_or(usualCamera(info_)), view.gray.size()},
+                     view, first.surface);
+  first.pose = motion.pose();
+  first.cells.time_s = time_s;
+  tracks_.push_back({segment.id,
+                     motion,
+                     first,
+                     segment.mask,
+                     double(cv::countNonZero(segment.mask)),
+                     0,
+                     {0, 0},
+                     {}});
+  hold(tracks_.back(), view, false);
+}
+
 void Tracker::update(const Segment& segment, const View& view, const Flows& flows, bool identical,
                      double time_s) {
   const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                   [&](const Track& t) { return t.id == segment.id; });
+  const bool blind = !hasDepth(view, segment.mask);
   if (known == tracks_.end()) {
-    TrackedObject first;
-    first.id = segment.id;
-    first.surface = surfaceOf(segment, view, false, nullptr, {});
-    first.quality = segment.quality;
-    const bool rigid =
-        settings_.method == Method::kHapticast &&
-        (settings_.motion == MotionMode::kAuto || settings_.motion == MotionMode::kRgbd);
-    PoseTracker motion({settings_.motion, rigid, exact_masks_,
-                        info_.camera.value_or(usualCamera(info_)), view.gray.size()},
-                       view, first.surface);
-    first.pose = motion.pose();
-    first.cells.time_s = time_s;
-    tracks_.push_back({segment.id,
-                       motion,
-                       first,
-                       segment.mask,
-                       double(cv::countNonZero(segment.mask)),
-                       0,
-                       {0, 0}});
+    if (!blind) start(segment, view, time_s);  // else there is nothing to touch yet
     return;
   }
   Track& track = *known;
   if (identical) {
     track.now.pose = track.motion.pose();
+    track.now.held_share = 1.0;
     if (!track.now.cells.step.empty()) track.now.cells.step.setTo(0);
     return;
   }
   const auto found = flows.find(segment.id);
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
-  const bool repeated = depthRepeats(view, segment.mask, flow);
+  const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
   track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
+  hold(track, view, repeated);
   updatePresence(track, segment, flow);
-  track.now.pose = track.motion.advance(
-      {flow, view, track.now.surface, false, repeated, track.now.visible_fraction});
+  if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
+  track.now.pose = track.motion.advance({.flow = flow,
+                                         .view = view,
+                                         .surface = track.now.surface,
+                                         .repeated = repeated,
+                                         .at_rest = track.now.atRest(),
+                                         .visible_fraction = track.now.visible_fraction});
   if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
     track.now.cells =
         cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);
@@ -141,11 +187,13 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
   const View view = makeView(frame, info_);
   if (segmenter_ == nullptr) {
-    noise_ = measureNoise(view.depth);
+    learnNoise(view);
     exact_masks_ = !view.mask.empty() && (settings_.segment == SegmentMode::kAuto ||
                                           settings_.segment == SegmentMode::kSource);
     segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_, &remembered_);
   }
+  scene_cut_ = scene_cuts_.next(view);
+  if (scene_cut_) forgetScene(view);
   const bool identical = equalImages(view.color, last_.color) &&
                          equalImages(view.depth, last_.depth) && equalImages(view.mask, last_.mask);
   Flows flows;

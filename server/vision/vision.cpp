@@ -33,6 +33,15 @@ void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const 
   }
 }
 
+// Forgets what is kept for objects (by id) that are not there any more.
+template <class Kept>
+void eraseGone(std::map<std::uint32_t, Kept>& kept, const std::vector<HapticObject>& objects) {
+  std::erase_if(kept, [&](const auto& item) {
+    return std::none_of(objects.begin(), objects.end(),
+                        [&](const HapticObject& o) { return o.id == item.first; });
+  });
+}
+
 }  // namespace
 
 class Vision::Impl {
@@ -84,6 +93,7 @@ class Vision::Impl {
     if (!tracker_ || frame.epoch != source_epoch_) restart(frame.epoch);
     const double time_s = toSeconds(media_time);
     std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
+    if (tracker_->sceneCut()) startEpoch();
     if (!range_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
     VisionResult result;
@@ -92,12 +102,14 @@ class Vision::Impl {
     result.frame.media_time = media_time;
     result.color = frame.color.clone();  // the source may use its buffer again
     for (const TrackedObject& object : objects) {
-      const HapticObject* last = nullptr;
-      for (const HapticObject& before : last_objects_)
-        last = before.id == object.id ? &before : last;
-      result.frame.objects.push_back(describeObject(object, id, last, nominal(), settings_));
+      for (HapticObject& layer : describeLayers(object, id, last_objects_, tracker_->noise(),
+                                                nominal(), settings_, cutters_[object.id])) {
+        if (result.frame.objects.size() < kMaxObjects)
+          result.frame.objects.push_back(std::move(layer));
+      }
     }
     last_objects_ = result.frame.objects;
+    eraseGone(cutters_, last_objects_);
     history_.add(id, time_s, objects);
     pending_.push_back(std::move(result));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
@@ -119,14 +131,19 @@ class Vision::Impl {
   }
 
   // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
-  void restart(std::uint32_t source_epoch) {
+  void startEpoch() {
     while (!pending_.empty()) complete();
     history_ = {};
     impacts_.clear();
+    cutters_.clear();
     last_objects_.clear();
+    ++epoch_;
+  }
+
+  void restart(std::uint32_t source_epoch) {
+    startEpoch();
     tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_, start_);
     source_epoch_ = source_epoch;
-    ++epoch_;
   }
 
   void findLiveRange(const std::vector<TrackedObject>& objects) {
@@ -140,7 +157,14 @@ class Vision::Impl {
     VisionResult result = std::move(pending_.front());
     pending_.pop_front();
     const std::uint64_t id = result.frame.id;
+    const HapticObject* nearer = nullptr;  // layer of the same object
     for (HapticObject& object : result.frame.objects) {
+      if (nearer != nullptr && nearer->id == object.id) {
+        object.motion = nearer->motion;
+        object.impacts = nearer->impacts;
+        continue;
+      }
+      nearer = &object;
       Motion motion = history_.motion(object.id, id, lookahead_, nominal());
       motion.quality = object.motion.quality;
       motion.visible_fraction = object.motion.visible_fraction;
@@ -150,10 +174,7 @@ class Vision::Impl {
         object.grid = history_.grid(object.id, id, lookahead_, nominal());
       if (info_.live) boundAcceleration(object);
     }
-    std::erase_if(impacts_, [&](const auto& item) {
-      return std::none_of(result.frame.objects.begin(), result.frame.objects.end(),
-                          [&](const HapticObject& o) { return o.id == item.first; });
-    });
+    eraseGone(impacts_, result.frame.objects);
     const auto reach = static_cast<std::uint64_t>(lookahead_);
     if (id > reach) history_.dropBefore(id - reach);
     ready_.push_back(std::move(result));
@@ -201,6 +222,7 @@ class Vision::Impl {
   std::unique_ptr<Tracker> tracker_;
   MotionHistory history_;
   std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id
+  std::map<std::uint32_t, LayerCutter> cutters_;
   std::deque<double> live_accelerations_mm_s2_;
   std::vector<HapticObject> last_objects_;
   std::deque<VisionResult> pending_;

@@ -49,8 +49,8 @@ class Vision {
   void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
   /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`
-  /// increases by frames. A frame of a new source epoch, or a change of range, starts a new stream
-  /// epoch.
+  /// increases by frames. A frame of a new source epoch, a cut to another scene or a change of
+  /// range starts a new stream epoch.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
   /// What is still inside at the end of the stream, oldest first.
   [[nodiscard]] std::vector<VisionResult> flush();
