@@ -83,6 +83,7 @@ void growLabels(const Surface& surface, int count, cv::Mat& labels) {
   for (std::size_t before = left.size() + 1; !left.empty() && left.size() < before;) {
     before = left.size();
     std::vector<uchar> grown;
+    grown.reserve(left.size());
     for (const cv::Point& at : left) grown.push_back(nearestLabel(surface, labels, at));
     std::vector<cv::Point> still;
     for (std::size_t i = 0; i < left.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "common/wire_limits.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/range.hpp"
 #include "server/vision/tracker.hpp"
@@ -31,6 +32,17 @@ void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const 
          << "; give u,v in pixels from its top-left corner";
     throw SourceError(what.str());
   }
+}
+
+// Whether a frame with one more object is still one that a client takes.
+bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
+  const auto pixels = [](const HapticObject& o) {
+    return static_cast<std::size_t>(o.relief->rect.width) *
+           static_cast<std::size_t>(o.relief->rect.height);
+  };
+  std::size_t sum = pixels(object);
+  for (const HapticObject& other : frame.objects) sum += pixels(other);
+  return frame.objects.size() < kMaxObjects && sum <= limits::kReliefPixels;
 }
 
 // Forgets what is kept for objects (by id) that are not there any more.
@@ -104,8 +116,7 @@ class Vision::Impl {
     for (const TrackedObject& object : objects) {
       for (HapticObject& layer : describeLayers(object, id, last_objects_, tracker_->noise(),
                                                 nominal(), settings_, cutters_[object.id])) {
-        if (result.frame.objects.size() < kMaxObjects)
-          result.frame.objects.push_back(std::move(layer));
+        if (hasRoomFor(layer, result.frame)) result.frame.objects.push_back(std::move(layer));
       }
     }
     last_objects_ = result.frame.objects;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/wire_limits.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
@@ -153,6 +154,33 @@ TEST(Layers, AreObjectsOfOneIdThatMoveAlike) {
     for (const float height : front.relief->height_mm) EXPECT_NEAR(height, 29.0F, 0.01F);
     for (const float height : back.relief->height_mm) EXPECT_LT(height, 20.1F);
   }
+}
+
+// Rings around one point, each nearer than the one around it: boxes as large as the picture.
+TEST(Layers, AFrameHasNoMoreOfThemThanAClientTakes) {
+  SourceInfo info;
+  info.width_px = 1920;
+  info.height_px = 1080;
+  VisionSettings settings;
+  settings.depth_range = DepthRange{600, 900};
+  Vision vision(info, settings);
+  RgbdFrame frame;
+  frame.color = cv::Mat(1080, 1920, CV_8UC3, cv::Scalar(80, 90, 100));
+  frame.depth.create(1080, 1920, CV_32FC1);
+  for (int v = 0; v < 1080; ++v) frame.depth.row(v).setTo(860 + 0.02 * v);
+  frame.mask = cv::Mat(1080, 1920, CV_8UC1, cv::Scalar(1));
+  for (int i = 1; i < 4; ++i) {
+    const int inset_px = 12 * i;
+    frame.depth(cv::Rect(inset_px, inset_px, 1920 - 2 * inset_px, 1080 - 2 * inset_px)) -= 60.0;
+  }
+  (void)vision.push(frame, mediaTime(0));
+  const std::vector<VisionResult> results = vision.flush();
+  ASSERT_EQ(results.size(), 1U);
+  std::size_t pixels = 0;
+  for (const HapticObject& object : results[0].frame.objects)
+    pixels += std::size_t(object.relief->rect.width) * std::size_t(object.relief->rect.height);
+  EXPECT_EQ(results[0].frame.objects.size(), 2U);
+  EXPECT_LE(pixels, limits::kReliefPixels);
 }
 
 TEST(Layers, TheThesisHasNone) {
