@@ -183,26 +183,32 @@ cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wante
   return out;
 }
 
+Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise) {
+  const cv::Rect box = boxAround(mask, 0);
+  const cv::Mat known = mask(box) & (depth(box) > 0);
+  const bool rounded = noise.eight_bit && noise.clean(cv::mean(depth(box), known)[0]);
+  return {box, mask(box).clone(), depth(box).clone(), known, rounded ? noise.quantum_mm : 0.0};
+}
+
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
                      Method method) {
-  const cv::Rect tight = boxAround(mask, 0);
+  Surface out = rawSurface(depth, mask, noise);
+  if (method == Method::kThesis) {
+    out.quantum_mm = 0.0;
+    return out;
+  }
   const cv::Rect wide = boxAround(mask, 3 * kRim_px);
-  const cv::Rect inner(tight.tl() - wide.tl(), tight.size());
+  const cv::Rect inner(out.box.tl() - wide.tl(), out.box.size());
   const cv::Mat object = mask(wide);
   const cv::Mat near_depth = depth(wide);
-  const cv::Mat known = object & (near_depth > 0);
-  if (method == Method::kThesis) {
-    return {tight, object(inner).clone(), near_depth(inner).clone(), known(inner).clone()};
-  }
-  const cv::Mat measured = gated(near_depth, object, known, noise);
-  const cv::Mat whole = filled(near_depth, measured, object);
-  const bool rounded = noise.eight_bit && noise.clean(cv::mean(near_depth, known)[0]);
-  return {tight, object(inner).clone(), whole(inner).clone(), measured(inner).clone(),
-          rounded ? noise.quantum_mm : 0.0};
+  const cv::Mat measured = gated(near_depth, object, object & (near_depth > 0), noise);
+  out.depth = filled(near_depth, measured, object)(inner).clone();
+  out.measured = measured(inner).clone();
+  return out;
 }
 
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
-                                         const Workspace& workspace, Method method) {
+                                         const Workspace& workspace, Method method, bool smooth) {
   const double gain = workspace.depth_mm / (range.far_mm - range.near_mm);
   cv::Mat height;
   surface.depth.convertTo(height, CV_32F, -gain, gain * range.far_mm);
@@ -219,8 +225,8 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
     height.setTo(0, surface.depth <= 0);
     const double sigma_px = std::clamp(kSmooth_mm / workspace.mmPerPixel().maxCoeff(), 0.8, 8.0);
     const cv::Mat measured_height = height;
-    height = quadraticFit(height, surface.mask, sigma_px);
-    if (surface.quantum_mm > 0)
+    if (smooth) height = quadraticFit(height, surface.mask, sigma_px);
+    if (smooth && surface.quantum_mm > 0)
       keepWithin(height, measured_height, surface.measured, 0.5 * gain * surface.quantum_mm);
   }
   auto relief = std::make_shared<Relief>();

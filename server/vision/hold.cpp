@@ -184,4 +184,28 @@ Surface Hold::apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bo
   return surface(now.quantum_mm);
 }
 
+Hold Hold::copy() const {
+  Hold out = *this;
+  out.held_ = {held_.gray.clone(), held_.depth.clone(), held_.mask.clone(), held_.measured.clone()};
+  out.last_gray_ = last_gray_.clone();
+  return out;
+}
+
+bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, double sigma_mm) {
+  if (share_ < 1.0) return false;
+  // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
+  // released and looked at in full.
+  Surface now;
+  now.box = area_;
+  now.mask = held_.mask.clone();
+  now.depth = depth(area_).clone();
+  now.measured = held_.measured & (now.depth > 0);
+  held_.depth.copyTo(now.depth, now.measured == 0);
+  Hold next = copy();
+  (void)next.apply(gray, now, sigma_mm, false);
+  if (next.share_ < 1.0) return false;
+  *this = next;
+  return true;
+}
+
 }  // namespace hapticast::server

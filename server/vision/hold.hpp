@@ -20,11 +20,16 @@ class Hold {
   /// object's box only.
   Surface apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bool repeated);
 
+  /// Whether a frame shows the object as it is held, all of it at rest: then the frame is counted
+  /// as apply() would have. Else nothing is changed. `depth`: working depth of the whole picture.
+  bool stays(const cv::Mat& gray, const cv::Mat& depth, double sigma_mm);
+
   /// The part of the object, 0..1, that lies in tiles at rest, unchanged by this frame. 1: the
   /// surface equals the last frame's bit by bit.
   [[nodiscard]] double share() const { return share_; }
 
  private:
+  [[nodiscard]] Hold copy() const;
   void moveTo(const cv::Rect& area);
   [[nodiscard]] HoldImages imagesOf(const cv::Mat& gray, const Surface& now) const;
   void countPixels();

@@ -13,6 +13,7 @@
 #include "server/vision/motion.hpp"
 #include "server/vision/motion_grid.hpp"
 #include "server/vision/scene_cut.hpp"
+#include "server/vision/scene_plan.hpp"
 #include "server/vision/segment.hpp"
 
 namespace hapticast::server {
@@ -25,6 +26,8 @@ struct TrackedObject {
   CellFlow cells;  ///< the thesis's method only
   double quality = 1.0;
   double visible_fraction = 1.0;
+  /// What is left out; never null.
+  std::shared_ptr<ScenePlan> plan = std::make_shared<ScenePlan>(PlanSettings{}, false);
   double held_share = 0.0;  ///< 0..1, the part of the surface that is held; 1: all of it is at rest
                             ///< and equals the last frame's
 
@@ -63,8 +66,13 @@ class Tracker {
   void learnNoise(const View& view);
   void forgetScene(const View& view);
   [[nodiscard]] Flows followTracks(const View& view);
-  [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, bool repeated,
-                                  const Track* track, const ObjectFlow& flow) const;
+  void segment(const View& view, const Flows& flows);
+  [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, ScenePlan& plan) const;
+  [[nodiscard]] static Surface carriedSurface(const Segment& segment, const Surface& before,
+                                              const ObjectFlow& flow);
+  [[nodiscard]] PlanSettings planSettings() const;
+  /// Whether nothing has changed, of all objects, since the last frame.
+  bool allRest(const View& view, bool identical);
   [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,
                                   const ObjectFlow& flow) const;
   void start(const Segment& segment, const View& view, double time_s);

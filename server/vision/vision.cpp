@@ -59,7 +59,9 @@ void eraseGone(std::map<std::uint32_t, Kept>& kept, const std::vector<HapticObje
 class Vision::Impl {
  public:
   Impl(const SourceInfo& info, VisionSettings settings)
-      : info_(info), settings_(std::move(settings)), lookahead_(lookaheadFrames(info.fps)) {
+      : info_(info),
+        settings_(std::move(settings)),
+        lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)) {
     checkPoints(info_, settings_.object_points_px, "--object");
     checkPoints(info_, settings_.not_points_px, "--not");
     description_.name = info_.name;
@@ -122,6 +124,8 @@ class Vision::Impl {
     last_objects_ = result.frame.objects;
     eraseGone(cutters_, last_objects_);
     history_.add(id, time_s, objects);
+    plans_.clear();
+    for (const TrackedObject& object : objects) plans_[object.id] = object.plan->lines();
     pending_.push_back(std::move(result));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
     return takeReady();
@@ -135,6 +139,7 @@ class Vision::Impl {
   }
 
   [[nodiscard]] const StreamDescription& description() const { return description_; }
+  [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const { return plans_; }
 
  private:
   [[nodiscard]] NominalFrame nominal() const {
@@ -236,6 +241,7 @@ class Vision::Impl {
   std::map<std::uint32_t, LayerCutter> cutters_;
   std::deque<double> live_accelerations_mm_s2_;
   std::vector<HapticObject> last_objects_;
+  std::map<std::uint32_t, std::vector<PlanLine>> plans_;
   std::deque<VisionResult> pending_;
   std::deque<VisionResult> ready_;
 };
@@ -251,6 +257,7 @@ std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media
   return impl_->push(frame, media_time);
 }
 std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
+std::map<std::uint32_t, std::vector<PlanLine>> Vision::plan() const { return impl_->plan(); }
 const StreamDescription& Vision::description() const { return impl_->description(); }
 
 }  // namespace hapticast::server
