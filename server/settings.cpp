@@ -13,6 +13,7 @@ const std::map<std::string, SegmentMode> kSegmentModes{{"auto", SegmentMode::kAu
                                                        {"edges", SegmentMode::kEdges},
                                                        {"source", SegmentMode::kSource}};
 const std::map<std::string, MotionMode> kMotionModes{{"auto", MotionMode::kAuto},
+                                                     {"rgbd", MotionMode::kRgbd},
                                                      {"lk", MotionMode::kLk},
                                                      {"depth", MotionMode::kDepth},
                                                      {"none", MotionMode::kNone}};
@@ -69,7 +70,8 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
   app.add_flag("--stretch", vision.stretch,
                "Stretch the picture over the whole 160 x 120 mm (the thesis's two scales)");
   addChoice(app, "--motion", vision.motion, kMotionModes,
-            "Velocity from Lucas-Kanade (x, y), depth differences (z), auto: both, or none");
+            "Velocity from rigid alignment of colour and depth (rgbd), Lucas-Kanade (x, y), depth "
+            "differences (z), or none. auto: rgbd");
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",

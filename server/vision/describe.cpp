@@ -25,7 +25,8 @@ Vec3 NominalFrame::mmPerStep() const {
 Sample NominalFrame::sample(const Pose& pose, double time_s) const {
   const Vec2 plane = workspace.toNominal({pose.u_px, pose.v_px});
   const double height = (pose.depth_mm - range.far_mm) * mmPerStep().z();
-  return {time_s, {plane.x(), plane.y(), height}, pose.angle_rad, pose.depth_seen};
+  return {time_s,   {plane.x(), plane.y(), height}, pose.angle_rad, pose.depth_seen, pose.seen,
+          pose.sure};
 }
 
 void MotionHistory::add(std::uint64_t frame, double time_s,
@@ -54,7 +55,10 @@ MotionHistory::Window MotionHistory::window(std::uint32_t id, std::uint64_t fram
   const auto reach = static_cast<std::uint64_t>(lookahead);
   for (const Entry& entry : found->second) {
     if (entry.frame + reach < frame || entry.frame > frame + reach) continue;
-    if (entry.frame == frame) out.at = out.samples.size();
+    if (entry.frame == frame) {
+      out.at = out.samples.size();
+      out.point = entry.pose.point;
+    }
     out.samples.push_back(nominal.sample(entry.pose, entry.time_s));
   }
   return out;
@@ -73,7 +77,7 @@ Motion MotionHistory::motion(std::uint32_t id, std::uint64_t frame, int lookahea
     out.position_mm = rest.position_mm;
     out.angle_rad = rest.angle_rad;
   }
-  out.reference_point = ReferencePoint::kVisibleCentroid;
+  out.reference_point = (around.at ? around.point : found->second.back().pose.point);
   return out;
 }
 

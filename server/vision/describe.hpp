@@ -39,6 +39,7 @@ class MotionHistory {
   struct Window {
     std::vector<Sample> samples;
     std::optional<std::size_t> at;  ///< of that frame; nullopt: it was lost there
+    ReferencePoint point = ReferencePoint::kVisibleCentroid;  ///< in that frame
   };
 
   /// Frames come in order; lost objects have no entry.

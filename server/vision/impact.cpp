@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kRemembered = 50;  // frames that tell what is usual
 constexpr double kAboveUsual = 6.0;
-constexpr double kSmallest_mm_s = 60.0;
+constexpr double kSmallest_mm_s = 75.0;  // a hand-held camera jerks by up to 65
 constexpr double kBend = 0.3;    // change of acceleration over a frame, of the jump
 constexpr double kMiss = 0.2;    // what the parabolas miss each other by, of the jump over a frame
 constexpr double kBeside = 0.1;  // frames an impact may lie outside its interval, by noise
@@ -63,7 +63,9 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
                                                           std::size_t at) {
   if (at + 1 < kSide || at + kSide >= samples.size()) return std::nullopt;
   const Sample* first = &samples[at + 1 - kSide];
-  if (!evenlySpaced(first, 2 * kSide)) return std::nullopt;
+  const bool measured =
+      std::all_of(first, first + 2 * kSide, [](const Sample& s) { return s.seen && s.sure; });
+  if (!measured || !evenlySpaced(first, 2 * kSide)) return std::nullopt;
   const double from_s = samples[at].time_s;
   const double step_s = samples[at + 1].time_s - from_s;
   const Parabola left = through(first, from_s);

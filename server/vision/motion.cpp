@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/motion.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+
+#include "server/vision/reference_point.hpp"
 
 namespace hapticast::server {
 
@@ -13,8 +16,10 @@ constexpr double kPull = 0.05;
 constexpr double kStill_px = 0.03;  // below: at rest, not noise to be followed
 constexpr double kStill_rad = 0.0015;
 constexpr double kStill_mm = 0.05;
-constexpr double kTrimFloor_mm = 3.0;  // at least an 8-bit level: MAD is 0 on whole numbers
-constexpr double kInnerMask = 0.15;    // of the largest distance to the rim: the inner mask
+constexpr double kTrimFloor_mm = 3.0;   // at least an 8-bit level: MAD is 0 on whole numbers
+constexpr double kInnerMask = 0.15;     // of the largest distance to the rim: the inner mask
+constexpr double kWhole = 0.93;         // visible fraction below which the outline misleads
+constexpr double kVisibleEnough = 0.5;  // below: no measurement of the motion
 
 double trimmedMean(std::vector<double>& values, double floor_mm) {
   const double median = medianOf(values);
@@ -34,6 +39,9 @@ double trimmedMean(std::vector<double>& values, double floor_mm) {
 
 // Means over large objects are as good from every second pixel and row.
 int latticeStep(const cv::Size& size) { return size.area() > kDense_px ? 2 : 1; }
+
+// Neither of the thesis's special cases alone.
+bool bothWays(MotionMode mode) { return mode == MotionMode::kAuto || mode == MotionMode::kRgbd; }
 
 cv::Matx33d squareOf(const cv::Matx23d& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), 0, 0, 1};
@@ -59,14 +67,62 @@ std::optional<double> depthDifference_mm(const Surface& before, const Surface& n
   return trimmedMean(differences, floor_mm);
 }
 
-PoseTracker::PoseTracker(MotionMode mode, bool exact_masks, const cv::Size& picture,
-                         const Surface& first)
-    : mode_(mode),
-      exact_masks_(exact_masks),
-      picture_(picture),
-      last_(shapeOf(first)),
-      fresh_(first) {
-  pose_ = {last_.centroid.x, last_.centroid.y, last_.depth_mm, 0.0, true};
+PoseTracker::PoseTracker(const PoseSettings& settings, const View& view, const Surface& first)
+    : settings_(settings), last_(shapeOf(first)), fresh_(first) {
+  pose_.u_px = last_.centroid.x;
+  pose_.v_px = last_.centroid.y;
+  pose_.depth_mm = last_.depth_mm;
+  if (!settings_.rigid) return;
+  const BodyCentre centre = centreOf(first, settings_.camera);
+  if (centre.position_mm.z() > 0) setPosition(centre.position_mm);
+  look(view, first);
+}
+
+Vec3 PoseTracker::position_mm() const {
+  const CameraModel& camera = settings_.camera;
+  const double z = pose_.depth_mm;
+  return {(pose_.u_px - camera.cx_px) / camera.fx_px * z,
+          (pose_.v_px - camera.cy_px) / camera.fy_px * z, z};
+}
+
+void PoseTracker::setPosition(const Vec3& position_mm) {
+  const CameraModel& camera = settings_.camera;
+  const double z = std::max(1.0, position_mm.z());
+  pose_.u_px = camera.fx_px * position_mm.x() / z + camera.cx_px;
+  pose_.v_px = camera.fy_px * position_mm.y() / z + camera.cy_px;
+  pose_.depth_mm = z;
+}
+
+void PoseTracker::look(const View& view, const Surface& surface) {
+  if (settings_.rigid) template_ = RigidTemplate(view.gray, surface, settings_.camera);
+}
+
+bool PoseTracker::find(const View& view, ObjectFlow& flow) {
+  step_ = {};
+  if (!settings_.rigid || template_.empty()) return false;
+  step_ = template_.find(view, position_mm(), last_step_);
+  if (!step_.reliable) return false;
+  flow.similarity = step_.similarity;
+  flow.reliable = flow.rotation_reliable = true;
+  return true;
+}
+
+void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
+  const Eigen::AngleAxisd turn(step_.rotation);
+  const Vec3 turn_rad = turn.angle() * turn.axis();
+  const Vec3 before = position_mm();
+  const double per_px_mm = before.z() / settings_.camera.fx_px;
+  Vec3 shift = step_.shift_mm;
+  if (shift.head<2>().norm() < kStill_px * per_px_mm && std::abs(shift.z()) < kStill_mm) {
+    shift.setZero();
+  } else if (trusted) {
+    const BodyCentre centre = centreOf(seen.surface, settings_.camera);
+    if (centre.position_mm.z() > 0) shift += kPull * (centre.position_mm - before - shift);
+    pose_.point = centre.sphere ? ReferencePoint::kCentreOfMass : ReferencePoint::kVisibleCentroid;
+  }
+  setPosition(before + shift);
+  if (std::abs(turn_rad.z()) >= kStill_rad) pose_.angle_rad -= turn_rad.z();
+  last_step_ = step_;
 }
 
 PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
@@ -78,8 +134,8 @@ PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
                     surface.box.y + moments.m01 / moments.m00 + 0.5};
   }
   const cv::Point end = surface.box.br();
-  out.entire =
-      surface.box.x > 0 && surface.box.y > 0 && end.x < picture_.width && end.y < picture_.height;
+  out.entire = surface.box.x > 0 && surface.box.y > 0 && end.x < settings_.picture.width &&
+               end.y < settings_.picture.height;
   cv::Mat mask = surface.mask;
   cv::Mat depth = surface.depth;
   if (const int step = latticeStep(mask.size()); step > 1) {
@@ -98,14 +154,14 @@ PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
 }
 
 void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool trusted) {
-  if (mode_ == MotionMode::kDepth) return;
+  if (settings_.mode == MotionMode::kDepth) return;
   const cv::Point2d before(pose_.u_px, pose_.v_px);
   const cv::Point2d half(0.5, 0.5);
   cv::Point2d step = seen.flow.carry(before - half) + half - before;
   const bool follow_centroid =
-      trusted && (exact_masks_ || !seen.flow.reliable) && mode_ == MotionMode::kAuto;
+      trusted && bothWays(settings_.mode) && (settings_.exact_masks || !seen.flow.reliable);
   if (follow_centroid) step = now.centroid - last_.centroid;
-  const bool at_rest = seen.flow.reliable && !exact_masks_ && cv::norm(step) < kStill_px;
+  const bool at_rest = seen.flow.reliable && !settings_.exact_masks && cv::norm(step) < kStill_px;
   if (at_rest) step = {0, 0};
   if (trusted && !follow_centroid && !at_rest) step += kPull * (now.centroid - before - step);
   pose_.u_px += step.x;
@@ -117,8 +173,8 @@ void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool
 void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool trusted) {
   since_fresh_ = squareOf(seen.flow.similarity) * since_fresh_;
   pose_.depth_seen = !seen.repeated;
-  if (mode_ == MotionMode::kLk || seen.repeated) return;
-  if (exact_masks_ && trusted && mode_ == MotionMode::kAuto) {
+  if (settings_.mode == MotionMode::kLk || seen.repeated) return;
+  if (settings_.exact_masks && trusted && bothWays(settings_.mode)) {
     pose_.depth_mm += now.depth_mm - last_.depth_mm;
   } else {
     const cv::Matx23d carry = since_fresh_.get_minor<2, 3>(0, 0);
@@ -134,17 +190,34 @@ void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool
 }
 
 Pose PoseTracker::advance(const Observation& seen) {
-  pose_.depth_seen = true;
+  pose_.depth_seen = pose_.seen = pose_.sure = true;
   // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
-  if (mode_ == MotionMode::kNone || seen.identical || seen.at_rest) return pose_;
+  if (settings_.mode == MotionMode::kNone || seen.identical || seen.at_rest) {
+    step_ = last_step_ = {};
+    return pose_;
+  }
   const Shape now = shapeOf(seen.surface);
   const double growth = now.area_px / std::max(1.0, last_.area_px);
-  const bool trusted = now.entire && last_.entire && growth > 0.8 && growth < 1.25;
-  advanceInPlane(seen, now, trusted);
-  advanceInDepth(seen, now, trusted);
+  const bool trusted =
+      now.entire && last_.entire && growth > 0.8 && growth < 1.25 && seen.visible_fraction > kWhole;
+  pose_.seen = seen.visible_fraction >= kVisibleEnough;
+  if (step_.reliable) {
+    advanceRigidly(seen, trusted);
+    fresh_ = seen.surface;
+    since_fresh_ = cv::Matx33d::eye();
+  } else {
+    const Vec3 before = position_mm();
+    advanceInPlane(seen, now, trusted);
+    advanceInDepth(seen, now, trusted);
+    last_step_ = {};
+    last_step_.shift_mm = position_mm() - before;
+    pose_.sure = !settings_.rigid;
+  }
+  step_ = {};
   const double fresh_depth_mm = seen.repeated ? last_.depth_mm : now.depth_mm;
   last_ = now;
   last_.depth_mm = fresh_depth_mm;
+  look(seen.view, seen.surface);
   return pose_;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where an object is: a body-fixed reference point followed from frame to frame. The thesis's two
-// special cases: Lucas-Kanade in x-y, depth differences in z (motion notes, section 2).
+// Where an object is: a body-fixed reference point followed from frame to frame, by rigid alignment
+// of colour and depth, or by the thesis's two special cases: Lucas-Kanade in x-y, depth differences
+// in z (motion notes, section 2).
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,6 +9,7 @@
 
 #include "server/vision/enhance.hpp"
 #include "server/vision/flow.hpp"
+#include "server/vision/rigid_align.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {
@@ -19,27 +21,45 @@ struct Pose {
   double v_px = 0.0;
   double depth_mm = 0.0;   ///< working depth
   double angle_rad = 0.0;  ///< about +z (towards the viewer), right-handed
+  bool seen = true;        ///< false: too little of it was seen, the position is a prediction
   bool depth_seen = true;  ///< false: this frame's depth was a repeat of the last one's
+  bool sure = true;  ///< false: alignment failed and another method took over; it may be off by
+                     ///< a jump
+  ReferencePoint point = ReferencePoint::kVisibleCentroid;
 };
 
 /// What is new of one object in a frame.
 struct Observation {
   const ObjectFlow& flow;  ///< from the last frame
+  const View& view;
   const Surface& surface;
-  bool identical = false;  ///< the frame equals the last one
-  bool repeated = false;   ///< its depth is the last frame's, its colour is not
-  bool at_rest = false;    ///< all of the surface is held: the pose stays exactly as it is
+  bool identical = false;         ///< the frame equals the last one
+  bool repeated = false;          ///< its depth is the last frame's, its colour is not
+  double visible_fraction = 1.0;  ///< of the whole object, 0..1
+  bool at_rest = false;           ///< all of the surface is held: the pose stays exactly as it is
 };
 
-/// Follows one object. The point is carried by the robust flow and pulled slowly (5 % a frame) to
-/// the mask's centroid; with the source's own exact masks the centroid itself is followed as long
-/// as the whole object is seen, because the flow of a round body's surface is not its motion. Depth
-/// likewise: mean difference over the carried, eroded mask; with exact masks the mean over the
-/// inner mask.
+/// What stays the same over a track.
+struct PoseSettings {
+  MotionMode mode = MotionMode::kAuto;
+  bool rigid = true;         ///< auto and rgbd align; the thesis's method never does
+  bool exact_masks = false;  ///< the source's own
+  CameraModel camera;
+  cv::Size picture;
+};
+
+/// Follows one object. `rgbd` (and auto): a point in the middle of the body, carried by the rigid
+/// alignment and pulled slowly (5 % a frame) to where outline and depth say it is. Where that
+/// fails, and with `lk` and `depth`: carried by the robust flow and pulled to the mask's centroid
+/// (auto, with the source's own exact masks: the centroid itself), in depth by the mean difference
+/// over the carried, eroded mask.
 class PoseTracker {
  public:
-  PoseTracker(MotionMode mode, bool exact_masks, const cv::Size& picture, const Surface& first);
+  PoseTracker(const PoseSettings& settings, const View& view, const Surface& first);
 
+  /// Where the object went since the last frame, before its mask in this one is known; false: not
+  /// found, nothing is changed. To be called at most once before advance().
+  bool find(const View& view, ObjectFlow& flow);
   /// The pose in the next frame.
   Pose advance(const Observation& seen);
   [[nodiscard]] const Pose& pose() const { return pose_; }
@@ -52,16 +72,21 @@ class PoseTracker {
     bool entire = false;  // does not touch the picture's border
   };
   [[nodiscard]] Shape shapeOf(const Surface& surface) const;
+  [[nodiscard]] Vec3 position_mm() const;
+  void setPosition(const Vec3& position_mm);
+  void advanceRigidly(const Observation& seen, bool trusted);
   void advanceInPlane(const Observation& seen, const Shape& now, bool trusted);
   void advanceInDepth(const Observation& seen, const Shape& now, bool trusted);
+  void look(const View& view, const Surface& surface);
 
-  MotionMode mode_;
-  bool exact_masks_;
-  cv::Size picture_;
+  PoseSettings settings_;
   Pose pose_;
   Shape last_;
   Surface fresh_;                                 // the last one whose depth was no repeat
   cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // its px -> the last frame's
+  RigidTemplate template_;                        // the object in the last frame
+  RigidStep step_;                                // to this frame, since find()
+  RigidStep last_step_;
 };
 
 /// Mean of now - before over the carried, eroded overlap of two surfaces, trimmed at 3 MAD (at

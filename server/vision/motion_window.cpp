@@ -26,7 +26,7 @@ Polynomial fit(const std::vector<Sample>& samples, std::size_t first, std::size_
                std::size_t at, double h_s, int order, bool depth, Value value) {
   std::vector<const Sample*> used;
   for (std::size_t i = first; i <= last; ++i) {
-    if (!depth || samples[i].depth_seen) used.push_back(&samples[i]);
+    if (samples[i].seen && (!depth || samples[i].depth_seen)) used.push_back(&samples[i]);
   }
   const int count = static_cast<int>(used.size());
   Polynomial out;

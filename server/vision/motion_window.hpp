@@ -16,6 +16,8 @@ struct Sample {
   Vec3 position_mm = Vec3::Zero();
   double angle_rad = 0.0;
   bool depth_seen = true;  ///< false: position_mm.z() is no measurement
+  bool seen = true;        ///< false: none of it is
+  bool sure = true;        ///< false: a jump to here may not be the object's
 };
 
 /// Frames of lookahead: a window constant in time (7 frames at 25-30 fps, 11 at 60).

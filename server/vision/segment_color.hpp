@@ -11,7 +11,7 @@ namespace hapticast::server {
 /// Fractions per colour bin; sums to 1, or all 0 when nothing was seen.
 class ColorHistogram {
  public:
-  static constexpr std::size_t kBins = 16 * 16 * 16;
+  static constexpr std::size_t kBins = std::size_t{16} * 16 * 16;
 
   [[nodiscard]] static std::size_t binOf(const cv::Vec3b& bgr) {
     return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U |

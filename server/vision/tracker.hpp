@@ -62,7 +62,7 @@ class Tracker {
 
   void learnNoise(const View& view);
   void forgetScene(const View& view);
-  [[nodiscard]] Flows followTracks(const View& view) const;
+  [[nodiscard]] Flows followTracks(const View& view);
   [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, bool repeated,
                                   const Track* track, const ObjectFlow& flow) const;
   [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,

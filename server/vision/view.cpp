@@ -12,11 +12,12 @@ namespace {
 
 constexpr float kLargestDepth_mm = 1e5F;
 
-cv::Mat workingDepth(const cv::Mat& depth, DepthKind kind) {
+cv::Mat workingDepth(const cv::Mat& depth, const SourceInfo& info) {
   cv::Mat out(depth.size(), CV_32FC1);
-  const auto step = static_cast<float>((kHeightRange.far_mm - kHeightRange.near_mm) / 255.0);
-  const auto far_mm = static_cast<float>(kHeightRange.far_mm);
-  const bool heights = kind == DepthKind::kHeight;
+  const DepthRange range = info.depth_range.value_or(kHeightRange);
+  const auto step = static_cast<float>((range.far_mm - range.near_mm) / 255.0);
+  const auto far_mm = static_cast<float>(range.far_mm);
+  const bool heights = info.depth_kind == DepthKind::kHeight;
   for (int v = 0; v < depth.rows; ++v) {
     const auto* in = depth.ptr<float>(v);
     auto* to = out.ptr<float>(v);
@@ -49,7 +50,7 @@ View makeView(const RgbdFrame& frame, const SourceInfo& info) {
     throw SourceError(where + "mask is " + sizeText(frame.mask) +
                       ", it must be 8-bit and as large as colour");
   }
-  View view{frame.color, {}, workingDepth(frame.depth, info.depth_kind), frame.mask};
+  View view{frame.color, {}, workingDepth(frame.depth, info), frame.mask};
   cv::cvtColor(frame.color, view.gray, cv::COLOR_BGR2GRAY);
   return view;
 }

@@ -9,8 +9,9 @@
 
 namespace hapticast::server {
 
-/// 8-bit depth works as mm too: 255 is kHeightNear_mm, 0 is kHeightFar_mm. Mapped over exactly this
-/// range it gives height = h / 255 * 30 mm, as the thesis does.
+/// 8-bit depth works as mm too: 255 is near, 0 is far, of the range the source or the author gives,
+/// else of this one. Mapped over exactly that range it gives height = h / 255 * 30 mm, as the
+/// thesis does.
 inline constexpr DepthRange kHeightRange{600.0, 1000.0};
 
 struct View {

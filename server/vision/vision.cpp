@@ -71,7 +71,10 @@ class Vision::Impl {
     description_.pipeline_latency = fromSeconds(lookahead_ / info_.fps);
     description_.mass_kg = settings_.mass_kg;
     range_ = settings_.depth_range ? settings_.depth_range : info_.depth_range;
-    if (info_.depth_kind == DepthKind::kHeight) range_ = kHeightRange;
+    if (info_.depth_kind == DepthKind::kHeight) {
+      if (!range_) range_ = kHeightRange;
+      info_.depth_range = range_;
+    }
   }
 
   void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {

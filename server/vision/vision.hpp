@@ -17,7 +17,7 @@
 namespace hapticast::server {
 
 enum class SegmentMode : std::uint8_t { kAuto, kBand, kEdges, kSource };
-enum class MotionMode : std::uint8_t { kAuto, kLk, kDepth, kNone };
+enum class MotionMode : std::uint8_t { kAuto, kRgbd, kLk, kDepth, kNone };
 
 struct VisionSettings {
   Method method = Method::kHapticast;

@@ -42,7 +42,7 @@ class ProgramsLifeTest : public ProgramsTest {
  protected:
   /// A still scene long enough that no wrap of it disturbs a touch.
   [[nodiscard]] std::string stillClip() const {
-    const std::string clip = makeClip("still", 1);
+    std::string clip = makeClip("still", 1);
     for (const char* part : {"rgb", "depth", "mask"}) {
       const std::string folder = clip + "/" + part + "/";
       for (int i = 101; i < 400; ++i)

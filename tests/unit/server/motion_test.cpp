@@ -83,15 +83,21 @@ TEST(Motion, DepthDifferencesAreNotRuinedByAFewWildPixels) {
   EXPECT_NEAR(*depthDifference_mm(flatSurface(40, 700), now, {1, 0, 0, 0, 1, 0}, 3), -4, 1e-3);
 }
 
+const View kNoView;
+
+PoseSettings withoutAlignment(MotionMode mode) {
+  return {mode, false, false, {300, 300, 160, 120}, {320, 240}};
+}
+
 TEST(Motion, ARepeatedDepthFrameIsNoObservation) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 4, 0, 1, 0};
-  PoseTracker tracker(MotionMode::kAuto, false, {320, 240}, flatSurface(40, 700));
-  const Pose repeat = tracker.advance({flow, flatSurface(44, 700), false, true});
+  PoseTracker tracker(withoutAlignment(MotionMode::kAuto), kNoView, flatSurface(40, 700));
+  const Pose repeat = tracker.advance({flow, kNoView, flatSurface(44, 700), false, true});
   EXPECT_FALSE(repeat.depth_seen);
   EXPECT_NEAR(repeat.u_px, 74, 1e-6);
-  const Pose fresh = tracker.advance({flow, flatSurface(48, 690), false, false});
+  const Pose fresh = tracker.advance({flow, kNoView, flatSurface(48, 690), false, false});
   EXPECT_TRUE(fresh.depth_seen);
   EXPECT_NEAR(fresh.depth_mm, 690, 1e-3);
 }
@@ -100,16 +106,20 @@ TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 0.4, 0, 1, 0.2};  // noise, or a creep
-  PoseTracker tracker(MotionMode::kAuto, true, {320, 240}, flatSurface(40, 700));
+  PoseSettings settings = withoutAlignment(MotionMode::kAuto);
+  settings.exact_masks = true;
+  PoseTracker tracker(settings, kNoView, flatSurface(40, 700));
   const Pose before = tracker.pose();
   for (int i = 0; i < 5; ++i) {
-    const Pose rest = tracker.advance({flow, flatSurface(41, 698), false, false, true});
+    const Pose rest =
+        tracker.advance({flow, kNoView, flatSurface(41, 698), false, false, 1.0, true});
     EXPECT_EQ(rest.u_px, before.u_px);
     EXPECT_EQ(rest.v_px, before.v_px);
     EXPECT_EQ(rest.depth_mm, before.depth_mm);
     EXPECT_EQ(rest.angle_rad, before.angle_rad);
   }
-  const Pose moved = tracker.advance({flow, flatSurface(43, 695), false, false, false});
+  const Pose moved =
+      tracker.advance({flow, kNoView, flatSurface(43, 695), false, false, 1.0, false});
   EXPECT_NEAR(moved.u_px, before.u_px + 3, 1e-6);
   EXPECT_NEAR(moved.depth_mm, 695, 1e-3);
 }
@@ -120,9 +130,9 @@ TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
   flow.similarity = {1, 0, 4, 0, 1, 0};
   const Surface later = flatSurface(44, 690);
   const auto moved = [&](MotionMode mode) {
-    PoseTracker tracker(mode, false, {320, 240}, flatSurface(40, 700));
+    PoseTracker tracker(withoutAlignment(mode), kNoView, flatSurface(40, 700));
     const Pose before = tracker.pose();
-    const Pose now = tracker.advance({flow, later, false, false});
+    const Pose now = tracker.advance({flow, kNoView, later, false, false});
     return std::pair{now.u_px - before.u_px, now.depth_mm - before.depth_mm};
   };
   EXPECT_EQ(moved(MotionMode::kNone), (std::pair{0.0, 0.0}));

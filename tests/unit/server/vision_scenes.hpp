@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "common/geometry.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server::test {
@@ -22,15 +23,20 @@ inline double paint(double x, double y) {
          0.15 * std::sin(0.17 * (x + y) + 2 * std::sin(0.05 * (x - y)));
 }
 
+/// A textured ball before a wall, seen by a pinhole camera.
 struct BallScene {
   int width = 320, height = 240;
   double radius_px = 40;
   double near_mm = 700;  ///< of the ball's front
-  double bulge_mm = 80;  ///< front to rim
+  double bulge_mm = 80;  ///< front to rim: its radius
   double background_mm = 1200;
   DepthKind kind = DepthKind::kMetric;
   bool with_mask = true;
 
+  [[nodiscard]] CameraModel camera() const {
+    const double focal_px = radius_px * (near_mm + bulge_mm) / bulge_mm;
+    return {focal_px, focal_px, 0.5 * width, 0.5 * height};
+  }
   [[nodiscard]] SourceInfo info(double fps = 25.0) const {
     SourceInfo out;
     out.name = "ball";
@@ -38,14 +44,20 @@ struct BallScene {
     out.height_px = height;
     out.fps = fps;
     out.depth_kind = kind;
+    out.camera = camera();
     return out;
   }
-  /// Depth of the ball at (du, dv) from its centre; 0 outside.
-  [[nodiscard]] double ballDepth(double du, double dv) const {
-    const double square = 1 - (du * du + dv * dv) / (radius_px * radius_px);
-    return square > 0 ? near_mm + bulge_mm * (1 - std::sqrt(square)) : 0.0;
+  /// Depth of a ball whose centre projects to `centre_px`, at a place of the picture; 0 beside it.
+  [[nodiscard]] double ballDepth(const Vec2& at_px, const Vec2& centre_px,
+                                 double closer_mm = 0) const {
+    const Vec3 ray = rayThrough(at_px);
+    const Vec3 centre = (near_mm + bulge_mm - closer_mm) * rayThrough(centre_px);
+    const double a = ray.squaredNorm();
+    const double b = ray.dot(centre);
+    const double rest = b * b - a * (centre.squaredNorm() - bulge_mm * bulge_mm);
+    return rest > 0 ? (b - std::sqrt(rest)) / a : 0.0;
   }
-  /// The ball at (u, v), pixel centres at +0.5, its depth moved by `closer_mm` towards the camera.
+  /// The ball's centre at (u, v), pixel centres at +0.5, and nearer by `closer_mm`.
   [[nodiscard]] RgbdFrame frame(std::uint64_t index, double u, double v,
                                 double closer_mm = 0) const {
     RgbdFrame out;
@@ -53,13 +65,16 @@ struct BallScene {
     out.color.create(height, width, CV_8UC3);
     out.depth.create(height, width, CV_32FC1);
     cv::Mat mask = cv::Mat::zeros(height, width, CV_8UC1);
+    const Vec3 centre = (near_mm + bulge_mm - closer_mm) * rayThrough({u, v});
+    const double px_per_mm = radius_px / bulge_mm;
     for (int j = 0; j < height; ++j) {
       for (int i = 0; i < width; ++i) {
-        const double du = i + 0.5 - u;
-        const double dv = j + 0.5 - v;
-        const double ball = ballDepth(du, dv);
+        const Vec2 at(i + 0.5, j + 0.5);
+        const double ball = ballDepth(at, {u, v}, closer_mm);
         const bool inside = ball > 0;
-        const double light = inside ? paint(du * 0.8 + 40, dv * 0.8) : paint(i, j + 300);
+        const Vec3 on_ball = px_per_mm * (ball * rayThrough(at) - centre);
+        const double light =
+            inside ? paint(on_ball.x() * 0.8 + 40, on_ball.y() * 0.8) : paint(i, j + 300);
         const double level = 40 + 200 * light;
         out.color.at<cv::Vec3b>(j, i) =
             inside
@@ -67,7 +82,7 @@ struct BallScene {
                             cv::saturate_cast<uchar>(0.5 * level), cv::saturate_cast<uchar>(level))
                 : cv::Vec3b(cv::saturate_cast<uchar>(level), cv::saturate_cast<uchar>(0.8 * level),
                             cv::saturate_cast<uchar>(0.3 * level));
-        const double z = inside ? ball - closer_mm : background_mm;
+        const double z = inside ? ball : background_mm;
         out.depth.at<float>(j, i) =
             static_cast<float>(kind == DepthKind::kHeight ? std::round(255 * (1000 - z) / 400) : z);
         if (kind == DepthKind::kHeight)
@@ -77,6 +92,12 @@ struct BallScene {
     }
     if (with_mask) out.mask = mask;
     return out;
+  }
+
+ private:
+  [[nodiscard]] Vec3 rayThrough(const Vec2& at_px) const {
+    const CameraModel c = camera();
+    return {(at_px.x() - c.cx_px) / c.fx_px, (at_px.y() - c.cy_px) / c.fy_px, 1.0};
   }
 };
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// How a rigid object moved in space from one frame to the next: direct alignment of its colour and
+// depth, robust, on two levels (motion notes, section 2: "GN RGB-D tracked"). Thread: any; values.
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "server/source/camera_model.hpp"
+#include "server/vision/enhance.hpp"
+#include "server/vision/view.hpp"
+
+namespace hapticast::server {
+
+/// X' = rotation (X - pivot) + pivot + shift_mm, in the camera frame (X right, Y down, Z forward,
+/// mm).
+struct RigidStep {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();  ///< of the pivot
+  double inliers = 0.0;  ///< share of the points that agree in colour and depth, 0..1
+  bool reliable = false;
+  /// last px -> this px (OpenCV's coordinates, pixel centres at whole numbers), as near as a
+  /// similarity comes.
+  cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
+};
+
+/// One object as it looks in a frame: the points that are looked for in the next one.
+class RigidTemplate {
+ public:
+  RigidTemplate() = default;
+  /// Costs one blur of the object's box. `surface` is the object's, cleaned.
+  RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
+
+  [[nodiscard]] bool empty() const { return levels_.empty(); }
+  /// Finds the object again in `view`, near where `guess` says, else within about its own size. Not
+  /// reliable: fewer than half of the points agree, or there were too few.
+  [[nodiscard]] RigidStep find(const View& view, const Eigen::Vector3d& pivot_mm,
+                               const RigidStep& guess) const;
+
+ private:
+  struct Point {
+    Eigen::Vector3d position_mm;
+    float gray;
+  };
+  struct Level {
+    int factor = 1;  // px of the picture per px of this level, each way
+    std::vector<Point> points;
+  };
+  struct Coarse {  // for the search where the guess is of no use
+    int factor = 1;
+    cv::Rect box_px;  // whole pixels of the coarse picture
+    cv::Mat gray, depth, mask;
+  };
+  void addLevel(const cv::Mat& gray, const Surface& surface, int factor);
+  [[nodiscard]] RigidStep align(const View& view, const Eigen::Vector3d& pivot_mm,
+                                const RigidStep& guess) const;
+  [[nodiscard]] RigidStep searched(const View& view, const Eigen::Vector3d& pivot_mm) const;
+  [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
+                                   const cv::Size& picture) const;
+
+  CameraModel camera_;
+  cv::Rect box_;
+  DepthRange depth_;           // of the points
+  std::vector<Level> levels_;  // fine, coarse
+  Coarse coarse_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// hapticast-evaluate TOPIC: error against run time.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+
+#include "tests/evaluate/topics.hpp"
+
+int main(int argc, char** argv) {
+  using namespace hapticast::evaluate;
+  const std::map<std::string, void (*)(const Options&)> topics{{"motion", evaluateMotion}};
+  CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
+  std::string topic;
+  Options options;
+  std::vector<std::string> names{"all"};
+  for (const auto& [name, run] : topics) names.push_back(name);
+  app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
+  app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
+      ->capture_default_str();
+  app.add_flag("--quick", options.quick, "Fewer scenes: minutes instead of a quarter of an hour");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    for (const auto& [name, run] : topics) {
+      if (topic == "all" || topic == name) run(options);
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "hapticast-evaluate: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "tests/evaluate/report.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+
+namespace hapticast::evaluate {
+
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::ofstream opened(const std::filesystem::path& path) {
+  std::ofstream file(path);
+  if (!file) throw std::runtime_error("--out: cannot write " + path.string());
+  return file;
+}
+
+}  // namespace
+
+Report::Report(std::string topic, Options options)
+    : topic_(std::move(topic)), options_(std::move(options)) {
+  std::error_code error;
+  std::filesystem::create_directories(options_.out, error);
+  if (error) {
+    throw std::runtime_error("--out " + options_.out.string() +
+                             ": cannot be made: " + error.message());
+  }
+}
+
+void Report::add(Row row) {
+  std::fprintf(stderr, "%-12s %-14s %-22s %10s %-10s %8.0f us\n", row.stage.c_str(),
+               row.scene.c_str(), row.variant.c_str(), number(row.error).c_str(), row.unit.c_str(),
+               row.time_us);
+  rows_.push_back(std::move(row));
+}
+
+void Report::say(const std::string& text) { words_.push_back(text); }
+
+void Report::write() const {
+  writeCsv();
+  writeMarkdown();
+  plot();
+}
+
+void Report::writeCsv() const {
+  std::ofstream file = opened(options_.out / (topic_ + ".csv"));
+  file << "scene,stage,variant,error,unit,time_us,is_default,is_thesis\n";
+  for (const Row& row : rows_) {
+    file << row.scene << ',' << row.stage << ',' << row.variant << ',' << number(row.error) << ','
+         << row.unit << ',' << number(row.time_us) << ',' << row.is_default << ',' << row.is_thesis
+         << '\n';
+  }
+}
+
+void Report::writeMarkdown() const {
+  std::ofstream file = opened(options_.out / (topic_ + ".md"));
+  file << "## " << topic_ << "\n\n";
+  for (const std::string& line : words_) file << line << "\n\n";
+  std::vector<std::string> stages;
+  for (const Row& row : rows_) {
+    if (std::find(stages.begin(), stages.end(), row.stage) == stages.end())
+      stages.push_back(row.stage);
+  }
+  for (const std::string& stage : stages) {
+    std::vector<std::string> variants;
+    std::vector<std::string> scenes;
+    std::map<std::pair<std::string, std::string>, const Row*> cells;
+    std::string unit;
+    for (const Row& row : rows_) {
+      if (row.stage != stage) continue;
+      unit = row.unit;
+      if (std::find(variants.begin(), variants.end(), row.variant) == variants.end())
+        variants.push_back(row.variant);
+      if (std::find(scenes.begin(), scenes.end(), row.scene) == scenes.end())
+        scenes.push_back(row.scene);
+      cells[{row.scene, row.variant}] = &row;
+    }
+    file << "### " << stage << ", " << unit << " (ms per frame)\n\n| scene |";
+    for (const std::string& variant : variants) file << ' ' << variant << " |";
+    file << "\n|---|";
+    for (std::size_t i = 0; i < variants.size(); ++i) file << "---|";
+    file << '\n';
+    for (const std::string& scene : scenes) {
+      file << "| " << scene << " |";
+      for (const std::string& variant : variants) {
+        const auto cell = cells.find({scene, variant});
+        file << ' ';
+        if (cell != cells.end()) {
+          const std::string text = number(cell->second->error);
+          file << (cell->second->is_default ? "**" + text + "**" : text);
+          if (cell->second->time_us > 0) file << " (" << number(cell->second->time_us / 1e3) << ')';
+        }
+        file << " |";
+      }
+      file << '\n';
+    }
+    file << '\n';
+  }
+  file << "![error against run time](" << topic_ << ".png)\n";
+}
+
+void Report::plot() const {
+  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
+    std::fprintf(stderr, "no gnuplot: %s.png is left out (apt-get install gnuplot-nox)\n",
+                 topic_.c_str());
+    return;
+  }
+  const std::filesystem::path script = options_.out / (topic_ + ".gnuplot");
+  std::vector<std::string> stages;
+  for (const Row& row : rows_) {
+    if (row.time_us > 0 && row.error > 0 &&
+        std::find(stages.begin(), stages.end(), row.stage) == stages.end())
+      stages.push_back(row.stage);
+  }
+  if (stages.empty()) return;
+  {
+    std::ofstream file = opened(script);
+    file << "set terminal pngcairo size 1200," << 520 * stages.size()
+         << " font 'sans,11'\nset output '" << topic_ << ".png'\nset multiplot layout "
+         << stages.size() << ",1\nset logscale xy\nset grid\nset key outside right\n"
+         << "set xlabel 'run time, ms per frame'\n";
+    for (const std::string& stage : stages) {
+      std::map<std::string, std::vector<const Row*>> variants;
+      for (const Row& row : rows_) {
+        if (row.stage == stage && row.time_us > 0 && row.error > 0)
+          variants[row.variant].push_back(&row);
+      }
+      const std::string unit = variants.begin()->second.front()->unit;
+      std::string data;
+      std::string curves;
+      int style = 1;
+      for (const auto& [variant, rows] : variants) {
+        const bool marked = rows.front()->is_default;
+        const bool thesis = rows.front()->is_thesis;
+        std::string name =
+            "$d" + std::to_string(style) + "_" + std::to_string(&stage - stages.data());
+        data += name + " << EOD\n";
+        for (const Row* row : rows)
+          data += number(row->time_us / 1e3) + " " + number(row->error) + "\n";
+        data += "EOD\n";
+        curves += (curves.empty() ? "" : ", ") + name + " with points pt " +
+                  std::to_string(thesis   ? 2
+                                 : marked ? 7
+                                          : 6) +
+                  " ps " + (marked ? "1.8" : "1.3") + " lc " + std::to_string(style) + " title '" +
+                  variant +
+                  (marked   ? " (default)"
+                   : thesis ? " (thesis)"
+                            : "") +
+                  "'";
+        ++style;
+      }
+      file << data << "set title '" << stage << ": each point one scene'\nset ylabel '" << unit
+           << "'\nplot " << curves << "\n";
+    }
+    file << "unset multiplot\n";
+  }
+  const std::string run = "cd '" + options_.out.string() + "' && gnuplot '" + topic_ + ".gnuplot'";
+  if (std::system(run.c_str()) != 0) std::fprintf(stderr, "gnuplot failed on %s\n", script.c_str());
+  std::filesystem::remove(script);
+}
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// What every topic of hapticast-evaluate writes: TOPIC.csv, a plot TOPIC.png, a section of
+// report.md.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hapticast::evaluate {
+
+/// One measurement (DESIGN section 9).
+struct Row {
+  std::string scene;
+  std::string stage;    ///< mask, relief, velocity, acceleration, impact, force, ...
+  std::string variant;  ///< which choice of the stage
+  double error = 0.0;
+  std::string unit;
+  double time_us = 0.0;  ///< per frame (server) or tick (client)
+  bool is_default = false;
+  bool is_thesis = false;
+};
+
+struct Options {
+  std::filesystem::path out = "evaluate";
+  bool quick = false;
+};
+
+class Report {
+ public:
+  Report(std::string topic, Options options);
+  /// Also says it on stderr, so that long work shows progress.
+  void add(Row row);
+  /// Lines of report.md; rows are put into tables by stage after it.
+  void say(const std::string& text);
+  /// Writes the files; plots with gnuplot where there is one, else says that there is none. Throws
+  /// std::runtime_error naming the file that cannot be written.
+  void write() const;
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  void writeCsv() const;
+  void writeMarkdown() const;
+  void plot() const;
+
+  std::string topic_;
+  Options options_;
+  std::vector<Row> rows_;
+  std::vector<std::string> words_;
+};
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// Scenes that vision is measured on: bodies on exact paths before a pinhole camera, with the truth
+// of every frame, seen through a sensor that may be noisy, coarse, misaligned. Deterministic.
+// Thread: one.
+//
+// Frames and units as in server/source/synthetic_scene.hpp: camera X right, Y down, Z forward, mm.
+#pragma once
+
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "server/source/rgbd_source.hpp"
+#include "server/source/solid_noise.hpp"
+#include "server/source/synthetic_scene.hpp"
+
+namespace hapticast::evaluate {
+
+enum class Shape : std::uint8_t { kEllipsoid, kBox };
+
+/// Where a body is at any time; exact derivatives.
+using Path = std::function<server::BodyState(double time_s)>;
+
+struct Body {
+  Shape shape = Shape::kEllipsoid;
+  Vec3 half_size_mm{100, 100, 100};  ///< semi-axes, or half edges
+  Path path;
+  bool is_object = true;  ///< part of what is to be touched; else in its way (a hand, a bar)
+  bool textured = true;
+  cv::Vec3f dark{30, 60, 140}, light{130, 215, 250};  ///< BGR of its texture
+};
+
+/// What the sensor makes of the exact picture (segmentation notes, section 2).
+struct Sensor {
+  enum class Depth : std::uint8_t {
+    kExact,         ///< mm as float
+    kStereo,        ///< 1.5 mm x z² (m), correlated over 2 px and in time; wobbling rim; holes
+    kTimeOfFlight,  ///< 1.6 mm white + 0.8 mm fixed; flying and missing rim pixels
+    kEightBit,      ///< 255 levels over the depth range, as DepthKind::kHeight
+  };
+  Depth depth = Depth::kExact;
+  int levels_per_step = 1;      ///< kEightBit: only every so many levels are used
+  double depth_noise_mm = 0.0;  ///< white, added to kExact and before kEightBit is rounded
+  double color_noise = 1.0;     ///< rms, grey levels
+  int misalignment_px = 0;      ///< depth is shifted right by this against colour
+  double mask_wobble_px = 0.0;  ///< rms of the given mask's edge, anew in every frame
+  bool jpeg = false;            ///< colour went through JPEG, quality 80
+};
+
+struct TestScene {
+  std::string name;
+  std::vector<Body> bodies;
+  double duration_s = 3.0;
+  server::DepthRange range{600.0, 1300.0};
+  bool table = false;  ///< a table seen at 35 degrees, through (0, 0, 1000); else a wall at 1250 mm
+  double pan_px_s = 0.0;     ///< the camera turns: everything moves right by this
+  bool blur = false;         ///< half a frame of exposure
+  bool same_colors = false;  ///< the background has the first body's colours
+  std::vector<double> impacts_s;
+};
+
+/// Plays a scene through a sensor. The workspace is the default one (160 x 120 mm) of this size.
+class TestSource final : public server::RgbdSource {
+ public:
+  TestSource(TestScene scene, Sensor sensor, double fps, bool give_mask, int width_px = 640,
+             int height_px = 480, std::uint64_t seed = 1);
+
+  [[nodiscard]] const server::SourceInfo& info() const override { return info_; }
+  std::optional<server::RgbdFrame> read() override;
+  bool skip() override;
+  void rewind() override;
+
+  /// Truth of frame `index`: motion of the first object body's centre (nominal mm, pan included in
+  /// the picture), its mask (0 / 255), depth (mm), and the share of it that is seen.
+  struct Truth {
+    Motion centre;
+    cv::Mat mask;
+    cv::Mat depth;
+    double visible_fraction = 1.0;
+  };
+  [[nodiscard]] Truth truth(std::uint64_t index) const;
+  [[nodiscard]] Motion centreAt(double time_s) const;
+  [[nodiscard]] const server::SceneView& view() const { return view_; }
+  [[nodiscard]] const TestScene& scene() const { return scene_; }
+
+ private:
+  struct Picture {
+    cv::Mat color;           // CV_8UC3
+    cv::Mat depth;           // CV_32FC1
+    cv::Mat body;            // CV_8UC1, 1 + index of the visible body
+    double object_px = 0.0;  // of the object without what is in its way
+  };
+  [[nodiscard]] Picture draw(double time_s, bool color) const;
+  void drawBackground(double time_s, bool color, Picture& out) const;
+  void drawBody(const Body& body, std::size_t index, double time_s, bool color, Picture& out) const;
+  [[nodiscard]] cv::Mat maskOf(const Picture& picture) const;
+  cv::Mat sensed(const Picture& picture, cv::RNG& random);
+
+  TestScene scene_;
+  Sensor sensor_;
+  bool give_mask_;
+  std::uint64_t seed_;
+  server::SceneView view_;
+  server::SourceInfo info_;
+  server::SolidNoise noise_;
+  Picture background_;     // where it does not move
+  cv::Mat fixed_noise_;    // of the sensor
+  cv::Mat carried_noise_;  // its part that stays from frame to frame
+  std::uint64_t next_ = 0;
+  std::uint32_t epoch_ = 0;
+};
+
+/// The scenes of the motion notes (section 1) and of the segmentation notes (section 2).
+std::vector<TestScene> motionScenes();
+std::vector<TestScene> segmentationScenes();
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// The topics of hapticast-evaluate. Each measures, fills a Report and writes it.
+#pragma once
+
+#include "tests/evaluate/report.hpp"
+
+namespace hapticast::evaluate {
+
+void evaluateMotion(const Options& options);
+
+}  // namespace hapticast::evaluate
