@@ -164,12 +164,14 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
   const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
-  track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
-  hold(track, view, repeated);
+  const Surface seen = surfaceOf(segment, view, repeated, &track, flow);
+  track.now.surface = seen;
   updatePresence(track, segment, flow);
   if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
-  track.now.pose = track.motion.advance({flow, view, track.now.surface, /*identical=*/false,
-                                         repeated, track.now.visible_fraction, track.now.atRest()});
+  hold(track, view, repeated);
+  // Motion is measured on what this frame shows, not on what is held of the frames before.
+  track.now.pose = track.motion.advance({flow, view, seen, /*identical=*/false, repeated,
+                                         track.now.visible_fraction, track.now.atRest()});
   if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
     track.now.cells =
         cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);
