@@ -35,8 +35,8 @@ struct Observation {
   const Surface& surface;
   bool identical = false;         ///< the frame equals the last one
   bool repeated = false;          ///< its depth is the last frame's, its colour is not
-  double visible_fraction = 1.0;  ///< of the whole object, 0..1
   bool at_rest = false;           ///< all of the surface is held: the pose stays exactly as it is
+  double visible_fraction = 1.0;  ///< of the whole object, 0..1
 };
 
 /// What stays the same over a track.

@@ -21,17 +21,17 @@ cv::Vec2d centroidOf(const cv::Mat& mask) {
              : cv::Vec2d(0, 0);
 }
 
-bool hasDepth(const View& view, const cv::Mat& mask) {
-  const cv::Rect box = boxAround(mask, 0);
-  return cv::countNonZero(mask(box) & (view.depth(box) > 0)) >=
-         kFewestDepth * cv::countNonZero(mask(box));
-}
-
 // Where the source does not know its camera: 56 degrees wide, as most are. Wrong by a fifth it
 // costs 2 to 3 % of the acceleration (motion notes, section 2.3).
 CameraModel usualCamera(const SourceInfo& info) {
   const double focal_px = 0.94 * info.width_px;
   return {focal_px, focal_px, 0.5 * info.width_px, 0.5 * info.height_px};
+}
+
+bool hasDepth(const View& view, const cv::Mat& mask) {
+  const cv::Rect box = boxAround(mask, 0);
+  return cv::countNonZero(mask(box) & (view.depth(box) > 0)) >=
+         kFewestDepth * cv::countNonZero(mask(box));
 }
 
 }  // namespace
@@ -164,14 +164,16 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
   const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
-  const Surface seen = surfaceOf(segment, view, repeated, &track, flow);
-  track.now.surface = seen;
+  track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
+  hold(track, view, repeated);
   updatePresence(track, segment, flow);
   if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
-  hold(track, view, repeated);
-  // Motion is measured on what this frame shows, not on what is held of the frames before.
-  track.now.pose = track.motion.advance({flow, view, seen, /*identical=*/false, repeated,
-                                         track.now.visible_fraction, track.now.atRest()});
+  track.now.pose = track.motion.advance({.flow = flow,
+                                         .view = view,
+                                         .surface = track.now.surface,
+                                         .repeated = repeated,
+                                         .at_rest = track.now.atRest(),
+                                         .visible_fraction = track.now.visible_fraction});
   if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
     track.now.cells =
         cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);

@@ -69,9 +69,8 @@ struct Holding {
         const double dv = surface.box.y + j + 0.5 - v;
         if (std::hypot(du, dv) > ball.scene.radius_px - 5) continue;
         if (surface.mask.at<uchar>(j, i) == 0) return 1e3;  // not where the ball is
-        const Vec2 at(surface.box.x + i + 0.5, surface.box.y + j + 0.5);
-        const double off =
-            double(surface.depth.at<float>(j, i)) - ball.scene.ballDepth(at, {u, v}, closer_mm);
+        const double off = double(surface.depth.at<float>(j, i)) -
+                           ball.scene.ballDepth({u + du, v + dv}, {u, v}, closer_mm);
         sum += off * off;
         ++count;
       }
@@ -139,7 +138,7 @@ TEST(Hold, ASlowDriftInDepthIsNoticed) {
       for (int u = -40; u <= 40; ++u) {
         const cv::Point at(160 + u - run.held.box.x, 120 + v - run.held.box.y);
         sum += double(run.held.depth.at<float>(at)) -
-               run.ball.scene.ballDepth({160.5 + u, 120.5 + v}, {160, 120}, 0.5 * i);
+               run.ball.scene.ballDepth({160 + u + 0.5, 120 + v + 0.5}, {160, 120}, 0.5 * i);
         ++count;
       }
     }
