@@ -164,13 +164,15 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
   const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
-  track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
-  hold(track, view, repeated);
+  const Surface seen = surfaceOf(segment, view, repeated, &track, flow);
+  track.now.surface = seen;
   updatePresence(track, segment, flow);
   if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
+  hold(track, view, repeated);
+  // Motion is measured on what this frame shows, not on what is held of the frames before.
   track.now.pose = track.motion.advance({.flow = flow,
                                          .view = view,
-                                         .surface = track.now.surface,
+                                         .surface = seen,
                                          .repeated = repeated,
                                          .at_rest = track.now.atRest(),
                                          .visible_fraction = track.now.visible_fraction});
