@@ -203,7 +203,7 @@ Pose PoseTracker::advance(const Observation& seen) {
   pose_.depth_seen = pose_.seen = pose_.sure = true;
   // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
   if (settings_.mode == MotionMode::kNone || seen.identical || seen.at_rest) {
-    last_step_ = {};
+    step_ = last_step_ = {};
     return pose_;
   }
   const Shape now = shapeOf(seen.surface);

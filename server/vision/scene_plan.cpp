@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace hapticast::server {
@@ -41,6 +42,26 @@ std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
   return std::nullopt;
 }
 
+std::string ScenePlan::whyOn(Stage stage) const {
+  switch (stage) {
+    case Stage::kSegment:
+      return "the source brings no mask, and the scene changes";
+    case Stage::kClean:
+      return "the depth has holes or background in it";
+    case Stage::kSmooth: {
+      const std::optional<double>& cost_N = cost_N_[indexOf(stage)];
+      if (!cost_N) return "not measured yet";
+      char text[64];
+      std::snprintf(text, sizeof text, "without it the force would be off by %.3f N", *cost_N);
+      return text;
+    }
+    case Stage::kMotion:
+    case Stage::kHeights:
+      break;
+  }
+  return "the scene changes";
+}
+
 bool ScenePlan::on(Stage stage) const {
   if (settings_.forced[indexOf(stage)]) return *settings_.forced[indexOf(stage)];
   return settings_.everything || !whyOff(stage);
@@ -72,7 +93,7 @@ std::vector<PlanLine> ScenePlan::lines() const {
     } else if (settings_.everything) {
       line.why = "nothing is to be left out";
     } else {
-      line.why = why.value_or("the scene needs it");
+      line.why = why.value_or(whyOn(line.stage));
     }
     if (!line.on) {
       line.saves_ms = time_ms_[i];

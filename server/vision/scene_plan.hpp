@@ -67,6 +67,7 @@ class ScenePlan {
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
+  [[nodiscard]] std::string whyOn(Stage stage) const;
 
   PlanSettings settings_;
   bool source_mask_;

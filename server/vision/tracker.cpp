@@ -219,16 +219,18 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
   const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
-  track.now.surface =
+  const Surface seen =
       repeated ? carriedSurface(segment, before, flow) : surfaceOf(segment, view, *track.now.plan);
-  hold(track, view, repeated);
+  track.now.surface = seen;
   updatePresence(track, segment, flow);
   if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
+  hold(track, view, repeated);
   track.now.plan->rest(track.now.atRest());
   const Lap lap(settings_.clock, *track.now.plan, Stage::kMotion);
+  // Motion is measured on what this frame shows, not on what is held of the frames before.
   track.now.pose = track.motion.advance({.flow = flow,
                                          .view = view,
-                                         .surface = track.now.surface,
+                                         .surface = seen,
                                          .repeated = repeated,
                                          .at_rest = track.now.atRest(),
                                          .visible_fraction = track.now.visible_fraction});
@@ -254,6 +256,7 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   if (scene_cut_) forgetScene(view);
   const bool identical = equalImages(view.color, last_.color) &&
                          equalImages(view.depth, last_.depth) && equalImages(view.mask, last_.mask);
+  for (Track& track : tracks_) track.now.plan->nextFrame();
   const bool rest = allRest(view, identical);
   Flows flows;
   if (!rest) {
@@ -261,7 +264,6 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
     segment(view, flows);
   }
   for (const Segment& segment : last_segments_) update(segment, view, flows, rest, time_s);
-  for (Track& track : tracks_) track.now.plan->nextFrame();
   std::vector<TrackedObject> out;
   for (Track& track : tracks_) {
     const bool seen = std::any_of(last_segments_.begin(), last_segments_.end(),
