@@ -162,14 +162,14 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
   out.material = settings.material;
   out.motion.quality = object.quality;
   out.motion.visible_fraction = object.visible_fraction;
-  const bool send = object.plan->on(Stage::kHeights);
-  const bool unchanged = last != nullptr && (!object.seen || object.atRest());
-  if (!unchanged || (send && object.seen)) {
+  const bool stays = last != nullptr && (!object.seen || object.atRest());
+  if (!stays || (object.seen && object.plan->on(Stage::kHeights))) {
     out.relief = reliefOf(object, nominal, settings);
     out.changed_in_frame = frame_id;
   }
-  if (send && object.atRest() && object.seen) return out;
-  if (last != nullptr && (unchanged || equalReliefs(*out.relief, *last->relief))) {
+  const bool unchanged = last != nullptr && (stays || equalReliefs(*out.relief, *last->relief));
+  object.plan->unchanged(unchanged);
+  if (unchanged && (!out.relief || !object.plan->on(Stage::kHeights))) {
     out.relief = last->relief;
     out.changed_in_frame = last->changed_in_frame;
   }

@@ -34,8 +34,10 @@ std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
                                       : "the depth is clean";
       }
       break;
-    case Stage::kMotion:
     case Stage::kHeights:
+      if (unchanged_ && !at_rest_) return "they are as they were";
+      break;
+    case Stage::kMotion:
       break;
   }
   if (at_rest_) return "the object is at rest";
@@ -68,6 +70,8 @@ bool ScenePlan::on(Stage stage) const {
 }
 
 void ScenePlan::rest(bool at_rest) { at_rest_ = at_rest; }
+
+void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
 
 void ScenePlan::costs(Stage stage, double error_N) { cost_N_[indexOf(stage)] = error_N; }
 

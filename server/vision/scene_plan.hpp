@@ -52,6 +52,8 @@ class ScenePlan {
   [[nodiscard]] bool on(Stage stage) const;
   /// Whether the object is at rest: all of it is held.
   void rest(bool at_rest);
+  /// Whether the heights of this frame are those of the last one.
+  void unchanged(bool unchanged);
   /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
   void costs(Stage stage, double error_N);
   /// Counts a frame. What is off is measured again every kMeasureEvery frames.
@@ -72,6 +74,7 @@ class ScenePlan {
   PlanSettings settings_;
   bool source_mask_;
   bool at_rest_ = false;
+  bool unchanged_ = false;
   int frame_ = 0;
   double relief_bytes_ = 0.0;
   std::array<std::optional<double>, kStages> cost_N_{};
