@@ -153,7 +153,7 @@ void Tracker::hold(Track& track, const View& view, bool repeated) const {
   if (settings_.method == Method::kThesis) return;
   Surface& surface = track.now.surface;
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
-  if (noise_.clean(depth_mm)) return;
+  if (exact_masks_ && noise_.clean(depth_mm)) return;  // nothing trembles
   surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
   track.now.held_share = track.hold.share();
 }
