@@ -98,6 +98,18 @@ std::shared_ptr<const MotionGrid> MotionHistory::grid(std::uint32_t id, std::uin
   return at ? gridFrom(flows, *at, nominal.mmPerStep()) : nullptr;
 }
 
+bool MotionHistory::hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return false;
+  const auto reach = static_cast<std::uint64_t>(lookahead);
+  std::uint64_t frames = 0;
+  for (const Entry& entry : found->second) {
+    if (entry.frame + reach >= frame && entry.frame <= frame + reach && entry.cells.columns > 0)
+      ++frames;
+  }
+  return frames == 2 * reach + 1;
+}
+
 std::vector<double> MotionHistory::accelerations_mm_s2(int lookahead,
                                                        const NominalFrame& nominal) const {
   std::vector<double> out;

@@ -21,10 +21,11 @@ enum class Stage : std::uint8_t {
   kClean,    ///< background depth rejected at the rim, holes filled
   kSmooth,   ///< local quadratic fit of the heights
   kMotion,   ///< alignment with the last frame
+  kGrid,     ///< motion in cells of what the alignment leaves over
   kHeights,  ///< heights sent (when off: only once a second, and to who joins)
 };
-inline constexpr std::array<std::string_view, 5> kStageNames{"segment", "clean", "smooth", "motion",
-                                                             "heights"};
+inline constexpr std::array<std::string_view, 6> kStageNames{"segment", "clean", "smooth",
+                                                             "motion",  "grid",  "heights"};
 inline constexpr std::size_t kStages = kStageNames.size();
 
 struct PlanSettings {
@@ -56,6 +57,9 @@ class ScenePlan {
   void unchanged(bool unchanged);
   /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
   void costs(Stage stage, double error_N);
+  /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
+  /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
+  bool residual(double felt_N);
   /// Counts a frame. What is off is measured again every kMeasureEvery frames.
   void nextFrame();
   [[nodiscard]] bool measureNow() const;
@@ -66,6 +70,9 @@ class ScenePlan {
   [[nodiscard]] std::vector<PlanLine> lines() const;
 
   static constexpr int kMeasureEvery = 25;  ///< frames
+  static constexpr int kGridEvery =
+      100;  ///< frames between two looks at the grid, which is dear ...
+  static constexpr int kGridFrames = 12;  ///< ... and takes that many
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "server/vision/vision.hpp"
@@ -116,6 +117,45 @@ TEST(ScenePlan, FollowsASceneThatStopsAndMovesAgain) {
       const PlanLine motion = vision.plan().begin()->second[std::size_t(Stage::kMotion)];
       EXPECT_GT(motion.saves_ms, 0.0);
       EXPECT_EQ(motion.costs_N, 0.0);
+    }
+  }
+}
+
+// A ball whose lower part sways although its outline rests and drifts slowly.
+RgbdFrame swaying(const test::BallScene& scene, std::uint64_t i, double sway_px) {
+  RgbdFrame frame = scene.frame(i, 130 + 0.5 * double(i), 120);
+  const double shift = sway_px * std::sin(2 * CV_PI * double(i) / 16);
+  const cv::Rect part(95, 125, 100, 25);
+  cv::Mat moved;
+  cv::warpAffine(frame.color(part), moved, cv::Matx23d(1, 0, shift, 0, 1, 0), part.size(),
+                 cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  moved.copyTo(frame.color(part), frame.mask(part));
+  return frame;
+}
+
+TEST(ScenePlan, WhatDeformsGetsAGridAndARigidBodyNone) {
+  const test::BallScene scene;
+  for (const double sway_px : {0.0, 4.0}) {
+    Vision vision(scene.info(), {});
+    std::size_t grids = 0;
+    double strongest_mm_s2 = 0;
+    for (std::uint64_t i = 0; i < 60; ++i) {
+      const auto result = vision.push(swaying(scene, i, sway_px), mediaTime(double(i) / 25));
+      if (!result || result->frame.objects.at(0).grid == nullptr) continue;
+      ++grids;
+      for (const Eigen::Vector3f& a : result->frame.objects[0].grid->acceleration_mm_s2)
+        strongest_mm_s2 = std::max(strongest_mm_s2, double(a.norm()));
+    }
+    const bool sways = sway_px > 0;
+    EXPECT_EQ(vision.plan().begin()->second[std::size_t(Stage::kGrid)].on, sways);
+    if (sways) {
+      EXPECT_GT(grids, 40U);
+      // sway x 0.5 mm/px x (2 pi 25/16)², of which the rigid alignment takes a part
+      const double truth_mm_s2 = 4 * 0.5 * std::pow(2 * CV_PI * 25 / 16, 2);
+      EXPECT_GT(strongest_mm_s2, 0.3 * truth_mm_s2);
+      EXPECT_LT(strongest_mm_s2, 1.2 * truth_mm_s2);
+    } else {
+      EXPECT_EQ(grids, 0U);
     }
   }
 }
