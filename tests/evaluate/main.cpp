@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
+#include <opencv2/core/utility.hpp>
 
 #include "tests/evaluate/topics.hpp"
 
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  cv::setNumThreads(1);  // run times are of one thread
   try {
     for (const auto& [name, run] : topics) {
       if (topic == "all" || topic == name) run(options);
