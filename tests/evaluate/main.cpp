@@ -8,7 +8,8 @@
 
 int main(int argc, char** argv) {
   using namespace hapticast::evaluate;
-  const std::map<std::string, void (*)(const Options&)> topics{{"motion", evaluateMotion}};
+  const std::map<std::string, void (*)(const Options&)> topics{{"motion", evaluateMotion},
+                                                               {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   std::string topic;
   Options options;

@@ -7,5 +7,6 @@
 namespace hapticast::evaluate {
 
 void evaluateMotion(const Options& options);
+void evaluateVision(const Options& options);
 
 }  // namespace hapticast::evaluate
