@@ -29,9 +29,9 @@ struct Lattice {
   double whole = 1.0;  // how many there would be if all depth were known
 };
 
-Lattice latticeOf(const cv::Mat& depth, int points_a_row) {
+Lattice latticeOf(const cv::Mat& depth, int coarser) {
   Lattice out;
-  const int step = std::max(2, depth.cols / points_a_row);
+  const int step = coarser * kLattice_px * std::max(1, depth.cols / kUsualWidth_px);
   for (int v = step / 2; v < depth.rows; v += step) {
     const auto* row = depth.ptr<float>(v);
     for (int u = step / 2; u < depth.cols; u += step) {
@@ -176,7 +176,7 @@ double Plane::behind(double u, double v, double depth_mm) const {
 }
 
 std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
-  auto [points, whole] = latticeOf(depth, kLattice);
+  auto [points, whole] = latticeOf(depth, 1);
   cv::RNG random(7);
   std::vector<Plane> planes;
   for (int round = 0; round < 5 && planes.size() < 3; ++round) {
@@ -194,7 +194,7 @@ std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
 
 bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes) {
   if (planes.empty()) return true;
-  auto [points, whole] = latticeOf(depth, kLatticeAgain);
+  auto [points, whole] = latticeOf(depth, kFollowed);
   bool held = true;
   for (Plane& plane : planes) {
     const double before = plane.share;
