@@ -19,6 +19,11 @@ constexpr int kJpegQuality = 80;
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 
+VisionSettings withClock(VisionSettings settings, const Clock& clock) {
+  settings.clock = &clock;
+  return settings;
+}
+
 std::string listenAddress(const Endpoint& endpoint) {
   const bool v6 = endpoint.host.find(':') != std::string::npos;
   return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
@@ -30,7 +35,7 @@ App::App(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_{clock, clock.now()},
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(source_->info(), settings_.vision),
+      vision_(source_->info(), withClock(settings_.vision, clock)),
       broadcaster_(io_, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = settings_.max_clients}),
       listener_(io_, listenAddress(settings_.listen), broadcaster_) {}
@@ -88,6 +93,7 @@ void App::play() {
         info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(*result);
+    if (settings_.explain) explain();
     sayWhatWasSkipped(pacer);
   }
   for (const VisionResult& result : vision_.flush()) publish(result);
@@ -112,6 +118,30 @@ void App::publish(const VisionResult& result) {
                                       encodePicture(result.color, kJpegQuality)}));
   }
   broadcaster_.publish(encoder_.encode(result.frame));
+}
+
+void App::explain() {
+  for (const auto& [id, lines] : vision_.plan()) {
+    // A change that is taken back at once is not worth a line.
+    auto& told = told_plans_[id];
+    const MediaTime now = media_clock_.now();
+    const bool same = std::equal(
+        lines.begin(), lines.end(), told.lines.begin(), told.lines.end(),
+        [](const PlanLine& a, const PlanLine& b) { return a.on == b.on && a.why == b.why; });
+    if (same || (!told.lines.empty() && now - told.at < std::chrono::seconds(1))) continue;
+    told = {lines, now};
+    for (const PlanLine& line : lines) {
+      const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
+      if (line.on) {
+        spdlog::info("object {}: {:<8} on   {}", id, stage, line.why);
+      } else {
+        spdlog::info(
+            "object {}: {:<8} off  {}; saves {:.1f} ms and {:.0f} bytes a frame, costs "
+            "{:.4f} N",
+            id, stage, line.why, line.saves_ms, line.saves_bytes, line.costs_N);
+      }
+    }
+  }
 }
 
 void App::sayWhatWasSkipped(const Pacer& pacer) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -37,6 +38,7 @@ class App {
   void play();
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
   void publish(const VisionResult& result);
+  void explain();
   void sayWhatWasSkipped(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
 
@@ -53,6 +55,11 @@ class App {
   MediaTime last_published_{};
   std::uint64_t told_skipped_ = 0;
   MediaTime told_at_{};
+  struct ToldPlan {
+    std::vector<PlanLine> lines;
+    MediaTime at;
+  };
+  std::map<std::uint32_t, ToldPlan> told_plans_;  // by object id
 };
 
 }  // namespace hapticast::server

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/settings.hpp"
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -40,6 +41,52 @@ void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
       ->type_name("MM,MM");
 }
 
+/// Reads `auto`, `everything` or `STAGE=on|off,...`; nullopt where it is none of them.
+std::optional<PlanSettings> parsePlan(std::string_view text) {
+  PlanSettings out;
+  if (text == "auto") return out;
+  if (text == "everything") {
+    out.everything = true;
+    return out;
+  }
+  while (true) {
+    const std::string_view item = text.substr(0, text.find(','));
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) return std::nullopt;
+    const auto* const name =
+        std::find(kStageNames.begin(), kStageNames.end(), item.substr(0, equals));
+    const std::string_view value = item.substr(equals + 1);
+    if (name == kStageNames.end() || (value != "on" && value != "off")) return std::nullopt;
+    out.forced[static_cast<std::size_t>(name - kStageNames.begin())] = value == "on";
+    if (item.size() == text.size()) return out;
+    text.remove_prefix(item.size() + 1);
+  }
+}
+
+/// --plan keeps the error budget, whichever comes first.
+void addPlan(CLI::App& app, PlanSettings& plan) {
+  const auto set = [&plan](const std::string& text) {
+    const std::optional<PlanSettings> parsed = parsePlan(text);
+    if (!parsed) {
+      std::string stages;
+      for (const std::string_view name : kStageNames)
+        stages += (stages.empty() ? "" : ", ") + std::string(name);
+      throw CLI::ValidationError("--plan",
+                                 inQuotes(text) +
+                                     " is not auto, everything or STAGE=on|off,... with the "
+                                     "stages " +
+                                     stages);
+    }
+    plan.everything = parsed->everything;
+    plan.forced = parsed->forced;
+  };
+  app.add_option_function<std::string>(
+         "--plan", set,
+         "What a scene does not need is left out (auto), or nothing (everything), or as you say: "
+         "segment, clean, smooth, motion, heights =on|off")
+      ->type_name("auto|everything|STAGE=on|off,...");
+}
+
 void addSourceOptions(CLI::App& app, Settings& settings) {
   app.add_option("--source", settings.source,
                  "What to show: synthetic:bounce|approach|tumble|still, a folder of RGB-D images "
@@ -72,6 +119,13 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
   addChoice(app, "--motion", vision.motion, kMotionModes,
             "Velocity from rigid alignment of colour and depth (rgbd), Lucas-Kanade (x, y), depth "
             "differences (z), or none. auto: rgbd");
+  app.add_flag("--low-latency", vision.low_latency,
+               "One frame of lookahead instead of 80 to 120 ms: noisier accelerations, no impacts");
+  addNumber(
+      app, "--error-budget", vision.plan.error_budget_N, 0.0, 1.0, "N 0..1",
+      "Force that leaving stages out may cost; default: 0.007, a tenth of what a hand can tell "
+      "apart at 1 N");
+  addPlan(app, vision.plan);
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
@@ -96,6 +150,8 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N", "More are turned away with a message; default: 64");
   addVisionOptions(*app, settings.vision);
+  app->add_flag("--explain", settings.explain,
+                "Say what is left out of each object, why, what it saves and costs");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   return app;

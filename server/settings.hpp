@@ -22,6 +22,7 @@ struct Settings {
   Endpoint listen{"0.0.0.0", kDefaultPort};
   std::size_t max_clients = 64;
   VisionSettings vision;
+  bool explain = false;
   bool quiet = false;
 };
 

@@ -138,6 +138,18 @@ void Receiver::fill(FramePool::Slot& slot, const HapticFrame& frame) {
   }
 }
 
+namespace {
+
+// Nothing is known of its motion: what is left is a shape that stands where it was.
+void forgetMotion(PlayObject& object) {
+  object.motion.velocity_mm_s.setZero();
+  object.motion.acceleration_mm_s2.setZero();
+  object.motion.angular_velocity_rad_s = 0.0;
+  object.impact_count = 0;
+}
+
+}  // namespace
+
 void Receiver::fillObject(FramePool::Slot& slot, std::size_t index, const HapticObject& object,
                           std::uint64_t frame_id) {
   ReliefCache::Found found = reliefs_.resolve(object, frame_id);
@@ -157,6 +169,10 @@ void Receiver::fillObject(FramePool::Slot& slot, std::size_t index, const Haptic
   slot.fields[index] = std::move(found.field);
   play.field = slot.fields[index].get();
   slot.grids[index].reset();
+  if (object.motion.quality <= 0.0) {
+    forgetMotion(play);
+    return;
+  }
   if (play.field == nullptr || !object.grid) return;
   const PixelRect& rect = play.field->rect();
   const auto cells = [](int px) { return (px + kGridCell_px - 1) / kGridCell_px; };

@@ -9,6 +9,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kHighQuantile = 0.99;
+constexpr double kUsualStiffness_N_mm = 0.5;
+constexpr double kStep_mm = 3.0;  // nominal: the least that is felt as a gap
 
 bool equalReliefs(const Relief& a, const Relief& b) {
   return a.rect == b.rect && a.mask == b.mask && a.height_mm == b.height_mm;
@@ -124,6 +126,34 @@ double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2) {
   return *high;
 }
 
+namespace {
+
+std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const NominalFrame& nominal,
+                                       const VisionSettings& settings) {
+  ScenePlan& plan = *object.plan;
+  const auto make = [&](bool smooth) {
+    return makeRelief(object.surface, nominal.range, nominal.workspace, settings.method, smooth);
+  };
+  if (settings.method == Method::kThesis) return make(true);
+  const bool smooth = plan.on(Stage::kSmooth);
+  if (!smooth && !plan.measureNow()) return make(false);
+  std::shared_ptr<const Relief> smoothed;
+  {
+    const Lap lap(settings.clock, plan, Stage::kSmooth);
+    smoothed = make(true);
+  }
+  plan.relief(2 * smoothed->height_mm.size());
+  if (plan.measureNow()) {
+    const double stiffness = settings.material.stiffness_N_mm;
+    plan.costs(Stage::kSmooth,
+               forceDifference_N(*smoothed, *make(false), nominal.workspace.mmPerPixel().x(),
+                                 stiffness > 0 ? stiffness : kUsualStiffness_N_mm));
+  }
+  return smoothed;
+}
+
+}  // namespace
+
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
                             const VisionSettings& settings) {
@@ -132,13 +162,53 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
   out.material = settings.material;
   out.motion.quality = object.quality;
   out.motion.visible_fraction = object.visible_fraction;
-  if (object.seen || last == nullptr) {
-    out.relief = makeRelief(object.surface, nominal.range, nominal.workspace, settings.method);
+  const bool send = object.plan->on(Stage::kHeights);
+  const bool unchanged = last != nullptr && (!object.seen || object.atRest());
+  if (!unchanged || (send && object.seen)) {
+    out.relief = reliefOf(object, nominal, settings);
     out.changed_in_frame = frame_id;
   }
-  if (last != nullptr && (!object.seen || equalReliefs(*out.relief, *last->relief))) {
+  if (send && object.atRest() && object.seen) return out;
+  if (last != nullptr && (unchanged || equalReliefs(*out.relief, *last->relief))) {
     out.relief = last->relief;
     out.changed_in_frame = last->changed_in_frame;
+  }
+  return out;
+}
+
+std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint64_t frame_id,
+                                         const std::vector<HapticObject>& last,
+                                         const DepthNoise& noise, const NominalFrame& nominal,
+                                         const VisionSettings& settings, LayerCutter& cutter) {
+  std::vector<const HapticObject*> before(kMaxLayers, nullptr);
+  for (const HapticObject& other : last) {
+    if (other.id == object.id && other.layer < before.size()) before[other.layer] = &other;
+  }
+  std::vector<HapticObject> out;
+  const auto add = [&](const TrackedObject& part, std::uint32_t layer) {
+    out.push_back(describeObject(part, frame_id, before[layer], nominal, settings));
+    out.back().layer = layer;
+  };
+  const bool known = std::any_of(before.begin(), before.end(), [](const auto* o) { return o; });
+  const bool kept = object.atRest() && !object.plan->on(Stage::kHeights);
+  if (known && (!object.seen || kept)) {
+    for (std::uint32_t layer = 0; layer < before.size(); ++layer) {
+      if (before[layer] != nullptr) add(object, layer);
+    }
+    return out;
+  }
+  if (settings.method == Method::kThesis) {
+    add(object, 0);
+    return out;
+  }
+  const double step_mm =
+      std::max(noise.step_mm(object.pose.depth_mm), kStep_mm / std::abs(nominal.mmPerStep().z()));
+  std::uint32_t layer = 0;
+  TrackedObject part = object;
+  for (Surface& surface : cutter.cut(object.surface, step_mm)) {
+    part.surface = std::move(surface);
+    if (!part.surface.box.empty()) add(part, layer);
+    ++layer;
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/vision/impact.hpp"
+#include "server/vision/layers.hpp"
 #include "server/vision/motion_window.hpp"
 #include "server/vision/tracker.hpp"
 
@@ -76,5 +77,12 @@ double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
                             const VisionSettings& settings);
+
+/// The same cut into layers where its depth steps; not in the thesis's method. `last`: all objects
+/// of the frame before. What is entirely at rest or lost is taken from there.
+std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint64_t frame_id,
+                                         const std::vector<HapticObject>& last,
+                                         const DepthNoise& noise, const NominalFrame& nominal,
+                                         const VisionSettings& settings, LayerCutter& cutter);
 
 }  // namespace hapticast::server

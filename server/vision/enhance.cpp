@@ -13,6 +13,7 @@ constexpr int kRim_px = 5;
 constexpr int kSweeps = 60;
 constexpr double kSmooth_mm = 0.65;
 constexpr double kThesisSigma_px = 2.0;
+constexpr double kMixed = 0.1;  // of the pixels at an edge
 
 cv::Mat pushPull(const cv::Mat& weighted, const cv::Mat& weight) {
   cv::Mat mean;
@@ -66,12 +67,30 @@ bool lonely(const cv::Mat& depth, const cv::Mat& known, int u, int v, double sig
   return true;
 }
 
-bool background(double z, double object, double behind, double sigma) {
+// The depths around a pixel of the rim: the object's core and what is behind it, carried on to it.
+struct Sides {
+  cv::Mat object;  // CV_32FC1 at half size; both empty where one of them is not known
+  cv::Mat behind;
+  bool sharp = false;  // clean depth that jumps from one to the other
+
+  [[nodiscard]] double objectAt(int u, int v) const {
+    return double(object.at<float>(v / 2, u / 2));
+  }
+  [[nodiscard]] double behindAt(int u, int v) const {
+    return double(behind.at<float>(v / 2, u / 2));
+  }
+};
+
+bool background(double z, double object, double behind, double sigma, bool sharp) {
   const double gap = behind - object;
   if (std::abs(gap) <= 15 + 6 * sigma) return false;  // contact: nothing to tell them apart by
   const double off = z - object;
+  const double near_behind = std::abs(z - behind);
+  // A steep rim, as of a ball, goes far off the core; where no pixel is mixed it is all the
+  // object's.
+  if (sharp) return near_behind < std::min(std::abs(off), 3 + 4 * sigma);
   const bool same_side = off * gap > 0;
-  if (same_side) return std::abs(z - behind) < std::abs(off) && std::abs(off) > 12 + 4 * sigma;
+  if (same_side) return near_behind < std::abs(off) && std::abs(off) > 12 + 4 * sigma;
   return std::abs(off) > 60 + 6 * sigma;
 }
 
@@ -86,15 +105,42 @@ cv::Mat filledAtHalfSize(const cv::Mat& values, const cv::Mat& known) {
   return pushPull(weighted, weight);
 }
 
+// Whether hardly a pixel just outside the mask lies between object and background.
+bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides, double sigma) {
+  const cv::Mat ring = dilatedBy(mask, 3) & (mask == 0) & (depth > 0);
+  const double tolerance = 12 + 4 * sigma;
+  int between = 0;
+  int all = 0;
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      if (ring.at<uchar>(v, u) == 0) continue;
+      const auto z = double(depth.at<float>(v, u));
+      between += std::abs(z - sides.behindAt(u, v)) > tolerance &&
+                         std::abs(z - sides.objectAt(u, v)) > tolerance
+                     ? 1
+                     : 0;
+      ++all;
+    }
+  }
+  return between < kMixed * all;
+}
+
+Sides sidesOf(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
+              const DepthNoise& noise) {
+  const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
+  if (cv::countNonZero(core_known) < 20 || cv::countNonZero(around) < 20) return {};
+  Sides out{filledAtHalfSize(depth, core_known), filledAtHalfSize(depth, around)};
+  const double depth_mm = cv::mean(depth, core_known)[0];
+  const double sigma = noise.at(depth_mm);
+  out.sharp = noise.clean(depth_mm) && sharpEdges(depth, mask, out, sigma);
+  return out;
+}
+
 // Of the pixels `known` (measured, inside `mask`): those that are the object's.
 cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
               const DepthNoise& noise) {
   const cv::Mat core = erodedBy(mask, kRim_px);
-  const cv::Mat core_known = core & known;
-  const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
-  const bool two_sides = cv::countNonZero(core_known) >= 20 && cv::countNonZero(around) >= 20;
-  const cv::Mat object = two_sides ? filledAtHalfSize(depth, core_known) : cv::Mat();
-  const cv::Mat behind = two_sides ? filledAtHalfSize(depth, around) : cv::Mat();
+  const Sides sides = sidesOf(depth, mask, core & known, noise);
   cv::Mat keep = known.clone();
   for (int v = 0; v < depth.rows; ++v) {
     const auto* is_known = known.ptr<unsigned char>(v);
@@ -104,14 +150,24 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
       const auto z = double(depth.at<float>(v, u));
       const double sigma = noise.at(z);
       const bool rim = is_core[u] == 0;
-      const bool drop = (rim && two_sides &&
-                         background(z, double(object.at<float>(v / 2, u / 2)),
-                                    double(behind.at<float>(v / 2, u / 2)), sigma)) ||
-                        lonely(depth, known, u, v, sigma, rim ? 2 : 3);
+      const bool drop =
+          (rim && !sides.object.empty() &&
+           background(z, sides.objectAt(u, v), sides.behindAt(u, v), sigma, sides.sharp)) ||
+          (!(rim && sides.sharp) && lonely(depth, known, u, v, sigma, rim ? 2 : 3));
       if (drop) keep.at<unsigned char>(v, u) = 0;
     }
   }
   return keep;
+}
+
+// Where the measured depth is only rounded the truth is within half a step of it. What a fit makes
+// of a rim that bends more than a quadratic is not.
+void keepWithin(cv::Mat& height, const cv::Mat& measured_height, const cv::Mat& measured,
+                double half_mm) {
+  cv::Mat kept;
+  cv::max(height, measured_height - half_mm, kept);
+  cv::min(kept, measured_height + half_mm, kept);
+  kept.copyTo(height, measured);
 }
 
 }  // namespace
@@ -127,24 +183,32 @@ cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wante
   return out;
 }
 
+Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise) {
+  const cv::Rect box = boxAround(mask, 0);
+  const cv::Mat known = mask(box) & (depth(box) > 0);
+  const bool rounded = noise.eight_bit && noise.clean(cv::mean(depth(box), known)[0]);
+  return {box, mask(box).clone(), depth(box).clone(), known, rounded ? noise.quantum_mm : 0.0};
+}
+
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
                      Method method) {
-  const cv::Rect tight = boxAround(mask, 0);
+  Surface out = rawSurface(depth, mask, noise);
+  if (method == Method::kThesis) {
+    out.quantum_mm = 0.0;
+    return out;
+  }
   const cv::Rect wide = boxAround(mask, 3 * kRim_px);
-  const cv::Rect inner(tight.tl() - wide.tl(), tight.size());
+  const cv::Rect inner(out.box.tl() - wide.tl(), out.box.size());
   const cv::Mat object = mask(wide);
   const cv::Mat near_depth = depth(wide);
-  const cv::Mat known = object & (near_depth > 0);
-  if (method == Method::kThesis) {
-    return {tight, object(inner).clone(), near_depth(inner).clone(), known(inner).clone()};
-  }
-  const cv::Mat measured = gated(near_depth, object, known, noise);
-  const cv::Mat whole = filled(near_depth, measured, object);
-  return {tight, object(inner).clone(), whole(inner).clone(), measured(inner).clone()};
+  const cv::Mat measured = gated(near_depth, object, object & (near_depth > 0), noise);
+  out.depth = filled(near_depth, measured, object)(inner).clone();
+  out.measured = measured(inner).clone();
+  return out;
 }
 
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
-                                         const Workspace& workspace, Method method) {
+                                         const Workspace& workspace, Method method, bool smooth) {
   const double gain = workspace.depth_mm / (range.far_mm - range.near_mm);
   cv::Mat height;
   surface.depth.convertTo(height, CV_32F, -gain, gain * range.far_mm);
@@ -160,7 +224,10 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
   } else {
     height.setTo(0, surface.depth <= 0);
     const double sigma_px = std::clamp(kSmooth_mm / workspace.mmPerPixel().maxCoeff(), 0.8, 8.0);
-    height = quadraticFit(height, surface.mask, sigma_px);
+    const cv::Mat measured_height = height;
+    if (smooth) height = quadraticFit(height, surface.mask, sigma_px);
+    if (smooth && surface.quantum_mm > 0)
+      keepWithin(height, measured_height, surface.measured, 0.5 * gain * surface.quantum_mm);
   }
   auto relief = std::make_shared<Relief>();
   relief->rect = {surface.box.x, surface.box.y, surface.box.width, surface.box.height};

@@ -19,7 +19,8 @@ struct Surface {
   cv::Mat mask;   ///< CV_8UC1, 0 / 255
   cv::Mat depth;  ///< CV_32FC1, working depth; inside the mask every pixel has one, unless nothing
                   ///< was measured
-  cv::Mat measured;  ///< CV_8UC1, 255 where `depth` is the sensor's own
+  cv::Mat measured;         ///< CV_8UC1, 255 where `depth` is the sensor's own
+  double quantum_mm = 0.0;  ///< > 0: rounded to this step and otherwise clean (8-bit depth)
 };
 
 /// Drops what belongs to the background (two-sided gate at the 5 px rim, lonely pixels) and fills
@@ -28,11 +29,16 @@ struct Surface {
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
                      Method method);
 
+/// The depth as it was measured, nothing dropped or filled: enough where it is clean.
+Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise);
+
 /// Heights 0..depth_mm: (far - z) / (far - near) x depth_mm, smoothed inside the mask by a local
-/// quadratic fit with Gaussian weights (sigma 0.65 mm); the thesis: Gauss sigma 2 px over zero
-/// outside the mask.
+/// quadratic fit with Gaussian weights (sigma 0.65 mm), which takes the terraces of 8-bit depth
+/// away, too, and stays within half a step of what was measured; the thesis: Gauss sigma 2 px over
+/// zero outside the mask.
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
-                                         const Workspace& workspace, Method method);
+                                         const Workspace& workspace, Method method,
+                                         bool smooth = true);
 
 /// Values of `values` (CV_32FC1) where `known` (0 / 255), in the rest of `wanted` filled smoothly
 /// from them: push-pull, then membrane sweeps. Nothing known or nothing to fill: as they are.

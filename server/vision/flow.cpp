@@ -151,4 +151,28 @@ cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rec
   return out;
 }
 
+cv::Mat carryMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
+  cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
+  const cv::Rect from = boxAround(mask, 1);
+  if (from.empty()) return out;
+  std::vector<cv::Point2d> corners;
+  for (const cv::Point& at :
+       {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
+    const cv::Vec2d to = similarity * cv::Vec3d(at.x, at.y, 1.0);
+    corners.emplace_back(to[0], to[1]);
+  }
+  const auto [left, right] = std::minmax_element(
+      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  const auto [top, bottom] = std::minmax_element(
+      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
+  const cv::Rect whole({0, 0}, mask.size());
+  const cv::Rect to = cv::Rect(cv::Point(cvFloor(left->x) - 1, cvFloor(top->y) - 1),
+                               cv::Point(cvCeil(right->x) + 2, cvCeil(bottom->y) + 2)) &
+                      whole;
+  if (to.empty()) return out;
+  const cv::Mat moved = carryImage(mask(from), from, to, similarity, cv::INTER_LINEAR) > 127;
+  moved.copyTo(out(to));
+  return out;
+}
+
 }  // namespace hapticast::server

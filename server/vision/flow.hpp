@@ -46,4 +46,7 @@ void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
 cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
                    const cv::Matx23d& similarity, int interpolation);
 
+/// `mask` (0 / 255, size of the picture) carried likewise, rounded to whole pixels.
+cv::Mat carryMask(const cv::Mat& mask, const cv::Matx23d& similarity);
+
 }  // namespace hapticast::server

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kRemembered = 50;  // frames that tell what is usual
 constexpr double kAboveUsual = 6.0;
-constexpr double kSmallest_mm_s = 75.0;  // a hand-held camera jerks by up to 65
-constexpr double kBend = 0.3;            // change of acceleration over a frame, of the jump
+constexpr double kSmallest_mm_s = 60.0;
+constexpr double kBend = 0.3;    // change of acceleration over a frame, of the jump
 constexpr double kMiss = 0.2;    // what the parabolas miss each other by, of the jump over a frame
 constexpr double kBeside = 0.1;  // frames an impact may lie outside its interval, by noise
 constexpr double kLate = 0.85;   // from here on the next interval may know better

@@ -13,7 +13,12 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kPull = 0.05;
-constexpr double kStill_px = 0.03;  // below: at rest, not noise to be followed
+// The strongest pull in a frame, px and share of the motion: an outline that changes is no motion,
+// but a centre that is off its true place has an error that grows with the motion.
+constexpr double kStrongestPull_px = 0.1;
+constexpr double kStrongestShare = 0.05;
+constexpr double kSpherePull = 0.03;  // its centre is known well
+constexpr double kStill_px = 0.03;    // below: at rest, not noise to be followed
 constexpr double kStill_rad = 0.0015;
 constexpr double kStill_mm = 0.05;
 constexpr double kTrimFloor_mm = 3.0;   // at least an 8-bit level: MAD is 0 on whole numbers
@@ -117,7 +122,12 @@ void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
     shift.setZero();
   } else if (trusted) {
     const BodyCentre centre = centreOf(seen.surface, settings_.camera);
-    if (centre.position_mm.z() > 0) shift += kPull * (centre.position_mm - before - shift);
+    if (centre.position_mm.z() > 0) {
+      const Vec3 pull =
+          (centre.sphere ? kSpherePull : kPull) * (centre.position_mm - before - shift);
+      const double most = kStrongestPull_px * per_px_mm + kStrongestShare * shift.norm();
+      shift += pull * std::min(1.0, most / std::max(1e-9, pull.norm()));
+    }
     pose_.point = centre.sphere ? ReferencePoint::kCentreOfMass : ReferencePoint::kVisibleCentroid;
   }
   setPosition(before + shift);
@@ -191,8 +201,9 @@ void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool
 
 Pose PoseTracker::advance(const Observation& seen) {
   pose_.depth_seen = pose_.seen = pose_.sure = true;
-  if (settings_.mode == MotionMode::kNone || seen.identical) {
-    last_step_ = {};
+  // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
+  if (settings_.mode == MotionMode::kNone || seen.identical || seen.at_rest) {
+    step_ = last_step_ = {};
     return pose_;
   }
   const Shape now = shapeOf(seen.surface);

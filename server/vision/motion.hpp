@@ -35,6 +35,7 @@ struct Observation {
   const Surface& surface;
   bool identical = false;         ///< the frame equals the last one
   bool repeated = false;          ///< its depth is the last frame's, its colour is not
+  bool at_rest = false;           ///< all of the surface is held: the pose stays exactly as it is
   double visible_fraction = 1.0;  ///< of the whole object, 0..1
 };
 

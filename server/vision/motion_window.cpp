@@ -76,7 +76,7 @@ struct WindowFit {
 // What a window of this many samples bears.
 int orderFor(std::size_t count, bool centred) {
   if (count >= 7 && centred) return 4;
-  if (count >= 4) return 2;
+  if (count >= 4 || (count == 3 && centred)) return 2;
   return count >= 2 ? 1 : 0;
 }
 

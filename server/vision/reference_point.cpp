@@ -44,13 +44,16 @@ std::vector<Vector3d> innerPoints(const Surface& surface, const CameraModel& cam
                                   double radius_px) {
   const int margin = std::clamp(static_cast<int>(0.12 * radius_px), 1, 12);
   const cv::Mat inner = erodedBy(surface.mask, margin) & (surface.depth > 0);
+  cv::Mat smooth;  // a sensor's noise is no sign of another shape
+  const int window = 2 * (2 * margin / 3) + 1;
+  cv::blur(surface.depth, smooth, {window, window});
   const double count = cv::countNonZero(inner);
   const int step = std::max(1, static_cast<int>(std::sqrt(count / kPoints)));
   std::vector<Vector3d> out;
   for (int v = 0; v < inner.rows; v += step) {
     for (int u = 0; u < inner.cols; u += step) {
       if (inner.at<uchar>(v, u) == 0) continue;
-      const auto z = static_cast<double>(surface.depth.at<float>(v, u));
+      const auto z = static_cast<double>(smooth.at<float>(v, u));
       out.emplace_back((surface.box.x + u + 0.5 - camera.cx_px) / camera.fx_px * z,
                        (surface.box.y + v + 0.5 - camera.cy_px) / camera.fy_px * z, z);
     }

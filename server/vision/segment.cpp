@@ -20,7 +20,7 @@ class SourceSegmenter final : public Segmenter {
   std::vector<Segment> next(const View& view, const Flows& /*flows*/) override {
     if (view.mask.empty())
       throw SourceError("--segment source: the source brings no mask; use --segment auto");
-    if (!points_.empty()) choose(view.mask);
+    if (!points_.empty()) choose(view);
     std::array<int, 256> area{};
     for (int v = 0; v < view.mask.rows; ++v) {
       const auto* row = view.mask.ptr<unsigned char>(v);
@@ -39,12 +39,16 @@ class SourceSegmenter final : public Segmenter {
     return segments;
   }
 
+  void sceneCut() override { ids_.clear(); }
+
  private:
-  void choose(const cv::Mat& mask) {
+  void choose(const View& view) {
     for (const Vec2& point : points_) {
       const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
-      const auto value = mask.at<unsigned char>(at);
+      const auto value = view.mask.at<unsigned char>(at);
       if (value == 0) throwNothingAt(point, "the source's mask has no object there");
+      if (cv::countNonZero((view.mask == double(value)) & (view.depth > 0)) == 0)
+        throwNothingAt(point, "no depth was measured on that object");
       chosen_.insert(value);
     }
     points_.clear();

@@ -27,6 +27,8 @@ class Segmenter {
   /// The objects present in this frame; one that is lost is not in the list. `flows`: how the
   /// objects of the last frame moved. Throws SourceError where an object point names nothing.
   virtual std::vector<Segment> next(const View& view, const Flows& flows) = 0;
+  /// The next frame shows another scene: all objects are lost.
+  virtual void sceneCut() = 0;
 };
 
 /// Below this many pixels an object is lost.

@@ -69,6 +69,12 @@ class BandSegmenter final : public Segmenter {
     return out;
   }
 
+  void sceneCut() override {
+    new_scene_ = true;
+    if (points_.empty()) objects_.clear();
+    for (Tracked& object : objects_) loose(object);
+  }
+
  private:
   void decide(const View& view, const Flows& flows) {
     followScene(view);
@@ -100,13 +106,15 @@ class BandSegmenter final : public Segmenter {
     for (Tracked& object : objects_) object.id = next_id_++;
     planes_ = start.planes;
     noise_ = start.noise;
+    new_scene_ = false;
     return true;
   }
 
   void followScene(const View& view) {
-    if (frame_ == 0) noise_ = measureNoise(view.depth);
-    if (frame_ > 0 && refitPlanes(view.depth, planes_)) return;
-    if (frame_ > 0 && frame_ - planes_frame_ < 5) return;
+    if (new_scene_) noise_ = measureNoise(view.depth);
+    if (!new_scene_ && refitPlanes(view.depth, planes_)) return;
+    if (!new_scene_ && frame_ - planes_frame_ < 5) return;
+    new_scene_ = false;
     planes_ = findPlanes(view.depth, noise_);
     for (const Tracked& object : objects_) removePlanesOf(object, view);
     planes_frame_ = frame_;
@@ -293,6 +301,7 @@ class BandSegmenter final : public Segmenter {
   std::vector<Tracked> objects_;
   int frame_ = 0;
   int planes_frame_ = 0;
+  bool new_scene_ = true;
 };
 
 }  // namespace

@@ -52,6 +52,11 @@ class EdgeSegmenter final : public Segmenter {
     return out;
   }
 
+  void sceneCut() override {
+    objects_.clear();
+    started_ = started_ && !points_.empty();
+  }
+
  private:
   cv::Mat regionOf(int label) const {
     cv::Mat mask = labels_ == label;

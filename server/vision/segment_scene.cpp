@@ -12,12 +12,17 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kLattice = 160;      // points a row when planes are looked for ...
-constexpr int kLatticeAgain = 80;  // ... and when they are followed
+constexpr int kLattice_px = 4;  // in pictures up to kUsualWidth_px; in larger ones as many points
+constexpr int kUsualWidth_px = 640;
+constexpr int kFollowed = 2;  // times as coarse where planes are only followed
 constexpr int kTriples = 250;
 constexpr double kSmallestPlane = 0.06;
 constexpr double kSmallestGround = 0.02;  // of the picture, for a plane that is surely ground
 constexpr double kGroundSlope = 1.5;      // mm of depth per px
+constexpr double kClean_mm = 0.1;
+// What rounding alone reads as noise on a slope: second differences of one quantum. Finer quanta
+// read the same when a sensor's correlated noise is on them.
+constexpr double kRounding = 0.61;
 constexpr std::size_t kLargestNoiseBins = 400;
 
 struct LatticePoint {
@@ -134,6 +139,10 @@ double DepthNoise::at(double depth_mm) const {
 
 double DepthNoise::step_mm(double depth_mm) const {
   return std::max({5.0, 6 * at(depth_mm), 1.5 * quantum_mm});
+}
+
+bool DepthNoise::clean(double depth_mm) const {
+  return at(depth_mm) <= std::max(kClean_mm, eight_bit ? kRounding * quantum_mm : 0.0);
 }
 
 DepthNoise measureNoise(const cv::Mat& depth) {

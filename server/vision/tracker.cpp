@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 namespace hapticast::server {
@@ -10,6 +11,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kRepeated = 0.98;
+constexpr double kFewestDepth = 0.02;  // of the mask, to make a surface of
+constexpr double kBlindQuality = 0.5;  // at most: followed without depth
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
@@ -26,11 +29,52 @@ CameraModel usualCamera(const SourceInfo& info) {
   return {focal_px, focal_px, 0.5 * info.width_px, 0.5 * info.height_px};
 }
 
+bool hasDepth(const View& view, const cv::Mat& mask) {
+  const cv::Rect box = boxAround(mask, 0);
+  return cv::countNonZero(mask(box) & (view.depth(box) > 0)) >=
+         kFewestDepth * cv::countNonZero(mask(box));
+}
+
 }  // namespace
 
 Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, std::uint32_t& next_id,
                  RememberedStart& remembered)
     : info_(info), settings_(settings), next_id_(next_id), remembered_(remembered) {}
+
+void Tracker::learnNoise(const View& view) {
+  noise_ = measureNoise(view.depth);
+  noise_.eight_bit = info_.depth_kind == DepthKind::kHeight;
+}
+
+void Tracker::forgetScene(const View& view) {
+  learnNoise(view);
+  segmenter_->sceneCut();
+  tracks_.clear();
+  last_segments_.clear();
+  last_ = {};
+}
+
+PlanSettings Tracker::planSettings() const {
+  PlanSettings out = settings_.plan;
+  if (settings_.motion == MotionMode::kNone) out.forced[std::size_t(Stage::kMotion)] = false;
+  return out;
+}
+
+bool Tracker::allRest(const View& view, bool identical) {
+  const auto leavesOut = [](const Track& track) {
+    return !track.now.plan->on(Stage::kMotion) && !track.now.plan->on(Stage::kSegment);
+  };
+  if (identical) return !settings_.plan.everything;
+  if (tracks_.empty() || settings_.method == Method::kThesis) return false;
+  for (Track& track : tracks_) {
+    if (track.lost > 0 || !track.now.atRest() || !leavesOut(track)) return false;
+  }
+  // One that does not stay leaves others counted once more: harmless, they are full of frames.
+  return std::all_of(tracks_.begin(), tracks_.end(), [&](Track& track) {
+    const double depth_mm = cv::mean(track.now.surface.depth, track.now.surface.mask)[0];
+    return track.hold.stays(view.gray, view.depth, noise_.at(depth_mm));
+  });
+}
 
 Flows Tracker::followTracks(const View& view) {
   Flows flows;
@@ -38,11 +82,20 @@ Flows Tracker::followTracks(const View& view) {
   for (Track& track : tracks_) {
     if (track.lost > 0) continue;
     ObjectFlow& flow = flows[track.id];
+    const Lap lap(settings_.clock, *track.now.plan, Stage::kMotion);
     // One tracker serves mask and motion; where it fails, corners tell where the mask went.
     if (!depthRepeats(view, track.mask, flow) && track.motion.find(view, flow)) continue;
     flow = trackObject(last_.gray, view.gray, track.mask, track.last_step);
   }
   return flows;
+}
+
+void Tracker::segment(const View& view, const Flows& flows) {
+  const LocalTime start = settings_.clock != nullptr ? settings_.clock->now() : LocalTime();
+  last_segments_ = segmenter_->next(view, flows);
+  if (settings_.clock == nullptr || tracks_.empty()) return;
+  const Duration each = (settings_.clock->now() - start) / static_cast<int>(tracks_.size());
+  for (Track& track : tracks_) track.now.plan->took(Stage::kSegment, each);
 }
 
 bool Tracker::depthRepeats(const View& view, const cv::Mat& mask, const ObjectFlow& flow) const {
@@ -56,12 +109,32 @@ bool Tracker::depthRepeats(const View& view, const cv::Mat& mask, const ObjectFl
          cv::norm(view.gray(box), last_.gray(box), cv::NORM_L1) > 1.2 * box.area();
 }
 
-Surface Tracker::surfaceOf(const Segment& segment, const View& view, bool repeated,
-                           const Track* track, const ObjectFlow& flow) const {
-  if (!repeated || track == nullptr)
+Surface Tracker::surfaceOf(const Segment& segment, const View& view, ScenePlan& plan) const {
+  if (settings_.method == Method::kThesis)
     return cleanSurface(view.depth, segment.mask, noise_, settings_.method);
-  // The last relief carried by the motion: this depth is one frame old.
-  const Surface& before = track->now.surface;
+  const bool clean = plan.on(Stage::kClean);
+  Surface raw;
+  if (!clean || plan.measureNow()) {
+    raw = rawSurface(view.depth, segment.mask, noise_);
+    // A hole cannot be left as it is.
+    if (!clean && !plan.measureNow() && equalImages(raw.measured, raw.mask)) return raw;
+  }
+  Surface cleaned;
+  {
+    const Lap lap(settings_.clock, plan, Stage::kClean);
+    cleaned = cleanSurface(view.depth, segment.mask, noise_, settings_.method);
+  }
+  if (plan.measureNow()) {
+    const bool same =
+        equalImages(cleaned.measured, raw.measured) && equalImages(raw.measured, raw.mask);
+    plan.costs(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
+  }
+  return cleaned;
+}
+
+// The last relief carried by the motion: this depth is one frame old.
+Surface Tracker::carriedSurface(const Segment& segment, const Surface& before,
+                                const ObjectFlow& flow) {
   Surface out;
   out.box = boxAround(segment.mask, 0);
   out.mask = segment.mask(out.box).clone();
@@ -71,7 +144,18 @@ Surface Tracker::surfaceOf(const Segment& segment, const View& view, bool repeat
   const cv::Mat depth =
       carryImage(before.depth, before.box, out.box, flow.similarity, cv::INTER_NEAREST);
   out.depth = filled(depth, out.measured & (depth > 0), out.mask);
+  out.quantum_mm = before.quantum_mm;
   return out;
+}
+
+void Tracker::hold(Track& track, const View& view, bool repeated) const {
+  track.now.held_share = 0.0;
+  if (settings_.method == Method::kThesis) return;
+  Surface& surface = track.now.surface;
+  const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
+  if (noise_.clean(depth_mm)) return;
+  surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
+  track.now.held_share = track.hold.share();
 }
 
 void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow) {
@@ -88,46 +172,68 @@ void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectF
   track.now.quality = segment.quality * (flow.reliable ? 1.0 : 0.8);
 }
 
+void Tracker::start(const Segment& segment, const View& view, double time_s) {
+  TrackedObject first;
+  first.id = segment.id;
+  first.plan = std::make_shared<ScenePlan>(planSettings(), exact_masks_);
+  first.surface = surfaceOf(segment, view, *first.plan);
+  first.quality = segment.quality;
+  const bool moves = settings_.plan.forced[std::size_t(Stage::kMotion)].value_or(true);
+  const MotionMode mode = moves ? settings_.motion : MotionMode::kNone;
+  const bool rigid = settings_.method == Method::kHapticast &&
+                     (mode == MotionMode::kAuto || mode == MotionMode::kRgbd);
+  PoseTracker motion(
+      {mode, rigid, exact_masks_, info_.camera.value_or(usualCamera(info_)), view.gray.size()},
+      view, first.surface);
+  first.pose = motion.pose();
+  first.cells.time_s = time_s;
+  tracks_.push_back({segment.id,
+                     motion,
+                     first,
+                     segment.mask,
+                     double(cv::countNonZero(segment.mask)),
+                     0,
+                     {0, 0},
+                     {}});
+  hold(tracks_.back(), view, false);
+}
+
 void Tracker::update(const Segment& segment, const View& view, const Flows& flows, bool identical,
                      double time_s) {
   const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                   [&](const Track& t) { return t.id == segment.id; });
+  const bool blind = !hasDepth(view, segment.mask);
   if (known == tracks_.end()) {
-    TrackedObject first;
-    first.id = segment.id;
-    first.surface = surfaceOf(segment, view, false, nullptr, {});
-    first.quality = segment.quality;
-    const bool rigid =
-        settings_.method == Method::kHapticast &&
-        (settings_.motion == MotionMode::kAuto || settings_.motion == MotionMode::kRgbd);
-    PoseTracker motion({settings_.motion, rigid, exact_masks_,
-                        info_.camera.value_or(usualCamera(info_)), view.gray.size()},
-                       view, first.surface);
-    first.pose = motion.pose();
-    first.cells.time_s = time_s;
-    tracks_.push_back({segment.id,
-                       motion,
-                       first,
-                       segment.mask,
-                       double(cv::countNonZero(segment.mask)),
-                       0,
-                       {0, 0}});
+    if (!blind) start(segment, view, time_s);  // else there is nothing to touch yet
     return;
   }
   Track& track = *known;
   if (identical) {
     track.now.pose = track.motion.pose();
+    track.now.held_share = 1.0;
+    track.now.plan->rest(true);
     if (!track.now.cells.step.empty()) track.now.cells.step.setTo(0);
     return;
   }
   const auto found = flows.find(segment.id);
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
-  const bool repeated = depthRepeats(view, segment.mask, flow);
+  const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
-  track.now.surface = surfaceOf(segment, view, repeated, &track, flow);
+  const Surface seen =
+      repeated ? carriedSurface(segment, before, flow) : surfaceOf(segment, view, *track.now.plan);
+  track.now.surface = seen;
   updatePresence(track, segment, flow);
-  track.now.pose = track.motion.advance(
-      {flow, view, track.now.surface, false, repeated, track.now.visible_fraction});
+  if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
+  hold(track, view, repeated);
+  track.now.plan->rest(track.now.atRest());
+  const Lap lap(settings_.clock, *track.now.plan, Stage::kMotion);
+  // Motion is measured on what this frame shows, not on what is held of the frames before.
+  track.now.pose = track.motion.advance({.flow = flow,
+                                         .view = view,
+                                         .surface = seen,
+                                         .repeated = repeated,
+                                         .at_rest = track.now.atRest(),
+                                         .visible_fraction = track.now.visible_fraction});
   if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
     track.now.cells =
         cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);
@@ -141,19 +247,23 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
   const View view = makeView(frame, info_);
   if (segmenter_ == nullptr) {
-    noise_ = measureNoise(view.depth);
+    learnNoise(view);
     exact_masks_ = !view.mask.empty() && (settings_.segment == SegmentMode::kAuto ||
                                           settings_.segment == SegmentMode::kSource);
     segmenter_ = makeSegmenter(settings_, !view.mask.empty(), next_id_, &remembered_);
   }
+  scene_cut_ = scene_cuts_.next(view);
+  if (scene_cut_) forgetScene(view);
   const bool identical = equalImages(view.color, last_.color) &&
                          equalImages(view.depth, last_.depth) && equalImages(view.mask, last_.mask);
+  for (Track& track : tracks_) track.now.plan->nextFrame();
+  const bool rest = allRest(view, identical);
   Flows flows;
-  if (!identical) {
+  if (!rest) {
     flows = followTracks(view);
-    last_segments_ = segmenter_->next(view, flows);
+    segment(view, flows);
   }
-  for (const Segment& segment : last_segments_) update(segment, view, flows, identical, time_s);
+  for (const Segment& segment : last_segments_) update(segment, view, flows, rest, time_s);
   std::vector<TrackedObject> out;
   for (Track& track : tracks_) {
     const bool seen = std::any_of(last_segments_.begin(), last_segments_.end(),

@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "server/vision/enhance.hpp"
+#include "server/vision/hold.hpp"
 #include "server/vision/motion.hpp"
 #include "server/vision/motion_grid.hpp"
+#include "server/vision/scene_cut.hpp"
+#include "server/vision/scene_plan.hpp"
 #include "server/vision/segment.hpp"
 
 namespace hapticast::server {
@@ -23,6 +26,12 @@ struct TrackedObject {
   CellFlow cells;  ///< the thesis's method only
   double quality = 1.0;
   double visible_fraction = 1.0;
+  /// What is left out; never null.
+  std::shared_ptr<ScenePlan> plan = std::make_shared<ScenePlan>(PlanSettings{}, false);
+  double held_share = 0.0;  ///< 0..1, the part of the surface that is held; 1: all of it is at rest
+                            ///< and equals the last frame's
+
+  [[nodiscard]] bool atRest() const { return held_share >= 1.0; }
 };
 
 class Tracker {
@@ -37,6 +46,8 @@ class Tracker {
   /// nothing).
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
   [[nodiscard]] const DepthNoise& noise() const { return noise_; }
+  /// Whether the last frame shows another scene than those before: its objects are all new.
+  [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
   static constexpr int kKeepLost = 5;  ///< frames
 
@@ -49,15 +60,26 @@ class Tracker {
     double full_area_px = 0.0;  // of the whole object, at its present size
     int lost = 0;
     cv::Vec2d last_step{0, 0};
+    Hold hold;
   };
 
+  void learnNoise(const View& view);
+  void forgetScene(const View& view);
   [[nodiscard]] Flows followTracks(const View& view);
-  [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, bool repeated,
-                                  const Track* track, const ObjectFlow& flow) const;
+  void segment(const View& view, const Flows& flows);
+  [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, ScenePlan& plan) const;
+  [[nodiscard]] static Surface carriedSurface(const Segment& segment, const Surface& before,
+                                              const ObjectFlow& flow);
+  [[nodiscard]] PlanSettings planSettings() const;
+  /// Whether nothing has changed, of all objects, since the last frame.
+  bool allRest(const View& view, bool identical);
   [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,
                                   const ObjectFlow& flow) const;
+  void start(const Segment& segment, const View& view, double time_s);
   void update(const Segment& segment, const View& view, const Flows& flows, bool identical,
               double time_s);
+  /// Holds what is at rest of the track's new surface; does nothing where there is no noise.
+  void hold(Track& track, const View& view, bool repeated) const;
   static void updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow);
 
   SourceInfo info_;
@@ -67,6 +89,8 @@ class Tracker {
   bool exact_masks_ = false;
   std::unique_ptr<Segmenter> segmenter_;
   DepthNoise noise_;
+  SceneCuts scene_cuts_;
+  bool scene_cut_ = false;
   View last_;
   double last_time_s_ = 0.0;
   std::vector<Segment> last_segments_;

@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "common/wire_limits.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/range.hpp"
 #include "server/vision/tracker.hpp"
@@ -33,12 +34,34 @@ void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const 
   }
 }
 
+// Whether a frame with one more object is still one that a client takes.
+bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
+  const auto pixels = [](const HapticObject& o) {
+    return static_cast<std::size_t>(o.relief->rect.width) *
+           static_cast<std::size_t>(o.relief->rect.height);
+  };
+  std::size_t sum = pixels(object);
+  for (const HapticObject& other : frame.objects) sum += pixels(other);
+  return frame.objects.size() < kMaxObjects && sum <= limits::kReliefPixels;
+}
+
+// Forgets what is kept for objects (by id) that are not there any more.
+template <class Kept>
+void eraseGone(std::map<std::uint32_t, Kept>& kept, const std::vector<HapticObject>& objects) {
+  std::erase_if(kept, [&](const auto& item) {
+    return std::none_of(objects.begin(), objects.end(),
+                        [&](const HapticObject& o) { return o.id == item.first; });
+  });
+}
+
 }  // namespace
 
 class Vision::Impl {
  public:
   Impl(const SourceInfo& info, VisionSettings settings)
-      : info_(info), settings_(std::move(settings)), lookahead_(lookaheadFrames(info.fps)) {
+      : info_(info),
+        settings_(std::move(settings)),
+        lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)) {
     checkPoints(info_, settings_.object_points_px, "--object");
     checkPoints(info_, settings_.not_points_px, "--not");
     description_.name = info_.name;
@@ -84,6 +107,7 @@ class Vision::Impl {
     if (!tracker_ || frame.epoch != source_epoch_) restart(frame.epoch);
     const double time_s = toSeconds(media_time);
     std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
+    if (tracker_->sceneCut()) startEpoch();
     if (!range_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
     VisionResult result;
@@ -92,13 +116,16 @@ class Vision::Impl {
     result.frame.media_time = media_time;
     result.color = frame.color.clone();  // the source may use its buffer again
     for (const TrackedObject& object : objects) {
-      const HapticObject* last = nullptr;
-      for (const HapticObject& before : last_objects_)
-        last = before.id == object.id ? &before : last;
-      result.frame.objects.push_back(describeObject(object, id, last, nominal(), settings_));
+      for (HapticObject& layer : describeLayers(object, id, last_objects_, tracker_->noise(),
+                                                nominal(), settings_, cutters_[object.id])) {
+        if (hasRoomFor(layer, result.frame)) result.frame.objects.push_back(std::move(layer));
+      }
     }
     last_objects_ = result.frame.objects;
+    eraseGone(cutters_, last_objects_);
     history_.add(id, time_s, objects);
+    plans_.clear();
+    for (const TrackedObject& object : objects) plans_[object.id] = object.plan->lines();
     pending_.push_back(std::move(result));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
     return takeReady();
@@ -112,6 +139,7 @@ class Vision::Impl {
   }
 
   [[nodiscard]] const StreamDescription& description() const { return description_; }
+  [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const { return plans_; }
 
  private:
   [[nodiscard]] NominalFrame nominal() const {
@@ -119,14 +147,19 @@ class Vision::Impl {
   }
 
   // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
-  void restart(std::uint32_t source_epoch) {
+  void startEpoch() {
     while (!pending_.empty()) complete();
     history_ = {};
     impacts_.clear();
+    cutters_.clear();
     last_objects_.clear();
+    ++epoch_;
+  }
+
+  void restart(std::uint32_t source_epoch) {
+    startEpoch();
     tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_, start_);
     source_epoch_ = source_epoch;
-    ++epoch_;
   }
 
   void findLiveRange(const std::vector<TrackedObject>& objects) {
@@ -140,7 +173,14 @@ class Vision::Impl {
     VisionResult result = std::move(pending_.front());
     pending_.pop_front();
     const std::uint64_t id = result.frame.id;
+    const HapticObject* nearer = nullptr;  // layer of the same object
     for (HapticObject& object : result.frame.objects) {
+      if (nearer != nullptr && nearer->id == object.id) {
+        object.motion = nearer->motion;
+        object.impacts = nearer->impacts;
+        continue;
+      }
+      nearer = &object;
       Motion motion = history_.motion(object.id, id, lookahead_, nominal());
       motion.quality = object.motion.quality;
       motion.visible_fraction = object.motion.visible_fraction;
@@ -150,10 +190,7 @@ class Vision::Impl {
         object.grid = history_.grid(object.id, id, lookahead_, nominal());
       if (info_.live) boundAcceleration(object);
     }
-    std::erase_if(impacts_, [&](const auto& item) {
-      return std::none_of(result.frame.objects.begin(), result.frame.objects.end(),
-                          [&](const HapticObject& o) { return o.id == item.first; });
-    });
+    eraseGone(impacts_, result.frame.objects);
     const auto reach = static_cast<std::uint64_t>(lookahead_);
     if (id > reach) history_.dropBefore(id - reach);
     ready_.push_back(std::move(result));
@@ -201,8 +238,10 @@ class Vision::Impl {
   std::unique_ptr<Tracker> tracker_;
   MotionHistory history_;
   std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id
+  std::map<std::uint32_t, LayerCutter> cutters_;
   std::deque<double> live_accelerations_mm_s2_;
   std::vector<HapticObject> last_objects_;
+  std::map<std::uint32_t, std::vector<PlanLine>> plans_;
   std::deque<VisionResult> pending_;
   std::deque<VisionResult> ready_;
 };
@@ -218,6 +257,7 @@ std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media
   return impl_->push(frame, media_time);
 }
 std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
+std::map<std::uint32_t, std::vector<PlanLine>> Vision::plan() const { return impl_->plan(); }
 const StreamDescription& Vision::description() const { return impl_->description(); }
 
 }  // namespace hapticast::server

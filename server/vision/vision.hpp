@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include "common/haptic_frame.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/vision/scene_plan.hpp"
 
 namespace hapticast::server {
 
@@ -29,6 +31,9 @@ struct VisionSettings {
   bool stretch = false;
   Material material;              ///< --stiffness, --friction
   std::optional<double> mass_kg;  ///< --mass
+  PlanSettings plan;              ///< --plan, --error-budget
+  bool low_latency = false;       ///< --low-latency: one frame of lookahead, no impacts
+  const Clock* clock = nullptr;   ///< to tell how long stages take; null: nobody asks
 };
 
 /// One frame out of vision, `lookahead` frames after it went in.
@@ -49,11 +54,14 @@ class Vision {
   void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
 
   /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`
-  /// increases by frames. A frame of a new source epoch, or a change of range, starts a new stream
-  /// epoch.
+  /// increases by frames. A frame of a new source epoch, a cut to another scene or a change of
+  /// range starts a new stream epoch.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
   /// What is still inside at the end of the stream, oldest first.
   [[nodiscard]] std::vector<VisionResult> flush();
+
+  /// What is left out of each object of the last frame taken in, by object id.
+  [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
   /// What to announce; complete after scan() (recorded) or the first frame (live).
   [[nodiscard]] const StreamDescription& description() const;

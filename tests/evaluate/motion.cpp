@@ -43,24 +43,24 @@ bool nearImpact(const TestScene& scene, double time_s, double reach_s) {
                      [&](double t) { return std::abs(t - time_s) <= reach_s; });
 }
 
-Errors run(const Case& what, const Variant& variant, double fps, int width_px, int height_px) {
-  TestSource source(what.scene, what.sensor, fps, true, width_px, height_px);
+// `clip`: every frame of `source`, drawn once for all variants.
+Errors run(const Case& what, const Variant& variant, const TestSource& source,
+           const std::vector<server::RgbdFrame>& clip) {
+  const double fps = source.info().fps;
   server::VisionSettings settings;
   settings.motion = variant.motion;
   settings.method = variant.method;
   settings.segment = server::SegmentMode::kSource;
   server::Vision vision(source.info(), settings);
   std::vector<server::VisionResult> results;
-  std::uint64_t index = 0;
   Errors out;
-  while (auto frame = source.read()) {
+  for (const server::RgbdFrame& frame : clip) {
     const double start_us = threadTime_us();
-    auto result = vision.push(*frame, mediaTime(double(index) / fps));
+    auto result = vision.push(frame, mediaTime(double(frame.index) / fps));
     out.time_us += threadTime_us() - start_us;
     if (result) results.push_back(std::move(*result));
-    ++index;
   }
-  out.time_us /= double(index);
+  out.time_us /= double(clip.size());
   const double mm_per_px = source.view().workspace.mmPerPixel().x();
   double v2 = 0, z2 = 0, a2 = 0, truth2 = 0;
   std::vector<Impact> found;
@@ -154,8 +154,11 @@ void evaluateMotion(const Options& options) {
       {"rgbd", MotionMode::kRgbd}, {"lk", MotionMode::kLk}, {"depth", MotionMode::kDepth}};
   for (const double fps : {25.0, 60.0}) {
     for (const Case& what : cases(options.quick)) {
+      TestSource source(what.scene, what.sensor, fps, true);
+      std::vector<server::RgbdFrame> clip;
+      while (auto frame = source.read()) clip.push_back(std::move(*frame));
       for (const Variant& variant : variants) {
-        const Errors e = run(what, variant, fps, 640, 480);
+        const Errors e = run(what, variant, source, clip);
         const bool usual = variant.motion == MotionMode::kRgbd;
         const std::string scene = what.name + (fps == 25.0 ? "@25" : "@60");
         report.add(

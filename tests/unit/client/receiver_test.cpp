@@ -122,6 +122,27 @@ TEST_F(ReceiverTest, HandsFramesToTheLoop) {
   EXPECT_EQ(take(), nullptr);
 }
 
+TEST_F(ReceiverTest, AMotionOfQualityZeroIsNone) {
+  receiver.connected(description, localTime(1));
+  HapticFrame sent = frame(1, relief({10, 20, 40, 30}));
+  sent.objects[0].motion.position_mm = {4, 5, 6};
+  sent.objects[0].motion.velocity_mm_s = {1, 2, 3};
+  sent.objects[0].motion.acceleration_mm_s2 = {1, 2, 3};
+  sent.objects[0].motion.angular_velocity_rad_s = 1.0;
+  sent.objects[0].motion.quality = 0.0;
+  sent.objects[0].impacts = {{mediaTime(9), {0, 1, 0}}};
+  arrive(sent);
+  const PlayFrame* const got = take();
+  ASSERT_NE(got, nullptr);
+  const PlayObject& object = got->objects[0];
+  EXPECT_NE(object.field, nullptr) << "its shape is still there";
+  EXPECT_EQ(object.motion.position_mm, Vec3(4, 5, 6));
+  EXPECT_EQ(object.motion.velocity_mm_s, Vec3::Zero());
+  EXPECT_EQ(object.motion.acceleration_mm_s2, Vec3::Zero());
+  EXPECT_EQ(object.motion.angular_velocity_rad_s, 0.0);
+  EXPECT_EQ(object.impact_count, 0U);
+}
+
 TEST_F(ReceiverTest, UnchangedReliefsShareTheFieldPreparedBefore) {
   receiver.connected(description, localTime(1));
   arrive(frame(1, relief({0, 0, 40, 30})));

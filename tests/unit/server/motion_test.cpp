@@ -102,6 +102,26 @@ TEST(Motion, ARepeatedDepthFrameIsNoObservation) {
   EXPECT_NEAR(fresh.depth_mm, 690, 1e-3);
 }
 
+TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
+  ObjectFlow flow;
+  flow.reliable = true;
+  flow.similarity = {1, 0, 0.4, 0, 1, 0.2};  // noise, or a creep
+  PoseSettings settings = withoutAlignment(MotionMode::kAuto);
+  settings.exact_masks = true;
+  PoseTracker tracker(settings, kNoView, flatSurface(40, 700));
+  const Pose before = tracker.pose();
+  for (int i = 0; i < 5; ++i) {
+    const Pose rest = tracker.advance({flow, kNoView, flatSurface(41, 698), false, false, true});
+    EXPECT_EQ(rest.u_px, before.u_px);
+    EXPECT_EQ(rest.v_px, before.v_px);
+    EXPECT_EQ(rest.depth_mm, before.depth_mm);
+    EXPECT_EQ(rest.angle_rad, before.angle_rad);
+  }
+  const Pose moved = tracker.advance({flow, kNoView, flatSurface(43, 695), false, false, false});
+  EXPECT_NEAR(moved.u_px, before.u_px + 3, 1e-6);
+  EXPECT_NEAR(moved.depth_mm, 695, 1e-3);
+}
+
 TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
   ObjectFlow flow;
   flow.reliable = true;

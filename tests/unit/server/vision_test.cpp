@@ -347,6 +347,7 @@ TEST(Vision, SomethingIsFoundLostAndFoundAgainInTheTurningClip) {
   const ClipRun run = runClip("tum_fr1_rpy", 30, {});
   ASSERT_EQ(run.results.size(), 150U);
   std::set<std::uint32_t> ids;
+  std::set<std::int64_t> jolts;
   int without = 0;
   int fading = 0;
   for (const VisionResult& result : run.results) {
@@ -354,13 +355,16 @@ TEST(Vision, SomethingIsFoundLostAndFoundAgainInTheTurningClip) {
     for (const HapticObject& object : result.frame.objects) {
       ids.insert(object.id);
       fading += object.motion.quality < 0.5 ? 1 : 0;
-      EXPECT_TRUE(object.impacts.empty());
+      for (const Impact& impact : object.impacts)
+        jolts.insert(impact.time.time_since_epoch().count());
     }
   }
   EXPECT_GE(ids.size(), 2U);
   EXPECT_GT(without, 5);
   EXPECT_LT(without, 120);
   EXPECT_GT(fading, 5);
+  // The camera is shaken: near 3 s the picture really jumps by 6 px from one frame to the next.
+  EXPECT_LE(jolts.size(), 2U);
 }
 
 }  // namespace

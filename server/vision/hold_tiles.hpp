@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// What the tiles of a picture show against what is held of them, and which are at rest
+// (segmentation notes, section 4.3). Used by Hold.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace hapticast::server {
+
+/// One object over a box whose corners are corners of tiles (or of the picture): all images are of
+/// the box's size.
+struct HoldImages {
+  cv::Mat gray;      ///< CV_32FC1, mean of 3x3; of the held ones the reference
+  cv::Mat depth;     ///< CV_32FC1, working depth in mm
+  cv::Mat mask;      ///< CV_8UC1, 0 / 255
+  cv::Mat measured;  ///< CV_8UC1, 255 where `depth` is the sensor's own
+};
+
+struct Tile {
+  static constexpr int kSize_px = 16;
+  static constexpr int kFrames = 16;         ///< averaged; from then on nothing changes
+  static constexpr int kColorFrames = 3;     ///< averaged in the reference
+  static constexpr int kMaskFrames = 3;      ///< until the mask is held
+  static constexpr double kNeighbour = 0.6;  ///< weight beside a released tile
+
+  int frames = 0;       ///< held so far, at most kFrames
+  double evidence = 0;  ///< of another depth or outline, over frames in a row
+  double weight = 1.0;  ///< of this frame in what is held
+  bool released = false;
+  bool mask_held = false;
+};
+
+/// The tiles of one object and the noise they are judged by. Thread: vision's.
+class HoldTiles {
+ public:
+  /// Tiles over another box (px, corners on tiles); those of both boxes stay.
+  void moveTo(const cv::Rect& box);
+  /// Looks at a frame: `held`, `last_gray` (the frame before) and `now` over the box. `sigma_mm`:
+  /// depth noise of a pixel. `repeated`: this depth is no new observation. Decides for every tile
+  /// whether it is released, its weight and whether its mask is held, and counts the frame.
+  void look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now, double sigma_mm,
+            bool repeated);
+
+  [[nodiscard]] const Tile& tileAt(int column, int row) const {
+    return tiles_[static_cast<std::size_t>(row * columns_ + column)];
+  }
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int rows() const { return rows_; }
+  /// Pixels of a tile within the box.
+  [[nodiscard]] cv::Rect rectOf(int column, int row) const;
+
+ private:
+  struct Look;
+  [[nodiscard]] double gainOf(const HoldImages& held, const HoldImages& now) const;
+  [[nodiscard]] Look lookAt(int column, int row, const HoldImages& held, const cv::Mat& last_gray,
+                            const HoldImages& now, const cv::Mat& core) const;
+  void learnNoise(const std::vector<Look>& looks, double sigma_mm);
+  [[nodiscard]] bool moved(Tile& tile, const Look& look, bool repeated) const;
+  [[nodiscard]] bool allMoved(const std::vector<Look>& looks, bool repeated);
+  void weigh(const std::vector<Look>& looks, bool repeated);
+
+  cv::Rect box_;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<Tile> tiles_;
+  double color_noise_ = kLargestColorNoise;  // levels, from frame to frame
+  double depth_noise_mm_ = -1.0;             // of a tile's mean; < 0: not known yet
+  double evidence_of_all_ = 0;               // of another depth of the whole object
+
+  // A clip that starts in motion must not take its motion for noise.
+  static constexpr double kLargestColorNoise = 1.2;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// What a scene does not need is left out: per object, decided by measurement at the start and as
+// the scene changes. A stage goes off only where leaving it out costs less force than the error
+// budget. No clock inside: who runs the stages says how long they took. Thread: vision's.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/haptic_frame.hpp"
+#include "common/time.hpp"
+
+namespace hapticast::server {
+
+enum class Stage : std::uint8_t {
+  kSegment,  ///< which pixels are the object's
+  kClean,    ///< background depth rejected at the rim, holes filled
+  kSmooth,   ///< local quadratic fit of the heights
+  kMotion,   ///< alignment with the last frame
+  kHeights,  ///< heights sent (when off: only once a second, and to who joins)
+};
+inline constexpr std::array<std::string_view, 5> kStageNames{"segment", "clean", "smooth", "motion",
+                                                             "heights"};
+inline constexpr std::size_t kStages = kStageNames.size();
+
+struct PlanSettings {
+  bool everything = false;                            ///< nothing is left out
+  std::array<std::optional<bool>, kStages> forced{};  ///< the author's word, by stage
+  /// A tenth of what a hand can tell apart: 7 % (Pang, Tan and Durlach 1991, discrimination of
+  /// force by the fingers) of a touch of 1 N.
+  double error_budget_N = 0.007;
+};
+
+struct PlanLine {
+  Stage stage = Stage::kSegment;
+  bool on = true;
+  std::string why;
+  double saves_ms = 0.0;     ///< per frame, as last measured; 0: unknown, it never ran
+  double saves_bytes = 0.0;  ///< per frame
+  double costs_N = 0.0;      ///< rms force, as last measured
+};
+
+/// The plan of one object.
+class ScenePlan {
+ public:
+  ScenePlan(const PlanSettings& settings, bool source_mask);
+
+  [[nodiscard]] bool on(Stage stage) const;
+  /// Whether the object is at rest: all of it is held.
+  void rest(bool at_rest);
+  /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
+  void costs(Stage stage, double error_N);
+  /// Counts a frame. What is off is measured again every kMeasureEvery frames.
+  void nextFrame();
+  [[nodiscard]] bool measureNow() const;
+  void took(Stage stage, Duration time);
+  void relief(std::size_t bytes) { relief_bytes_ = static_cast<double>(bytes); }
+
+  /// All stages, in order, for --explain.
+  [[nodiscard]] std::vector<PlanLine> lines() const;
+
+  static constexpr int kMeasureEvery = 25;  ///< frames
+
+ private:
+  [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
+  [[nodiscard]] std::string whyOn(Stage stage) const;
+
+  PlanSettings settings_;
+  bool source_mask_;
+  bool at_rest_ = false;
+  int frame_ = 0;
+  double relief_bytes_ = 0.0;
+  std::array<std::optional<double>, kStages> cost_N_{};
+  std::array<double, kStages> time_ms_{};
+};
+
+/// Tells a plan how long a stage took, from here to the end of the scope; does nothing without a
+/// clock.
+class Lap {
+ public:
+  Lap(const Clock* clock, ScenePlan& plan, Stage stage)
+      : clock_(clock),
+        plan_(plan),
+        stage_(stage),
+        start_(clock != nullptr ? clock->now() : LocalTime()) {}
+  ~Lap() {
+    if (clock_ != nullptr) plan_.took(stage_, clock_->now() - start_);
+  }
+  Lap(const Lap&) = delete;
+  Lap& operator=(const Lap&) = delete;
+
+ private:
+  const Clock* clock_;
+  ScenePlan& plan_;
+  Stage stage_;
+  LocalTime start_;
+};
+
+/// Rms difference of the force that two reliefs of one surface give to a finger 1 mm deep, by the
+/// distance to the tangent plane (surface model `normal`), 2 px and more inside their common mask.
+/// Requires the same rectangle.
+double forceDifference_N(const Relief& a, const Relief& b, double mm_per_px, double stiffness_N_mm);
+
+}  // namespace hapticast::server
