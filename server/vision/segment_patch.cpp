@@ -10,7 +10,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;
-constexpr int kLargestFactor = 4;
+constexpr int kUsualWidth_px = 640;  // smaller pictures have no detail to spare
 
 // The box that `from` moves into.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
@@ -24,14 +24,15 @@ cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv:
   return cv::boundingRect(corners) & cv::Rect({0, 0}, picture);
 }
 
-int factorFor(const cv::Rect& object) {
-  for (int factor = 1; factor < kLargestFactor; ++factor) {
+int factorFor(const cv::Rect& object, const cv::Size& picture) {
+  const int largest = std::max(1, picture.width / kUsualWidth_px);
+  for (int factor = 1; factor < largest; ++factor) {
     const int margin = 2 * (kBand_px + kRing_px);
     const double width = double(object.width) / factor + margin;
     const double height = double(object.height) / factor + margin;
     if (width * height <= kLargestPatch_px) return factor;
   }
-  return kLargestFactor;
+  return largest;
 }
 
 // Cut to multiples of the factor, from the side that is not the picture's border.
@@ -82,7 +83,7 @@ Patch patchAround(const View& view, const cv::Mat& mask, const cv::Matx23d& simi
   if (from.empty()) return out;
   const cv::Rect to = movedBox(from, similarity, mask.size());
   if (to.empty()) return out;
-  out.factor = factorFor(to);
+  out.factor = factorFor(to, mask.size());
   out.box = wholePixels(grown(to, out.factor * (kBand_px + kRing_px), mask.size()), out.factor);
   if (out.box.width < 8 * out.factor || out.box.height < 8 * out.factor) return {};
   const cv::Size size(out.box.width / out.factor, out.box.height / out.factor);
