@@ -17,6 +17,7 @@ constexpr int kCell_px = 4;
 constexpr int kLargestHole_px = 400;
 constexpr double kColorWeight = 1.5;
 constexpr double kUnlike = 0.35;  // of two histograms: from here on colour has its whole weight
+constexpr double kLeastColor = 0.6;
 // Colours mixed at the contour look like never seen ones, so background: without this masks are a
 // third of a pixel too small. Only where there is evidence: a doubtful contour must not creep.
 constexpr float kLean = 0.3F;
@@ -140,9 +141,9 @@ void addExpectation(const cv::Mat& distance, const cv::Mat& before, cv::Mat& evi
 // Guided filter (radius 4), which puts the zero line of the evidence on the edges of the picture:
 // its slopes and offsets are smooth and found at half size or less, its guide is whole. 255 where
 // it is above 0, over the patch's box at full size.
-cv::Mat guided(const Patch& patch, const cv::Mat& evidence) {
+cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
   constexpr double kEps = 8e-4;
-  cv::Mat values = evidence + kLean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
+  cv::Mat values = evidence + lean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
   const int factor = std::max(2, patch.factor);
   const cv::Size size((patch.gray.cols + factor - 1) / factor,
                       (patch.gray.rows + factor - 1) / factor);
@@ -227,11 +228,12 @@ ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
       colorTerm(patch.color, colorEvidence(memory.first, memory.now, memory.background));
   // Where object and background look alike, depth has to decide.
   const double unlike = 1.0 - overlapOf(memory.first, memory.background);
-  const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, 0.2, 1.0);
+  const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);
   cv::Mat evidence = color_weight * color + depthTerm(patch, planes, noise);
   cv::blur(evidence, evidence, {3, 3});
   addExpectation(patch.distance, memory.evidence, evidence);
-  result.mask = guided(patch, evidence);
+  const float lean = memory.evidence.empty() ? 0.0F : kLean;  // a start, too, must not creep
+  result.mask = guided(patch, evidence, lean);
   cv::morphologyEx(result.mask, result.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   keepMainPieces(result.mask, patch);
