@@ -85,6 +85,7 @@ class BandSegmenter final : public Segmenter {
         search(object, view);
       }
     }
+    shareOut();
     if (frame_ == 0) startAtPoints(view);
     if (points_.empty()) chooseByItself(view);
     if (frame_ == 0) remember(view);
@@ -189,7 +190,9 @@ class BandSegmenter final : public Segmenter {
   }
 
   void seenWell(Tracked& object, const Patch& patch, const cv::Mat& inside) const {
-    object.area_px = cv::countNonZero(object.whole(patch.box));
+    const double area = cv::countNonZero(object.whole(patch.box));
+    // One that leaves the picture has not become smaller.
+    if (clearOfBorder(object.whole) || area > object.area_px) object.area_px = area;
     if (const auto depth = depthSpan(patch, inside)) object.depth = *depth;
     object.quality = 1.0;
     object.weak = 0;
@@ -222,12 +225,25 @@ class BandSegmenter final : public Segmenter {
       object.whole = wholePicture(seen | atFullSize(patch.hidden, patch), patch, view);
     if (!convincing) {
       object.quality *= 0.7;
-      if (++object.weak > kWeakFrames) loose(object);
+      const bool leaving = !clearOfBorder(object.mask);
+      if (++object.weak > kWeakFrames || leaving) loose(object);
       return;
     }
     seenWell(object, patch, patch.inside);
     if (!flow.reliable) object.quality = 0.7;
     if (expected > kMostlySeen * object.area_px) learn(patch, now.mask, object.memory);
+  }
+
+  // No pixel belongs to two objects: where they touch, the first has it.
+  void shareOut() {
+    for (std::size_t later = 1; later < objects_.size(); ++later) {
+      for (std::size_t first = 0; first < later; ++first) {
+        if (objects_[later].lost > 0 || objects_[first].lost > 0) continue;
+        cv::Mat& mask = objects_[later].mask;
+        mask = mask & ~objects_[first].mask;
+        if (cv::countNonZero(mask) < kSmallestObject_px) loose(objects_[later]);
+      }
+    }
   }
 
   static void loose(Tracked& object) {
