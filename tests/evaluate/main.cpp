@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
-  app.add_flag("--quick", options.quick, "Fewer scenes: minutes instead of a quarter of an hour");
+  app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

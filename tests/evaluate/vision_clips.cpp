@@ -105,9 +105,9 @@ void measureRealClips(const Options& options, Report& report) {
       continue;
     }
     const Result result = follow(object, options);
-    report.add({object.name, "lost", "band", double(result.lost), "frames", result.time_us, true});
-    report.add({object.name, "change of the mask", "band", result.change, "share per frame",
-                result.time_us, true});
+    report.add({object.name, "lost", "band", double(result.lost), "frames", 0.0, true});
+    report.add(
+        {object.name, "change of the mask", "band", result.change, "share per frame", 0.0, true});
     report.say("Real object " + std::string(object.name) + ": " + std::to_string(result.lost) +
                " of " + std::to_string(result.frames) + " frames without it, " +
                std::to_string(result.ids) + " ids; look at vision_real_" + object.name + ".png.");

@@ -18,7 +18,7 @@ using server::Surface;
 
 constexpr double kStiffness_N_mm = 0.5;
 constexpr double kFingerBelow_mm = 2.0;
-constexpr std::size_t kSettled = 16;  // frames: what is held is held by then
+constexpr std::size_t kSettled = 24;  // frames: what is held is held by then
 
 // Every frame's relief over the whole picture; NaN outside the mask.
 struct Reliefs {
