@@ -21,6 +21,11 @@ constexpr int kFinestSide_px = 220;  // objects that are larger are looked at in
 constexpr int kCoarsestSide_px = 24;
 constexpr std::size_t kPoints = 1500;
 constexpr std::size_t kFewestPoints = 40;
+constexpr std::size_t kOutlinePoints = 100;
+constexpr std::size_t kFewestOutline = 8;
+constexpr float kNearEdge_px = 2.0F;
+constexpr float kDeeper_px = 8.0F;
+constexpr double kOnward = 1.2;  // of the step between these two, measured on a ball
 constexpr int kRounds = 8;
 constexpr double kDone_px = 0.002;
 constexpr double kGrayFloor = 1.5;  // grey levels: what agrees as well as that is not told apart
@@ -226,6 +231,9 @@ RigidTemplate::RigidTemplate(const cv::Mat& gray, const Surface& surface, const 
   addLevel(gray, surface, finest);
   addLevel(gray, surface, 2 * finest);
   if (levels_[0].points.size() < kFewestPoints) levels_.clear();
+  if (!levels_.empty() && outline_mm_.size() < kFewestOutline) {
+    for (const Point& point : levels_[0].points) outline_mm_.push_back(point.position_mm);
+  }
   coarse_.factor = std::max(1, (side + kCoarsestSide_px - 1) / kCoarsestSide_px);
   const int f = coarse_.factor;
   coarse_.box_px = {box_.x / f, box_.y / f, box_.width / f, box_.height / f};
@@ -246,6 +254,7 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
     const cv::Mat known = surface.mask(part) & (surface.depth(part) > 0);
     const cv::Mat depth = smoothedDepth(surface.depth(part), known, factor);
     cv::Mat inside = shrunk(known, factor) > 250;
+    if (levels_.empty()) addOutline(inside, depth, factor);
     inside = erodedBy(inside, 2);
     const auto count = static_cast<std::size_t>(cv::countNonZero(inside));
     const int step = std::max(1, static_cast<int>(std::sqrt(double(count) / kPoints) + 0.7));
@@ -254,15 +263,51 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
         if (inside.at<uchar>(v, u) == 0) continue;
         const auto z = static_cast<double>(depth.at<float>(v, u));
         if (z <= 0) continue;
-        const double u_px = box_.x + factor * (u + 0.5);
-        const double v_px = box_.y + factor * (v + 0.5);
-        level.points.push_back({{(u_px - camera_.cx_px) / camera_.fx_px * z,
-                                 (v_px - camera_.cy_px) / camera_.fy_px * z, z},
-                                smooth_gray.at<float>(v, u)});
+        level.points.push_back({positionOf(u, v, z, factor), smooth_gray.at<float>(v, u)});
       }
     }
   }
   levels_.push_back(std::move(level));
+}
+
+Vector3d RigidTemplate::positionOf(int u, int v, double depth_mm, int factor) const {
+  const double u_px = box_.x + factor * (u + 0.5);
+  const double v_px = box_.y + factor * (v + 0.5);
+  return {(u_px - camera_.cx_px) / camera_.fx_px * depth_mm,
+          (v_px - camera_.cy_px) / camera_.fy_px * depth_mm, depth_mm};
+}
+
+// A body curves away towards its outline, where depth cannot be read any more: it goes on as the
+// square root of the distance to the outline, as a ball's does.
+void RigidTemplate::addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(inside, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat distance;
+  cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
+  const cv::Rect whole(1, 1, inside.cols - 2, inside.rows - 2);
+  std::size_t total = 0;
+  for (const auto& contour : contours) total += contour.size();
+  const std::size_t step = std::max<std::size_t>(1, total / kOutlinePoints);
+  for (const auto& contour : contours) {
+    for (std::size_t i = 0; i < contour.size(); i += step) {
+      const cv::Point& edge = contour[i];
+      if (!whole.contains(edge)) continue;
+      const cv::Point2f inward(
+          distance.at<float>(edge.y, edge.x + 1) - distance.at<float>(edge.y, edge.x - 1),
+          distance.at<float>(edge.y + 1, edge.x) - distance.at<float>(edge.y - 1, edge.x));
+      const double length = cv::norm(inward);
+      if (length < 0.1) continue;
+      const auto depthAt = [&](float px) {
+        const cv::Point at(cv::Point2f(edge) + inward * (px / static_cast<float>(length)));
+        return whole.contains(at) ? static_cast<double>(depth.at<float>(at)) : 0.0;
+      };
+      const double near_edge = depthAt(kNearEdge_px);
+      const double deeper = depthAt(kDeeper_px);
+      if (near_edge <= 0 || deeper <= 0) continue;
+      const double at_edge = near_edge + kOnward * (near_edge - deeper);
+      outline_mm_.push_back(positionOf(edge.x, edge.y, at_edge, factor));
+    }
+  }
 }
 
 cv::Rect RigidTemplate::whereWith(const Vector3d& pivot_mm, const RigidStep& step,
@@ -411,13 +456,10 @@ RigidStep RigidTemplate::find(const View& view, const Vector3d& pivot_mm,
     if (other.inliers > best.inliers) best = other;
   }
   best.reliable = best.inliers >= kFound;
-  // The similarity nearest to what the points did.
-  const std::vector<Point>& points = levels_[0].points;
-  const std::size_t step = std::max<std::size_t>(1, points.size() / 64);
+  // The similarity nearest to what the outline did.
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
-  for (std::size_t i = 0; i < points.size(); i += step) {
-    const Vector3d& x = points[i].position_mm;
+  for (const Vector3d& x : outline_mm_) {
     const Vector3d y = best.rotation * (x - pivot_mm) + pivot_mm + best.shift_mm;
     const double u = camera_.fx_px * x.x() / x.z() + camera_.cx_px - 0.5;
     const double v = camera_.fy_px * x.y() / x.z() + camera_.cy_px - 0.5;

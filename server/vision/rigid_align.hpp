@@ -21,7 +21,8 @@ struct RigidStep {
   double inliers = 0.0;  ///< share of the points that agree in colour and depth, 0..1
   bool reliable = false;
   /// last px -> this px (OpenCV's coordinates, pixel centres at whole numbers), as near as a
-  /// similarity comes.
+  /// similarity comes to what the outline does: texture that turns about the body runs away from
+  /// it.
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
 };
 
@@ -53,6 +54,8 @@ class RigidTemplate {
     cv::Mat gray, depth, mask;
   };
   void addLevel(const cv::Mat& gray, const Surface& surface, int factor);
+  void addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor);
+  [[nodiscard]] Eigen::Vector3d positionOf(int u, int v, double depth_mm, int factor) const;
   [[nodiscard]] RigidStep align(const View& view, const Eigen::Vector3d& pivot_mm,
                                 const RigidStep& guess) const;
   [[nodiscard]] RigidStep searched(const View& view, const Eigen::Vector3d& pivot_mm) const;
@@ -61,8 +64,9 @@ class RigidTemplate {
 
   CameraModel camera_;
   cv::Rect box_;
-  DepthRange depth_;           // of the points
-  std::vector<Level> levels_;  // fine, coarse
+  DepthRange depth_;                         // of the points
+  std::vector<Level> levels_;                // fine, coarse
+  std::vector<Eigen::Vector3d> outline_mm_;  // of the surface just inside the mask's edge
   Coarse coarse_;
 };
 

@@ -18,21 +18,24 @@ constexpr int kWeakFrames = 5;   // in a row: then the object is lost
 constexpr int kSearchEvery = 3;  // frames between two searches for a lost object
 constexpr int kForgetAfter =
     15;  // frames lost, until an object chosen by itself is given up for another
+constexpr double kMostlySeen = 0.6;  // of the whole: what is seen less teaches nothing
 
 struct Tracked {
   std::uint32_t id = 0;
   cv::Mat mask;
+  cv::Mat whole;  // mask and what of the object something nearer hides
   ContourMemory memory;
   double quality = 1.0;
   int weak = 0;        // frames in a row that did not convince
   int lost = 0;        // frames since it was lost; 0: present
   double area_px = 0;  // when last seen well
-  double depth_mm = 0;
+  DepthSpan depth;
 };
 
-double meanDepth(const View& view, const cv::Mat& mask) {
-  const cv::Rect box = boxAround(mask, 0);
-  return cv::mean(view.depth(box), mask(box) & (view.depth(box) > 0))[0];
+cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const View& view) {
+  cv::Mat out = cv::Mat::zeros(view.gray.size(), CV_8UC1);
+  mask.copyTo(out(patch.box));
+  return out;
 }
 
 }  // namespace
@@ -82,6 +85,7 @@ class BandSegmenter final : public Segmenter {
         search(object, view);
       }
     }
+    shareOut();
     if (frame_ == 0) startAtPoints(view);
     if (points_.empty()) chooseByItself(view);
     if (frame_ == 0) remember(view);
@@ -159,31 +163,37 @@ class BandSegmenter final : public Segmenter {
     Tracked object;
     object.id = next_id_++;
     object.mask = cutByColor(view, first_mask, planes, point, not_points_);
+    object.whole = object.mask;
     settle(view, object);
-    seenWell(object, view);
     objects_.push_back(object);
   }
 
   // The band step on one frame until the mask comes to rest.
   void settle(const View& view, Tracked& object) {
     for (int round = 0; round < kSettleRounds; ++round) {
-      const ContourRegion region = contourRegion(object.mask);
+      const Patch patch = patchAround(view, object.mask);
+      if (patch.empty()) return;
       object.memory = {};
-      learn(view, object.mask, region, object.memory);
-      const cv::Mat mask =
-          decideContour(view, object.mask, region, noise_, planes_, object.memory).mask;
-      const int changed = cv::countNonZero(mask != object.mask);
-      if (cv::countNonZero(mask) < kSmallestObject_px) break;
-      object.mask = mask;
-      if (changed < 0.004 * cv::countNonZero(mask)) break;
+      learn(patch, object.mask(patch.box), object.memory);
+      const cv::Mat mask = decideContour(patch, noise_, planes_, object.memory).mask;
+      const int changed = cv::countNonZero(mask != object.mask(patch.box));
+      const int area = cv::countNonZero(mask);
+      if (area < kSmallestObject_px) break;
+      object.mask = wholePicture(mask, patch, view);
+      if (changed < 0.004 * area) break;
     }
+    const Patch patch = patchAround(view, object.mask);
     object.memory = {};
-    learn(view, object.mask, contourRegion(object.mask), object.memory);
+    learn(patch, object.mask(patch.box), object.memory);
+    object.whole = object.mask;
+    seenWell(object, patch, patch.inside);
   }
 
-  void seenWell(Tracked& object, const View& view) const {
-    object.area_px = cv::countNonZero(object.mask);
-    if (const double depth = meanDepth(view, object.mask); depth > 0) object.depth_mm = depth;
+  void seenWell(Tracked& object, const Patch& patch, const cv::Mat& inside) const {
+    const double area = cv::countNonZero(object.whole(patch.box));
+    // One that leaves the picture has not become smaller.
+    if (clearOfBorder(object.whole) || area > object.area_px) object.area_px = area;
+    if (const auto depth = depthSpan(patch, inside)) object.depth = *depth;
     object.quality = 1.0;
     object.weak = 0;
   }
@@ -191,31 +201,49 @@ class BandSegmenter final : public Segmenter {
   void follow(Tracked& object, const View& view, const Flows& flows) {
     const auto found = flows.find(object.id);
     const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
-    const cv::Mat carried = carryMask(object.mask, flow.similarity);
-    const ContourRegion region = contourRegion(carried);
-    if (!object.memory.evidence.empty() && !region.box.empty()) {
-      object.memory.evidence = carryImage(object.memory.evidence, object.memory.box, region.box,
-                                          flow.similarity, cv::INTER_LINEAR);
-      object.memory.box = region.box;
+    const Patch patch =
+        patchAround(view, object.whole, flow.similarity, object.depth.nearest_mm(noise_));
+    if (patch.empty()) {
+      loose(object);
+      return;
     }
-    const double expected = cv::countNonZero(carried);
-    const ContourResult now = decideContour(view, carried, region, noise_, planes_, object.memory);
+    carryEvidence(object.memory, patch, flow.similarity);
+    const ContourResult now = decideContour(patch, noise_, planes_, object.memory);
+    const double expected = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
     const double area = cv::countNonZero(now.mask);
     if (area < kSmallestObject_px || expected < kSmallestObject_px) {
       loose(object);
       return;
     }
     const double ratio = area / expected;
-    if (ratio < 0.8 || ratio > 1.25 || now.inside_color < 0.0) {
-      object.mask = carried;
+    const bool convincing = ratio >= 0.8 && ratio <= 1.25 && now.inside_color >= 0.0;
+    const cv::Mat seen = convincing ? now.mask : atFullSize(patch.inside, patch);
+    object.mask = wholePicture(seen, patch, view);
+    object.whole = object.mask;
+    const double hidden = patch.hidden.empty() ? 0.0 : cv::countNonZero(patch.hidden);
+    if (hidden > 0)
+      object.whole = wholePicture(seen | atFullSize(patch.hidden, patch), patch, view);
+    if (!convincing) {
       object.quality *= 0.7;
-      if (++object.weak > kWeakFrames) loose(object);
+      const bool leaving = !clearOfBorder(object.mask);
+      if (++object.weak > kWeakFrames || leaving) loose(object);
       return;
     }
-    object.mask = now.mask;
-    seenWell(object, view);
+    seenWell(object, patch, patch.inside);
     if (!flow.reliable) object.quality = 0.7;
-    learn(view, object.mask, region, object.memory);
+    if (expected > kMostlySeen * object.area_px) learn(patch, now.mask, object.memory);
+  }
+
+  // No pixel belongs to two objects: where they touch, the first has it.
+  void shareOut() {
+    for (std::size_t later = 1; later < objects_.size(); ++later) {
+      for (std::size_t first = 0; first < later; ++first) {
+        if (objects_[later].lost > 0 || objects_[first].lost > 0) continue;
+        cv::Mat& mask = objects_[later].mask;
+        mask = mask & ~objects_[first].mask;
+        if (cv::countNonZero(mask) < kSmallestObject_px) loose(objects_[later]);
+      }
+    }
   }
 
   static void loose(Tracked& object) {
@@ -231,22 +259,24 @@ class BandSegmenter final : public Segmenter {
     Tracked again;
     again.mask = candidate;
     again.memory.first = object.memory.first;
+    Patch patch;
     for (int round = 0; round < kSettleRounds; ++round) {
       again.memory.evidence.release();
-      const ContourRegion region = contourRegion(again.mask);
-      learn(view, again.mask, region, again.memory);
-      const ContourResult now =
-          decideContour(view, again.mask, region, noise_, planes_, again.memory);
-      const int changed = cv::countNonZero(now.mask != again.mask);
-      again.mask = now.mask;
-      const int area = cv::countNonZero(again.mask);
+      patch = patchAround(view, again.mask);
+      if (patch.empty()) return;
+      learn(patch, again.mask(patch.box), again.memory);
+      const ContourResult now = decideContour(patch, noise_, planes_, again.memory);
+      const int changed = cv::countNonZero(now.mask != again.mask(patch.box));
+      const int area = cv::countNonZero(now.mask);
       if (area < kSmallestObject_px || now.inside_color < 0.5) return;
+      again.mask = wholePicture(now.mask, patch, view);
       if (changed < 0.004 * area) break;
     }
     const double ratio = cv::countNonZero(again.mask) / object.area_px;
     if (ratio < 0.3 || ratio > 2.5 || !clearOfBorder(again.mask)) return;
     again.id = next_id_++;
-    seenWell(again, view);
+    again.whole = again.mask;
+    seenWell(again, patch, patch.inside);
     object = again;
   }
 
@@ -257,7 +287,8 @@ class BandSegmenter final : public Segmenter {
     for (int v = 0; v < likely.rows; ++v) {
       for (int u = 0; u < likely.cols; ++u) {
         const auto z = double(view.depth.at<float>(v, u));
-        const bool far_off = z > 0 && (z < 0.6 * object.depth_mm || z > 1.6 * object.depth_mm);
+        const bool far_off =
+            z > 0 && (z < 0.6 * object.depth.middle_mm || z > 1.6 * object.depth.middle_mm);
         likely.at<float>(v, u) =
             far_off ? -2.5F : evidence[ColorHistogram::binOf(view.color.at<cv::Vec3b>(v, u))];
       }

@@ -50,6 +50,12 @@ void ColorHistogram::adapt(const ColorHistogram& other, double share) {
   empty_ = false;
 }
 
+double overlapOf(const ColorHistogram& a, const ColorHistogram& b) {
+  float sum = 0.0F;
+  for (std::size_t i = 0; i < ColorHistogram::kBins; ++i) sum += std::sqrt(a[i] * b[i]);
+  return static_cast<double>(sum);
+}
+
 std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,
                                  const ColorHistogram& background) {
   std::vector<float> evidence(ColorHistogram::kBins);

@@ -39,6 +39,9 @@ class ColorHistogram {
   bool empty_ = true;
 };
 
+/// How alike two histograms are (Bhattacharyya): 0 nothing in common, 1 the same.
+double overlapOf(const ColorHistogram& a, const ColorHistogram& b);
+
 /// Per bin log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), cut to +-2.5. The larger
 /// floor below makes a colour never seen background.
 std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,

@@ -9,14 +9,19 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kRing_px = 20;  // width of the ring of background around the band
 constexpr float kMemory = 0.3F;
 constexpr float kLimit = 3.0F;  // of the evidence
 constexpr double kCoreShare =
     0.8;  // what hangs on at the rim must not teach its colours to the object
 constexpr int kCell_px = 4;
 constexpr int kLargestHole_px = 400;
-constexpr int kDenseLearning_px = 60000;  // larger boxes teach by every second pixel and row
+constexpr double kColorWeight = 1.5;
+constexpr double kUnlike = 0.35;  // of two histograms: from here on colour has its whole weight
+constexpr double kLeastColor = 0.6;
+// Colours mixed at the contour look like never seen ones, so background: without this masks are a
+// third of a pixel too small. Only where there is evidence: a doubtful contour must not creep.
+constexpr float kLean = 0.3F;
+constexpr float kClear = 2.0F;
 
 // Mean depth of the neighbourhood (sigma 7 px) in cells of kCell_px: it is smooth.
 struct Local {
@@ -61,15 +66,15 @@ double depthEvidence(double z, double object, double background, double sigma) {
   return clear * std::clamp(0.5 * squares, -2.0, 2.0);
 }
 
-// D of the notes, for the pixels of the band; added to `evidence`.
-void addDepthTerm(const cv::Mat& depth, const cv::Mat& distance, const cv::Mat& on_planes,
-                  const DepthNoise& noise, cv::Mat& evidence) {
+// D of the notes, for the pixels of the band.
+cv::Mat depthTerm(const Patch& patch, const std::vector<Plane>& planes, const DepthNoise& noise) {
+  const cv::Mat& depth = patch.depth;
   Local object(depth.size());
   Local background(depth.size());
   for (int v = 0; v < depth.rows; ++v) {
     const auto* z = depth.ptr<float>(v);
-    const auto* d = distance.ptr<float>(v);
-    for (int u = 0; u < depth.cols; ++u) {
+    const auto* d = patch.distance.ptr<float>(v);
+    for (int u = v % 2; u < depth.cols; u += 2) {
       if (d[u] > 3) {
         object.add(v, u, z[u]);
       } else if (d[u] < -kBand_px) {
@@ -81,9 +86,11 @@ void addDepthTerm(const cv::Mat& depth, const cv::Mat& distance, const cv::Mat& 
   background.settle();
   const double hole =
       std::clamp(std::log((object.holes() + 0.02) / (background.holes() + 0.02)), -2.0, 2.0);
+  cv::Mat never = bandOnPlanes(patch, planes);
+  if (!patch.nearer.empty()) never |= patch.nearer;
   const auto evidenceOf = [&](int v, int u, double z) {
     if (z <= 0) return hole;
-    if (on_planes.at<unsigned char>(v, u) != 0) return -2.0;
+    if (never.at<unsigned char>(v, u) != 0) return -2.0;
     if (!object.knows(v, u)) return 0.0;
     if (background.knows(v, u))
       return depthEvidence(z, object.at(v, u), background.at(v, u), noise.at(z));
@@ -92,15 +99,17 @@ void addDepthTerm(const cv::Mat& depth, const cv::Mat& distance, const cv::Mat& 
     const double off = std::abs(z - object.at(v, u)) / (12 + 3 * noise.at(z));
     return off < 2.0 ? -hole : -1.0;
   };
+  cv::Mat out = cv::Mat::zeros(depth.size(), CV_32FC1);
   for (int v = 0; v < depth.rows; ++v) {
     const auto* z = depth.ptr<float>(v);
-    const auto* d = distance.ptr<float>(v);
-    auto* to = evidence.ptr<float>(v);
+    const auto* d = patch.distance.ptr<float>(v);
+    auto* to = out.ptr<float>(v);
     for (int u = 0; u < depth.cols; ++u) {
       if (d[u] > -kBand_px && d[u] <= kBand_px)
-        to[u] += static_cast<float>(evidenceOf(v, u, double(z[u])));
+        to[u] = static_cast<float>(evidenceOf(v, u, double(z[u])));
     }
   }
+  return out;
 }
 
 cv::Mat colorTerm(const cv::Mat& color, const std::vector<float>& evidence) {
@@ -110,15 +119,6 @@ cv::Mat colorTerm(const cv::Mat& color, const std::vector<float>& evidence) {
     auto* to = out.ptr<float>(v);
     for (int u = 0; u < color.cols; ++u) to[u] = evidence[ColorHistogram::binOf(in[u])];
   }
-  return out;
-}
-
-// The last decision over another box; 0 where there was none.
-cv::Mat shifted(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to) {
-  if (image.empty() || from == to) return image;
-  cv::Mat out = cv::Mat::zeros(to.size(), image.type());
-  const cv::Rect common = from & to;
-  if (!common.empty()) image(common - from.tl()).copyTo(out(common - to.tl()));
   return out;
 }
 
@@ -138,15 +138,18 @@ void addExpectation(const cv::Mat& distance, const cv::Mat& before, cv::Mat& evi
   }
 }
 
-// Guided filter (radius 4), which puts the zero line of `values` on the edges of `gray`: its slopes
-// and offsets are smooth and found at half size, its guide is whole. 255 where it is above 0.
-cv::Mat guided(const cv::Mat& gray, const cv::Mat& values, const cv::Mat& distance) {
+// Guided filter (radius 4), which puts the zero line of the evidence on the edges of the picture:
+// its slopes and offsets are smooth and found at half size or less, its guide is whole. 255 where
+// it is above 0, over the patch's box at full size.
+cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
   constexpr double kEps = 8e-4;
-  const cv::Size half((gray.cols + 1) / 2, (gray.rows + 1) / 2);
+  cv::Mat values = evidence + lean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
+  const int factor = std::max(2, patch.factor);
+  const cv::Size size((patch.gray.cols + factor - 1) / factor,
+                      (patch.gray.rows + factor - 1) / factor);
   cv::Mat guide;
-  cv::Mat small;
-  cv::resize(gray, guide, half, 0, 0, cv::INTER_AREA);
-  cv::resize(values, small, half, 0, 0, cv::INTER_AREA);
+  cv::resize(patch.gray, guide, size, 0, 0, cv::INTER_AREA);
+  if (factor > patch.factor) cv::resize(values, values, size, 0, 0, cv::INTER_AREA);
   guide.convertTo(guide, CV_32F, 1.0 / 255.0);
   const auto mean = [](const cv::Mat& m) {
     cv::Mat out;
@@ -154,25 +157,27 @@ cv::Mat guided(const cv::Mat& gray, const cv::Mat& values, const cv::Mat& distan
     return out;
   };
   const cv::Mat mean_guide = mean(guide);
-  const cv::Mat mean_values = mean(small);
+  const cv::Mat mean_values = mean(values);
   const cv::Mat variance = mean(guide.mul(guide)) - mean_guide.mul(mean_guide);
-  const cv::Mat covariance = mean(guide.mul(small)) - mean_guide.mul(mean_values);
+  const cv::Mat covariance = mean(guide.mul(values)) - mean_guide.mul(mean_values);
   cv::Mat slope;
   cv::divide(covariance, variance + kEps, slope);
   cv::Mat offset = mean(mean_values - slope.mul(mean_guide));
   slope = mean(slope) * (1.0 / 255.0);
-  cv::resize(slope, slope, gray.size(), 0, 0, cv::INTER_LINEAR);
-  cv::resize(offset, offset, gray.size(), 0, 0, cv::INTER_LINEAR);
-  cv::Mat out(gray.size(), CV_8UC1);
+  cv::resize(slope, slope, patch.gray.size(), 0, 0, cv::INTER_LINEAR);
+  cv::resize(offset, offset, patch.gray.size(), 0, 0, cv::INTER_LINEAR);
+  // Deeper inside and further out nothing is decided.
+  cv::Mat out(patch.gray.size(), CV_8UC1);
   for (int v = 0; v < out.rows; ++v) {
-    const auto* g = gray.ptr<unsigned char>(v);
+    const auto* g = patch.gray.ptr<unsigned char>(v);
     const auto* a = slope.ptr<float>(v);
     const auto* b = offset.ptr<float>(v);
-    const auto* d = distance.ptr<float>(v);
+    const auto* d = patch.distance.ptr<float>(v / patch.factor);
     auto* to = out.ptr<unsigned char>(v);
     for (int u = 0; u < out.cols; ++u) {
+      const float depth = d[u / patch.factor];
       const bool inside = a[u] * static_cast<float>(g[u]) + b[u] > 0;
-      to[u] = d[u] > kBand_px || (inside && d[u] > -kBand_px) ? 255 : 0;
+      to[u] = depth > kBand_px || (inside && depth > -kBand_px) ? 255 : 0;
     }
   }
   return out;
@@ -180,7 +185,7 @@ cv::Mat guided(const cv::Mat& gray, const cv::Mat& values, const cv::Mat& distan
 
 // Keeps the largest piece, and others over a tenth of it that the carried mask supports; fills
 // small holes.
-void keepMainPieces(cv::Mat& mask, const cv::Mat& carried) {
+void keepMainPieces(cv::Mat& mask, const Patch& patch) {
   std::vector<std::vector<cv::Point>> contours;
   std::vector<cv::Vec4i> tree;
   cv::findContours(mask, contours, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
@@ -191,11 +196,13 @@ void keepMainPieces(cv::Mat& mask, const cv::Mat& carried) {
     area[i] = cv::contourArea(contours[i]);
     if (!hole) largest = std::max(largest, area[i]);
   }
+  cv::Mat expected;
   const auto supported = [&](std::size_t i) {
+    if (expected.empty()) expected = atFullSize(patch.inside, patch);
     const cv::Rect box = cv::boundingRect(contours[i]);
     cv::Mat piece = cv::Mat::zeros(box.size(), CV_8UC1);
     cv::drawContours(piece, contours, int(i), 255, cv::FILLED, cv::LINE_8, {}, 0, -box.tl());
-    return cv::countNonZero(piece & carried(box)) > 0.6 * cv::countNonZero(piece);
+    return cv::countNonZero(piece & expected(box)) > 0.6 * cv::countNonZero(piece);
   };
   for (std::size_t i = 0; i < contours.size(); ++i) {
     const bool hole = tree[i][3] >= 0;
@@ -208,59 +215,45 @@ void keepMainPieces(cv::Mat& mask, const cv::Mat& carried) {
 
 }  // namespace
 
-ContourRegion contourRegion(const cv::Mat& mask) {
-  ContourRegion out{boxAround(mask, kBand_px + kRing_px), {}};
-  if (out.box.empty()) return out;
-  // One transform for both sides: the distance to the outermost pixels inside.
-  const cv::Mat inside = mask(out.box);
-  cv::Mat inner;
-  cv::erode(inside, inner, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
-  cv::distanceTransform((inside == 0) | inner, out.distance, cv::DIST_L2, 3);
-  for (int v = 0; v < inside.rows; ++v) {
-    const auto* in = inside.ptr<unsigned char>(v);
-    auto* d = out.distance.ptr<float>(v);
-    for (int u = 0; u < inside.cols; ++u) d[u] = in[u] != 0 ? d[u] + 1.0F : -d[u];
-  }
-  return out;
+void carryEvidence(ContourMemory& memory, const Patch& patch, const cv::Matx23d& similarity) {
+  if (memory.evidence.empty() || patch.empty()) return;
+  memory.evidence = carryPatch(memory.evidence, memory.to_picture, patch, similarity);
+  memory.to_picture = patch.toPicture();
 }
 
-ContourResult decideContour(const View& view, const cv::Mat& carried, const ContourRegion& region,
-                            const DepthNoise& noise, const std::vector<Plane>& planes,
-                            ContourMemory& memory) {
-  ContourResult result{cv::Mat::zeros(carried.size(), CV_8UC1), 0.0};
-  const cv::Rect& box = region.box;
-  if (box.empty()) return result;
+ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
+                            const std::vector<Plane>& planes, ContourMemory& memory) {
+  ContourResult result;
   const cv::Mat color =
-      colorTerm(view.color(box), colorEvidence(memory.first, memory.now, memory.background));
-  cv::Mat evidence = 1.5 * color;
-  addDepthTerm(view.depth(box), region.distance, onPlanes(view.depth, box, planes), noise,
-               evidence);
+      colorTerm(patch.color, colorEvidence(memory.first, memory.now, memory.background));
+  // Where object and background look alike, depth has to decide.
+  const double unlike = 1.0 - overlapOf(memory.first, memory.background);
+  const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);
+  cv::Mat evidence = color_weight * color + depthTerm(patch, planes, noise);
   cv::blur(evidence, evidence, {3, 3});
-  addExpectation(region.distance, shifted(memory.evidence, memory.box, box), evidence);
-  cv::Mat mask = guided(view.gray(box), evidence, region.distance);
-  cv::morphologyEx(mask, mask, cv::MORPH_OPEN,
+  addExpectation(patch.distance, memory.evidence, evidence);
+  const float lean = memory.evidence.empty() ? 0.0F : kLean;  // a start, too, must not creep
+  result.mask = guided(patch, evidence, lean);
+  cv::morphologyEx(result.mask, result.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
-  keepMainPieces(mask, carried(box));
-  mask.copyTo(result.mask(box));
-  result.inside_color = cv::mean(color, mask)[0];
+  keepMainPieces(result.mask, patch);
+  result.inside_color = cv::mean(color, atPatchSize(result.mask, patch))[0];
   memory.evidence = evidence;
-  memory.box = box;
+  memory.to_picture = patch.toPicture();
   return result;
 }
 
-void learn(const View& view, const cv::Mat& mask, const ContourRegion& region,
-           ContourMemory& memory) {
-  const cv::Rect& box = region.box;
+void learn(const Patch& patch, const cv::Mat& mask, ContourMemory& memory) {
+  const cv::Mat inside = atPatchSize(mask, patch);
   ColorHistogram object;
   ColorHistogram core;
   ColorHistogram ring;
-  const int step = box.area() > kDenseLearning_px ? 2 : 1;
-  for (int v = 0; v < box.height; v += step) {
-    const auto* color = view.color.ptr<cv::Vec3b>(v + box.y) + box.x;
-    const auto* inside = mask.ptr<unsigned char>(v + box.y) + box.x;
-    const auto* d = region.distance.ptr<float>(v);
-    for (int u = 0; u < box.width; u += step) {
-      if (inside[u] != 0) {
+  for (int v = 0; v < inside.rows; ++v) {
+    const auto* color = patch.color.ptr<cv::Vec3b>(v);
+    const auto* in = inside.ptr<unsigned char>(v);
+    const auto* d = patch.distance.ptr<float>(v);
+    for (int u = 0; u < inside.cols; ++u) {
+      if (in[u] != 0) {
         object.count(color[u]);
         if (d[u] > kBand_px) core.count(color[u]);
       } else if (d[u] < -kBand_px && d[u] >= -(kBand_px + kRing_px)) {

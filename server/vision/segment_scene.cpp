@@ -12,7 +12,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kLattice_px = 4;
+constexpr int kLattice_px = 4;  // in pictures up to kUsualWidth_px; in larger ones as many points
+constexpr int kUsualWidth_px = 640;
+constexpr int kFollowed = 2;  // times as coarse where planes are only followed
 constexpr int kTriples = 250;
 constexpr double kSmallestPlane = 0.06;
 constexpr double kSmallestGround = 0.02;  // of the picture, for a plane that is surely ground
@@ -27,15 +29,22 @@ struct LatticePoint {
   double u, v, z;
 };
 
-std::vector<LatticePoint> latticeOf(const cv::Mat& depth) {
+struct Lattice {
   std::vector<LatticePoint> points;
-  for (int v = kLattice_px / 2; v < depth.rows; v += kLattice_px) {
+  double whole = 1.0;  // how many there would be if all depth were known
+};
+
+Lattice latticeOf(const cv::Mat& depth, int coarser) {
+  Lattice out;
+  const int step = coarser * kLattice_px * std::max(1, depth.cols / kUsualWidth_px);
+  for (int v = step / 2; v < depth.rows; v += step) {
     const auto* row = depth.ptr<float>(v);
-    for (int u = kLattice_px / 2; u < depth.cols; u += kLattice_px) {
-      if (row[u] > 0.0F) points.push_back({double(u), double(v), double(row[u])});
+    for (int u = step / 2; u < depth.cols; u += step) {
+      if (row[u] > 0.0F) out.points.push_back({double(u), double(v), double(row[u])});
     }
   }
-  return points;
+  out.whole = double(depth.rows) * depth.cols / (step * step);
+  return out;
 }
 
 bool planeThrough(const LatticePoint& p, const LatticePoint& q, const LatticePoint& r,
@@ -88,6 +97,7 @@ int countOn(const std::vector<LatticePoint>& points, const Plane& plane, std::si
 Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise, double near_px,
                 cv::RNG& random) {
   Plane best;
+  int most = 0;
   const int size = static_cast<int>(points.size());
   const std::size_t every = std::max<std::size_t>(1, points.size() / 2500);
   for (int i = 0; i < kTriples; ++i) {
@@ -102,8 +112,10 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
     plane.widest_mm =
         8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;  // correlated noise reads 2-3 x low
     plane.tolerance_mm = plane.widest_mm;
-    plane.inliers = countOn(points, plane, every);
-    if (plane.inliers > best.inliers) best = plane;
+    const int count = countOn(points, plane, every);
+    if (count <= most) continue;
+    most = count;
+    best = plane;
   }
   return best;
 }
@@ -173,16 +185,15 @@ double Plane::behind(double u, double v, double depth_mm) const {
 }
 
 std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
-  std::vector<LatticePoint> points = latticeOf(depth);
-  const double whole = double(depth.rows) * depth.cols / (kLattice_px * kLattice_px);
+  auto [points, whole] = latticeOf(depth, 1);
   cv::RNG random(7);
   std::vector<Plane> planes;
   for (int round = 0; round < 5 && planes.size() < 3; ++round) {
     if (double(points.size()) < kSmallestGround * whole) break;
     Plane plane = bestPlane(points, noise, 0.12 * depth.cols, random);
-    for (int i = 0; i < 5; ++i) plane.inliers = fitOnce(points, i < 2 ? 2.0 : 1.0, plane);
-    if (plane.inliers < kSmallestGround * whole) break;
-    if (plane.inliers >= kSmallestPlane * whole || isGround(points, plane)) planes.push_back(plane);
+    for (int i = 0; i < 5; ++i) plane.share = fitOnce(points, i < 2 ? 2.0 : 1.0, plane) / whole;
+    if (plane.share < kSmallestGround) break;
+    if (plane.share >= kSmallestPlane || isGround(points, plane)) planes.push_back(plane);
     std::erase_if(points, [&](const LatticePoint& p) {
       return std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0;
     });
@@ -192,13 +203,13 @@ std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
 
 bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes) {
   if (planes.empty()) return true;
-  std::vector<LatticePoint> points = latticeOf(depth);
+  auto [points, whole] = latticeOf(depth, kFollowed);
   bool held = true;
   for (Plane& plane : planes) {
-    const int before = plane.inliers;
+    const double before = plane.share;
     fitOnce(points, 2.0, plane);
-    plane.inliers = fitOnce(points, 1.0, plane);
-    held = held && plane.inliers >= before * 6 / 10;
+    plane.share = fitOnce(points, 1.0, plane) / whole;
+    held = held && plane.share >= 0.6 * before;
     std::erase_if(points, [&](const LatticePoint& p) {
       return std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0;
     });

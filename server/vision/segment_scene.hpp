@@ -29,7 +29,7 @@ struct Plane {
   double a = 0.0, b = 0.0, c = 0.0;
   double tolerance_mm = 2.0;  ///< 3 MAD + 2 mm, before the part that grows with slope
   double widest_mm = 2.0;     ///< what the depth's noise allows it to be
-  int inliers = 0;            ///< of the lattice it was fitted on
+  double share = 0.0;         ///< of the picture that lies on it
   bool support = false;       ///< objects stand on it: what lies behind is not theirs either
 
   [[nodiscard]] double inverse(double u, double v) const { return a * u + b * v + c; }

@@ -190,11 +190,10 @@ Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& n
     }
   }
   const double range = medianOf(values);
-  const double fifth = 0.2 * double(depth.total()) / 16.0;
   if (range > 0) {
     for (const Plane& plane : planes) {
       const bool through = std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
-      if (through && plane.inliers > fifth) return {{}, "that is the plane things stand on"};
+      if (through && plane.share > 0.2) return {{}, "that is the plane things stand on"};
     }
     std::erase_if(planes, [&](const Plane& plane) {
       return std::abs(plane.behind(point.x, point.y, range)) <= 1.0;

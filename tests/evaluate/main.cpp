@@ -9,8 +9,8 @@
 
 int main(int argc, char** argv) {
   using namespace hapticast::evaluate;
-  const std::map<std::string, void (*)(const Options&)> topics{{"motion", evaluateMotion},
-                                                               {"plan", evaluatePlan}};
+  const std::map<std::string, void (*)(const Options&)> topics{
+      {"motion", evaluateMotion}, {"plan", evaluatePlan}, {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   std::string topic;
   Options options;
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
-  app.add_flag("--quick", options.quick, "Fewer scenes: minutes instead of a quarter of an hour");
+  app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Velocity, acceleration and impacts of every estimator against exact truth.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/motion_clips.hpp"
 #include "tests/evaluate/test_scene.hpp"
+#include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/topics.hpp"
 
 namespace hapticast::evaluate {
@@ -39,12 +38,6 @@ struct Errors {
   double time_us = 0;
   std::size_t frames = 0, without = 0;
 };
-
-double threadTime_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * double(now.tv_sec) + 1e-3 * double(now.tv_nsec);
-}
 
 bool nearImpact(const TestScene& scene, double time_s, double reach_s) {
   return std::any_of(scene.impacts_s.begin(), scene.impacts_s.end(),

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "server/source/synthetic_source.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/test_scene.hpp"
+#include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/topics.hpp"
 
 namespace hapticast::evaluate {
@@ -17,12 +17,6 @@ namespace hapticast::evaluate {
 namespace {
 
 constexpr double kStiffness_N_mm = 0.5;
-
-double threadTime_us() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * double(now.tv_sec) + 1e-3 * double(now.tv_nsec);
-}
 
 struct Clip {
   std::string name;

@@ -8,15 +8,11 @@
 #include <map>
 #include <stdexcept>
 
+#include "tests/evaluate/report_plot.hpp"
+
 namespace hapticast::evaluate {
 
 namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 std::ofstream opened(const std::filesystem::path& path) {
   std::ofstream file(path);
@@ -48,7 +44,7 @@ void Report::say(const std::string& text) { words_.push_back(text); }
 void Report::write() const {
   writeCsv();
   writeMarkdown();
-  plot();
+  plotRows(topic_, options_.out, rows_);
 }
 
 void Report::writeCsv() const {
@@ -106,67 +102,6 @@ void Report::writeMarkdown() const {
     file << '\n';
   }
   file << "![error against run time](" << topic_ << ".png)\n";
-}
-
-void Report::plot() const {
-  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
-    std::fprintf(stderr, "no gnuplot: %s.png is left out (apt-get install gnuplot-nox)\n",
-                 topic_.c_str());
-    return;
-  }
-  const std::filesystem::path script = options_.out / (topic_ + ".gnuplot");
-  std::vector<std::string> stages;
-  for (const Row& row : rows_) {
-    if (row.time_us > 0 && row.error > 0 &&
-        std::find(stages.begin(), stages.end(), row.stage) == stages.end())
-      stages.push_back(row.stage);
-  }
-  if (stages.empty()) return;
-  {
-    std::ofstream file = opened(script);
-    file << "set terminal pngcairo size 1200," << 520 * stages.size()
-         << " font 'sans,11'\nset output '" << topic_ << ".png'\nset multiplot layout "
-         << stages.size() << ",1\nset logscale xy\nset grid\nset key outside right\n"
-         << "set xlabel 'run time, ms per frame'\n";
-    for (const std::string& stage : stages) {
-      std::map<std::string, std::vector<const Row*>> variants;
-      for (const Row& row : rows_) {
-        if (row.stage == stage && row.time_us > 0 && row.error > 0)
-          variants[row.variant].push_back(&row);
-      }
-      const std::string unit = variants.begin()->second.front()->unit;
-      std::string data;
-      std::string curves;
-      int style = 1;
-      for (const auto& [variant, rows] : variants) {
-        const bool marked = rows.front()->is_default;
-        const bool thesis = rows.front()->is_thesis;
-        std::string name =
-            "$d" + std::to_string(style) + "_" + std::to_string(&stage - stages.data());
-        data += name + " << EOD\n";
-        for (const Row* row : rows)
-          data += number(row->time_us / 1e3) + " " + number(row->error) + "\n";
-        data += "EOD\n";
-        curves += (curves.empty() ? "" : ", ") + name + " with points pt " +
-                  std::to_string(thesis   ? 2
-                                 : marked ? 7
-                                          : 6) +
-                  " ps " + (marked ? "1.8" : "1.3") + " lc " + std::to_string(style) + " title '" +
-                  variant +
-                  (marked   ? " (default)"
-                   : thesis ? " (thesis)"
-                            : "") +
-                  "'";
-        ++style;
-      }
-      file << data << "set title '" << stage << ": each point one scene'\nset ylabel '" << unit
-           << "'\nplot " << curves << "\n";
-    }
-    file << "unset multiplot\n";
-  }
-  const std::string run = "cd '" + options_.out.string() + "' && gnuplot '" + topic_ + ".gnuplot'";
-  if (std::system(run.c_str()) != 0) std::fprintf(stderr, "gnuplot failed on %s\n", script.c_str());
-  std::filesystem::remove(script);
 }
 
 }  // namespace hapticast::evaluate

@@ -41,7 +41,6 @@ class Report {
  private:
   void writeCsv() const;
   void writeMarkdown() const;
-  void plot() const;
 
   std::string topic_;
   Options options_;

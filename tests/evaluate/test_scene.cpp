@@ -195,6 +195,20 @@ TestSource::Picture TestSource::draw(double time_s, bool color) const {
   return out;
 }
 
+void TestSource::sharePictures(TestSource& other) {
+  if (other.shared_ == nullptr)
+    other.shared_ = std::make_shared<std::map<std::uint64_t, Picture>>();
+  shared_ = other.shared_;
+}
+
+TestSource::Picture TestSource::drawFrame(std::uint64_t index) const {
+  const double time_s = static_cast<double>(index) / info_.fps;
+  if (shared_ == nullptr) return draw(time_s, true);
+  const auto known = shared_->find(index);
+  if (known != shared_->end()) return known->second;
+  return shared_->emplace(index, draw(time_s, true)).first->second;
+}
+
 cv::Mat TestSource::maskOf(const Picture& picture) const {
   cv::Mat mask = cv::Mat::zeros(picture.body.size(), CV_8UC1);
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
@@ -207,12 +221,12 @@ std::optional<server::RgbdFrame> TestSource::read() {
   if (next_ >= *info_.frame_count) return std::nullopt;
   const double time_s = static_cast<double>(next_) / info_.fps;
   cv::RNG random(seed_ * 7919 + next_ + 1);
-  const Picture picture = draw(time_s, true);
+  const Picture picture = drawFrame(next_);
   server::RgbdFrame frame;
   frame.index = next_;
   frame.epoch = epoch_;
   frame.clip_time_s = time_s;
-  frame.color = picture.color;
+  frame.color = picture.color.clone();
   if (scene_.blur) {
     cv::Mat sum;
     picture.color.convertTo(sum, CV_32FC3);
@@ -353,7 +367,7 @@ Motion TestSource::centreAt(double time_s) const {
 
 TestSource::Truth TestSource::truth(std::uint64_t index) const {
   const double time_s = static_cast<double>(index) / info_.fps;
-  const Picture picture = draw(time_s, false);
+  const Picture picture = shared_ != nullptr ? drawFrame(index) : draw(time_s, false);
   Truth out;
   out.centre = centreAt(time_s);
   out.mask = maskOf(picture);

@@ -7,6 +7,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -70,6 +72,9 @@ class TestSource final : public server::RgbdSource {
   std::optional<server::RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;
+  /// Both draw a frame once between them from now on: one scene through several sensors. Same
+  /// scene, rate and size; the pictures stay in memory.
+  void sharePictures(TestSource& other);
 
   /// Truth of frame `index`: motion of the first object body's centre (nominal mm, pan included in
   /// the picture), its mask (0 / 255), depth (mm), and the share of it that is seen.
@@ -92,6 +97,7 @@ class TestSource final : public server::RgbdSource {
     double object_px = 0.0;  // of the object without what is in its way
   };
   [[nodiscard]] Picture draw(double time_s, bool color) const;
+  [[nodiscard]] Picture drawFrame(std::uint64_t index) const;
   void drawBackground(double time_s, bool color, Picture& out) const;
   void drawBody(const Body& body, std::size_t index, double time_s, bool color, Picture& out) const;
   [[nodiscard]] cv::Mat maskOf(const Picture& picture) const;
@@ -104,8 +110,9 @@ class TestSource final : public server::RgbdSource {
   server::SceneView view_;
   server::SourceInfo info_;
   server::SolidNoise noise_;
-  Picture background_;     // where it does not move
-  cv::Mat fixed_noise_;    // of the sensor
+  Picture background_;                                        // where it does not move
+  std::shared_ptr<std::map<std::uint64_t, Picture>> shared_;  // by frame; null: drawn anew
+  cv::Mat fixed_noise_;                                       // of the sensor
   cv::Mat carried_noise_;  // its part that stays from frame to frame
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;

@@ -155,13 +155,24 @@ std::vector<TestScene> segmentationScenes() {
       return body;
     };
   };
+  // A box stands with its faces along the table.
+  const auto standing = [](Path path) {
+    const Eigen::Matrix3d tilt =
+        Eigen::AngleAxisd(35.0 * CV_PI / 180.0, Vec3::UnitX()).toRotationMatrix();
+    return [=](double t) {
+      server::BodyState body = path(t);
+      body.rotation = body.rotation * tilt;
+      return body;
+    };
+  };
   const auto scene = [](std::string name, Body body, bool table) {
     TestScene out;
     out.name = std::move(name);
     out.bodies = {std::move(body)};
     out.duration_s = 1.6;
     out.table = table;
-    out.range = {500.0, 1900.0};
+    // What the picture holds, as who records in 8 bits would choose it.
+    out.range = table ? server::DepthRange{500.0, 1900.0} : server::DepthRange{600.0, 1490.0};
     return out;
   };
   std::vector<TestScene> out;
@@ -182,9 +193,10 @@ std::vector<TestScene> segmentationScenes() {
   out.push_back(out.back());
   out.back().name = "ball_same";
   out.back().same_colors = true;
-  out.push_back(
-      scene("box_table",
-            {Shape::kBox, {90, 60, 60}, onTable(62, {0, 60, 0.3}, {0, 30, 0.4}, {up, 0.8})}, true));
+  out.push_back(scene(
+      "box_table",
+      {Shape::kBox, {90, 60, 60}, standing(onTable(61, {0, 60, 0.3}, {0, 30, 0.4}, {up, 0.8}))},
+      true));
   {
     TestScene creature = scene(
         "creature", {Shape::kEllipsoid, {100, 60, 70}, onTable(85, {0, 40, 0.3}, {0, 20, 0.4}, {})},
@@ -230,7 +242,7 @@ std::vector<TestScene> segmentationScenes() {
                                swinging({0, 60, 0.4}, {0, 30, 0.5}, {1000, 30, 0.4}, kTurn)},
                               false);
     Body across = bar();
-    across.path = swinging({0, 300, 0.45, -1.5}, {0, 0, 0}, {720, 0, 0});
+    across.path = swinging({0, 300, 0.3, -1.5}, {0, 0, 0}, {720, 0, 0});
     crossed.bodies.push_back(across);
     out.push_back(crossed);
   }

@@ -3,32 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/server/segment_runner.hpp"
 #include "tests/unit/server/source_files.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {
 
-double overlap(const cv::Mat& a, const cv::Mat& b) {
-  return double(cv::countNonZero(a & b)) / std::max(1, cv::countNonZero(a | b));
-}
-
-struct Runner {
-  SourceInfo info;
-  std::unique_ptr<Segmenter> segmenter;
-  View last;
-  std::vector<Segment> segments;
-
-  const std::vector<Segment>& next(const RgbdFrame& frame) {
-    const View view = makeView(frame, info);
-    Flows flows;
-    for (const Segment& s : segments)
-      flows[s.id] = trackObject(last.gray, view.gray, s.mask, {0, 0});
-    segments = segmenter->next(view, flows);
-    last = view;
-    return segments;
-  }
-};
+using test::overlap;
+using test::Runner;
 
 TEST(Segment, TakesTheSourcesMasksAsTheyAre) {
   std::uint32_t id = 1;

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "tests/evaluate/report_plot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace hapticast::evaluate {
+
+namespace {
+
+struct Point {
+  double time_ms = 0, error = 0;
+};
+
+struct Variant {
+  std::string name;
+  bool is_default = false, is_thesis = false;
+  std::vector<Point> scenes;
+
+  [[nodiscard]] Point mean() const {
+    Point sum;
+    for (const Point& p : scenes) {
+      sum.time_ms += std::log(p.time_ms) / double(scenes.size());
+      sum.error += std::log(p.error) / double(scenes.size());
+    }
+    return {std::exp(sum.time_ms), std::exp(sum.error)};
+  }
+};
+
+struct Panel {
+  std::string stage, unit;
+  std::vector<Variant> variants;
+};
+
+// Means and worst cases are rows of the table, not measurements.
+bool isSummary(const Row& row) { return row.scene == "worst" || row.scene.rfind("mean", 0) == 0; }
+
+template <typename T, typename Is>
+T& findOrAdd(std::vector<T>& all, T fresh, Is is) {
+  const auto known = std::find_if(all.begin(), all.end(), is);
+  if (known != all.end()) return *known;
+  all.push_back(std::move(fresh));
+  return all.back();
+}
+
+std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
+  std::vector<Panel> panels;
+  for (const Row& row : rows) {
+    if (row.time_us <= 0 || row.error <= 0 || isSummary(row)) continue;
+    Panel& panel = findOrAdd(panels, Panel{row.stage, row.unit, {}},
+                             [&](const Panel& p) { return p.stage == row.stage; });
+    Variant& variant =
+        findOrAdd(panel.variants, Variant{row.variant, row.is_default, row.is_thesis, {}},
+                  [&](const Variant& v) { return v.name == row.variant; });
+    variant.scenes.push_back({row.time_us / 1e3, row.error});
+  }
+  return panels;
+}
+
+// Those that no other beats in time and error, by time.
+std::vector<Point> frontOf(const std::vector<Variant>& variants) {
+  std::vector<Point> means;
+  for (const Variant& variant : variants) means.push_back(variant.mean());
+  std::sort(means.begin(), means.end(),
+            [](const Point& a, const Point& b) { return a.time_ms < b.time_ms; });
+  std::vector<Point> front;
+  for (const Point& point : means) {
+    if (front.empty() || point.error < front.back().error) front.push_back(point);
+  }
+  return front;
+}
+
+void writeData(std::ostream& file, const std::string& name, const std::vector<Point>& points) {
+  file << '$' << name << " << EOD\n";
+  for (const Point& p : points) file << number(p.time_ms) << ' ' << number(p.error) << '\n';
+  file << "EOD\n";
+}
+
+void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
+  std::ostringstream curves;
+  const std::string id = std::to_string(index) + "_";
+  double left = 1e300, right = 0, low = 1e300, high = 0;
+  for (const Variant& variant : panel.variants) {
+    for (const Point& p : variant.scenes) {
+      left = std::min(left, p.time_ms);
+      right = std::max(right, p.time_ms);
+      low = std::min(low, p.error);
+      high = std::max(high, p.error);
+    }
+  }
+  low = std::max(low, 1e-5 * high);  // rounding errors are not worth decades of the axis
+  writeData(file, "front" + id, frontOf(panel.variants));
+  curves << "$front" << id << " with lines lw 2 dt 2 lc rgb '#808080' title 'best for its time'";
+  for (std::size_t i = 0; i < panel.variants.size(); ++i) {
+    const Variant& variant = panel.variants[i];
+    const std::string scenes = "s" + id + std::to_string(i);
+    const std::string mean = "m" + id + std::to_string(i);
+    const std::string color = " lc " + std::to_string(i + 1);
+    writeData(file, scenes, variant.scenes);
+    writeData(file, mean, {variant.mean()});
+    const char* mark = variant.is_default ? " (default)" : variant.is_thesis ? " (thesis)" : "";
+    curves << ", $" << scenes << " with points pt 7 ps 0.4" << color << " notitle, $" << mean
+           << " with points pt " << (variant.is_thesis ? "2 lw 3 ps 2.2" : "7 ps 1.7") << color
+           << " title '" << variant.name << mark << "'";
+    if (variant.is_default)
+      curves << ", $" << mean << " with points pt 6 lw 2 ps 3.2 lc rgb 'black' notitle";
+  }
+  file << "set title '" << panel.stage << "'\nset ylabel '" << panel.unit << "'\nset xrange ["
+       << number(left / 1.5) << ':' << number(right * 1.5) << "]\nset yrange [" << number(low / 1.6)
+       << ':' << number(high * 1.6) << "]\nplot " << curves.str() << "\n";
+}
+
+}  // namespace
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+void plotRows(const std::string& topic, const std::filesystem::path& out,
+              const std::vector<Row>& rows) {
+  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
+    std::fprintf(stderr, "no gnuplot: %s.png is left out (apt-get install gnuplot-nox)\n",
+                 topic.c_str());
+    return;
+  }
+  const std::vector<Panel> panels = panelsOf(rows);
+  if (panels.empty()) return;
+  const std::filesystem::path script = out / (topic + ".gnuplot");
+  {
+    std::ofstream file(script);
+    const std::size_t columns = panels.size() > 1 ? 2 : 1;
+    const std::size_t lines = (panels.size() + columns - 1) / columns;
+    file << "set terminal pngcairo size " << 760 * columns << ',' << 420 * lines
+         << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines
+         << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
+         << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
+         << "set grid lc rgb '#d0d0d0'\nset key outside bottom center horizontal\n"
+         << "set xlabel 'run time, ms of one thread per frame'\n";
+    for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
+    file << "unset multiplot\n";
+  }
+  const std::string run = "cd '" + out.string() + "' && gnuplot '" + topic + ".gnuplot'";
+  if (std::system(run.c_str()) != 0) std::fprintf(stderr, "gnuplot failed on %s\n", script.c_str());
+  std::filesystem::remove(script);
+}
+
+}  // namespace hapticast::evaluate
