@@ -52,6 +52,24 @@ cv::Matx33d squareOf(const cv::Matx23d& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), 0, 0, 1};
 }
 
+// Mean working depth of the inner mask: its rim is the sensor's worst.
+double depthOf_mm(const Surface& surface) {
+  cv::Mat mask = surface.mask;
+  cv::Mat depth = surface.depth;
+  if (const int step = latticeStep(mask.size()); step > 1) {
+    const cv::Size smaller(mask.cols / step, mask.rows / step);
+    cv::resize(mask, mask, smaller, 0, 0, cv::INTER_NEAREST);
+    cv::resize(depth, depth, smaller, 0, 0, cv::INTER_NEAREST);
+  }
+  cv::Mat inside;
+  cv::copyMakeBorder(mask, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::distanceTransform(inside, inside, cv::DIST_L2, 3);
+  double deepest = 0.0;
+  cv::minMaxLoc(inside, nullptr, &deepest);
+  const cv::Mat inner = inside(cv::Rect({1, 1}, mask.size())) > kInnerMask * deepest;
+  return cv::mean(depth, inner & (depth > 0))[0];
+}
+
 }  // namespace
 
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
@@ -76,7 +94,7 @@ PoseTracker::PoseTracker(const PoseSettings& settings, const View& view, const S
     : settings_(settings), last_(shapeOf(first)), fresh_(first) {
   pose_.u_px = last_.centroid.x;
   pose_.v_px = last_.centroid.y;
-  pose_.depth_mm = last_.depth_mm;
+  pose_.depth_mm = depthOf_mm(first);
   if (!settings_.rigid) return;
   const BodyCentre centre = centreOf(first, settings_.camera);
   if (centre.position_mm.z() > 0) setPosition(centre.position_mm);
@@ -161,20 +179,6 @@ PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
   const cv::Point end = surface.box.br();
   out.entire = surface.box.x > 0 && surface.box.y > 0 && end.x < settings_.picture.width &&
                end.y < settings_.picture.height;
-  cv::Mat mask = surface.mask;
-  cv::Mat depth = surface.depth;
-  if (const int step = latticeStep(mask.size()); step > 1) {
-    const cv::Size smaller(mask.cols / step, mask.rows / step);
-    cv::resize(mask, mask, smaller, 0, 0, cv::INTER_NEAREST);
-    cv::resize(depth, depth, smaller, 0, 0, cv::INTER_NEAREST);
-  }
-  cv::Mat inside;
-  cv::copyMakeBorder(mask, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::distanceTransform(inside, inside, cv::DIST_L2, 3);
-  double deepest = 0.0;
-  cv::minMaxLoc(inside, nullptr, &deepest);
-  const cv::Mat inner = inside(cv::Rect({1, 1}, mask.size())) > kInnerMask * deepest;
-  out.depth_mm = cv::mean(depth, inner & (depth > 0))[0];
   return out;
 }
 
@@ -195,19 +199,21 @@ void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool
   if (std::abs(turn) >= kStill_rad) pose_.angle_rad -= turn;
 }
 
-void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool trusted) {
+void PoseTracker::advanceInDepth(const Observation& seen, bool trusted) {
   since_fresh_ = squareOf(seen.flow.similarity) * since_fresh_;
   pose_.depth_seen = !seen.repeated;
   if (settings_.mode == MotionMode::kLk || seen.repeated) return;
   if (settings_.exact_masks && trusted && bothWays(settings_.mode)) {
-    pose_.depth_mm += now.depth_mm - last_.depth_mm;
+    pose_.depth_mm += depthOf_mm(seen.surface) - depthOf_mm(fresh_);
   } else {
     const cv::Matx23d carry = since_fresh_.get_minor<2, 3>(0, 0);
     const double step =
         depthDifference_mm(fresh_, seen.surface, carry, kTrimFloor_mm).value_or(0.0);
     if (std::abs(step) >= kStill_mm) {
       pose_.depth_mm += step;
-      if (trusted) pose_.depth_mm += kPull * (now.depth_mm - pose_.depth_mm);
+      // Of an aligned body the middle is followed, not what is seen of it.
+      if (trusted && !settings_.rigid)
+        pose_.depth_mm += kPull * (depthOf_mm(seen.surface) - pose_.depth_mm);
     }
   }
   fresh_ = seen.surface;
@@ -234,15 +240,13 @@ Pose PoseTracker::advance(const Observation& seen) {
   } else {
     const Vec3 before = position_mm();
     advanceInPlane(seen, now, trusted);
-    advanceInDepth(seen, now, trusted);
+    advanceInDepth(seen, trusted);
     last_step_ = {};
     last_step_.shift_mm = position_mm() - before;
     pose_.sure = !settings_.rigid;
   }
   step_ = {};
-  const double fresh_depth_mm = seen.repeated ? last_.depth_mm : now.depth_mm;
   last_ = now;
-  last_.depth_mm = fresh_depth_mm;
   look(seen.view, seen.surface);
   return pose_;
 }

@@ -71,7 +71,6 @@ class PoseTracker {
  private:
   struct Shape {  // of one frame
     cv::Point2d centroid;
-    double depth_mm = 0.0;
     double area_px = 0.0;
     bool entire = false;  // does not touch the picture's border
   };
@@ -80,7 +79,7 @@ class PoseTracker {
   void setPosition(const Vec3& position_mm);
   void advanceRigidly(const Observation& seen, bool trusted);
   void advanceInPlane(const Observation& seen, const Shape& now, bool trusted);
-  void advanceInDepth(const Observation& seen, const Shape& now, bool trusted);
+  void advanceInDepth(const Observation& seen, bool trusted);
   void look(const View& view, const Surface& surface);
 
   PoseSettings settings_;
