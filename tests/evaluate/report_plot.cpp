@@ -92,7 +92,7 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
       high = std::max(high, p.error);
     }
   }
-  low = std::max(low, 1e-5 * high);  // rounding errors are not worth decades of the axis
+  low = std::max(low, 1e-4 * high);  // rounding errors are not worth decades of the axis
   writeData(file, "front" + id, frontOf(panel.variants));
   curves << "$front" << id << " with lines lw 2 dt 2 lc rgb '#808080' title 'best for its time'";
   for (std::size_t i = 0; i < panel.variants.size(); ++i) {
@@ -102,7 +102,10 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
     const std::string color = " lc " + std::to_string(i + 1);
     writeData(file, scenes, variant.scenes);
     writeData(file, mean, {variant.mean()});
-    const char* mark = variant.is_default ? " (default)" : variant.is_thesis ? " (thesis)" : "";
+    const bool says_so = variant.name == "thesis";
+    const char* mark = variant.is_default              ? " (default)"
+                       : variant.is_thesis && !says_so ? " (thesis)"
+                                                       : "";
     curves << ", $" << scenes << " with points pt 7 ps 0.4" << color << " notitle, $" << mean
            << " with points pt " << (variant.is_thesis ? "2 lw 3 ps 2.2" : "7 ps 1.7") << color
            << " title '" << variant.name << mark << "'";
@@ -140,7 +143,7 @@ void plotRows(const std::string& topic, const std::filesystem::path& out,
          << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines
          << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
          << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
-         << "set grid lc rgb '#d0d0d0'\nset key outside bottom center horizontal\n"
+         << "set grid lc rgb '#d0d0d0'\nset key outside top center horizontal\n"
          << "set xlabel 'run time, ms of one thread per frame'\n";
     for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
     file << "unset multiplot\n";
