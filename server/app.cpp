@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <exception>
 #include <thread>
 #include <utility>
 
@@ -16,6 +17,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kJpegQuality = 80;
+constexpr std::size_t kMostOutgoing = 2;  // frames between vision and bytes; then vision waits
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 
@@ -46,7 +48,15 @@ void App::run() {
     if (!error) stop();
   });
   std::jthread network([this] { io_.run(); });
+  // The next frame is looked at while the last one becomes bytes and a JPEG.
+  std::jthread encoder([this] { encodeAll(); });
   const auto end = [&] {
+    {
+      const std::lock_guard lock(outgoing_mutex_);
+      ended_ = true;
+    }
+    outgoing_changed_.notify_all();
+    encoder.join();
     listener_.stop();
     broadcaster_.stop();
     asio::post(io_, [&signals] { signals.cancel(); });
@@ -92,12 +102,12 @@ void App::play() {
     const MediaTime media_time =
         info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
-    if (auto result = vision_.push(*frame, media_time)) publish(*result);
+    if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result));
     if (settings_.explain) explain();
     sayWhatWasSkipped(pacer);
   }
-  for (const VisionResult& result : vision_.flush()) publish(result);
-  waitUntil(last_published_ + announced_.pipeline_latency + kPlayout);
+  for (VisionResult& result : vision_.flush()) publish(std::move(result));
+  waitUntil(last_published_ + vision_.description().pipeline_latency + kPlayout);
 }
 
 std::optional<RgbdFrame> App::nextFrame(Pacer& pacer) {
@@ -107,12 +117,41 @@ std::optional<RgbdFrame> App::nextFrame(Pacer& pacer) {
   return readOn(*source_, plan.skip, settings_.loop && !stop_);
 }
 
-void App::publish(const VisionResult& result) {
-  if (vision_.description() != announced_) {
-    announced_ = vision_.description();
+void App::publish(VisionResult result) {
+  last_published_ = result.frame.media_time;
+  std::unique_lock lock(outgoing_mutex_);
+  outgoing_changed_.wait(lock, [&] { return outgoing_.size() < kMostOutgoing || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
+  outgoing_.push_back({vision_.description(), std::move(result)});
+  outgoing_changed_.notify_all();
+}
+
+void App::encodeAll() {
+  while (true) {
+    std::unique_lock lock(outgoing_mutex_);
+    outgoing_changed_.wait(lock, [&] { return !outgoing_.empty() || ended_; });
+    if (outgoing_.empty()) return;
+    const Outgoing next = std::move(outgoing_.front());
+    outgoing_.pop_front();
+    outgoing_changed_.notify_all();
+    lock.unlock();
+    try {
+      encode(next);
+    } catch (...) {
+      lock.lock();
+      failure_ = std::current_exception();
+      outgoing_changed_.notify_all();
+      return;
+    }
+  }
+}
+
+void App::encode(const Outgoing& next) {
+  if (next.description != announced_) {
+    announced_ = next.description;
     broadcaster_.describe(announced_);
   }
-  last_published_ = result.frame.media_time;
+  const VisionResult& result = next.result;
   if (broadcaster_.videoWanted()) {
     broadcaster_.publish(encodeVideo({result.frame.epoch, result.frame.id, result.frame.media_time,
                                       encodePicture(result.color, kJpegQuality)}));

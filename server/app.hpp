@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The server as wiring: the pipeline (source -> vision -> encode) on the calling thread, the
-// network on a second one.
+// The server as wiring: source -> vision on the calling thread, frames to bytes on a second one,
+// the network on a third.
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <exception>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "common/asio.hpp"
@@ -37,7 +41,14 @@ class App {
   void scan();
   void play();
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
-  void publish(const VisionResult& result);
+  struct Outgoing {
+    StreamDescription description;
+    VisionResult result;
+  };
+  /// Hands a frame to the encoder's thread.
+  void publish(VisionResult result);
+  void encodeAll();
+  void encode(const Outgoing& next);
   void explain();
   void sayWhatWasSkipped(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
@@ -50,7 +61,12 @@ class App {
   Broadcaster broadcaster_;
   Listener listener_;
   FrameEncoder encoder_;
-  StreamDescription announced_;
+  StreamDescription announced_;  // by the encoder's thread, once it runs
+  std::mutex outgoing_mutex_;
+  std::condition_variable outgoing_changed_;
+  std::deque<Outgoing> outgoing_;  // under the mutex
+  bool ended_ = false;             // under the mutex
+  std::exception_ptr failure_;     // of the encoder's thread; under the mutex
   std::atomic<bool> stop_{false};
   MediaTime last_published_{};
   std::uint64_t told_skipped_ = 0;

@@ -83,7 +83,7 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
   app.add_option_function<std::string>(
          "--plan", set,
          "What a scene does not need is left out (auto), or nothing (everything), or as you say: "
-         "segment, clean, smooth, motion, heights =on|off")
+         "segment, clean, smooth, motion, grid, heights =on|off")
       ->type_name("auto|everything|STAGE=on|off,...");
 }
 

@@ -98,6 +98,18 @@ std::shared_ptr<const MotionGrid> MotionHistory::grid(std::uint32_t id, std::uin
   return at ? gridFrom(flows, *at, nominal.mmPerStep()) : nullptr;
 }
 
+bool MotionHistory::hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return false;
+  const auto reach = static_cast<std::uint64_t>(lookahead);
+  std::uint64_t frames = 0;
+  for (const Entry& entry : found->second) {
+    if (entry.frame + reach >= frame && entry.frame <= frame + reach && entry.cells.columns > 0)
+      ++frames;
+  }
+  return frames == 2 * reach + 1;
+}
+
 std::vector<double> MotionHistory::accelerations_mm_s2(int lookahead,
                                                        const NominalFrame& nominal) const {
   std::vector<double> out;
@@ -162,14 +174,14 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
   out.material = settings.material;
   out.motion.quality = object.quality;
   out.motion.visible_fraction = object.visible_fraction;
-  const bool send = object.plan->on(Stage::kHeights);
-  const bool unchanged = last != nullptr && (!object.seen || object.atRest());
-  if (!unchanged || (send && object.seen)) {
+  const bool stays = last != nullptr && (!object.seen || object.atRest());
+  if (!stays || (object.seen && object.plan->on(Stage::kHeights))) {
     out.relief = reliefOf(object, nominal, settings);
     out.changed_in_frame = frame_id;
   }
-  if (send && object.atRest() && object.seen) return out;
-  if (last != nullptr && (unchanged || equalReliefs(*out.relief, *last->relief))) {
+  const bool unchanged = last != nullptr && (stays || equalReliefs(*out.relief, *last->relief));
+  object.plan->unchanged(unchanged);
+  if (unchanged && (!out.relief || !object.plan->on(Stage::kHeights))) {
     out.relief = last->relief;
     out.changed_in_frame = last->changed_in_frame;
   }

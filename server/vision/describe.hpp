@@ -52,6 +52,8 @@ class MotionHistory {
   /// pose.
   [[nodiscard]] Motion motion(std::uint32_t id, std::uint64_t frame, int lookahead,
                               const NominalFrame& nominal) const;
+  /// Whether cells were measured in all frames of the window around one.
+  [[nodiscard]] bool hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const;
   [[nodiscard]] std::shared_ptr<const MotionGrid> grid(std::uint32_t id, std::uint64_t frame,
                                                        int lookahead,
                                                        const NominalFrame& nominal) const;

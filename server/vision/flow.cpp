@@ -88,14 +88,20 @@ double ObjectFlow::rotation_rad() const { return std::atan2(similarity(1, 0), si
 void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
                  const std::vector<cv::Point2f>& points, const cv::Vec2d& guess_px,
                  std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
+  std::vector<cv::Point2f> guesses(points);
+  const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
+  for (cv::Point2f& point : guesses) point += guess;
+  trackPoints(last_gray, gray, points, std::move(guesses), from, to);
+}
+
+void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
+                 const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> forward,
+                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
   from.clear();
   to.clear();
   if (points.empty()) return;
   const cv::Size window(15, 15);
   const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.005);
-  std::vector<cv::Point2f> forward(points);
-  const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
-  for (cv::Point2f& point : forward) point += guess;
   std::vector<cv::Point2f> back(points);
   std::vector<unsigned char> found;
   std::vector<unsigned char> found_back;

@@ -40,6 +40,10 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
 void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
                  const std::vector<cv::Point2f>& points, const cv::Vec2d& guess_px,
                  std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to);
+/// The same with a guess for each point: where it is to be looked for first.
+void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
+                 const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses,
+                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to);
 
 /// `image`, given over `from_box` of the last picture, carried into `to_box` of this one; 0 where
 /// it was not.

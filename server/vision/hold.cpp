@@ -195,12 +195,13 @@ bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, double sigma_mm) {
   if (share_ < 1.0) return false;
   // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
   // released and looked at in full.
+  const cv::Rect tight = cv::boundingRect(held_.mask);
   Surface now;
-  now.box = area_;
-  now.mask = held_.mask.clone();
-  now.depth = depth(area_).clone();
-  now.measured = held_.measured & (now.depth > 0);
-  held_.depth.copyTo(now.depth, now.measured == 0);
+  now.box = tight + area_.tl();
+  now.mask = held_.mask(tight).clone();
+  now.depth = depth(now.box).clone();
+  now.measured = held_.measured(tight) & (now.depth > 0);
+  held_.depth(tight).copyTo(now.depth, now.measured == 0);
   Hold next = copy();
   (void)next.apply(gray, now, sigma_mm, false);
   if (next.share_ < 1.0) return false;

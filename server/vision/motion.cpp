@@ -133,6 +133,21 @@ void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
   setPosition(before + shift);
   if (std::abs(turn_rad.z()) >= kStill_rad) pose_.angle_rad -= turn_rad.z();
   last_step_ = step_;
+  aligned_ = true;
+  aligned_about_mm_ = before;
+}
+
+cv::Vec3d PoseTracker::explained(const cv::Point2f& at_px, double depth_mm) const {
+  const CameraModel& camera = settings_.camera;
+  const double u = double(at_px.x) + 0.5;
+  const double v = double(at_px.y) + 0.5;
+  const Vec3 from((u - camera.cx_px) / camera.fx_px * depth_mm,
+                  (v - camera.cy_px) / camera.fy_px * depth_mm, depth_mm);
+  const Vec3 to =
+      last_step_.rotation * (from - aligned_about_mm_) + aligned_about_mm_ + last_step_.shift_mm;
+  if (depth_mm <= 0 || to.z() <= 1.0) return {0, 0, 0};
+  return {camera.fx_px * to.x() / to.z() + camera.cx_px - u,
+          camera.fy_px * to.y() / to.z() + camera.cy_px - v, to.z() - depth_mm};
 }
 
 PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
@@ -201,6 +216,7 @@ void PoseTracker::advanceInDepth(const Observation& seen, const Shape& now, bool
 
 Pose PoseTracker::advance(const Observation& seen) {
   pose_.depth_seen = pose_.seen = pose_.sure = true;
+  aligned_ = false;
   // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
   if (settings_.mode == MotionMode::kNone || seen.identical || seen.at_rest) {
     step_ = last_step_ = {};

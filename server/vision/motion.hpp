@@ -63,6 +63,10 @@ class PoseTracker {
   /// The pose in the next frame.
   Pose advance(const Observation& seen);
   [[nodiscard]] const Pose& pose() const { return pose_; }
+  /// Whether the last advance() was a rigid alignment; then where it says that a point of the last
+  /// frame's surface went: px, px (centres at whole numbers) and mm.
+  [[nodiscard]] bool aligned() const { return aligned_; }
+  [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
 
  private:
   struct Shape {  // of one frame
@@ -87,6 +91,8 @@ class PoseTracker {
   RigidTemplate template_;                        // the object in the last frame
   RigidStep step_;                                // to this frame, since find()
   RigidStep last_step_;
+  bool aligned_ = false;
+  Vec3 aligned_about_mm_ = Vec3::Zero();  // the pivot of last_step_
 };
 
 /// Mean of now - before over the carried, eroded overlap of two surfaces, trimmed at 3 MAD (at

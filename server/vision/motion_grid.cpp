@@ -55,6 +55,35 @@ void addDepths(const Surface& before, const Surface& now, CellFlow& out, std::ve
   }
 }
 
+CellFlow cellsOver(const cv::Rect& box) {
+  CellFlow out;
+  out.columns = (box.width + kGridCell_px - 1) / kGridCell_px;
+  out.rows = (box.height + kGridCell_px - 1) / kGridCell_px;
+  return out;
+}
+
+// A cell without a measurement gets 0 where that is what is `known` of it, else the median of all.
+cv::Mat mediansOf(std::vector<Cell>& cells, const CellFlow& size, bool known) {
+  std::array<cv::Mat, 3> axes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> all;
+    for (const Cell& cell : cells)
+      all.insert(all.end(), cell.steps[axis].begin(), cell.steps[axis].end());
+    axes[axis].create(size.rows, size.columns, CV_32F);
+    axes[axis].setTo(known ? 0.0 : medianOf(all));
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i].steps[axis].empty()) continue;
+      const int index = static_cast<int>(i);
+      axes[axis].at<float>(index / size.columns, index % size.columns) =
+          static_cast<float>(medianOf(cells[i].steps[axis]));
+    }
+    cv::medianBlur(axes[axis], axes[axis], 3);
+  }
+  cv::Mat out;
+  cv::merge(axes.data(), 3, out);
+  return out;
+}
+
 cv::Vec3f sampled(const CellFlow& flow, double x, double y) {
   const int column = std::clamp(static_cast<int>(x * flow.columns), 0, flow.columns - 1);
   const int row = std::clamp(static_cast<int>(y * flow.rows), 0, flow.rows - 1);
@@ -78,28 +107,50 @@ cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t fi
 
 CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                   const Surface& before, const Surface& now, MotionMode mode) {
-  CellFlow out;
-  out.columns = (now.box.width + kGridCell_px - 1) / kGridCell_px;
-  out.rows = (now.box.height + kGridCell_px - 1) / kGridCell_px;
+  CellFlow out = cellsOver(now.box);
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
   if (mode != MotionMode::kDepth) addTracks(last_gray, gray, last_mask, now, out, cells);
   if (mode != MotionMode::kLk) addDepths(before, now, out, cells);
-  std::array<cv::Mat, 3> axes;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::vector<double> all;
-    for (const Cell& cell : cells)
-      all.insert(all.end(), cell.steps[axis].begin(), cell.steps[axis].end());
-    axes[axis].create(out.rows, out.columns, CV_32F);
-    axes[axis].setTo(medianOf(all));  // what a cell without a measurement gets
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (cells[i].steps[axis].empty()) continue;
-      const int index = static_cast<int>(i);
-      axes[axis].at<float>(index / out.columns, index % out.columns) =
-          static_cast<float>(medianOf(cells[i].steps[axis]));
+  out.step = mediansOf(cells, out, /*known=*/false);
+  return out;
+}
+
+CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
+                      const Surface& now, const Explained& explained) {
+  CellFlow out = cellsOver(now.box);
+  std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
+  const cv::Rect area = grown(before.box | now.box, 16, gray.size());
+  const cv::Point2f corner(static_cast<float>(area.x), static_cast<float>(area.y));
+  std::vector<cv::Point2f> points;
+  std::vector<cv::Point2f> guesses;
+  for (int v = kSampleStep_px / 2; v < before.mask.rows; v += kSampleStep_px) {
+    for (int u = kSampleStep_px / 2; u < before.mask.cols; u += kSampleStep_px) {
+      if (before.mask.at<unsigned char>(v, u) == 0) continue;
+      const cv::Point2f at(static_cast<float>(before.box.x + u),
+                           static_cast<float>(before.box.y + v));
+      const cv::Vec3d step = explained(at, double(before.depth.at<float>(v, u)));
+      points.push_back(at - corner);
+      guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])));
     }
-    cv::medianBlur(axes[axis], axes[axis], 3);
   }
-  cv::merge(axes.data(), 3, out.step);
+  std::vector<cv::Point2f> from;
+  std::vector<cv::Point2f> to;
+  trackPoints(last_gray(area), gray(area), points, guesses, from, to);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const cv::Point2f was = from[i] + corner;
+    const cv::Point there = cv::Point(was) - before.box.tl();
+    const cv::Point here = cv::Point(cvRound(to[i].x), cvRound(to[i].y)) + area.tl() - now.box.tl();
+    if (!cv::Rect({0, 0}, now.box.size()).contains(here) || now.mask.at<unsigned char>(here) == 0)
+      continue;
+    const auto depth_mm = double(before.depth.at<float>(there));
+    const cv::Vec3d step = explained(was, depth_mm);
+    Cell& cell = cells[static_cast<std::size_t>(here.y / kGridCell_px * out.columns +
+                                                here.x / kGridCell_px)];
+    cell.steps[0].push_back(double(to[i].x - from[i].x) - step[0]);
+    cell.steps[1].push_back(double(to[i].y - from[i].y) - step[1]);
+    cell.steps[2].push_back(double(now.depth.at<float>(here)) - depth_mm - step[2]);
+  }
+  out.step = mediansOf(cells, out, /*known=*/true);
   return out;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The thesis's dense motion: Lucas-Kanade on a lattice over the object, 2-D median, in cells of
-// kGridCell_px.
+// Motion in cells of kGridCell_px, by Lucas-Kanade on a lattice over the object and a 2-D median:
+// the thesis's dense flow, or what a rigid motion leaves unexplained of an object that deforms.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -27,6 +28,14 @@ struct CellFlow {
 /// frame.
 CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                   const Surface& before, const Surface& now, MotionMode mode);
+
+/// Where a point of the surface went by the rigid motion: px, px (centres at whole numbers) and mm.
+using Explained = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
+
+/// What `explained` leaves over, px, px and mm of working depth per frame; 0 where nothing was
+/// measured.
+CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
+                      const Surface& now, const Explained& explained);
 
 /// The grid of frame `at` from the flows of the frames around it (those of other sizes are matched
 /// by position in the box): velocity is the mean of the steps into and out of the frame,

@@ -10,7 +10,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kNew = 0.2;  // of a new measurement in what is remembered of a stage's time
+constexpr double kNew = 0.2;    // of a new measurement in what is remembered of a stage's time
+constexpr double kFade = 0.95;  // of what a grid cost, a frame
 constexpr double kFinger_mm = 1.0;
 
 std::size_t indexOf(Stage stage) { return static_cast<std::size_t>(stage); }
@@ -34,8 +35,14 @@ std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
                                       : "the depth is clean";
       }
       break;
-    case Stage::kMotion:
     case Stage::kHeights:
+      if (unchanged_ && !at_rest_) return "they are as they were";
+      break;
+    case Stage::kGrid:
+      if (cost_N && *cost_N <= settings_.error_budget_N && frame_ % kGridEvery >= kGridFrames)
+        return "a rigid motion explains it";
+      break;
+    case Stage::kMotion:
       break;
   }
   if (at_rest_) return "the object is at rest";
@@ -55,6 +62,11 @@ std::string ScenePlan::whyOn(Stage stage) const {
       std::snprintf(text, sizeof text, "without it the force would be off by %.3f N", *cost_N);
       return text;
     }
+    case Stage::kGrid: {
+      const std::optional<double>& cost_N = cost_N_[indexOf(stage)];
+      return cost_N && *cost_N > settings_.error_budget_N ? "the object deforms"
+                                                          : "it is measured now";
+    }
     case Stage::kMotion:
     case Stage::kHeights:
       break;
@@ -69,7 +81,16 @@ bool ScenePlan::on(Stage stage) const {
 
 void ScenePlan::rest(bool at_rest) { at_rest_ = at_rest; }
 
+void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
+
 void ScenePlan::costs(Stage stage, double error_N) { cost_N_[indexOf(stage)] = error_N; }
+
+bool ScenePlan::residual(double felt_N) {
+  std::optional<double>& cost_N = cost_N_[indexOf(Stage::kGrid)];
+  cost_N = std::max(felt_N, kFade * cost_N.value_or(0.0));
+  return settings_.everything || settings_.forced[indexOf(Stage::kGrid)].value_or(false) ||
+         *cost_N > settings_.error_budget_N;
+}
 
 void ScenePlan::nextFrame() { ++frame_; }
 
@@ -98,7 +119,7 @@ std::vector<PlanLine> ScenePlan::lines() const {
     if (!line.on) {
       line.saves_ms = time_ms_[i];
       line.saves_bytes = line.stage == Stage::kHeights ? relief_bytes_ : 0.0;
-      if (line.stage == Stage::kSmooth || line.stage == Stage::kClean)
+      if (line.stage == Stage::kSmooth || line.stage == Stage::kClean || line.stage == Stage::kGrid)
         line.costs_N = at_rest_ ? 0.0 : cost_N_[i].value_or(0.0);
     }
     out.push_back(line);

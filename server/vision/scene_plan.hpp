@@ -21,10 +21,11 @@ enum class Stage : std::uint8_t {
   kClean,    ///< background depth rejected at the rim, holes filled
   kSmooth,   ///< local quadratic fit of the heights
   kMotion,   ///< alignment with the last frame
+  kGrid,     ///< motion in cells of what the alignment leaves over
   kHeights,  ///< heights sent (when off: only once a second, and to who joins)
 };
-inline constexpr std::array<std::string_view, 5> kStageNames{"segment", "clean", "smooth", "motion",
-                                                             "heights"};
+inline constexpr std::array<std::string_view, 6> kStageNames{"segment", "clean", "smooth",
+                                                             "motion",  "grid",  "heights"};
 inline constexpr std::size_t kStages = kStageNames.size();
 
 struct PlanSettings {
@@ -52,8 +53,13 @@ class ScenePlan {
   [[nodiscard]] bool on(Stage stage) const;
   /// Whether the object is at rest: all of it is held.
   void rest(bool at_rest);
+  /// Whether the heights of this frame are those of the last one.
+  void unchanged(bool unchanged);
   /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
   void costs(Stage stage, double error_N);
+  /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
+  /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
+  bool residual(double felt_N);
   /// Counts a frame. What is off is measured again every kMeasureEvery frames.
   void nextFrame();
   [[nodiscard]] bool measureNow() const;
@@ -64,6 +70,9 @@ class ScenePlan {
   [[nodiscard]] std::vector<PlanLine> lines() const;
 
   static constexpr int kMeasureEvery = 25;  ///< frames
+  static constexpr int kGridEvery =
+      100;  ///< frames between two looks at the grid, which is dear ...
+  static constexpr int kGridFrames = 12;  ///< ... and takes that many
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
@@ -72,6 +81,7 @@ class ScenePlan {
   PlanSettings settings_;
   bool source_mask_;
   bool at_rest_ = false;
+  bool unchanged_ = false;
   int frame_ = 0;
   double relief_bytes_ = 0.0;
   std::array<std::optional<double>, kStages> cost_N_{};

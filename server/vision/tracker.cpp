@@ -153,7 +153,7 @@ void Tracker::hold(Track& track, const View& view, bool repeated) const {
   if (settings_.method == Method::kThesis) return;
   Surface& surface = track.now.surface;
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
-  if (noise_.clean(depth_mm)) return;
+  if (exact_masks_ && noise_.clean(depth_mm)) return;  // nothing trembles
   surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
   track.now.held_share = track.hold.share();
 }
@@ -234,14 +234,27 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
                                          .repeated = repeated,
                                          .at_rest = track.now.atRest(),
                                          .visible_fraction = track.now.visible_fraction});
-  if (settings_.method == Method::kThesis && settings_.motion != MotionMode::kNone) {
-    track.now.cells =
-        cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);
-    track.now.cells.time_s = time_s;
-    track.now.cells.interval_s = time_s - last_time_s_;
-  }
+  measureCells(track, view, before, time_s);
   track.last_step = centroidOf(segment.mask) - centroidOf(track.mask);
   track.mask = segment.mask;
+}
+
+void Tracker::measureCells(Track& track, const View& view, const Surface& before, double time_s) {
+  CellFlow& cells = track.now.cells;
+  cells = {};
+  if (settings_.method == Method::kThesis) {
+    if (settings_.motion != MotionMode::kNone)
+      cells =
+          cellFlow(last_.gray, view.gray, track.mask, before, track.now.surface, settings_.motion);
+  } else if (track.motion.aligned() && track.now.plan->on(Stage::kGrid)) {
+    const Lap lap(settings_.clock, *track.now.plan, Stage::kGrid);
+    cells = residualFlow(last_.gray, view.gray, before, track.now.surface,
+                         [&](const cv::Point2f& at_px, double depth_mm) {
+                           return track.motion.explained(at_px, depth_mm);
+                         });
+  }
+  cells.time_s = time_s;
+  cells.interval_s = time_s - last_time_s_;
 }
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {

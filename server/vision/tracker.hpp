@@ -23,7 +23,7 @@ struct TrackedObject {
   bool seen = true;  ///< false: lost, kept where it was last seen
   Surface surface;
   Pose pose;
-  CellFlow cells;  ///< the thesis's method only
+  CellFlow cells;  ///< empty where the plan or the method does without
   double quality = 1.0;
   double visible_fraction = 1.0;
   /// What is left out; never null.
@@ -78,6 +78,8 @@ class Tracker {
   void start(const Segment& segment, const View& view, double time_s);
   void update(const Segment& segment, const View& view, const Flows& flows, bool identical,
               double time_s);
+  /// The thesis's dense flow, or what the rigid motion leaves over.
+  void measureCells(Track& track, const View& view, const Surface& before, double time_s);
   /// Holds what is at rest of the track's new surface; does nothing where there is no noise.
   void hold(Track& track, const View& view, bool repeated) const;
   static void updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow);

@@ -18,8 +18,9 @@ namespace {
 constexpr std::uint64_t kLongestScan =
     600;  // frames; of a longer clip only its beginning is looked through
 constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
-constexpr double kClipMargin = 0.05;         // of the objects' span in depth, on either side
-constexpr double kLiveMargin = 0.5;  // they have more to show than what the first frame holds
+constexpr double kUsualMass_kg = 0.5;
+constexpr double kClipMargin = 0.05;  // of the objects' span in depth, on either side
+constexpr double kLiveMargin = 0.5;   // they have more to show than what the first frame holds
 
 void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const char* flag) {
   for (const Vec2& point : points) {
@@ -123,9 +124,13 @@ class Vision::Impl {
     }
     last_objects_ = result.frame.objects;
     eraseGone(cutters_, last_objects_);
+    eraseGone(object_plans_, last_objects_);
     history_.add(id, time_s, objects);
     plans_.clear();
-    for (const TrackedObject& object : objects) plans_[object.id] = object.plan->lines();
+    for (const TrackedObject& object : objects) {
+      plans_[object.id] = object.plan->lines();
+      object_plans_[object.id] = object.plan;
+    }
     pending_.push_back(std::move(result));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
     return takeReady();
@@ -188,12 +193,30 @@ class Vision::Impl {
       findImpacts(object, result.frame);
       if (settings_.method == Method::kThesis)
         object.grid = history_.grid(object.id, id, lookahead_, nominal());
+      else
+        addResidual(object, id);
       if (info_.live) boundAcceleration(object);
     }
     eraseGone(impacts_, result.frame.objects);
     const auto reach = static_cast<std::uint64_t>(lookahead_);
     if (id > reach) history_.dropBefore(id - reach);
     ready_.push_back(std::move(result));
+  }
+
+  // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
+  // usual mass it is more than the error budget.
+  void addResidual(HapticObject& object, std::uint64_t id) {
+    const auto plan = object_plans_.find(object.id);
+    if (plan == object_plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
+    auto grid = history_.grid(object.id, id, lookahead_, nominal());
+    if (grid == nullptr) return;
+    double square = 0;
+    for (const Eigen::Vector3f& a : grid->acceleration_mm_s2) square += double(a.squaredNorm());
+    const double rms_m_s2 =
+        1e-3 *
+        std::sqrt(square / double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size())));
+    const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * rms_m_s2;
+    if (plan->second->residual(felt_N)) object.grid = grid;
   }
 
   // An impact between this frame and the next is known now; those of the frames before are repeated
@@ -242,6 +265,7 @@ class Vision::Impl {
   std::deque<double> live_accelerations_mm_s2_;
   std::vector<HapticObject> last_objects_;
   std::map<std::uint32_t, std::vector<PlanLine>> plans_;
+  std::map<std::uint32_t, std::shared_ptr<ScenePlan>> object_plans_;
   std::deque<VisionResult> pending_;
   std::deque<VisionResult> ready_;
 };

@@ -3,13 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
+#include <opencv2/core/utility.hpp>
 
 #include "tests/evaluate/topics.hpp"
 
 int main(int argc, char** argv) {
   using namespace hapticast::evaluate;
-  const std::map<std::string, void (*)(const Options&)> topics{{"motion", evaluateMotion},
-                                                               {"vision", evaluateVision}};
+  const std::map<std::string, void (*)(const Options&)> topics{
+      {"motion", evaluateMotion}, {"plan", evaluatePlan}, {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   std::string topic;
   Options options;
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  cv::setNumThreads(1);  // run times are of one thread
   try {
     for (const auto& [name, run] : topics) {
       if (topic == "all" || topic == name) run(options);

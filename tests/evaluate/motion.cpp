@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/vision/vision.hpp"
+#include "tests/evaluate/motion_clips.hpp"
 #include "tests/evaluate/test_scene.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/topics.hpp"
@@ -180,6 +181,11 @@ void evaluateMotion(const Options& options) {
         if (e.without > 0) std::fprintf(stderr, "             %zu frames without\n", e.without);
       }
     }
+  }
+  for (const Variant& variant : variants) {
+    evaluateDesk(report, "dragon", {505, 330}, variant.motion, variant.name);
+    evaluateDesk(report, "cube", {270, 300}, variant.motion, variant.name);
+    evaluateDesk(report, "phantom", {430, 270}, variant.motion, variant.name);
   }
   report.write();
 }

@@ -285,7 +285,9 @@ cv::Mat TestSource::sensed(const Picture& picture, cv::RNG& random) {
       for (int u = 0; u < size.width; ++u) {
         const int from_u = std::clamp(u + cvRound(off_u.at<float>(v, u)), 0, size.width - 1);
         const int from_v = std::clamp(v + cvRound(off_v.at<float>(v, u)), 0, size.height - 1);
-        const float z = exact.at<float>(from_v, from_u);
+        const float there = exact.at<float>(from_v, from_u);
+        const float here = exact.at<float>(v, u);
+        const float z = std::abs(there - here) > 20.0F ? there : here;
         const float metres = z / 1000.0F;
         float& out = depth.at<float>(v, u);
         // A shadow of the nearer thing lies to the left of it.

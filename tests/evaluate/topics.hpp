@@ -7,6 +7,9 @@
 namespace hapticast::evaluate {
 
 void evaluateMotion(const Options& options);
+/// What the plan saves against everything on, and what it costs; frames a second of the whole
+/// server.
+void evaluatePlan(const Options& options);
 void evaluateVision(const Options& options);
 
 }  // namespace hapticast::evaluate
