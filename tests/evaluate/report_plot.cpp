@@ -12,6 +12,8 @@ namespace hapticast::evaluate {
 
 namespace {
 
+constexpr double kFloor = 1e-4;  // of the largest error of a panel
+
 struct Point {
   double time_ms = 0, error = 0;
 };
@@ -47,6 +49,17 @@ T& findOrAdd(std::vector<T>& all, T fresh, Is is) {
   return all.back();
 }
 
+// What is as good as exact is drawn at the lower edge: rounding errors are not worth decades.
+void raiseToFloor(Panel& panel) {
+  double largest = 0;
+  for (const Variant& variant : panel.variants) {
+    for (const Point& p : variant.scenes) largest = std::max(largest, p.error);
+  }
+  for (Variant& variant : panel.variants) {
+    for (Point& p : variant.scenes) p.error = std::max(p.error, kFloor * largest);
+  }
+}
+
 std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
   std::vector<Panel> panels;
   for (const Row& row : rows) {
@@ -58,6 +71,7 @@ std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
                   [&](const Variant& v) { return v.name == row.variant; });
     variant.scenes.push_back({row.time_us / 1e3, row.error});
   }
+  for (Panel& panel : panels) raiseToFloor(panel);
   return panels;
 }
 
@@ -92,7 +106,6 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
       high = std::max(high, p.error);
     }
   }
-  low = std::max(low, 1e-4 * high);  // rounding errors are not worth decades of the axis
   writeData(file, "front" + id, frontOf(panel.variants));
   curves << "$front" << id << " with lines lw 2 dt 2 lc rgb '#808080' title 'best for its time'";
   for (std::size_t i = 0; i < panel.variants.size(); ++i) {
