@@ -78,6 +78,7 @@ std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
 // Those that no other beats in time and error, by time.
 std::vector<Point> frontOf(const std::vector<Variant>& variants) {
   std::vector<Point> means;
+  means.reserve(variants.size());
   for (const Variant& variant : variants) means.push_back(variant.mean());
   std::sort(means.begin(), means.end(),
             [](const Point& a, const Point& b) { return a.time_ms < b.time_ms; });
