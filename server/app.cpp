@@ -172,7 +172,8 @@ void App::explain() {
     for (const PlanLine& line : lines) {
       const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
       if (line.on) {
-        spdlog::info("object {}: {:<8} on   {}", id, stage, line.why);
+        spdlog::info("object {}: {:<8} on   {}; takes {:.1f} ms a frame", id, stage, line.why,
+                     line.saves_ms);
       } else {
         spdlog::info(
             "object {}: {:<8} off  {}; saves {:.1f} ms and {:.0f} bytes a frame, costs "

@@ -13,7 +13,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kOrders = 5;  // moments x^0 .. x^4
+constexpr double kFewestSigma_px = 2.0;  // smoothed over fewer pixels it would show them
+constexpr int kOrders = 5;               // moments x^0 .. x^4
 // Basis 1, x, y, x², xy, y² as exponents of x and y.
 constexpr std::array<std::array<int, 2>, 6> kBasis{
     {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
@@ -153,22 +154,49 @@ void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
   }
 }
 
+// `weight`: 0..1, how much of a pixel is known. At the pixels of `wanted` (0 / 255), also outside.
+cv::Mat fitAt(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wanted,
+              double sigma_px) {
+  const Kernels kernels = kernelsOf(sigma_px);
+  cv::Mat out = interiorFit(values, kernels);
+  cv::Mat window_inside;
+  const int size = 2 * kernels.radius_px + 1;
+  cv::erode(weight > 0.999, window_inside, cv::Mat::ones(size, size, CV_8UC1), {-1, -1}, 1,
+            cv::BORDER_CONSTANT, cv::Scalar(0));
+  fitRim(values, weight, wanted & (window_inside == 0), kernels, out);
+  return out;
+}
+
+// What is smoothed over many pixels is as well told by every second or third one.
+cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double sigma_px,
+                         int factor) {
+  const int right = (factor - values.cols % factor) % factor;
+  const int below = (factor - values.rows % factor) % factor;
+  cv::Mat small_values;
+  cv::Mat small_weight;
+  cv::copyMakeBorder(values, small_values, 0, below, 0, right, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::copyMakeBorder(weight, small_weight, 0, below, 0, right, cv::BORDER_CONSTANT, cv::Scalar(0));
+  const cv::Size whole = small_values.size();
+  const cv::Size size(whole.width / factor, whole.height / factor);
+  cv::resize(small_values, small_values, size, 0, 0, cv::INTER_AREA);
+  cv::resize(small_weight, small_weight, size, 0, 0, cv::INTER_AREA);
+  const cv::Mat wanted = dilatedBy(small_weight > 0, 2);  // cubic interpolation reads as far
+  cv::Mat out = fitAt(small_values, small_weight, wanted, sigma_px / factor);
+  cv::resize(out, out, whole, 0, 0, cv::INTER_CUBIC);
+  return out(cv::Rect({0, 0}, values.size()));
+}
+
 }  // namespace
 
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px) {
-  const Kernels kernels = kernelsOf(sigma_px);
   cv::Mat weight;
   mask.convertTo(weight, CV_32F, 1.0 / 255.0);
   // About the mean, so that float moments do not lose the small differences that matter.
   const double mean = cv::mean(values, mask)[0];
   const cv::Mat centred = (values - mean).mul(weight);
-  cv::Mat out = interiorFit(centred, kernels);
-  cv::Mat window_inside;
-  const int size = 2 * kernels.radius_px + 1;
-  cv::erode(mask, window_inside, cv::Mat::ones(size, size, CV_8UC1), {-1, -1}, 1,
-            cv::BORDER_CONSTANT, cv::Scalar(0));
-  fitRim(centred, weight, mask & (window_inside == 0), kernels, out);
-  return out + mean;
+  const int factor = std::min(4, static_cast<int>(sigma_px / kFewestSigma_px));
+  return mean + (factor > 1 ? fitInFewerPixels(centred, weight, sigma_px, factor)
+                            : fitAt(centred, weight, mask, sigma_px));
 }
 
 }  // namespace hapticast::server

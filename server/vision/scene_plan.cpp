@@ -92,14 +92,19 @@ bool ScenePlan::residual(double felt_N) {
          *cost_N > settings_.error_budget_N;
 }
 
-void ScenePlan::nextFrame() { ++frame_; }
+void ScenePlan::nextFrame() {
+  ++frame_;
+  for (std::size_t i = 0; i < kStages; ++i) {
+    if (this_frame_ms_[i] == 0.0) continue;
+    time_ms_[i] += (time_ms_[i] == 0.0 ? 1.0 : kNew) * (this_frame_ms_[i] - time_ms_[i]);
+    this_frame_ms_[i] = 0.0;
+  }
+}
 
 bool ScenePlan::measureNow() const { return frame_ % kMeasureEvery == 0; }
 
 void ScenePlan::took(Stage stage, Duration time) {
-  double& known_ms = time_ms_[indexOf(stage)];
-  const double ms = 1e3 * toSeconds(time);
-  known_ms = known_ms == 0.0 ? ms : known_ms + kNew * (ms - known_ms);
+  this_frame_ms_[indexOf(stage)] += 1e3 * toSeconds(time);
 }
 
 std::vector<PlanLine> ScenePlan::lines() const {
@@ -116,8 +121,8 @@ std::vector<PlanLine> ScenePlan::lines() const {
     } else {
       line.why = why.value_or(whyOn(line.stage));
     }
+    line.saves_ms = time_ms_[i];
     if (!line.on) {
-      line.saves_ms = time_ms_[i];
       line.saves_bytes = line.stage == Stage::kHeights ? relief_bytes_ : 0.0;
       if (line.stage == Stage::kSmooth || line.stage == Stage::kClean || line.stage == Stage::kGrid)
         line.costs_N = at_rest_ ? 0.0 : cost_N_[i].value_or(0.0);

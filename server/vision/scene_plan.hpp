@@ -40,7 +40,7 @@ struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
   std::string why;
-  double saves_ms = 0.0;     ///< per frame, as last measured; 0: unknown, it never ran
+  double saves_ms = 0.0;     ///< per frame, when it is off, as last measured; 0: it never ran
   double saves_bytes = 0.0;  ///< per frame
   double costs_N = 0.0;      ///< rms force, as last measured
 };
@@ -60,7 +60,8 @@ class ScenePlan {
   /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
   /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
   bool residual(double felt_N);
-  /// Counts a frame. What is off is measured again every kMeasureEvery frames.
+  /// Ends a frame and begins the next one. What is off is measured again every kMeasureEvery
+  /// frames.
   void nextFrame();
   [[nodiscard]] bool measureNow() const;
   void took(Stage stage, Duration time);
@@ -86,6 +87,7 @@ class ScenePlan {
   double relief_bytes_ = 0.0;
   std::array<std::optional<double>, kStages> cost_N_{};
   std::array<double, kStages> time_ms_{};
+  std::array<double, kStages> this_frame_ms_{};
 };
 
 /// Tells a plan how long a stage took, from here to the end of the scope; does nothing without a

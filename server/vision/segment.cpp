@@ -10,6 +10,19 @@ namespace hapticast::server {
 
 namespace {
 
+// Pixels of each value. Four counts side by side: neighbours are alike, and one counter would wait
+// for itself.
+std::array<int, 256> areasOf(const cv::Mat& mask) {
+  std::array<std::array<int, 256>, 4> counts{};
+  for (int v = 0; v < mask.rows; ++v) {
+    const auto* row = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < mask.cols; ++u) ++counts[static_cast<std::size_t>(u) % 4][row[u]];
+  }
+  for (std::size_t value = 0; value < 256; ++value)
+    counts[0][value] += counts[1][value] + counts[2][value] + counts[3][value];
+  return counts[0];
+}
+
 // The source's masks, taken as they are: all objects, or those under the author's points in the
 // first frame.
 class SourceSegmenter final : public Segmenter {
@@ -21,11 +34,7 @@ class SourceSegmenter final : public Segmenter {
     if (view.mask.empty())
       throw SourceError("--segment source: the source brings no mask; use --segment auto");
     if (!points_.empty()) choose(view);
-    std::array<int, 256> area{};
-    for (int v = 0; v < view.mask.rows; ++v) {
-      const auto* row = view.mask.ptr<unsigned char>(v);
-      for (int u = 0; u < view.mask.cols; ++u) ++area[row[u]];
-    }
+    const std::array<int, 256> area = areasOf(view.mask);
     std::vector<Segment> segments;
     for (std::size_t n = 1; n < area.size(); ++n) {
       if (area[n] < kSmallestObject_px) {

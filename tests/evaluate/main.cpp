@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     for (const auto& [name, run] : topics) {
       if (topic == "all" || topic == name) run(options);
     }
+    writeReport(options.out, names);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "hapticast-evaluate: %s\n", error.what());
     return 1;

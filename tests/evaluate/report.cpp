@@ -104,4 +104,15 @@ void Report::writeMarkdown() const {
   file << "![error against run time](" << topic_ << ".png)\n";
 }
 
+void writeReport(const std::filesystem::path& out, const std::vector<std::string>& topics) {
+  std::ofstream file = opened(out / "report.md");
+  file << "# hapticast, measured\n\nWritten by `hapticast-evaluate all`; bold is the default. "
+          "Errors "
+          "are against exact truth, run times of one thread.\n\n";
+  for (const std::string& topic : topics) {
+    const std::ifstream section(out / (topic + ".md"));
+    if (section) file << section.rdbuf() << '\n';
+  }
+}
+
 }  // namespace hapticast::evaluate

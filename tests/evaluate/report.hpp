@@ -48,4 +48,7 @@ class Report {
   std::vector<std::string> words_;
 };
 
+/// report.md: the sections of all topics that have one in `out`.
+void writeReport(const std::filesystem::path& out, const std::vector<std::string>& topics);
+
 }  // namespace hapticast::evaluate

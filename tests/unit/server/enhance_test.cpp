@@ -249,5 +249,29 @@ TEST(Enhance, RangeHoldsTheObjectAndIsNeverTooNarrow) {
   EXPECT_NEAR(noisy.range(0.05)->far_mm - noisy.range(0.05)->near_mm, 240, 1e-9);
 }
 
+// Wide windows are worked out in fewer pixels: on a dome of 15 mm radius, 12 px per mm, that must
+// not be felt.
+TEST(Enhance, AWideFitIsTheSameInFewerPixels) {
+  constexpr double kPxPerMm = 12.0;
+  const cv::Size size(301, 299);
+  cv::Mat height(size, CV_32FC1, cv::Scalar(0));
+  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      const double r_mm = std::hypot(u - 150.2, v - 148.7) / kPxPerMm;
+      if (r_mm > 11.5) continue;
+      mask.at<uchar>(v, u) = 255;
+      height.at<float>(v, u) = static_cast<float>(std::sqrt(15.0 * 15.0 - r_mm * r_mm));
+    }
+  }
+  const cv::Mat fitted = quadraticFit(height, mask, 0.65 * kPxPerMm);
+  cv::Mat off;
+  cv::absdiff(fitted, height, off);
+  double worst_mm = 0;
+  cv::minMaxLoc(off, nullptr, &worst_mm, nullptr, nullptr, mask);
+  EXPECT_LT(worst_mm, 0.05);
+  EXPECT_LT(cv::norm(fitted, height, cv::NORM_L2, mask) / std::sqrt(cv::countNonZero(mask)), 0.01);
+}
+
 }  // namespace
 }  // namespace hapticast::server
