@@ -2,11 +2,11 @@
 // Real objects: a careful start, then the mask carried with the object and a band around its
 // contour decided anew in every frame; lost, looked for by its colours, found again under a new id.
 #include <algorithm>
-#include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 #include "server/vision/segment.hpp"
 #include "server/vision/segment_contour.hpp"
+#include "server/vision/segment_search.hpp"
 #include "server/vision/segment_start.hpp"
 
 namespace hapticast::server {
@@ -31,12 +31,6 @@ struct Tracked {
   double area_px = 0;  // when last seen well
   DepthSpan depth;
 };
-
-cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const View& view) {
-  cv::Mat out = cv::Mat::zeros(view.gray.size(), CV_8UC1);
-  mask.copyTo(out(patch.box));
-  return out;
-}
 
 }  // namespace
 
@@ -254,7 +248,8 @@ class BandSegmenter final : public Segmenter {
   // Over the whole picture, from the first colours and the last depth.
   void search(Tracked& object, const View& view) {
     if (object.lost++ % kSearchEvery != 0) return;
-    const cv::Mat candidate = likeliest(object, view);
+    const cv::Mat candidate =
+        likeliestPlace(view, object.memory.first, object.depth.middle_mm, object.area_px);
     if (candidate.empty()) return;
     Tracked again;
     again.mask = candidate;
@@ -278,34 +273,6 @@ class BandSegmenter final : public Segmenter {
     again.whole = again.mask;
     seenWell(again, patch, patch.inside);
     object = again;
-  }
-
-  static cv::Mat likeliest(const Tracked& object, const View& view) {
-    const std::vector<float> evidence =
-        colorEvidence(object.memory.first, object.memory.first, ColorHistogram::of(view.color));
-    cv::Mat likely(view.color.size(), CV_32FC1);
-    for (int v = 0; v < likely.rows; ++v) {
-      for (int u = 0; u < likely.cols; ++u) {
-        const auto z = double(view.depth.at<float>(v, u));
-        const bool far_off =
-            z > 0 && (z < 0.6 * object.depth.middle_mm || z > 1.6 * object.depth.middle_mm);
-        likely.at<float>(v, u) =
-            far_off ? -2.5F : evidence[ColorHistogram::binOf(view.color.at<cv::Vec3b>(v, u))];
-      }
-    }
-    cv::GaussianBlur(likely, likely, {}, 3.0);
-    cv::Mat labels;
-    cv::Mat stats;
-    cv::Mat centroids;
-    const int count =
-        cv::connectedComponentsWithStats(likely > 0.5, labels, stats, centroids, 8, CV_32S);
-    int best = 0;
-    for (int i = 1; i < count; ++i) {
-      const int area = stats.at<int>(i, cv::CC_STAT_AREA);
-      if (area < 0.25 * object.area_px || area > 3 * object.area_px) continue;
-      if (best == 0 || area > stats.at<int>(best, cv::CC_STAT_AREA)) best = i;
-    }
-    return best == 0 ? cv::Mat() : cv::Mat(labels == best);
   }
 
   std::vector<Vec2> points_;

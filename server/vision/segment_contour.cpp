@@ -130,7 +130,7 @@ void addExpectation(const cv::Mat& distance, const cv::Mat& before, cv::Mat& evi
     const auto* last = before.empty() ? nullptr : before.ptr<float>(v);
     auto* to = evidence.ptr<float>(v);
     for (int u = 0; u < evidence.cols; ++u) {
-      float value = to[u] + 1.2F * std::clamp(d[u] / kBand_px, -1.0F, 1.0F);
+      float value = to[u] + 2.0F * std::clamp(d[u] / kBand_px, -1.0F, 1.0F);
       if (last != nullptr) value = (1 - kMemory) * value + kMemory * last[u];
       value = std::clamp(value, -kLimit, kLimit);
       to[u] = d[u] > kBand_px ? kLimit : d[u] <= -kBand_px ? -kLimit : value;
@@ -138,11 +138,11 @@ void addExpectation(const cv::Mat& distance, const cv::Mat& before, cv::Mat& evi
   }
 }
 
-// Guided filter (radius 4), which puts the zero line of the evidence on the edges of the picture:
+// Guided filter (radius 2), which puts the zero line of the evidence on the edges of the picture:
 // its slopes and offsets are smooth and found at half size or less, its guide is whole. 255 where
 // it is above 0, over the patch's box at full size.
 cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
-  constexpr double kEps = 8e-4;
+  constexpr double kEps = 2e-3;
   cv::Mat values = evidence + lean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
   const int factor = std::max(2, patch.factor);
   const cv::Size size((patch.gray.cols + factor - 1) / factor,
@@ -153,7 +153,7 @@ cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
   guide.convertTo(guide, CV_32F, 1.0 / 255.0);
   const auto mean = [](const cv::Mat& m) {
     cv::Mat out;
-    cv::boxFilter(m, out, CV_32F, {5, 5});
+    cv::boxFilter(m, out, CV_32F, {3, 3});
     return out;
   };
   const cv::Mat mean_guide = mean(guide);

@@ -129,6 +129,12 @@ cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch) {
   return out > 127;
 }
 
+cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const View& view) {
+  cv::Mat out = cv::Mat::zeros(view.gray.size(), CV_8UC1);
+  mask.copyTo(out(patch.box));
+  return out;
+}
+
 cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes) {
   cv::Mat out = cv::Mat::zeros(patch.depth.size(), CV_8UC1);
   if (planes.empty()) return out;

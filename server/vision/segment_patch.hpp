@@ -51,6 +51,9 @@ cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& t
 cv::Mat atFullSize(const cv::Mat& mask, const Patch& patch);
 cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch);
 
+/// A mask over the patch's box at full size, in a picture of its own.
+cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const View& view);
+
 /// 255 in the band where depth is on a plane or behind a support.
 cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes);
 

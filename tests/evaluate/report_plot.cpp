@@ -12,6 +12,8 @@ namespace hapticast::evaluate {
 
 namespace {
 
+constexpr double kFloor = 1e-4;  // of the largest error of a panel
+
 struct Point {
   double time_ms = 0, error = 0;
 };
@@ -47,6 +49,17 @@ T& findOrAdd(std::vector<T>& all, T fresh, Is is) {
   return all.back();
 }
 
+// What is as good as exact is drawn at the lower edge: rounding errors are not worth decades.
+void raiseToFloor(Panel& panel) {
+  double largest = 0;
+  for (const Variant& variant : panel.variants) {
+    for (const Point& p : variant.scenes) largest = std::max(largest, p.error);
+  }
+  for (Variant& variant : panel.variants) {
+    for (Point& p : variant.scenes) p.error = std::max(p.error, kFloor * largest);
+  }
+}
+
 std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
   std::vector<Panel> panels;
   for (const Row& row : rows) {
@@ -58,12 +71,14 @@ std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
                   [&](const Variant& v) { return v.name == row.variant; });
     variant.scenes.push_back({row.time_us / 1e3, row.error});
   }
+  for (Panel& panel : panels) raiseToFloor(panel);
   return panels;
 }
 
 // Those that no other beats in time and error, by time.
 std::vector<Point> frontOf(const std::vector<Variant>& variants) {
   std::vector<Point> means;
+  means.reserve(variants.size());
   for (const Variant& variant : variants) means.push_back(variant.mean());
   std::sort(means.begin(), means.end(),
             [](const Point& a, const Point& b) { return a.time_ms < b.time_ms; });
@@ -92,7 +107,6 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
       high = std::max(high, p.error);
     }
   }
-  low = std::max(low, 1e-5 * high);  // rounding errors are not worth decades of the axis
   writeData(file, "front" + id, frontOf(panel.variants));
   curves << "$front" << id << " with lines lw 2 dt 2 lc rgb '#808080' title 'best for its time'";
   for (std::size_t i = 0; i < panel.variants.size(); ++i) {
@@ -102,7 +116,10 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
     const std::string color = " lc " + std::to_string(i + 1);
     writeData(file, scenes, variant.scenes);
     writeData(file, mean, {variant.mean()});
-    const char* mark = variant.is_default ? " (default)" : variant.is_thesis ? " (thesis)" : "";
+    const bool says_so = variant.name == "thesis";
+    const char* mark = variant.is_default              ? " (default)"
+                       : variant.is_thesis && !says_so ? " (thesis)"
+                                                       : "";
     curves << ", $" << scenes << " with points pt 7 ps 0.4" << color << " notitle, $" << mean
            << " with points pt " << (variant.is_thesis ? "2 lw 3 ps 2.2" : "7 ps 1.7") << color
            << " title '" << variant.name << mark << "'";
@@ -140,7 +157,7 @@ void plotRows(const std::string& topic, const std::filesystem::path& out,
          << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines
          << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
          << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
-         << "set grid lc rgb '#d0d0d0'\nset key outside bottom center horizontal\n"
+         << "set grid lc rgb '#d0d0d0'\nset key outside top center horizontal\n"
          << "set xlabel 'run time, ms of one thread per frame'\n";
     for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
     file << "unset multiplot\n";

@@ -56,7 +56,7 @@ class Stages {
     clock.end(times.track);
     const std::vector<Segment> segments = segmenter_->next(view, flows);
     clock.end(times.segment);
-    const cv::Mat mask = segments.empty() ? cv::Mat() : segments[0].mask;
+    cv::Mat mask = segments.empty() ? cv::Mat() : segments[0].mask;
     if (segments.empty()) {
       pose_.reset();
     } else {

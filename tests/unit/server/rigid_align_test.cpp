@@ -65,6 +65,20 @@ INSTANTIATE_TEST_SUITE_P(Moves, RigidAlign,
                                          Move{-7, 4, -6}, Move{0, 0, 15}, Move{40, -15, 5},
                                          Move{60, 50, 0}));
 
+TEST(RigidAlign, TheOutlineOfABallThatTurnsOnTheSpotStaysWhereItIs) {
+  test::BallScene scene;
+  const Frame before = frameOf(scene, 130, 110);
+  scene.turn_rad = 0.08;  // its paint moves by 3 px in the middle
+  const Frame after = frameOf(scene, 130, 110);
+  const RigidTemplate seen(before.view.gray, before.surface, scene.camera());
+  const RigidStep step = seen.find(after.view, centreOfBall(scene, 130, 110), {});
+  ASSERT_TRUE(step.reliable);
+  EXPECT_NEAR(Eigen::AngleAxisd(step.rotation).angle(), 0.08, 0.02);
+  const cv::Vec2d carried = step.similarity * cv::Vec3d(129.5, 109.5, 1.0);
+  EXPECT_NEAR(carried[0], 129.5, 0.8);
+  EXPECT_NEAR(carried[1], 109.5, 0.3);
+}
+
 TEST(RigidAlign, WithoutTheObjectNothingIsFound) {
   const test::BallScene scene;
   const Frame before = frameOf(scene, 130, 110);

@@ -108,6 +108,23 @@ TEST_P(MovingBall, IsHeldOverFrames) {
     EXPECT_GT(overlap(runner.segments[0].mask, frame.mask == 1), GetParam().second) << i;
   }
 }
+
+TEST(Segment, LargeObjectsOfLargePicturesAreDecidedSmallerButOutlinedAsFinely) {
+  std::uint32_t id = 1;
+  VisionSettings settings;
+  settings.object_points_px = {{400, 300}};
+  test::BallScene scene{.width = 1280, .height = 720, .radius_px = 200, .with_mask = true};
+  Runner runner{scene.info(), makeSegmenter(settings, false, id), {}, {}};
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    RgbdFrame frame = scene.frame(i, 400 + 12.0 * double(i), 300);
+    const cv::Mat truth = frame.mask == 1;
+    frame.mask = cv::Mat();
+    runner.next(frame);
+    ASSERT_EQ(runner.segments.size(), 1U) << i;
+    EXPECT_GT(overlap(runner.segments[0].mask, truth), 0.985) << i;
+  }
+}
+
 // Canny on a textured ball breaks it up: the thesis's fusion is held to much less, and is right to
 // be.
 INSTANTIATE_TEST_SUITE_P(Segment, MovingBall, testing::Values(std::pair{SegmentMode::kBand, 0.95}));

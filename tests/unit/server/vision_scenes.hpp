@@ -32,6 +32,7 @@ struct BallScene {
   double background_mm = 1200;
   DepthKind kind = DepthKind::kMetric;
   bool with_mask = true;
+  double turn_rad = 0;  ///< of its paint about the vertical axis
 
   [[nodiscard]] CameraModel camera() const {
     const double focal_px = radius_px * (near_mm + bulge_mm) / bulge_mm;
@@ -73,8 +74,9 @@ struct BallScene {
         const double ball = ballDepth(at, {u, v}, closer_mm);
         const bool inside = ball > 0;
         const Vec3 on_ball = px_per_mm * (ball * rayThrough(at) - centre);
+        const double turned_x = std::cos(turn_rad) * on_ball.x() + std::sin(turn_rad) * on_ball.z();
         const double light =
-            inside ? paint(on_ball.x() * 0.8 + 40, on_ball.y() * 0.8) : paint(i, j + 300);
+            inside ? paint(turned_x * 0.8 + 40, on_ball.y() * 0.8) : paint(i, j + 300);
         const double level = 40 + 200 * light;
         out.color.at<cv::Vec3b>(j, i) =
             inside
