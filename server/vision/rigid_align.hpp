@@ -9,22 +9,10 @@
 
 #include "server/source/camera_model.hpp"
 #include "server/vision/enhance.hpp"
+#include "server/vision/rigid_fit.hpp"
 #include "server/vision/view.hpp"
 
 namespace hapticast::server {
-
-/// X' = rotation (X - pivot) + pivot + shift_mm, in the camera frame (X right, Y down, Z forward,
-/// mm).
-struct RigidStep {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();  ///< of the pivot
-  double inliers = 0.0;  ///< share of the points that agree in colour and depth, 0..1
-  bool reliable = false;
-  /// last px -> this px (OpenCV's coordinates, pixel centres at whole numbers), as near as a
-  /// similarity comes to what the outline does: texture that turns about the body runs away from
-  /// it.
-  cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
-};
 
 /// One object as it looks in a frame: the points that are looked for in the next one.
 class RigidTemplate {
@@ -40,13 +28,9 @@ class RigidTemplate {
                                const RigidStep& guess) const;
 
  private:
-  struct Point {
-    Eigen::Vector3d position_mm;
-    float gray;
-  };
   struct Level {
     int factor = 1;  // px of the picture per px of this level, each way
-    std::vector<Point> points;
+    std::vector<RigidPoint> points;
   };
   struct Coarse {  // for the search where the guess is of no use
     int factor = 1;
