@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRepeated = 0.98;
 constexpr double kFewestDepth = 0.02;  // of the mask, to make a surface of
+constexpr double kTooLittle = 0.25;    // visible fraction
 constexpr double kBlindQuality = 0.5;  // at most: followed without depth
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
@@ -170,6 +171,8 @@ void Tracker::updatePresence(Track& track, const Segment& segment, const ObjectF
   track.full_area_px = std::max(track.full_area_px, area);
   track.now.visible_fraction = area / track.full_area_px;
   track.now.quality = segment.quality * (flow.reliable ? 1.0 : 0.8);
+  // Of so little its motion cannot be told: its shape is felt, no force of its motion.
+  if (track.now.visible_fraction < kTooLittle) track.now.quality = 0.0;
 }
 
 void Tracker::start(const Segment& segment, const View& view, double time_s) {

@@ -19,6 +19,8 @@ constexpr std::uint64_t kLongestScan =
     600;  // frames; of a longer clip only its beginning is looked through
 constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
 constexpr double kUsualMass_kg = 0.5;
+constexpr double kFastest_mm_s = 1e4;  // of a grid's cells: beyond, they were lost
+constexpr double kHardest_mm_s2 = 1e6;
 constexpr double kClipMargin = 0.05;  // of the objects' span in depth, on either side
 constexpr double kLiveMargin = 0.5;   // they have more to show than what the first frame holds
 
@@ -53,6 +55,18 @@ void eraseGone(std::map<std::uint32_t, Kept>& kept, const std::vector<HapticObje
     return std::none_of(objects.begin(), objects.end(),
                         [&](const HapticObject& o) { return o.id == item.first; });
   });
+}
+
+// Of an object in layers it is no layer's; a viewer would refuse it.
+bool covers(const MotionGrid& grid, const Relief& relief) {
+  const auto cells = [](int px) { return (px + kGridCell_px - 1) / kGridCell_px; };
+  const auto sane = [](const std::vector<Eigen::Vector3f>& values, double limit) {
+    return std::all_of(values.begin(), values.end(), [&](const Eigen::Vector3f& v) {
+      return v.allFinite() && double(v.cwiseAbs().maxCoeff()) < limit;
+    });
+  };
+  return grid.columns == cells(relief.rect.width) && grid.rows == cells(relief.rect.height) &&
+         sane(grid.velocity_mm_s, kFastest_mm_s) && sane(grid.acceleration_mm_s2, kHardest_mm_s2);
 }
 
 }  // namespace
@@ -216,7 +230,7 @@ class Vision::Impl {
         1e-3 *
         std::sqrt(square / double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size())));
     const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * rms_m_s2;
-    if (plan->second->residual(felt_N)) object.grid = grid;
+    if (plan->second->residual(felt_N) && covers(*grid, *object.relief)) object.grid = grid;
   }
 
   // An impact between this frame and the next is known now; those of the frames before are repeated

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
+  app.add_option("--only", options.only, "Of the scenes of motion, only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   try {
     app.parse(argc, argv);

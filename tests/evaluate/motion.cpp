@@ -161,6 +161,7 @@ void evaluateMotion(const Options& options) {
       {"rgbd", MotionMode::kRgbd}, {"lk", MotionMode::kLk}, {"depth", MotionMode::kDepth}};
   for (const double fps : {25.0, 60.0}) {
     for (const Case& what : cases(options.quick)) {
+      if (!options.only.empty() && what.name != options.only) continue;
       TestSource source(what.scene, what.sensor, fps, true);
       std::vector<server::RgbdFrame> clip;
       while (auto frame = source.read()) clip.push_back(std::move(*frame));
@@ -191,7 +192,7 @@ void evaluateMotion(const Options& options) {
     }
   }
   for (const Variant& variant : variants) {
-    if (variant.method == Method::kThesis) continue;
+    if (variant.method == Method::kThesis || !options.only.empty()) continue;
     evaluateDesk(report, "dragon", {505, 330}, variant.motion, variant.name);
     evaluateDesk(report, "cube", {270, 300}, variant.motion, variant.name);
     evaluateDesk(report, "phantom", {430, 270}, variant.motion, variant.name);

@@ -24,6 +24,7 @@ struct Row {
 struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
+  std::string only;  ///< of the scenes of `motion`, the one of this name; empty: all
 };
 
 class Report {

@@ -167,6 +167,14 @@ TEST(Vision, AnObjectLeavingThePictureGetsLessVisible) {
   const std::vector<VisionResult> results = runAll(vision, source);
   EXPECT_GT(results[1].frame.objects.at(0).motion.visible_fraction, 0.98);
   EXPECT_LT(results[9].frame.objects.at(0).motion.visible_fraction, 0.45);
+  EXPECT_GT(results[9].frame.objects[0].motion.quality, 0.0);
+  for (const VisionResult& result : results) {
+    if (result.frame.objects.empty()) continue;
+    const Motion& motion = result.frame.objects[0].motion;
+    if (motion.visible_fraction < 0.25) {
+      EXPECT_EQ(motion.quality, 0.0);
+    }
+  }
   // The body goes on moving although its visible part hardly does.
   EXPECT_NEAR(results[6].frame.objects.at(0).motion.velocity_mm_s.x(), -8 * 0.5 * 25, 8);
 }
