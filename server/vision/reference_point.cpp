@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kRoundest = 0.93;      // shorter over longer axis of the outline, at least
 constexpr double kFitResidual = 0.03;   // of the radius
 constexpr double kRadiusAgrees = 0.08;  // fitted against that of the outline
-constexpr std::size_t kPoints = 1000;
+constexpr std::size_t kFitPoints = 1000;
 // Mean depth of a ball's visible half against the spread (5 to 95 %) of its depths.
 constexpr double kBehindPerSpread = 0.89;
 
@@ -48,7 +48,7 @@ std::vector<Vector3d> innerPoints(const Surface& surface, const CameraModel& cam
   const int window = 2 * (2 * margin / 3) + 1;
   cv::blur(surface.depth, smooth, {window, window});
   const double count = cv::countNonZero(inner);
-  const int step = std::max(1, static_cast<int>(std::sqrt(count / kPoints)));
+  const int step = std::max(1, static_cast<int>(std::sqrt(count / kFitPoints)));
   std::vector<Vector3d> out;
   for (int v = 0; v < inner.rows; v += step) {
     for (int u = 0; u < inner.cols; u += step) {

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr int kFinestSide_px = 220;  // objects that are larger are looked at in fewer pixels
 constexpr int kCoarsestSide_px = 24;
-constexpr std::size_t kPoints = 1500;
+constexpr std::size_t kTemplatePoints = 1500;
 constexpr std::size_t kFewestPoints = 40;
 constexpr std::size_t kOutlinePoints = 100;
 constexpr std::size_t kFewestOutline = 8;
@@ -68,7 +68,8 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
     if (levels_.empty()) addOutline(inside, depth, factor);
     inside = erodedBy(inside, 2);
     const auto count = static_cast<std::size_t>(cv::countNonZero(inside));
-    const int step = std::max(1, static_cast<int>(std::sqrt(double(count) / kPoints) + 0.7));
+    const int step =
+        std::max(1, static_cast<int>(std::sqrt(double(count) / kTemplatePoints) + 0.7));
     for (int v = 1; v < inside.rows - 1; v += step) {
       for (int u = 1; u < inside.cols - 1; u += step) {
         if (inside.at<uchar>(v, u) == 0) continue;

@@ -8,7 +8,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kCell_px = 16;
+constexpr int kLookCell_px = 16;
 constexpr double kAlike = 0.3;         // correlation of brightness
 constexpr double kAlikeAlone = 0.1;    // where there is no depth to ask
 constexpr double kChanged_mm = 50.0;   // of depth, or its twentieth
@@ -44,8 +44,8 @@ double changedDepth(const cv::Mat& a, const cv::Mat& b) {
 }  // namespace
 
 bool SceneCuts::next(const View& view) {
-  const cv::Size size(std::max(2, view.gray.cols / kCell_px),
-                      std::max(2, view.gray.rows / kCell_px));
+  const cv::Size size(std::max(2, view.gray.cols / kLookCell_px),
+                      std::max(2, view.gray.rows / kLookCell_px));
   cv::Mat gray;
   cv::Mat depth;
   cv::resize(view.gray, gray, size, 0, 0, cv::INTER_AREA);

@@ -10,7 +10,6 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;
-constexpr int kUsualWidth_px = 640;  // smaller pictures have no detail to spare
 
 // The box that `from` moves into.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {

@@ -13,8 +13,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kLattice_px = 4;  // in pictures up to kUsualWidth_px; in larger ones as many points
-constexpr int kUsualWidth_px = 640;
-constexpr int kFollowed = 2;  // times as coarse where planes are only followed
+constexpr int kFollowed = 2;    // times as coarse where planes are only followed
 constexpr int kTriples = 250;
 constexpr double kSmallestPlane = 0.06;
 constexpr double kSmallestGround = 0.02;  // of the picture, for a plane that is surely ground

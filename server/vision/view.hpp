@@ -14,6 +14,9 @@ namespace hapticast::server {
 /// thesis does.
 inline constexpr DepthRange kHeightRange{600.0, 1000.0};
 
+/// What constants in px are made for; larger pictures have detail to spare.
+inline constexpr int kUsualWidth_px = 640;
+
 struct View {
   cv::Mat color;  ///< CV_8UC3, BGR
   cv::Mat gray;   ///< CV_8UC1

@@ -157,8 +157,10 @@ void evaluateMotion(const Options& options) {
       "Velocity and acceleration as they are delivered, against the body's centre; run time is the "
       "stage's alone, one thread. `acceleration_filter`: the same poses through other windows; "
       "`Eq. 5 literal` is velocity over 1 ms, as printed.");
-  const Variant variants[] = {
-      {"rgbd", MotionMode::kRgbd}, {"lk", MotionMode::kLk}, {"depth", MotionMode::kDepth}};
+  const Variant variants[] = {{"rgbd", MotionMode::kRgbd},
+                              {"lk", MotionMode::kLk},
+                              {"depth", MotionMode::kDepth},
+                              {"thesis", MotionMode::kAuto, Method::kThesis}};
   for (const double fps : {25.0, 60.0}) {
     for (const Case& what : cases(options.quick)) {
       if (!options.only.empty() && what.name != options.only) continue;

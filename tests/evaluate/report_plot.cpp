@@ -153,7 +153,7 @@ void plotRows(const std::string& topic, const std::filesystem::path& out,
     std::ofstream file(script);
     const std::size_t columns = panels.size() > 1 ? 2 : 1;
     const std::size_t lines = (panels.size() + columns - 1) / columns;
-    file << "set terminal pngcairo size " << 760 * columns << ',' << 420 * lines
+    file << "set terminal pngcairo noenhanced size " << 760 * columns << ',' << 420 * lines
          << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines
          << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
          << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
