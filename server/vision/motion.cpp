@@ -16,7 +16,7 @@ constexpr double kPull = 0.05;
 // The strongest pull in a frame, px and share of the motion: an outline that changes is no motion,
 // but a centre that is off its true place has an error that grows with the motion.
 constexpr double kStrongestPull_px = 0.1;
-constexpr double kStrongestShare = 0.1;
+constexpr double kStrongestShare = 0.07;
 constexpr double kSpherePull = 0.03;  // its centre is known well
 constexpr double kStill_px = 0.03;    // below: at rest, not noise to be followed
 constexpr double kStill_rad = 0.0015;
