@@ -7,8 +7,10 @@
 
 #include "tests/evaluate/topics.hpp"
 
-int main(int argc, char** argv) {
-  using namespace hapticast::evaluate;
+namespace hapticast::evaluate {
+namespace {
+
+int run(int argc, char** argv) {
   const std::map<std::string, void (*)(const Options&)> topics{
       {"motion", evaluateMotion}, {"plan", evaluatePlan}, {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
@@ -27,14 +29,21 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   cv::setNumThreads(1);  // run times are of one thread
+  for (const auto& [name, evaluate] : topics) {
+    if (topic == "all" || topic == name) evaluate(options);
+  }
+  writeReport(options.out, names);
+  return 0;
+}
+
+}  // namespace
+}  // namespace hapticast::evaluate
+
+int main(int argc, char** argv) {
   try {
-    for (const auto& [name, run] : topics) {
-      if (topic == "all" || topic == name) run(options);
-    }
-    writeReport(options.out, names);
+    return hapticast::evaluate::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "hapticast-evaluate: %s\n", error.what());
     return 1;
   }
-  return 0;
 }
