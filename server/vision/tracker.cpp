@@ -205,9 +205,8 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
                      double time_s) {
   const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                   [&](const Track& t) { return t.id == segment.id; });
-  const bool blind = !hasDepth(view, segment.mask);
   if (known == tracks_.end()) {
-    if (!blind) start(segment, view, time_s);  // else there is nothing to touch yet
+    if (hasDepth(view, segment.mask)) start(segment, view, time_s);  // else nothing to touch yet
     return;
   }
   Track& track = *known;
@@ -220,6 +219,7 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   }
   const auto found = flows.find(segment.id);
   const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
+  const bool blind = !hasDepth(view, segment.mask);
   const bool repeated = blind || depthRepeats(view, segment.mask, flow);
   const Surface before = track.now.surface;
   const Surface seen =
@@ -229,14 +229,16 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
   if (blind) track.now.quality = std::min(track.now.quality, kBlindQuality);
   hold(track, view, repeated);
   track.now.plan->rest(track.now.atRest());
-  const Lap lap(settings_.clock, *track.now.plan, Stage::kMotion);
-  // Motion is measured on what this frame shows, not on what is held of the frames before.
-  track.now.pose = track.motion.advance({.flow = flow,
-                                         .view = view,
-                                         .surface = seen,
-                                         .repeated = repeated,
-                                         .at_rest = track.now.atRest(),
-                                         .visible_fraction = track.now.visible_fraction});
+  {
+    const Lap lap(settings_.clock, *track.now.plan, Stage::kMotion);
+    // Motion is measured on what this frame shows, not on what is held of the frames before.
+    track.now.pose = track.motion.advance({.flow = flow,
+                                           .view = view,
+                                           .surface = seen,
+                                           .repeated = repeated,
+                                           .at_rest = track.now.atRest(),
+                                           .visible_fraction = track.now.visible_fraction});
+  }
   measureCells(track, view, before, time_s);
   track.last_step = centroidOf(segment.mask) - centroidOf(track.mask);
   track.mask = segment.mask;

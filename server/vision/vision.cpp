@@ -138,13 +138,9 @@ class Vision::Impl {
     }
     last_objects_ = result.frame.objects;
     eraseGone(cutters_, last_objects_);
-    eraseGone(object_plans_, last_objects_);
     history_.add(id, time_s, objects);
-    plans_.clear();
-    for (const TrackedObject& object : objects) {
-      plans_[object.id] = object.plan->lines();
-      object_plans_[object.id] = object.plan;
-    }
+    for (const TrackedObject& object : objects) object_plans_[object.id] = object.plan;
+    eraseGone(object_plans_, last_objects_);
     pending_.push_back(std::move(result));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
     return takeReady();
@@ -158,7 +154,11 @@ class Vision::Impl {
   }
 
   [[nodiscard]] const StreamDescription& description() const { return description_; }
-  [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const { return plans_; }
+  [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const {
+    std::map<std::uint32_t, std::vector<PlanLine>> out;
+    for (const auto& [id, plan] : object_plans_) out[id] = plan->lines();
+    return out;
+  }
 
  private:
   [[nodiscard]] NominalFrame nominal() const {
@@ -278,7 +278,6 @@ class Vision::Impl {
   std::map<std::uint32_t, LayerCutter> cutters_;
   std::deque<double> live_accelerations_mm_s2_;
   std::vector<HapticObject> last_objects_;
-  std::map<std::uint32_t, std::vector<PlanLine>> plans_;
   std::map<std::uint32_t, std::shared_ptr<ScenePlan>> object_plans_;
   std::deque<VisionResult> pending_;
   std::deque<VisionResult> ready_;

@@ -77,6 +77,11 @@ double forceApart_N(const Clip& clip, const Run& plan, const Run& everything) {
   return count > 0 ? std::sqrt(square / double(count)) : 0.0;
 }
 
+// Where the object's centre is in the first picture.
+Vec2 objectAt(const TestSource& source) {
+  return source.view().workspace.toImage(source.centreAt(0.0).position_mm.head<2>());
+}
+
 std::vector<Clip> clips(bool quick) {
   std::vector<Clip> out;
   for (const server::SceneName& scene : server::kSceneNames) {
@@ -104,10 +109,7 @@ std::vector<Clip> clips(bool quick) {
       Clip clip;
       clip.name = scene.name + ", " + noisy.name;
       clip.info = source.info();
-      const Vec3 centre = longer.bodies[0].path(0.0).position_mm;
-      const server::CameraModel& camera = *clip.info.camera;
-      clip.settings.object_points_px = {{camera.fx_px * centre.x() / centre.z() + camera.cx_px,
-                                         camera.fy_px * centre.y() / centre.z() + camera.cy_px}};
+      clip.settings.object_points_px = {objectAt(source)};
       while (auto frame = source.read()) clip.frames.push_back(std::move(*frame));
       out.push_back(std::move(clip));
     }
@@ -124,10 +126,7 @@ void sustained(Report& report, int width_px, int height_px, bool own_mask) {
   std::vector<server::RgbdFrame> frames;
   while (auto frame = source.read()) frames.push_back(std::move(*frame));
   server::VisionSettings settings;
-  const Vec3 centre = scene.bodies[0].path(0.0).position_mm;
-  const server::CameraModel camera = *source.info().camera;
-  settings.object_points_px = {{camera.fx_px * centre.x() / centre.z() + camera.cx_px,
-                                camera.fy_px * centre.y() / centre.z() + camera.cy_px}};
+  settings.object_points_px = {objectAt(source)};
   server::Vision vision(source.info(), settings);
   server::FrameEncoder encoder;
   (void)vision.push(frames[0], mediaTime(0));  // the careful start is no frame's time
