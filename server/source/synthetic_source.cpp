@@ -8,18 +8,6 @@ namespace hapticast::server {
 
 namespace {
 
-cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness) {
-  const cv::Vec3f color = (dark + part * (light - dark)) * brightness;
-  return {cv::saturate_cast<std::uint8_t>(color[0]), cv::saturate_cast<std::uint8_t>(color[1]),
-          cv::saturate_cast<std::uint8_t>(color[2])};
-}
-
-/// Lambert with much ambient light: shape is visible, yet texture changes little as the body turns.
-float brightness(const Vec3& normal) {
-  const Vec3 to_light = Vec3(-0.4, -0.6, -0.7).normalized();  // from above left, behind the camera
-  return 0.6F + 0.45F * static_cast<float>(std::max(0.0, normal.normalized().dot(to_light)));
-}
-
 cv::Mat paintBackground(const SolidNoise& noise, int width_px, int height_px) {
   cv::Mat picture(height_px, width_px, CV_8UC3);
   const double mm_per_px = 640.0 / width_px;
@@ -41,6 +29,17 @@ Workspace pictureOf(int width_px, int height_px) {
 }
 
 }  // namespace
+
+cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness) {
+  const cv::Vec3f color = (dark + part * (light - dark)) * brightness;
+  return {cv::saturate_cast<std::uint8_t>(color[0]), cv::saturate_cast<std::uint8_t>(color[1]),
+          cv::saturate_cast<std::uint8_t>(color[2])};
+}
+
+float brightness(const Vec3& normal) {
+  const Vec3 to_light = Vec3(-0.4, -0.6, -0.7).normalized();  // from above left, behind the camera
+  return 0.6F + 0.45F * static_cast<float>(std::max(0.0, normal.normalized().dot(to_light)));
+}
 
 SyntheticSource::SyntheticSource(SceneKind kind, double fps, int width_px, int height_px)
     : scene_(kind, pictureOf(width_px, height_px)),

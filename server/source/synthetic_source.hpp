@@ -8,6 +8,12 @@
 
 namespace hapticast::server {
 
+/// A colour of a texture: `part` 0..1 of the way from dark to light (BGR, 0..255), lit.
+cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness);
+/// Lambert with much ambient light, from above left: shape is visible, yet texture changes little
+/// as the body turns. `normal`: outward, camera frame, any length.
+float brightness(const Vec3& normal);
+
 class SyntheticSource final : public RgbdSource {
  public:
   /// Frame n shows the scene at n / fps; the clip lasts scene.duration_s(). `fps` 1..240; the

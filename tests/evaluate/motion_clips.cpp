@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/persistence.hpp>
@@ -19,6 +18,7 @@
 #include "server/vision/motion_window.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/motion_clips.hpp"
+#include "tests/support/clips.hpp"
 
 namespace hapticast::evaluate {
 
@@ -132,9 +132,7 @@ std::vector<Motion> truthOf(const std::vector<Eigen::Isometry3d>& poses,
 
 void evaluateDesk(Report& report, const char* name, const Vec2& object_px, server::MotionMode mode,
                   const char* variant) {
-  const char* named = std::getenv("HAPTICAST_CLIPS");
-  const std::filesystem::path clip =
-      std::filesystem::path(named != nullptr ? named : HAPTICAST_CLIPS) / "visp_rbt_desk";
+  const std::filesystem::path clip = test::clipsFolder() / "visp_rbt_desk";
   if (!std::filesystem::exists(clip)) {
     std::fprintf(stderr, "no real clips at %s: their rows are left out\n", clip.c_str());
     return;

@@ -8,24 +8,18 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "server/source/synthetic_source.hpp"
+
 namespace hapticast::evaluate {
 
 namespace {
 
+using server::brightness;
+using server::mix;
+
 constexpr double kTilt_rad = 35.0 * CV_PI / 180.0;
 constexpr double kTableDistance_mm = 1000.0;
 constexpr double kWall_mm = 1250.0;
-
-cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness) {
-  const cv::Vec3f color = (dark + part * (light - dark)) * brightness;
-  return {cv::saturate_cast<uchar>(color[0]), cv::saturate_cast<uchar>(color[1]),
-          cv::saturate_cast<uchar>(color[2])};
-}
-
-float brightness(const Vec3& normal) {
-  const Vec3 to_light = Vec3(-0.4, -0.6, -0.7).normalized();
-  return 0.6F + 0.45F * static_cast<float>(std::max(0.0, normal.normalized().dot(to_light)));
-}
 
 server::SceneView viewOf(const TestScene& scene, int width_px, int height_px) {
   server::SceneView view;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Real captures: no truth, but an object must not be lost, and its outline changes little from
 // frame to frame. Masks are to be looked at on the contact sheets.
-#include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 
@@ -11,6 +10,7 @@
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/vision_parts.hpp"
 #include "tests/evaluate/vision_sheet.hpp"
+#include "tests/support/clips.hpp"
 
 namespace hapticast::evaluate {
 
@@ -25,11 +25,6 @@ const RealObject kObjects[] = {{"visp_rbt_desk", "dragon", {505, 330}},
                                {"visp_rbt_desk", "cube", {270, 300}},
                                {"visp_rbt_desk", "phantom", {430, 270}},
                                {"dkvfx_typing_person", "person", {125, 260}}};
-
-std::filesystem::path clipsFolder() {
-  const char* named = std::getenv("HAPTICAST_CLIPS");
-  return named != nullptr ? named : HAPTICAST_CLIPS;
-}
 
 struct Result {
   std::size_t frames = 0, lost = 0, ids = 0;
@@ -58,7 +53,7 @@ double changeOf(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& la
 }
 
 Result follow(const RealObject& object, const Options& options) {
-  const auto source = server::openSource((clipsFolder() / object.clip).string(), 0.0);
+  const auto source = server::openSource((test::clipsFolder() / object.clip).string(), 0.0);
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kBand;
   settings.object_points_px = {object.point_px};
@@ -99,9 +94,10 @@ Result follow(const RealObject& object, const Options& options) {
 
 void measureRealClips(const Options& options, Report& report) {
   for (const RealObject& object : kObjects) {
-    if (!std::filesystem::exists(clipsFolder() / object.clip)) {
+    if (!std::filesystem::exists(test::clipsFolder() / object.clip)) {
       report.say("Real object " + std::string(object.name) + ": skipped, there is no " +
-                 (clipsFolder() / object.clip).string() + " (HAPTICAST_CLIPS names the folder).");
+                 (test::clipsFolder() / object.clip).string() +
+                 " (HAPTICAST_CLIPS names the folder).");
       continue;
     }
     const Result result = follow(object, options);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
@@ -13,6 +12,7 @@
 
 #include "common/geometry.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "tests/support/clips.hpp"
 
 namespace hapticast::server::test {
 
@@ -134,11 +134,7 @@ class FunctionSource final : public RgbdSource {
   std::uint32_t epoch_ = 0;
 };
 
-/// Where the real clips are: $HAPTICAST_CLIPS, else beside the project.
-inline std::filesystem::path clipsFolder() {
-  const char* named = std::getenv("HAPTICAST_CLIPS");
-  return named != nullptr ? named : HAPTICAST_CLIPS;
-}
+using hapticast::test::clipsFolder;
 
 /// Frame `index` of a real clip (layout of the clips folder); nullopt past its end or where there
 /// is none.
