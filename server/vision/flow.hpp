@@ -18,6 +18,7 @@ struct ObjectFlow {
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< last px -> this px
   bool reliable = false;                     ///< the shift is measured; else it is the guess
   bool rotation_reliable = false;            ///< scale and rotation are measured too
+  bool stays = false;  ///< it is at rest and is not looked at: its mask is the last one
   std::vector<cv::Point2f>
       from;  ///< points on the object in the last frame that were found again ...
   std::vector<cv::Point2f> to;  ///< ... here

@@ -74,7 +74,9 @@ class BandSegmenter final : public Segmenter {
     followScene(view);
     for (Tracked& object : objects_) {
       if (object.lost == 0) {
-        follow(object, view, flows);
+        const auto flow = flows.find(object.id);
+        if (flow != flows.end() && flow->second.stays) continue;
+        follow(object, view, flow != flows.end() ? flow->second : ObjectFlow{});
       } else {
         search(object, view);
       }
@@ -192,9 +194,7 @@ class BandSegmenter final : public Segmenter {
     object.weak = 0;
   }
 
-  void follow(Tracked& object, const View& view, const Flows& flows) {
-    const auto found = flows.find(object.id);
-    const ObjectFlow flow = found != flows.end() ? found->second : ObjectFlow{};
+  void follow(Tracked& object, const View& view, const ObjectFlow& flow) {
     const Patch patch =
         patchAround(view, object.whole, flow.similarity, object.depth.nearest_mm(noise_));
     if (patch.empty()) {

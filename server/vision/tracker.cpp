@@ -61,20 +61,13 @@ PlanSettings Tracker::planSettings() const {
   return out;
 }
 
-bool Tracker::allRest(const View& view, bool identical) {
-  const auto leavesOut = [](const Track& track) {
-    return !track.now.plan->on(Stage::kMotion) && !track.now.plan->on(Stage::kSegment);
-  };
-  if (identical) return !settings_.plan.everything;
-  if (tracks_.empty() || settings_.method == Method::kThesis) return false;
-  for (Track& track : tracks_) {
-    if (track.lost > 0 || !track.now.atRest() || !leavesOut(track)) return false;
-  }
-  // One that does not stay leaves others counted once more: harmless, they are full of frames.
-  return std::all_of(tracks_.begin(), tracks_.end(), [&](Track& track) {
-    const double depth_mm = cv::mean(track.now.surface.depth, track.now.surface.mask)[0];
-    return track.hold.stays(view.gray, view.depth, noise_.at(depth_mm));
-  });
+bool Tracker::staysAtRest(Track& track, const View& view) const {
+  const ScenePlan& plan = *track.now.plan;
+  const bool left_out = !plan.on(Stage::kMotion) && !plan.on(Stage::kSegment);
+  if (settings_.method == Method::kThesis || track.lost > 0 || !track.now.atRest() || !left_out)
+    return false;
+  const double depth_mm = cv::mean(track.now.surface.depth, track.now.surface.mask)[0];
+  return track.hold.stays(view.gray, view.depth, noise_.at(depth_mm));
 }
 
 Flows Tracker::followTracks(const View& view) {
@@ -83,6 +76,8 @@ Flows Tracker::followTracks(const View& view) {
   for (Track& track : tracks_) {
     if (track.lost > 0) continue;
     ObjectFlow& flow = flows[track.id];
+    flow.stays = track.stays;
+    if (track.stays) continue;
     const Lap lap(settings_.clock, *track.now.plan, Stage::kMotion);
     // One tracker serves mask and motion; where it fails, corners tell where the mask went.
     if (!depthRepeats(view, track.mask, flow) && track.motion.find(view, flow)) continue;
@@ -196,13 +191,13 @@ void Tracker::start(const Segment& segment, const View& view, double time_s) {
                      segment.mask,
                      double(cv::countNonZero(segment.mask)),
                      0,
+                     false,
                      {0, 0},
                      {}});
   hold(tracks_.back(), view, false);
 }
 
-void Tracker::update(const Segment& segment, const View& view, const Flows& flows, bool identical,
-                     double time_s) {
+void Tracker::update(const Segment& segment, const View& view, const Flows& flows, double time_s) {
   const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                   [&](const Track& t) { return t.id == segment.id; });
   if (known == tracks_.end()) {
@@ -210,7 +205,7 @@ void Tracker::update(const Segment& segment, const View& view, const Flows& flow
     return;
   }
   Track& track = *known;
-  if (identical) {
+  if (track.stays) {
     track.now.pose = track.motion.pose();
     track.now.held_share = 1.0;
     track.now.plan->rest(true);
@@ -272,16 +267,20 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   }
   scene_cut_ = scene_cuts_.next(view);
   if (scene_cut_) forgetScene(view);
-  const bool identical = equalImages(view.color, last_.color) &&
+  const bool identical = !settings_.plan.everything && equalImages(view.color, last_.color) &&
                          equalImages(view.depth, last_.depth) && equalImages(view.mask, last_.mask);
-  for (Track& track : tracks_) track.now.plan->nextFrame();
-  const bool rest = allRest(view, identical);
+  bool all_stay = identical || !tracks_.empty();
+  for (Track& track : tracks_) {
+    track.now.plan->nextFrame();
+    track.stays = identical || staysAtRest(track, view);
+    all_stay = all_stay && track.stays;
+  }
   Flows flows;
-  if (!rest) {
+  if (!all_stay) {
     flows = followTracks(view);
     segment(view, flows);
   }
-  for (const Segment& segment : last_segments_) update(segment, view, flows, rest, time_s);
+  for (const Segment& segment : last_segments_) update(segment, view, flows, time_s);
   std::vector<TrackedObject> out;
   for (Track& track : tracks_) {
     const bool seen = std::any_of(last_segments_.begin(), last_segments_.end(),

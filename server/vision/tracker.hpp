@@ -59,6 +59,7 @@ class Tracker {
     cv::Mat mask;
     double full_area_px = 0.0;  // of the whole object, at its present size
     int lost = 0;
+    bool stays = false;  // in this frame nothing of it has changed
     cv::Vec2d last_step{0, 0};
     Hold hold;
   };
@@ -71,13 +72,13 @@ class Tracker {
   [[nodiscard]] static Surface carriedSurface(const Segment& segment, const Surface& before,
                                               const ObjectFlow& flow);
   [[nodiscard]] PlanSettings planSettings() const;
-  /// Whether nothing has changed, of all objects, since the last frame.
-  bool allRest(const View& view, bool identical);
+  /// Whether the frame shows the track as it is held, all of it at rest, and its plan leaves out
+  /// what would look at it again.
+  bool staysAtRest(Track& track, const View& view) const;
   [[nodiscard]] bool depthRepeats(const View& view, const cv::Mat& mask,
                                   const ObjectFlow& flow) const;
   void start(const Segment& segment, const View& view, double time_s);
-  void update(const Segment& segment, const View& view, const Flows& flows, bool identical,
-              double time_s);
+  void update(const Segment& segment, const View& view, const Flows& flows, double time_s);
   /// The thesis's dense flow, or what the rigid motion leaves over.
   void measureCells(Track& track, const View& view, const Surface& before, double time_s);
   /// Holds what is at rest of the track's new surface; does nothing where there is no noise.

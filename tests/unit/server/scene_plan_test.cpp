@@ -121,6 +121,48 @@ TEST(ScenePlan, FollowsASceneThatStopsAndMovesAgain) {
   }
 }
 
+// Two balls before one wall, cut out by the band method.
+RgbdFrame twoBalls(const test::BallScene& scene, std::uint64_t i, const Vec2& one,
+                   const Vec2& other) {
+  RgbdFrame frame = scene.frame(i, one.x(), one.y());
+  const RgbdFrame second = scene.frame(i, other.x(), other.y());
+  second.color.copyTo(frame.color, second.mask);
+  second.depth.copyTo(frame.depth, second.mask);
+  frame.mask.release();
+  return frame;
+}
+
+// What rests is left alone although something else moves, and is followed when it moves itself.
+TEST(ScenePlan, AnObjectAtRestIsLeftOutWhileAnotherMoves) {
+  const test::BallScene scene;
+  VisionSettings settings;
+  settings.object_points_px = {{80, 120}, {200, 120}};
+  settings.depth_range = DepthRange{650, 850};
+  Vision vision(scene.info(), settings);
+  Vec2 still(80, 120);
+  double moving_x = 200;
+  std::vector<VisionResult> results;
+  for (std::uint64_t i = 0; i < 90; ++i) {
+    moving_x = 200 + 25 * std::sin(0.1 * double(i));
+    if (i >= 60) still.y() += 1.0;
+    auto result =
+        vision.push(twoBalls(scene, i, still, {moving_x, 120}), mediaTime(double(i) / 25));
+    if (result) results.push_back(std::move(*result));
+    if (i != 55 && i != 75) continue;
+    const auto plans = vision.plan();
+    ASSERT_EQ(plans.size(), 2U);
+    for (const Stage stage : {Stage::kSegment, Stage::kMotion, Stage::kHeights}) {
+      EXPECT_EQ(plans.begin()->second[std::size_t(stage)].on, i == 75) << i;
+      EXPECT_TRUE(plans.rbegin()->second[std::size_t(stage)].on) << i;
+    }
+  }
+  const HapticFrame& rests = results[50].frame;
+  EXPECT_EQ(rests.objects[0].motion.velocity_mm_s.norm(), 0.0);
+  EXPECT_EQ(rests.objects[0].changed_in_frame, results[45].frame.objects[0].changed_in_frame);
+  EXPECT_NEAR(rests.objects[1].motion.velocity_mm_s.x(), 2.5 * std::cos(5.0) * 25 * 0.5, 1.0);
+  EXPECT_NEAR(results[80].frame.objects[0].motion.velocity_mm_s.y(), -25 * 0.5, 0.6);
+}
+
 // A ball whose lower part sways although its outline rests and drifts slowly.
 RgbdFrame swaying(const test::BallScene& scene, std::uint64_t i, double sway_px) {
   RgbdFrame frame = scene.frame(i, 130 + 0.5 * double(i), 120);

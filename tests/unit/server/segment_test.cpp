@@ -221,6 +221,26 @@ TEST(Segment, FollowsSeveralObjects) {
   }
 }
 
+// Who said so looked at its depth and colour; deciding it again would only cost time.
+TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
+  std::uint32_t id = 1;
+  test::BallScene scene;
+  scene.with_mask = false;
+  VisionSettings settings;
+  settings.object_points_px = {{100, 100}};
+  const auto segmenter = makeSegmenter(settings, false, id);
+  const cv::Mat first =
+      segmenter->next(makeView(scene.frame(0, 100, 100), scene.info()), {}).at(0).mask.clone();
+  const View moved = makeView(scene.frame(1, 104, 100), scene.info());
+  ObjectFlow flow;
+  flow.stays = true;
+  EXPECT_EQ(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 1.0);
+  flow = {};
+  flow.similarity(0, 2) = 4;
+  flow.reliable = true;
+  EXPECT_LT(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 0.97);
+}
+
 TEST(Segment, APointOfNotKeepsAnotherThingOfTheSameDepthOut) {
   // A red and a blue box side by side: one thing by depth, two by colour.
   RgbdFrame frame;
