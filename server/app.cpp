@@ -69,6 +69,7 @@ void App::run() {
     throw;
   }
   end();
+  if (failure_) std::rethrow_exception(failure_);  // of a frame after the last one published
 }
 
 void App::scan() {
@@ -78,7 +79,7 @@ void App::scan() {
     if (stop_) throw Stopped();
     if (media_clock_.now() - told < std::chrono::seconds(1)) return;
     told = media_clock_.now();
-    spdlog::info("looking through the clip for its depth range: {} of {} frames", done, total);
+    spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done, total);
   };
   try {
     if (!source_->info().live) vision_.scan(*source_, progress);

@@ -120,7 +120,12 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "Velocity from rigid alignment of colour and depth (rgbd), Lucas-Kanade (x, y), depth "
             "differences (z), or none. auto: rgbd");
   app.add_flag("--low-latency", vision.low_latency,
-               "One frame of lookahead instead of 80 to 120 ms: noisier accelerations, no impacts");
+               "One frame of lookahead instead of 80 to 120 ms; of a live source noisier "
+               "accelerations and no impacts");
+  app.add_flag(
+      "--compensate-pan", vision.compensate_pan,
+      "The camera pans: feel accelerations and impacts against the background, not against "
+      "the picture's frame");
   addNumber(
       app, "--error-budget", vision.plan.error_budget_N, 0.0, 1.0, "N 0..1",
       "Force that leaving stages out may cost; default: 0.007, a tenth of what a hand can tell "

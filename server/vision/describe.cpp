@@ -26,8 +26,14 @@ Vec3 NominalFrame::mmPerStep() const {
 Sample NominalFrame::sample(const Pose& pose, double time_s) const {
   const Vec2 plane = workspace.toNominal({pose.u_px, pose.v_px});
   const double height = (pose.depth_mm - range.far_mm) * mmPerStep().z();
-  return {time_s,   {plane.x(), plane.y(), height}, pose.angle_rad, pose.depth_seen, pose.seen,
-          pose.sure};
+  const Vec3 step = mmPerStep();
+  return {.time_s = time_s,
+          .position_mm = {plane.x(), plane.y(), height},
+          .angle_rad = pose.angle_rad,
+          .depth_seen = pose.depth_seen,
+          .seen = pose.seen,
+          .sure = pose.sure,
+          .background_mm = {step.x() * pose.background_px[0], step.y() * pose.background_px[1], 0}};
 }
 
 void MotionHistory::add(std::uint64_t frame, double time_s,
@@ -108,26 +114,6 @@ bool MotionHistory::hasCells(std::uint32_t id, std::uint64_t frame, int lookahea
       ++frames;
   }
   return frames == 2 * reach + 1;
-}
-
-std::vector<double> MotionHistory::accelerations_mm_s2(int lookahead,
-                                                       const NominalFrame& nominal) const {
-  std::vector<double> out;
-  const auto reach = static_cast<std::size_t>(lookahead);
-  for (const auto& [id, entries] : entries_) {
-    ImpactFinder impacts;
-    for (std::size_t i = reach; i + reach < entries.size(); ++i) {
-      const Window around = window(id, entries[i].frame, lookahead, nominal);
-      impacts.look(around.samples, *around.at);
-      const bool whole = around.samples.size() == 2 * reach + 1;
-      const double span_s = whole ? entries[i + reach].time_s - entries[i].time_s : 0.0;
-      if (!whole || entries[i].quality < kGoodQuality ||
-          !impacts.around(entries[i].time_s, span_s).empty())
-        continue;
-      out.push_back(motionFrom(around.samples, *around.at, lookahead).acceleration_mm_s2.norm());
-    }
-  }
-  return out;
 }
 
 double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2) {

@@ -57,10 +57,6 @@ class MotionHistory {
   [[nodiscard]] std::shared_ptr<const MotionGrid> grid(std::uint32_t id, std::uint64_t frame,
                                                        int lookahead,
                                                        const NominalFrame& nominal) const;
-  /// Sizes of the accelerations of all objects, from whole windows of well measured frames without
-  /// an impact in them.
-  [[nodiscard]] std::vector<double> accelerations_mm_s2(int lookahead,
-                                                        const NominalFrame& nominal) const;
 
  private:
   std::map<std::uint32_t, std::deque<Entry>> entries_;

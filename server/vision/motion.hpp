@@ -26,6 +26,8 @@ struct Pose {
   bool sure = true;  ///< false: alignment failed and another method took over; it may be off by
                      ///< a jump
   ReferencePoint point = ReferencePoint::kVisibleCentroid;
+  cv::Vec2d background_px{0, 0};  ///< how far the background has moved here since the track began;
+                                  ///< set by who compensates the camera's pan
 };
 
 /// What is new of one object in a frame.

@@ -18,7 +18,16 @@ struct Sample {
   bool depth_seen = true;  ///< false: position_mm.z() is no measurement
   bool seen = true;        ///< false: none of it is
   bool sure = true;        ///< false: a jump to here may not be the object's
+  /// How far the background has moved where the object is, since some instant; zero unless the
+  /// camera's pan is to be compensated.
+  Vec3 background_mm = Vec3::Zero();
+
+  /// Where it would be seen by a camera that does not pan.
+  [[nodiscard]] Vec3 steady_mm() const { return position_mm - background_mm; }
 };
+
+/// The samples as a camera that does not pan would have seen them; empty where it did not.
+std::vector<Sample> steadied(const std::vector<Sample>& samples);
 
 /// Frames of lookahead: a window constant in time (7 frames at 25-30 fps, 11 at 60).
 int lookaheadFrames(double fps);
@@ -26,8 +35,8 @@ int lookaheadFrames(double fps);
 /// Position, velocity, acceleration, angle and angular velocity at samples[at]. `samples`: up to
 /// the lookahead on either side, in order of time, without gaps. Order 4 over the whole window; at
 /// the ends of a track a shorter window of lower order. Where the whole window does not fit (a
-/// bounce in it) the best of the windows on one side or shortened ones is taken. Other fields of
-/// the result keep their defaults.
+/// bounce in it) the best of the windows on one side or shortened ones is taken. The acceleration
+/// is that against the background. Other fields of the result keep their defaults.
 Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookahead);
 
 }  // namespace hapticast::server

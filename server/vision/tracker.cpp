@@ -11,9 +11,11 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kRepeated = 0.98;
-constexpr double kFewestDepth = 0.02;  // of the mask, to make a surface of
-constexpr double kTooLittle = 0.25;    // visible fraction
-constexpr double kBlindQuality = 0.5;  // at most: followed without depth
+constexpr double kFewestDepth = 0.02;            // of the mask, to make a surface of
+constexpr double kTooLittle = 0.25;              // visible fraction
+constexpr double kBlindQuality = 0.5;            // at most: followed without depth
+constexpr int kBesideObjects_px = 4;             // at half size: their rims are no background
+constexpr double kStandingBackground_px = 0.03;  // a step of less is noise
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
@@ -53,6 +55,7 @@ void Tracker::forgetScene(const View& view) {
   tracks_.clear();
   last_segments_.clear();
   last_ = {};
+  last_small_gray_.release();
 }
 
 PlanSettings Tracker::planSettings() const {
@@ -84,6 +87,28 @@ Flows Tracker::followTracks(const View& view) {
     flow = trackObject(last_.gray, view.gray, track.mask, track.last_step);
   }
   return flows;
+}
+
+// The background's own flow, at half size: a pan is the same everywhere, and corners of half size
+// are as good (motion notes, section 2.4).
+void Tracker::followBackground(const View& view) {
+  cv::Mat small;
+  cv::resize(view.gray, small, {}, 0.5, 0.5, cv::INTER_AREA);
+  std::swap(small, last_small_gray_);
+  if (small.empty() || tracks_.empty()) return;
+  cv::Mat background(view.gray.size(), CV_8UC1, cv::Scalar(255));
+  for (const Track& track : tracks_) background.setTo(0, track.mask);
+  cv::resize(background, background, small.size(), 0, 0, cv::INTER_NEAREST);
+  background = erodedBy(background, kBesideObjects_px);
+  const ObjectFlow flow =
+      trackObject(small, last_small_gray_, background, 0.5 * last_background_step_px_);
+  if (!flow.reliable) return;
+  for (Track& track : tracks_) {
+    const cv::Point2d at(0.5 * track.now.pose.u_px, 0.5 * track.now.pose.v_px);
+    const cv::Point2d step = 2.0 * (flow.carry(at) - at);
+    last_background_step_px_ = {step.x, step.y};
+    if (cv::norm(step) > kStandingBackground_px) track.background_px += cv::Vec2d(step.x, step.y);
+  }
 }
 
 void Tracker::segment(const View& view, const Flows& flows) {
@@ -193,7 +218,8 @@ void Tracker::start(const Segment& segment, const View& view, double time_s) {
                      0,
                      false,
                      {0, 0},
-                     {}});
+                     {},
+                     {0, 0}});
   hold(tracks_.back(), view, false);
 }
 
@@ -280,6 +306,7 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
     flows = followTracks(view);
     segment(view, flows);
   }
+  if (settings_.compensate_pan && !identical) followBackground(view);
   for (const Segment& segment : last_segments_) update(segment, view, flows, time_s);
   std::vector<TrackedObject> out;
   for (Track& track : tracks_) {
@@ -287,6 +314,7 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
                                   [&](const Segment& s) { return s.id == track.id; });
     track.lost = seen ? 0 : track.lost + 1;
     track.now.seen = seen;
+    track.now.pose.background_px = track.background_px;
     if (!seen) {
       const double left = 1.0 - double(track.lost) / (kKeepLost + 1);
       track.now.quality = std::min(track.now.quality, left);

@@ -62,11 +62,14 @@ class Tracker {
     bool stays = false;  // in this frame nothing of it has changed
     cv::Vec2d last_step{0, 0};
     Hold hold;
+    cv::Vec2d background_px{0, 0};  // how far it has moved behind the object
   };
 
   void learnNoise(const View& view);
   void forgetScene(const View& view);
   [[nodiscard]] Flows followTracks(const View& view);
+  /// How far the background has moved, for those who feel its motion taken off.
+  void followBackground(const View& view);
   void segment(const View& view, const Flows& flows);
   [[nodiscard]] Surface surfaceOf(const Segment& segment, const View& view, ScenePlan& plan) const;
   [[nodiscard]] static Surface carriedSurface(const Segment& segment, const Surface& before,
@@ -95,6 +98,8 @@ class Tracker {
   SceneCuts scene_cuts_;
   bool scene_cut_ = false;
   View last_;
+  cv::Mat last_small_gray_;  // for the background
+  cv::Vec2d last_background_step_px_{0, 0};
   double last_time_s_ = 0.0;
   std::vector<Segment> last_segments_;
   std::vector<Track> tracks_;

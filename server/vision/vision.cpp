@@ -8,6 +8,7 @@
 
 #include "common/wire_limits.hpp"
 #include "server/vision/describe.hpp"
+#include "server/vision/frame_motion.hpp"
 #include "server/vision/range.hpp"
 #include "server/vision/tracker.hpp"
 
@@ -17,10 +18,6 @@ namespace {
 
 constexpr std::uint64_t kLongestScan =
     600;  // frames; of a longer clip only its beginning is looked through
-constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
-constexpr double kUsualMass_kg = 0.5;
-constexpr double kFastest_mm_s = 1e4;  // of a grid's cells: beyond, they were lost
-constexpr double kHardest_mm_s2 = 1e6;
 constexpr double kClipMargin = 0.05;  // of the objects' span in depth, on either side
 constexpr double kLiveMargin = 0.5;   // they have more to show than what the first frame holds
 
@@ -57,18 +54,6 @@ void eraseGone(std::map<std::uint32_t, Kept>& kept, const std::vector<HapticObje
   });
 }
 
-// Of an object in layers it is no layer's; a viewer would refuse it.
-bool covers(const MotionGrid& grid, const Relief& relief) {
-  const auto cells = [](int px) { return (px + kGridCell_px - 1) / kGridCell_px; };
-  const auto sane = [](const std::vector<Eigen::Vector3f>& values, double limit) {
-    return std::all_of(values.begin(), values.end(), [&](const Eigen::Vector3f& v) {
-      return v.allFinite() && double(v.cwiseAbs().maxCoeff()) < limit;
-    });
-  };
-  return grid.columns == cells(relief.rect.width) && grid.rows == cells(relief.rect.height) &&
-         sane(grid.velocity_mm_s, kFastest_mm_s) && sane(grid.acceleration_mm_s2, kHardest_mm_s2);
-}
-
 }  // namespace
 
 class Vision::Impl {
@@ -76,7 +61,8 @@ class Vision::Impl {
   Impl(const SourceInfo& info, VisionSettings settings)
       : info_(info),
         settings_(std::move(settings)),
-        lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)) {
+        lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)),
+        motion_(info_, settings_, lookahead_) {
     checkPoints(info_, settings_.object_points_px, "--object");
     checkPoints(info_, settings_.not_points_px, "--not");
     description_.name = info_.name;
@@ -98,7 +84,7 @@ class Vision::Impl {
     if (info_.live) return;
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, ids, start_);
-    MotionHistory history;
+    ClipMotion clip;
     RangeFinder finder;
     const std::uint64_t total = std::min(kLongestScan, info_.frame_count.value_or(kLongestScan));
     std::uint64_t done = 0;
@@ -107,15 +93,17 @@ class Vision::Impl {
       if (!frame) break;
       const double time_s = double(done) / info_.fps;
       const std::vector<TrackedObject> objects = tracker.next(*frame, time_s);
-      history.add(done, time_s, objects);
+      clip.see(frame->index, time_s, objects);
       for (const TrackedObject& object : objects) finder.add(object.surface, tracker.noise());
       if (progress) progress(done + 1, std::max(total, done + 1));
     }
     source.rewind();
     if (!range_) range_ = finder.range(kClipMargin);
     if (!range_) return;  // no object in the clip
-    std::vector<double> accelerations = history.accelerations_mm_s2(lookahead_, nominal());
+    clip.smooth(nominal(), lookahead_, done < kLongestScan);
+    std::vector<double> accelerations = clip.accelerations_mm_s2(lookahead_ / info_.fps);
     description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
+    if (settings_.method != Method::kThesis) motion_.knowClip(std::move(clip));
   }
 
   std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time) {
@@ -125,7 +113,8 @@ class Vision::Impl {
     if (tracker_->sceneCut()) startEpoch();
     if (!range_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
-    VisionResult result;
+    Pending pending{{}, frame.index};
+    VisionResult& result = pending.result;
     result.frame.epoch = epoch_;
     result.frame.id = id;
     result.frame.media_time = media_time;
@@ -138,10 +127,8 @@ class Vision::Impl {
     }
     last_objects_ = result.frame.objects;
     eraseGone(cutters_, last_objects_);
-    history_.add(id, time_s, objects);
-    for (const TrackedObject& object : objects) object_plans_[object.id] = object.plan;
-    eraseGone(object_plans_, last_objects_);
-    pending_.push_back(std::move(result));
+    motion_.see(id, time_s, objects);
+    pending_.push_back(std::move(pending));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
     return takeReady();
   }
@@ -156,7 +143,7 @@ class Vision::Impl {
   [[nodiscard]] const StreamDescription& description() const { return description_; }
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const {
     std::map<std::uint32_t, std::vector<PlanLine>> out;
-    for (const auto& [id, plan] : object_plans_) out[id] = plan->lines();
+    for (const auto& [id, plan] : motion_.plans()) out[id] = plan->lines();
     return out;
   }
 
@@ -168,8 +155,7 @@ class Vision::Impl {
   // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
   void startEpoch() {
     while (!pending_.empty()) complete();
-    history_ = {};
-    impacts_.clear();
+    motion_.forget();
     cutters_.clear();
     last_objects_.clear();
     ++epoch_;
@@ -177,6 +163,7 @@ class Vision::Impl {
 
   void restart(std::uint32_t source_epoch) {
     startEpoch();
+    motion_.beginClip(next_object_id_);
     tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_, start_);
     source_epoch_ = source_epoch;
   }
@@ -189,70 +176,11 @@ class Vision::Impl {
 
   // The oldest pending frame gets its motion from the window around it.
   void complete() {
-    VisionResult result = std::move(pending_.front());
+    Pending pending = std::move(pending_.front());
     pending_.pop_front();
-    const std::uint64_t id = result.frame.id;
-    const HapticObject* nearer = nullptr;  // layer of the same object
-    for (HapticObject& object : result.frame.objects) {
-      if (nearer != nullptr && nearer->id == object.id) {
-        object.motion = nearer->motion;
-        object.impacts = nearer->impacts;
-        continue;
-      }
-      nearer = &object;
-      Motion motion = history_.motion(object.id, id, lookahead_, nominal());
-      motion.quality = object.motion.quality;
-      motion.visible_fraction = object.motion.visible_fraction;
-      object.motion = motion;
-      findImpacts(object, result.frame);
-      if (settings_.method == Method::kThesis)
-        object.grid = history_.grid(object.id, id, lookahead_, nominal());
-      else
-        addResidual(object, id);
-      if (info_.live) boundAcceleration(object);
-    }
-    eraseGone(impacts_, result.frame.objects);
-    const auto reach = static_cast<std::uint64_t>(lookahead_);
-    if (id > reach) history_.dropBefore(id - reach);
-    ready_.push_back(std::move(result));
-  }
-
-  // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
-  // usual mass it is more than the error budget.
-  void addResidual(HapticObject& object, std::uint64_t id) {
-    const auto plan = object_plans_.find(object.id);
-    if (plan == object_plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
-    auto grid = history_.grid(object.id, id, lookahead_, nominal());
-    if (grid == nullptr) return;
-    double square = 0;
-    for (const Eigen::Vector3f& a : grid->acceleration_mm_s2) square += double(a.squaredNorm());
-    const double rms_m_s2 =
-        1e-3 *
-        std::sqrt(square / double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size())));
-    const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * rms_m_s2;
-    if (plan->second->residual(felt_N) && covers(*grid, *object.relief)) object.grid = grid;
-  }
-
-  // An impact between this frame and the next is known now; those of the frames before are repeated
-  // for a viewer who has missed them.
-  void findImpacts(HapticObject& object, const HapticFrame& frame) {
-    const MotionHistory::Window around =
-        history_.window(object.id, frame.id, lookahead_, nominal());
-    if (!around.at) return;
-    ImpactFinder& finder = impacts_[object.id];
-    finder.look(around.samples, *around.at);
-    object.impacts = finder.around(toSeconds(frame.media_time), lookahead_ / info_.fps);
-  }
-
-  // Of a live source: never falls.
-  void boundAcceleration(const HapticObject& object) {
-    if (object.motion.quality < kGoodQuality || !object.impacts.empty()) return;
-    live_accelerations_mm_s2_.push_back(object.motion.acceleration_mm_s2.norm());
-    if (live_accelerations_mm_s2_.size() < kFewestForBound) return;  // stays unknown
-    if (live_accelerations_mm_s2_.size() > kLongestScan) live_accelerations_mm_s2_.pop_front();
-    std::vector<double> recent(live_accelerations_mm_s2_.begin(), live_accelerations_mm_s2_.end());
-    double& largest = description_.largest_acceleration_mm_s2;
-    largest = std::max(largest, largestAcceleration_mm_s2(recent));
+    motion_.complete(pending.result.frame, pending.clip_frame, nominal());
+    if (info_.live) description_.largest_acceleration_mm_s2 = motion_.largestAcceleration_mm_s2();
+    ready_.push_back(std::move(pending.result));
   }
 
   std::optional<VisionResult> takeReady() {
@@ -261,6 +189,11 @@ class Vision::Impl {
     ready_.pop_front();
     return result;
   }
+
+  struct Pending {
+    VisionResult result;
+    std::uint64_t clip_frame = 0;
+  };
 
   SourceInfo info_;
   VisionSettings settings_;
@@ -273,13 +206,10 @@ class Vision::Impl {
   std::uint32_t source_epoch_ = 0;
   RememberedStart start_;  // a clip that is looped, or was scanned, starts as it did
   std::unique_ptr<Tracker> tracker_;
-  MotionHistory history_;
-  std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id
-  std::map<std::uint32_t, LayerCutter> cutters_;
-  std::deque<double> live_accelerations_mm_s2_;
+  FrameMotion motion_;
+  std::map<std::uint32_t, LayerCutter> cutters_;  // by object id
   std::vector<HapticObject> last_objects_;
-  std::map<std::uint32_t, std::shared_ptr<ScenePlan>> object_plans_;
-  std::deque<VisionResult> pending_;
+  std::deque<Pending> pending_;
   std::deque<VisionResult> ready_;
 };
 

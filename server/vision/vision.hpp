@@ -32,8 +32,11 @@ struct VisionSettings {
   Material material;              ///< --stiffness, --friction
   std::optional<double> mass_kg;  ///< --mass
   PlanSettings plan;              ///< --plan, --error-budget
-  bool low_latency = false;       ///< --low-latency: one frame of lookahead, no impacts
-  const Clock* clock = nullptr;   ///< to tell how long stages take; null: nobody asks
+  /// --low-latency: one frame of lookahead; impacts only in a clip that was scanned.
+  bool low_latency = false;
+  /// --compensate-pan: accelerations and impacts against the background instead of the picture.
+  bool compensate_pan = false;
+  const Clock* clock = nullptr;  ///< to tell how long stages take; null: nobody asks
 };
 
 /// One frame out of vision, `lookahead` frames after it went in.

@@ -20,12 +20,14 @@ struct Variant {
   const char* name;
   MotionMode motion;
   Method method = Method::kHapticast;
+  bool compensate_pan = false;
 };
 
 struct Case {
   std::string name;
   TestScene scene;
   Sensor sensor;
+  bool large = false;  ///< 1920x1080 instead of 640x480, of the default estimator only
 };
 
 struct Errors {
@@ -52,6 +54,7 @@ Errors run(const Case& what, const Variant& variant, const TestSource& source,
   server::VisionSettings settings;
   settings.motion = variant.motion;
   settings.method = variant.method;
+  settings.compensate_pan = variant.compensate_pan;
   settings.segment = server::SegmentMode::kSource;
   const ThreadClock clock;
   settings.clock = &clock;
@@ -143,7 +146,8 @@ std::vector<Case> cases(bool quick) {
     shifted.sensor.misalignment_px = 2;
     Case far{"shift 4 px", scene, usual};
     far.sensor.misalignment_px = 4;
-    for (const Case& more : {noisy, coarse, exact, stereo, flight, shifted, far})
+    const Case large{"1920x1080", scene, usual, true};
+    for (const Case& more : {noisy, coarse, exact, stereo, flight, shifted, far, large})
       out.push_back(more);
   }
   return out;
@@ -157,21 +161,28 @@ void evaluateMotion(const Options& options) {
       "Velocity and acceleration as they are delivered, against the body's centre; run time is the "
       "stage's alone, one thread. `acceleration_filter`: the same poses through other windows; "
       "`Eq. 5 literal` is velocity over 1 ms, as printed.");
-  const Variant variants[] = {{"rgbd", MotionMode::kRgbd},
-                              {"lk", MotionMode::kLk},
-                              {"depth", MotionMode::kDepth},
-                              {"thesis", MotionMode::kAuto, Method::kThesis}};
+  const Variant variants[] = {
+      {"rgbd", MotionMode::kRgbd},
+      {"lk", MotionMode::kLk},
+      {"depth", MotionMode::kDepth},
+      {"rgbd, pan compensated", MotionMode::kRgbd, Method::kHapticast, true},
+      {"thesis", MotionMode::kAuto, Method::kThesis}};
   for (const double fps : {25.0, 60.0}) {
     for (const Case& what : cases(options.quick)) {
       if (!options.only.empty() && what.name != options.only) continue;
-      TestSource source(what.scene, what.sensor, fps, true);
+      if (what.large && fps != 25.0) continue;
+      TestSource source(what.scene, what.sensor, fps, true, what.large ? 1920 : 640,
+                        what.large ? 1080 : 480);
       std::vector<server::RgbdFrame> clip;
       while (auto frame = source.read()) clip.push_back(std::move(*frame));
-      if (what.scene.impacts_s.empty() && what.name != "static" && what.name != "rotonly")
+      if (what.scene.impacts_s.empty() && !what.large && what.name != "static" &&
+          what.name != "rotonly")
         evaluateFilters(report, what.name + (fps == 25.0 ? "@25" : "@60"), source, clip);
       for (const Variant& variant : variants) {
+        if (variant.compensate_pan && what.scene.pan_px == 0.0) continue;
+        if (what.large && variant.motion != MotionMode::kRgbd) continue;
         const Errors e = run(what, variant, source, clip);
-        const bool usual = variant.motion == MotionMode::kRgbd;
+        const bool usual = variant.motion == MotionMode::kRgbd && !variant.compensate_pan;
         const std::string scene = what.name + (fps == 25.0 ? "@25" : "@60");
         report.add({scene, "velocity", variant.name, e.velocity_px, "px/frame", e.time_us, usual,
                     variant.method == Method::kThesis});
@@ -194,7 +205,8 @@ void evaluateMotion(const Options& options) {
     }
   }
   for (const Variant& variant : variants) {
-    if (variant.method == Method::kThesis || !options.only.empty()) continue;
+    if (variant.method == Method::kThesis || variant.compensate_pan || !options.only.empty())
+      continue;
     evaluateDesk(report, "dragon", {505, 330}, variant.motion, variant.name);
     evaluateDesk(report, "cube", {270, 300}, variant.motion, variant.name);
     evaluateDesk(report, "phantom", {430, 270}, variant.motion, variant.name);

@@ -94,7 +94,7 @@ TestSource::TestSource(TestScene scene, Sensor sensor, double fps, bool give_mas
   info_.frame_count = static_cast<std::uint64_t>(std::llround(scene_.duration_s * fps));
   info_.depth_range = view_.range;
   info_.camera = view_.camera;
-  if (scene_.pan_px_s == 0.0) {
+  if (scene_.pan_px == 0.0) {
     Picture still;
     still.color = cv::Mat::zeros(height_px, width_px, CV_8UC3);
     still.depth.create(height_px, width_px, CV_32FC1);
@@ -106,9 +106,18 @@ TestSource::TestSource(TestScene scene, Sensor sensor, double fps, bool give_mas
   random.fill(fixed_noise_, cv::RNG::NORMAL, 0.0, 1.0);
 }
 
+double TestSource::panAt_px(double time_s) const {
+  return scene_.pan_px * std::sin(2 * CV_PI * scene_.pan_hz * time_s) * info_.width_px / 640.0;
+}
+
+double TestSource::panSpeedAt_px_s(double time_s) const {
+  const double turn = 2 * CV_PI * scene_.pan_hz;
+  return scene_.pan_px * turn * std::cos(turn * time_s) * info_.width_px / 640.0;
+}
+
 void TestSource::drawBackground(double time_s, bool color, Picture& out) const {
   const double mm_per_px = 640.0 / info_.width_px;
-  const double pan_px = scene_.pan_px_s * time_s * info_.width_px / 640.0;
+  const double pan_px = panAt_px(time_s);
   const cv::Vec3f dark = scene_.same_colors ? scene_.bodies[0].dark : cv::Vec3f{70, 60, 45};
   const cv::Vec3f light = scene_.same_colors ? scene_.bodies[0].light : cv::Vec3f{150, 140, 115};
   for (int v = 0; v < info_.height_px; ++v) {
@@ -130,7 +139,7 @@ void TestSource::drawBackground(double time_s, bool color, Picture& out) const {
 void TestSource::drawBody(const Body& body, std::size_t index, double time_s, bool color,
                           Picture& out) const {
   const server::BodyState state = body.path(time_s);
-  const double pan_px = scene_.pan_px_s * time_s * info_.width_px / 640.0;
+  const double pan_px = panAt_px(time_s);
   const server::SceneInstant ellipsoid(view_, state, body.half_size_mm, 0.0);
   const bool box = body.shape == Shape::kBox;
   PixelRect reach = ellipsoid.boundingBox();
@@ -351,10 +360,9 @@ Motion TestSource::centreAt(double time_s) const {
                                  [](const Body& b) { return b.is_object; });
   const server::BodyState state = body->path(time_s);
   Motion out = view_.project(state.position_mm, state.velocity_mm_s, state.acceleration_mm_s2);
-  const double pan_mm_s =
-      scene_.pan_px_s * info_.width_px / 640.0 * view_.workspace.mmPerPixel().x();
-  out.position_mm.x() += pan_mm_s * time_s;
-  out.velocity_mm_s.x() += pan_mm_s;
+  const double mm_per_px = view_.workspace.mmPerPixel().x();
+  out.position_mm.x() += panAt_px(time_s) * mm_per_px;
+  out.velocity_mm_s.x() += panSpeedAt_px_s(time_s) * mm_per_px;
   out.angular_velocity_rad_s = -state.angular_velocity_rad_s.z();
   return out;
 }

@@ -56,7 +56,8 @@ struct TestScene {
   double duration_s = 3.0;
   server::DepthRange range{600.0, 1300.0};
   bool table = false;  ///< a table seen at 35 degrees, through (0, 0, 1000); else a wall at 1250 mm
-  double pan_px_s = 0.0;     ///< the camera turns: everything moves right by this
+  double pan_px = 0.0;       ///< the camera swings by this to either side, in px of a width of 640:
+  double pan_hz = 0.0;       ///< everything moves right by pan_px sin(2 pi pan_hz t)
   bool blur = false;         ///< half a frame of exposure
   bool same_colors = false;  ///< the background has the first body's colours
   std::vector<double> impacts_s;
@@ -76,8 +77,9 @@ class TestSource final : public server::RgbdSource {
   /// scene, rate and size; the pictures stay in memory.
   void sharePictures(TestSource& other);
 
-  /// Truth of frame `index`: motion of the first object body's centre (nominal mm, pan included in
-  /// the picture), its mask (0 / 255), depth (mm), and the share of it that is seen.
+  /// Truth of frame `index`: motion of the first object body's centre (nominal mm, position and
+  /// velocity in the picture, acceleration against the background), its mask (0 / 255), depth (mm),
+  /// and the share of it that is seen.
   struct Truth {
     Motion centre;
     cv::Mat mask;
@@ -96,6 +98,8 @@ class TestSource final : public server::RgbdSource {
     cv::Mat body;            // CV_8UC1, 1 + index of the visible body
     double object_px = 0.0;  // of the object without what is in its way
   };
+  [[nodiscard]] double panAt_px(double time_s) const;
+  [[nodiscard]] double panSpeedAt_px_s(double time_s) const;
   [[nodiscard]] Picture draw(double time_s, bool color) const;
   [[nodiscard]] Picture drawFrame(std::uint64_t index) const;
   void drawBackground(double time_s, bool color, Picture& out) const;

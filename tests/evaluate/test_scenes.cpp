@@ -114,7 +114,8 @@ std::vector<TestScene> motionScenes() {
       ballScene("occl", swinging({0, 220, 0.5, -1.2}, {0, 60, 0.7, 0.7}, {1000, 40, 0.6, 1.0})));
   out.back().bodies.push_back(bar());
   out.push_back(ballScene("pan", generalPath(kTurn)));
-  out.back().pan_px_s = 60.0;
+  out.back().pan_px = 60.0;
+  out.back().pan_hz = 0.5;
   out.push_back(
       ballScene("leave", swinging({0, 480, 0.3, 0.0}, {0, 80, 0.6, 0.7}, {1000, 60, 0.5, 1.0})));
   out.push_back(ballScene("touch", generalPath(kTurn)));

@@ -73,9 +73,6 @@ TEST(Describe, HistoryGivesMotionInNominalUnits) {
   EXPECT_NEAR(motion.velocity_mm_s.z(), 1.0 * 25,
               1e-6);  // 10 mm of depth are 1 mm of height, nearer is higher
   EXPECT_EQ(motion.reference_point, ReferencePoint::kVisibleCentroid);
-  const std::vector<double> accelerations = history.accelerations_mm_s2(3, nominalFrame());
-  ASSERT_EQ(accelerations.size(), 3U);  // whole windows only
-  for (const double acceleration : accelerations) EXPECT_NEAR(acceleration, 0, 1e-6);
 }
 
 TEST(Describe, ALostObjectRestsWhereItWasSeenLast) {

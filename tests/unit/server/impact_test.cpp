@@ -146,24 +146,6 @@ TEST(Impact, AllOfASceneAreFoundAndNoOthers) {
   EXPECT_GT(next, 2U);
 }
 
-TEST(Impact, ABounceDoesNotCountAsAcceleration) {
-  MotionHistory history;
-  Workspace workspace;
-  const NominalFrame nominal{workspace, {600, 900}};
-  for (std::uint64_t i = 0; i < 40; ++i) {
-    TrackedObject object;
-    object.id = 5;
-    const double s = std::abs(double(i) / 25 - 0.813);
-    object.pose = {300, 300 - (4 * 600 * s - 4 * 500 * s * s), 700, 0.0, true};
-    object.quality = i < 30 ? 1.0 : 0.3;  // not to be trusted
-    if (i >= 34) object.pose.u_px += 40.0 * double(i % 2);
-    history.add(i, double(i) / 25, {object});
-  }
-  std::vector<double> accelerations = history.accelerations_mm_s2(3, nominal);
-  EXPECT_GT(accelerations.size(), 10U);
-  EXPECT_NEAR(largestAcceleration_mm_s2(accelerations), 1000, 30);
-}
-
 TEST(Impact, TheLargestAccelerationLeavesOutTheWorstHundredth) {
   std::vector<double> values(301, 50.0);
   values[7] = 1e6;

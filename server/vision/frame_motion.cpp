@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/frame_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr std::size_t kLiveFrames = 600;     // that the running bound looks back on
+constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
+constexpr double kUsualMass_kg = 0.5;
+constexpr double kFastest_mm_s = 1e4;  // of a grid's cells: beyond, they were lost
+constexpr double kHardest_mm_s2 = 1e6;
+
+// Of an object in layers it is no layer's; a viewer would refuse it.
+bool covers(const MotionGrid& grid, const Relief& relief) {
+  const auto cells = [](int px) { return (px + kGridCell_px - 1) / kGridCell_px; };
+  const auto sane = [](const std::vector<Eigen::Vector3f>& values, double limit) {
+    return std::all_of(values.begin(), values.end(), [&](const Eigen::Vector3f& v) {
+      return v.allFinite() && double(v.cwiseAbs().maxCoeff()) < limit;
+    });
+  };
+  return grid.columns == cells(relief.rect.width) && grid.rows == cells(relief.rect.height) &&
+         sane(grid.velocity_mm_s, kFastest_mm_s) && sane(grid.acceleration_mm_s2, kHardest_mm_s2);
+}
+
+}  // namespace
+
+FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead)
+    : info_(info), settings_(settings), lookahead_(lookahead) {}
+
+void FrameMotion::see(std::uint64_t frame_id, double time_s,
+                      const std::vector<TrackedObject>& objects) {
+  history_.add(frame_id, time_s, objects);
+  std::map<std::uint32_t, std::shared_ptr<ScenePlan>> plans;
+  for (const TrackedObject& object : objects) plans[object.id] = object.plan;
+  plans_ = std::move(plans);
+}
+
+void FrameMotion::forget() {
+  history_ = {};
+  impacts_.clear();
+}
+
+void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
+                           const NominalFrame& nominal) {
+  std::set<std::uint32_t> present;
+  const HapticObject* nearer = nullptr;  // layer of the same object
+  for (HapticObject& object : frame.objects) {
+    present.insert(object.id);
+    if (nearer != nullptr && nearer->id == object.id) {
+      object.motion = nearer->motion;
+      object.impacts = nearer->impacts;
+      continue;
+    }
+    nearer = &object;
+    const MotionHistory::Window around = history_.window(object.id, frame.id, lookahead_, nominal);
+    Motion motion = history_.motion(object.id, frame.id, lookahead_, nominal);
+    motion.quality = object.motion.quality;
+    motion.visible_fraction = object.motion.visible_fraction;
+    object.motion = motion;
+    if (around.at) {
+      findImpacts(object, frame, around);
+      takeFromClip(object, frame.media_time, around.samples[*around.at].position_mm, clip_frame);
+    }
+    addGrid(object, frame.id, nominal);
+    if (info_.live) boundAcceleration(object);
+  }
+  std::erase_if(impacts_, [&](const auto& item) { return !present.contains(item.first); });
+  const auto reach = static_cast<std::uint64_t>(lookahead_);
+  if (frame.id > reach) history_.dropBefore(frame.id - reach);
+}
+
+// An impact between this frame and the next is known now; those of the frames before are repeated
+// for a viewer who has missed them.
+void FrameMotion::findImpacts(HapticObject& object, const HapticFrame& frame,
+                              const MotionHistory::Window& around) {
+  ImpactFinder& finder = impacts_[object.id];
+  finder.look(around.samples, *around.at);
+  object.impacts = finder.around(toSeconds(frame.media_time), reach_s());
+}
+
+void FrameMotion::takeFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
+                               std::uint64_t clip_frame) const {
+  const std::uint32_t in_clip = object.id - first_object_id_ + 1;
+  const ClipMotion::Moment* const known = clip_.at(in_clip, clip_frame, measured_mm);
+  if (known == nullptr) return;
+  const Motion windowed = object.motion;
+  object.motion = known->motion;
+  object.motion.reference_point = windowed.reference_point;
+  object.motion.quality = windowed.quality;
+  object.motion.visible_fraction = windowed.visible_fraction;
+  object.impacts = clip_.impactsAround(in_clip, known->time_s, reach_s());
+  if (object.impacts.size() > kMaxImpacts) object.impacts.resize(kMaxImpacts);
+  const Duration clip_began = media_time - mediaTime(known->time_s);
+  for (Impact& impact : object.impacts) impact.time += clip_began;
+}
+
+void FrameMotion::addGrid(HapticObject& object, std::uint64_t id, const NominalFrame& nominal) {
+  if (settings_.method == Method::kThesis)
+    object.grid = history_.grid(object.id, id, lookahead_, nominal);
+  else
+    addResidual(object, id, nominal);
+}
+
+// What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
+// usual mass it is more than the error budget.
+void FrameMotion::addResidual(HapticObject& object, std::uint64_t id, const NominalFrame& nominal) {
+  const auto plan = plans_.find(object.id);
+  if (plan == plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
+  auto grid = history_.grid(object.id, id, lookahead_, nominal);
+  if (grid == nullptr) return;
+  double square = 0;
+  for (const Eigen::Vector3f& a : grid->acceleration_mm_s2) square += double(a.squaredNorm());
+  const double rms_m_s2 =
+      1e-3 * std::sqrt(square / double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size())));
+  const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * rms_m_s2;
+  if (plan->second->residual(felt_N) && covers(*grid, *object.relief)) object.grid = grid;
+}
+
+void FrameMotion::boundAcceleration(const HapticObject& object) {
+  if (object.motion.quality < kGoodQuality || !object.impacts.empty()) return;
+  live_accelerations_mm_s2_.push_back(object.motion.acceleration_mm_s2.norm());
+  if (live_accelerations_mm_s2_.size() < kFewestForBound) return;
+  if (live_accelerations_mm_s2_.size() > kLiveFrames) live_accelerations_mm_s2_.pop_front();
+  std::vector<double> recent(live_accelerations_mm_s2_.begin(), live_accelerations_mm_s2_.end());
+  largest_mm_s2_ = std::max(largest_mm_s2_, server::largestAcceleration_mm_s2(recent));
+}
+
+}  // namespace hapticast::server
