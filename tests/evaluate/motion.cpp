@@ -153,6 +153,14 @@ std::vector<Case> cases(bool quick) {
   return out;
 }
 
+constexpr server::DepthRange kDesk{400.0, 1200.0};  // of what stands on it
+const RealObject kRealObjects[] = {
+    {"visp_rbt_desk", "dragon", {505, 330}, kDesk, 99},
+    {"visp_rbt_desk", "cube", {270, 300}, kDesk, 99},
+    {"visp_rbt_desk", "phantom", {430, 270}, kDesk, 99},
+    {"tum_fr1_rpy", "monitor", {230, 130}, {500.0, 2000.0}, 36},
+};
+
 }  // namespace
 
 void evaluateMotion(const Options& options) {
@@ -205,11 +213,11 @@ void evaluateMotion(const Options& options) {
     }
   }
   for (const Variant& variant : variants) {
-    if (variant.method == Method::kThesis || variant.compensate_pan || !options.only.empty())
-      continue;
-    evaluateDesk(report, "dragon", {505, 330}, variant.motion, variant.name);
-    evaluateDesk(report, "cube", {270, 300}, variant.motion, variant.name);
-    evaluateDesk(report, "phantom", {430, 270}, variant.motion, variant.name);
+    if (variant.method == Method::kThesis || variant.compensate_pan) continue;
+    for (const RealObject& object : kRealObjects) {
+      if (options.only.empty() || options.only == object.name)
+        evaluateRealClip(report, object, variant.motion, variant.name);
+    }
   }
   report.write();
 }

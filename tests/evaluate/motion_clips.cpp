@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Motion in a real capture against the camera's poses: things on a still desk, seen by a moving
-// camera, move as the poses say. Two of them: the tags' (published with the clip; they shake by
-// some degrees, which the things, that stand before the tags, show as 20 px), and those of the
-// whole scene, by corners followed from the first frame without the object's own.
+// Motion in real captures against the camera's poses: still things, seen by a moving camera, move
+// as the poses say. Of the desk two of them: the tags' (published with the clip; they shake by some
+// degrees, which the things, that stand before the tags, show as 20 px), and those of the whole
+// scene, by corners followed from the first frame without the object's own. Of the office those of
+// a motion capture system, while the thing is in the picture.
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/persistence.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <sstream>
 
 #include "server/source/image_sequence.hpp"
 #include "server/source/synthetic_scene.hpp"
@@ -24,9 +27,8 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr server::DepthRange kDesk{400.0, 1200.0};  // of what stands on it
-
-std::vector<Eigen::Isometry3d> posesOf(const std::filesystem::path& file) {
+// Scene to camera, mm, of every picture; from metres.
+std::vector<Eigen::Isometry3d> tagPoses(const std::filesystem::path& file) {
   std::vector<Eigen::Isometry3d> out;
   const cv::FileStorage storage(file.string(),
                                 cv::FileStorage::READ | cv::FileStorage::FORMAT_JSON);
@@ -38,6 +40,26 @@ std::vector<Eigen::Isometry3d> posesOf(const std::filesystem::path& file) {
             static_cast<double>(matrix[row][column]) * (column == 3 ? 1e3 : 1);
     }
     out.push_back(pose);
+  }
+  return out;
+}
+
+// The same from lines of `frame times t(3) q(4)`, camera to world, metres.
+std::vector<Eigen::Isometry3d> capturedPoses(const std::filesystem::path& file) {
+  std::vector<Eigen::Isometry3d> out;
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double skipped = 0;
+    Vec3 shift = Vec3::Zero();
+    Eigen::Quaterniond turn;
+    if (!(words >> skipped >> skipped >> skipped >> shift.x() >> shift.y() >> shift.z() >>
+          turn.x() >> turn.y() >> turn.z() >> turn.w()))
+      continue;  // the head
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = turn.normalized().matrix();
+    pose.translation() = 1e3 * shift;
+    out.push_back(pose.inverse());
   }
   return out;
 }
@@ -130,62 +152,64 @@ std::vector<Motion> truthOf(const std::vector<Eigen::Isometry3d>& poses,
 
 }  // namespace
 
-void evaluateDesk(Report& report, const char* name, const Vec2& object_px, server::MotionMode mode,
-                  const char* variant) {
-  const std::filesystem::path clip = test::clipsFolder() / "visp_rbt_desk";
+void evaluateRealClip(Report& report, const RealObject& object, server::MotionMode mode,
+                      const char* variant) {
+  const std::filesystem::path clip = test::clipsFolder() / object.clip;
   if (!std::filesystem::exists(clip)) {
-    std::fprintf(stderr, "no real clips at %s: their rows are left out\n", clip.c_str());
+    std::fprintf(stderr, "no real clip %s: its rows are left out\n", clip.c_str());
     return;
   }
   server::ImageSequence source(clip.string(), 0.0);
+  const double fps = source.info().fps;
   std::vector<server::RgbdFrame> frames;
   server::VisionSettings settings;
-  settings.object_points_px = {object_px};
+  settings.object_points_px = {object.point_px};
   settings.motion = mode;
-  settings.depth_range = kDesk;
+  settings.depth_range = object.range;
   server::Vision vision(source.info(), settings);
   std::vector<server::VisionResult> results;
   while (auto frame = source.read()) {
-    if (auto result = vision.push(*frame, mediaTime(double(frames.size()) / source.info().fps)))
+    if (frames.size() == object.frames) break;
+    if (auto result = vision.push(*frame, mediaTime(double(frames.size()) / fps)))
       results.push_back(std::move(*result));
     frames.push_back(std::move(*frame));
   }
   for (server::VisionResult& result : vision.flush()) results.push_back(std::move(result));
-  server::SceneView view;
-  view.workspace = vision.description().workspace;
-  view.camera = *source.info().camera;
-  view.range = *settings.depth_range;
+  const server::CameraModel camera = source.info().camera.value();
+  const server::SceneView view{
+      .workspace = vision.description().workspace, .camera = camera, .range = object.range};
   constexpr std::size_t kFrom = 5;
-  const Vec3 nominal = results[kFrom].frame.objects.at(0).motion.position_mm;
+  const Vec3 nominal = results.at(kFrom).frame.objects.at(0).motion.position_mm;
   const double z = view.range.far_mm -
                    nominal.z() / view.workspace.depth_mm * (view.range.far_mm - view.range.near_mm);
   const Vec2 image = view.workspace.toImage(nominal.head<2>());
-  const Vec3 first((image.x() - view.camera.cx_px) / view.camera.fx_px * z,
-                   (image.y() - view.camera.cy_px) / view.camera.fy_px * z, z);
+  const Vec3 first((image.x() - camera.cx_px) / camera.fx_px * z,
+                   (image.y() - camera.cy_px) / camera.fy_px * z, z);
   const PixelRect box = results[0].frame.objects.at(0).relief->rect;
   const cv::Rect without(box.u - 10, box.v - 10, box.width + 20, box.height + 20);
   const bool usual = mode == server::MotionMode::kRgbd;
   const auto compare = [&](const std::vector<Eigen::Isometry3d>& poses, const std::string& stage) {
-    const std::vector<Motion> truth = truthOf(poses, view, first, kFrom, source.info().fps);
-    double v2 = 0, a2 = 0, truth_v2 = 0, truth_a2 = 0, path2 = 0;
-    std::size_t count = 0;
+    const std::vector<Motion> truth = truthOf(poses, view, first, kFrom, fps);
+    double v2 = 0, a2 = 0, truth_v2 = 0, truth_a2 = 0;
     for (std::size_t i = kFrom; i + kFrom < std::min(results.size(), truth.size()); ++i) {
       if (results[i].frame.objects.empty()) continue;
       const Motion& motion = results[i].frame.objects[0].motion;
-      path2 += (motion.position_mm - truth[i].position_mm).head<2>().squaredNorm();
-      ++count;
       v2 += (motion.velocity_mm_s - truth[i].velocity_mm_s).squaredNorm();
       truth_v2 += truth[i].velocity_mm_s.squaredNorm();
       a2 += (motion.acceleration_mm_s2 - truth[i].acceleration_mm_s2).squaredNorm();
       truth_a2 += truth[i].acceleration_mm_s2.squaredNorm();
     }
-    report.add(
-        {name, stage + "_velocity", variant, 100 * std::sqrt(v2 / truth_v2), "%", 0, usual, false});
-    report.add({name, stage + "_acceleration", variant, 100 * std::sqrt(a2 / truth_a2), "%", 0,
+    report.add({object.name, stage + "_velocity", variant, 100 * std::sqrt(v2 / truth_v2), "%", 0,
                 usual, false});
+    report.add({object.name, stage + "_acceleration", variant, 100 * std::sqrt(a2 / truth_a2), "%",
+                0, usual, false});
   };
-  compare(posesOf(clip / "camera_pose_apriltag.json"), "desk_by_tags");
-  compare(posesFromScene(frames, view.camera, without), "desk_by_scene");
+  if (std::filesystem::exists(clip / "poses.txt")) {
+    compare(capturedPoses(clip / "poses.txt"), "office_by_capture");
+  } else {
+    compare(tagPoses(clip / "camera_pose_apriltag.json"), "desk_by_tags");
+    compare(posesFromScene(frames, camera, without), "desk_by_scene");
+  }
 }
 
 }  // namespace hapticast::evaluate
