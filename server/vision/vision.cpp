@@ -220,6 +220,7 @@ class Vision::Impl {
   // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
   // usual mass it is more than the error budget.
   void addResidual(HapticObject& object, std::uint64_t id) {
+    if (!object.impacts.empty()) return;  // a window across one shows what nothing has
     const auto plan = object_plans_.find(object.id);
     if (plan == object_plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
     auto grid = history_.grid(object.id, id, lookahead_, nominal());

@@ -196,8 +196,7 @@ Outcome measureCursor() {
 std::vector<double> syntheticImpacts(server::SceneKind kind) {
   const server::SyntheticScene scene(kind);
   std::vector<double> out;
-  for (const server::SceneImpact& impact : scene.impacts())
-    out.push_back(impact.time_s);
+  for (const server::SceneImpact& impact : scene.impacts()) out.push_back(impact.time_s);
   return out;
 }
 

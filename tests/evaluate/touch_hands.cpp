@@ -30,6 +30,7 @@ double moved(double a, double b, double start_s, double time_s) {
   return a + (b > a ? way : -way);
 }
 
+constexpr double kStart_s = 0.4;
 constexpr double kPushStart_s = 0.5;  // 3 mm beside the wall
 constexpr double kPushed_s = 1.0;
 constexpr double kAlong_mm = 6.0;
@@ -43,7 +44,8 @@ Hand slidingHand(const TouchScene& scene, double reach_mm) {
   return [=](double t) {
     const Vec2 path(side_mm * std::sin(2.0 * kPi * 0.21 * t),
                     side_mm * std::sin(2.0 * kPi * 0.29 * t + 0.4));
-    const double depth_mm = 0.6 + 0.9 * std::sin(2.0 * kPi * 0.37 * t);
+    // In the air at kStart_s: nobody appears inside.
+    const double depth_mm = 0.6 - 0.9 * std::cos(2.0 * kPi * 0.37 * (t - kStart_s));
     return below(scene.height_mm, scene.motion(t).position_mm.head<2>() + path, t, depth_mm);
   };
 }
@@ -51,15 +53,17 @@ Hand slidingHand(const TouchScene& scene, double reach_mm) {
 Hand holdingHand(const TouchScene& scene, const Vec2& in_body_mm, double depth_mm) {
   return [=](double t) {
     const Motion motion = scene.motion(t);
-    return below(scene.height_mm,
-                 motion.position_mm.head<2>() + turned(in_body_mm, motion.angle_rad), t, depth_mm);
+    const Vec2 at_mm = motion.position_mm.head<2>() + turned(in_body_mm, motion.angle_rad);
+    return below(scene.height_mm, at_mm, t, moved(-1.0, depth_mm, kStart_s, t));
   };
 }
 
 Hand stillHand(const TouchScene& scene, const Vec3& hip_mm) {
   return [=](double t) {
-    const double depth_mm = scene.height_mm(hip_mm.head<2>(), t) - hip_mm.z();
-    return HandPoint{hip_mm, depth_mm > 0.0 ? Vec3(0, 0, depth_mm) : Vec3::Zero()};
+    const Vec3 hip_now_mm(hip_mm.x(), hip_mm.y(),
+                          moved(hip_mm.z() + 15.0, hip_mm.z(), kStart_s, t));
+    const double depth_mm = scene.height_mm(hip_mm.head<2>(), t) - hip_now_mm.z();
+    return HandPoint{hip_now_mm, depth_mm > 0.0 ? Vec3(0, 0, depth_mm) : Vec3::Zero()};
   };
 }
 

@@ -160,7 +160,7 @@ Felt feel(const Stream& stream, const Variant& variant, const Hand& hand, const 
     for (std::int64_t i = tick; i < next; ++i) {
       const double time_s = 1e-3 * double(i);
       out.ticks.push_back(
-          {time_s, hand(time_s), {}, false, i % per_frame == 0 || (i == tick && came)});
+          {time_s, hand(time_s), Vec3::Zero(), false, i % per_frame == 0 || (i == tick && came)});
     }
     const double start_us = threadTime_us();
     for (std::size_t i = begin; i < out.ticks.size(); ++i) {

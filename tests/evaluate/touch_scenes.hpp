@@ -55,9 +55,10 @@ Wall stepWall();                       ///< 10 mm inside an object, turned by 17
 /// Lissajous over the body, up to `reach_mm` from its reference point, 0..1.5 mm deep along the
 /// normal, with lift-offs. Exact while depth is below the radius of curvature.
 Hand slidingHand(const TouchScene& scene, double reach_mm);
-/// Stays at a place of the body (turned with it), this deep.
+/// Comes from above to a place of the body (turned with it), then stays there, this deep.
 Hand holdingHand(const TouchScene& scene, const Vec2& in_body_mm, double depth_mm);
-/// Stands still; what it should feel is the depth along the normal of a flat or slowly curved body.
+/// Comes from above, then stands still; what it should feel is the height over it: for surfaces
+/// that are level there.
 Hand stillHand(const TouchScene& scene, const Vec3& hip_mm);
 
 /// From the side into the wall, `push_mm` deep, along it to and fro and away again.
