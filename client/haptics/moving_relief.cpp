@@ -72,11 +72,11 @@ bool MovingRelief::Frame::aside(const Vec2& a_mm, const Vec2& b_mm) const noexce
 bool MovingRelief::follow(const ObjectNow& object, const Workspace& workspace) noexcept {
   const PlayObject* first = object.before;
   const PlayObject* second = shows(object.after) ? object.after : nullptr;
-  if (second != nullptr && object.blend >= 1.0) first = second;
-  if (second != nullptr &&
-      (object.blend <= 0.0 || object.blend >= 1.0 || sameRelief(*first, *second))) {
-    second = nullptr;
-  }
+  if (second != nullptr && sameRelief(*first, *second)) second = nullptr;
+  // At either end one frame is all there is, unless somebody asks how fast the shape changes.
+  const bool still = object.blend_rate_1_s == 0.0;
+  if (second != nullptr && still && object.blend >= 1.0) first = second;
+  if (still && (object.blend <= 0.0 || object.blend >= 1.0)) second = nullptr;
   blend_ = second != nullptr ? object.blend : 0.0;
   blend_rate_1_s_ = second != nullptr ? object.blend_rate_1_s : 0.0;
   const bool two = second != nullptr;

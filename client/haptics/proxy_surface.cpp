@@ -125,7 +125,10 @@ void ProxySurface::look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
   const Vec3 own_mm =
       turns ? turned(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
   const bool jumped = was_there && poseJumped(tied, object, arm_mm.head<2>().norm(), elapsed_s);
-  if (!was_there) tied.proxy.restart(!fresh_);
+  if (!was_there) {
+    tied.proxy.restart(!fresh_);
+    tied.touch = {};
+  }
   tied.key = keyOf(*object.before);
   tied.tick = tick_;
   tied.position_mm = object.position_mm;
@@ -134,6 +137,7 @@ void ProxySurface::look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
   tied.angular_velocity_rad_s = object.angular_velocity_rad_s;
   if (!own_mm.allFinite()) {
     tied.proxy.restart(true);
+    tied.touch = {};
   } else if (!tied.proxy.clear(tied.relief, own_mm)) {
     near_[near_count_++] = {&tied, &object, own_mm, jumped};
   }
@@ -173,14 +177,19 @@ Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm,
   } else {
     near_count_ = 0;
   }
+  // Where too many objects lie over each other, some are held for a tick, another first each time.
+  ++turn_;
   for (std::size_t i = 0; i < near_count_; ++i) {
-    const Near& near = near_[i];
-    const int fair = (kSamples - used_) / static_cast<int>(near_count_ - i);
-    const ProxyTouch touch = near.tied->proxy.touch(near.tied->relief, near.hip_mm,
-                                                    frictionOf(near.object->before->material),
-                                                    std::max(fair, 1), near.jumped);
-    used_ += near.tied->proxy.samplesUsed();
-    if (touch.contact) sum.add(touch, *near.object, near.tied->proxy.position_mm());
+    const Near& near = near_[(turn_ + i) % near_count_];
+    Tied& tied = *near.tied;
+    const int left = kSamples - used_;
+    if (left > 0) {
+      const int fair = std::max(1, left / static_cast<int>(near_count_ - i));
+      tied.touch = tied.proxy.touch(tied.relief, near.hip_mm,
+                                    frictionOf(near.object->before->material), fair, near.jumped);
+      used_ += tied.proxy.samplesUsed();
+    }
+    if (tied.touch.contact) sum.add(tied.touch, *near.object, tied.proxy.position_mm());
   }
   Contact contact = sum.result();
   contact.jump = scene.jumped;

@@ -40,6 +40,7 @@ class ProxySurface {
     std::uint64_t tick = 0;  // when its object was last there
     MovingRelief relief;
     Proxy proxy;
+    ProxyTouch touch;  // the last one
     Vec3 position_mm = Vec3::Zero();
     Vec3 velocity_mm_s = Vec3::Zero();
     double angle_rad = 0.0;
@@ -64,6 +65,7 @@ class ProxySurface {
   std::array<Tied, kMaxObjects> tied_;
   std::array<Near, kMaxObjects> near_;
   std::size_t near_count_ = 0;
+  std::size_t turn_ = 0;  // who comes first
   std::uint64_t tick_ = 1;
   bool fresh_ = true;
   MediaTime play_time_{};

@@ -57,10 +57,10 @@ double errorOnSphere(const std::shared_ptr<const HeightField>& field) {
   for (int i = 0; i < 40000; ++i) {
     const double t = i * 1e-3;
     const Vec2 at(12.0 * std::sin(1.1 * t), 12.0 * std::sin(1.7 * t + 0.4));
-    const double depth = 0.75 + 0.85 * std::sin(2.3 * t);
+    const double depth = 0.75 + 0.75 * std::sin(2.3 * t);
     const Vec3 outward = Vec3(at.x(), at.y(), std::sqrt(400.0 - at.squaredNorm())) / 20.0;
     const Contact contact = table.touch((20.0 - depth) * outward);
-    if (depth > 0.0) error.add(contact.displacement_mm, depth * outward);
+    error.add(contact.displacement_mm, depth * outward);
   }
   return error.relative();
 }
@@ -68,20 +68,20 @@ double errorOnSphere(const std::shared_ptr<const HeightField>& field) {
 double sphere(const Vec2& at) { return std::sqrt(std::max(0.0, 400.0 - at.squaredNorm())); }
 bool cap(const Vec2& at) { return at.norm() < 19.0; }
 
-/// 255 levels over 30 mm, then a local quadratic fit with Gaussian weights of 2.5 px: what the
+/// 255 levels over 30 mm, then a local quadratic fit with Gaussian weights of 3 px: what the
 /// server does to 8-bit depth.
 HeightOf fitted(const HeightOf& height) {
   return [=](const Vec2& at) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
-    for (int v = -7; v <= 7; ++v) {
-      for (int u = -7; u <= 7; ++u) {
+    for (int v = -9; v <= 9; ++v) {
+      for (int u = -9; u <= 9; ++u) {
         const Vec2 there = at + 0.25 * Vec2(u, v);
         if (!cap(there)) continue;
         const double level = std::round(height(there) * 255.0 / 30.0) * 30.0 / 255.0;
         const Eigen::Matrix<double, 6, 1> basis{1.0,         double(u),   double(v),
                                                 u * u / 1.0, u * v / 1.0, v * v / 1.0};
-        const double weight = std::exp(-0.5 * (u * u + v * v) / 6.25);
+        const double weight = std::exp(-0.5 * (u * u + v * v) / 9.0);
         normal += weight * basis * basis.transpose();
         right += weight * level * basis;
       }
@@ -131,7 +131,8 @@ TEST(Proxy, FollowsASlantedWallSmoothly) {
     const double angle =
         std::acos(std::clamp(contact.displacement_mm.normalized().dot(outwards), -1.0, 1.0));
     squared += angle * angle;
-    if (i > 0) step = std::max(step, (contact.displacement_mm - last).norm());
+    // At first it leaves the place where it has settled while being pushed in.
+    if (i > 20) step = std::max(step, (contact.displacement_mm - last).norm());
     last = contact.displacement_mm;
     ASSERT_LT(std::abs(contact.displacement_mm.z()), 0.01);
   }
@@ -139,7 +140,7 @@ TEST(Proxy, FollowsASlantedWallSmoothly) {
   std::printf("along a wall of 17 degrees, 1 mm deep: direction %.2f degrees rms, step %.4f mm\n",
               rms_deg, step);
   EXPECT_LT(rms_deg, 2.0);
-  EXPECT_LT(step, 0.03);
+  EXPECT_LT(step, 0.02);
 }
 
 TEST(Proxy, PressedInsideARimItDoesNotSlipOff) {
@@ -186,7 +187,7 @@ TEST(Proxy, NothingIsPassedByAFastHand) {
   Table table;
   table.put(1, relief(15.0, level(kTop_mm), slantedBox()));
   const Contact wall = table.move(ofBox(15.0, 0.0, 5.0), ofBox(5.0, 0.0, 5.0), 1.0);
-  EXPECT_NEAR((wall.displacement_mm - ofBox(5.0, 0.0, 0.0)).norm(), 0.0, 0.06);
+  EXPECT_NEAR((wall.displacement_mm - ofBox(5.0, 0.0, 0.0)).norm(), 0.0, 0.15);
   Table ridge;
   ridge.put(1, relief(10.0, [](const Vec2& at) { return std::abs(at.x()) < 0.25 ? 9.0 : 5.0; }));
   const Contact beside = ridge.move({-5.0, 0.0, 7.0}, {5.0, 0.0, 7.0}, 1.0);
@@ -281,9 +282,9 @@ TEST(Proxy, ClosedPathsGainNothing) {
       Vec3 last_N = table.touch(last_mm).displacement_mm;
       double work_Nmm = 0.0;
       double moved_Nmm = 0.0;
-      for (int i = 1; i <= 6000; ++i) {
+      for (int i = 1; i <= 24000; ++i) {
         // There on one way and back on another.
-        const double s = i / 6000.0;
+        const double s = i / 24000.0;
         Vec3 now_mm = hip(s);
         now_mm.x() += std::sin(2.0 * M_PI * s);
         const Vec3 now_N = table.touch(now_mm).displacement_mm;
@@ -374,17 +375,23 @@ TEST_F(Rubbed, SticksUpToTheStaticCoefficientAndSlipsAtTheDynamicOne) {
 }
 
 TEST_F(Rubbed, HoldsOnAWallToo) {
-  (void)table.move(ofBox(12.0, 0.0, 5.0), ofBox(9.0, 0.0, 5.0));
-  double breakaway = 0.0;
-  double slip = 0.0;
-  for (double along = 0.0; along < 3.0; along += 0.005) {
-    const Contact contact = table.touch(ofBox(9.0, along, 5.0));
-    slip = -contact.displacement_mm.dot(ofBox(0.0, 1.0, 0.0)) /
-           contact.displacement_mm.dot(ofBox(1.0, 0.0, 0.0));
-    breakaway = std::max(breakaway, slip);
+  Table wall;
+  wall.put(1, relief(20.0, level(10.0), [](const Vec2& at) { return at.x() < 10.0; }));
+  wall.object(0).material = table.object(0).material;
+  (void)wall.move({12.0, 0.0, 5.0}, {9.0, 0.0, 5.0});
+  for (const Vec3& along : {Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, -1.0)}) {
+    double breakaway = 0.0;
+    double slip = 0.0;
+    for (double way = 0.0; way < 3.0; way += 0.005) {
+      const Contact contact = wall.touch(Vec3(9.0, 0.0, 5.0) + way * along);
+      slip = -contact.displacement_mm.dot(along) / contact.displacement_mm.x();
+      breakaway = std::max(breakaway, slip);
+    }
+    EXPECT_NEAR(breakaway, 0.5, 0.01);
+    EXPECT_NEAR(slip, 0.3, 0.006);
+    (void)wall.move(Vec3(9.0, 0.0, 5.0) + 3.0 * along, {12.0, 0.0, 5.0});
+    (void)wall.move({12.0, 0.0, 5.0}, {9.0, 0.0, 5.0});
   }
-  EXPECT_NEAR(breakaway, 0.5, 0.03);
-  EXPECT_NEAR(slip, 0.3, 0.03);
 }
 
 TEST_F(Rubbed, CoefficientsAreBounded) {
