@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "tests/evaluate/touch_player.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "client/haptics/proxy_surface.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
 
@@ -73,14 +75,23 @@ Touch surfaceModel(SurfaceKind kind) {
   };
 }
 
-// The memoryless models with another sampler or another K than the client's own.
-Touch memoryless(bool smooth, const std::function<Vec3(double, const SurfaceSample&)>& law) {
+// The proxies keep their state from tick to tick.
+Touch proxy() {
+  const auto state = std::make_shared<client::ProxySurface>();
+  return [state](const FrameLookup&, const Scene& scene, const Vec3& hip_mm,
+                 const Workspace& workspace) { return state->touch(scene, hip_mm, workspace); };
+}
+
+// Memoryless, by other samples or another K than the client's own.
+using Sampler =
+    std::function<client::SurfacePoint(const client::ObjectNow&, const Vec2&, const Workspace&)>;
+Touch memoryless(const Sampler& sampler,
+                 const std::function<Vec3(double, const SurfaceSample&)>& law) {
   return
       [=](const FrameLookup&, const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) {
         Contact deepest;
         for (std::size_t i = 0; i < scene.object_count; ++i) {
-          const client::SurfacePoint point =
-              client::surfaceAt(scene.objects[i], hip_mm.head<2>(), workspace, smooth);
+          const client::SurfacePoint point = sampler(scene.objects[i], hip_mm.head<2>(), workspace);
           const double depth_mm = point.sample.height_mm - hip_mm.z();
           if (!point.inside || !(depth_mm > deepest.depth_mm)) continue;
           deepest.contact = true;
@@ -93,14 +104,29 @@ Touch memoryless(bool smooth, const std::function<Vec3(double, const SurfaceSamp
 }
 
 Touch perturbed(double texture_K_mm) {
-  return memoryless(false, [=](double depth_mm, const SurfaceSample& sample) {
+  return memoryless(client::surfaceAt, [=](double depth_mm, const SurfaceSample& sample) {
     return client::perturbedDisplacement(depth_mm, std::max(0.0, sample.height_mm), sample.gradient,
                                          texture_K_mm, Workspace{}.depth_mm);
   });
 }
 
+// What the proxy reads, for the tangent plane.
+client::SurfacePoint splineAt(const client::ObjectNow& object, const Vec2& nominal_mm,
+                              const Workspace& workspace) {
+  client::SurfacePoint point;
+  if (object.before->field == nullptr || object.before->field->empty()) return point;
+  client::MovingRelief relief;
+  relief.follow(object, workspace);
+  const Eigen::Rotation2Dd turn(object.angle_rad);
+  const Vec2 q_mm = turn.inverse() * (nominal_mm - object.position_mm.head<2>());
+  const client::HeightNow height = relief.now(relief.heights(q_mm));
+  point.sample = {height.height_mm + object.position_mm.z(), turn * height.gradient};
+  point.inside = relief.now(relief.edges(q_mm)).distance_mm > 0.0;
+  return point;
+}
+
 Touch normalBySpline() {
-  return memoryless(true, [](double depth_mm, const SurfaceSample& sample) {
+  return memoryless(splineAt, [](double depth_mm, const SurfaceSample& sample) {
     return client::normalDisplacement(depth_mm, sample.gradient);
   });
 }
@@ -118,10 +144,11 @@ Touch thesisInTime() {
 std::vector<Variant> allVariants() {
   const auto normal = [] { return surfaceModel(SurfaceKind::kNormal); };
   std::vector<Variant> out{
-      {"normal", normal, Interpolation::kHermite, Method::kHapticast, true, false},
+      {"proxy", proxy, Interpolation::kHermite, Method::kHapticast, true, false},
+      {"proxy, linear in time", proxy, Interpolation::kLinear},
+      {"proxy, held in time", proxy, Interpolation::kHold},
+      {"normal", normal},
       {"normal, B-spline", normalBySpline},
-      {"normal, linear in time", normal, Interpolation::kLinear},
-      {"normal, held in time", normal, Interpolation::kHold},
       {"perturbed, K 0", [] { return perturbed(0.0); }},
       {"perturbed, K 1", [] { return perturbed(1.0); }},
       {"perturbed, K 30", [] { return perturbed(30.0); }},
