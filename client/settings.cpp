@@ -7,7 +7,8 @@ namespace hapticast::client {
 
 namespace {
 
-const std::map<std::string, SurfaceKind> kSurfaceKinds{{"normal", SurfaceKind::kNormal},
+const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kProxy},
+                                                       {"normal", SurfaceKind::kNormal},
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
@@ -62,8 +63,10 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
               "Where hapticast-server listens; default: localhost:7447");
   addDeviceOptions(*app, settings);
   addChoice(*app, "--transport", settings.transport, kTransports, "How frames travel");
-  addChoice(*app, "--surface", settings.surface, kSurfaceKinds,
-            "normal (default): distance to the tangent plane; perturbed: the thesis's Eq. 3");
+  addChoice(
+      *app, "--surface", settings.surface, kSurfaceKinds,
+      "proxy (default): the surface point the tip is tied to, with walls and friction; normal: "
+      "distance to the tangent plane; perturbed: the thesis's Eq. 3");
   addChoice(*app, "--method", settings.method, kMethods,
             "hapticast, or as in the thesis: perturbed surface, zero outside the mask, forces "
             "interpolated by cubics");

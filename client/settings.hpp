@@ -17,7 +17,7 @@ struct Settings {
   std::string device = "virtual";
   std::string profile = "omni";  ///< a built-in name or a file
   std::string transport = "tcp";
-  SurfaceKind surface = SurfaceKind::kNormal;
+  SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< a script's name or a CSV file
   std::string screenshot_file;
   std::string log_file;

@@ -17,6 +17,19 @@ struct SurfaceSample {
   Vec2 gradient = Vec2::Zero();
 };
 
+/// The same with second derivatives (1/mm).
+struct CurvedSample : SurfaceSample {
+  double bend_xx = 0.0;
+  double bend_xy = 0.0;
+  double bend_yy = 0.0;
+};
+
+/// Signed distance to the edge of a mask (mm, positive inside) and its gradient (mm/mm).
+struct EdgeSample {
+  double distance_mm = 0.0;
+  Vec2 gradient = Vec2::Zero();
+};
+
 class HeightField {
  public:
   HeightField() = default;
@@ -33,11 +46,15 @@ class HeightField {
   /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12). Outside the prepared
   /// rectangle: the nearest prepared value. Any `image_px`; zero where it is not finite.
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
-  /// Uniform cubic B-spline with the heights as coefficients: value and gradient.
-  [[nodiscard]] SurfaceSample spline(const Vec2& image_px) const noexcept;
-  /// Signed distance to the mask's edge in nominal mm (a cubic B-spline of the blurred field),
-  /// positive inside, clamped to +-kMargin_px. 0 for an empty field.
-  [[nodiscard]] double edgeDistance_mm(const Vec2& image_px) const noexcept;
+  /// Uniform cubic B-spline with the heights as coefficients, to about 1e-5 mm (single precision).
+  /// Outside the prepared rectangle: the nearest prepared value; a NaN counts as the far left or
+  /// top. Requires a field that is not empty.
+  [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
+  /// Signed distance to the mask's edge (a cubic B-spline of the blurred field), clamped to
+  /// +-kMargin_px. Coordinates and requirement as for spline().
+  [[nodiscard]] EdgeSample edge(const Vec2& image_px) const noexcept;
+  /// No spline() of this field is higher.
+  [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
 
   /// Centre of the pixel of the mask that is farthest from its edge, px, image frame; (0, 0) when
   /// empty.
@@ -57,7 +74,9 @@ class HeightField {
   PixelRect rect_;      // of the relief
   PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
   Vec2 mm_per_px_ = Vec2::Ones();
+  Vec2 px_per_mm_ = Vec2::Ones();
   Vec2 deepest_px_ = Vec2::Zero();  // of the mask
+  double highest_mm_ = 0.0;
   std::vector<float> height_mm_;    // over prepared_
   std::vector<float> edge_mm_;      // over prepared_
   std::vector<std::uint8_t> mask_;  // over prepared_

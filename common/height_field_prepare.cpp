@@ -121,6 +121,7 @@ HeightField HeightField::padded(const Relief& relief, const Workspace& workspace
   HeightField field;
   field.rect_ = relief.rect;
   field.mm_per_px_ = workspace.mmPerPixel();
+  field.px_per_mm_ = field.mm_per_px_.cwiseInverse();
   const PixelRect& rect = field.rect_;
   const auto columns = static_cast<std::size_t>(std::max(rect.width, 0));
   const auto rows = static_cast<std::size_t>(std::max(rect.height, 0));
@@ -158,6 +159,7 @@ void HeightField::complete(bool continued) {
   const int row = deepest / width;
   deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
+  highest_mm_ = static_cast<double>(*std::max_element(height_mm_.begin(), height_mm_.end()));
 }
 
 HeightField HeightField::prepare(const Relief& relief, const Workspace& workspace) {

@@ -67,6 +67,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   const Scene& scene = lookup_.at(play_time, controls);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
+  if (world_changed || hip.restarted) proxies_.restart();
   const Contact contact = contactAt(scene, controls, report_.hip_mm);
   SafetyInput input = safetyInput(hip, contact, scene, controls);
   input.world_jumped = world_changed || scene.jumped || contact.jump;
@@ -118,6 +119,9 @@ Contact Room::contactAt(const Scene& scene, const Controls& controls, const Vec3
   if (settings_.method == Method::kThesis) {
     return thesis_.evaluate(lookup_, scene.play_time, hip_mm, controls.workspace);
   }
+  if (settings_.surface == SurfaceKind::kProxy) {
+    return proxies_.touch(scene, hip_mm, controls.workspace);
+  }
   return findContact(settings_.surface, scene, hip_mm, controls.workspace);
 }
 
@@ -166,9 +170,8 @@ void Room::reportObject(const Contact& contact, const Scene& scene,
   report_.object_velocity_mm_s = object->velocity_mm_s;
   report_.object_centre_mm = centreOf(*object, controls.workspace);
   report_.object_centre_height_mm =
-      surfaceAt(*object, report_.object_centre_mm, controls.workspace, false).sample.height_mm;
-  const SurfacePoint below =
-      surfaceAt(*object, report_.hip_mm.head<2>(), controls.workspace, false);
+      surfaceAt(*object, report_.object_centre_mm, controls.workspace).sample.height_mm;
+  const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), controls.workspace);
   report_.over_object = below.inside;
   if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
 }

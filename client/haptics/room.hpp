@@ -12,6 +12,7 @@
 #include "client/haptics/hip_motion.hpp"
 #include "client/haptics/lookup.hpp"
 #include "client/haptics/playout.hpp"
+#include "client/haptics/proxy_surface.hpp"
 #include "client/haptics/safety.hpp"
 #include "client/haptics/surface_model.hpp"
 #include "client/haptics/thesis_interpolation.hpp"
@@ -21,7 +22,7 @@ namespace hapticast::client {
 
 struct RoomSettings {
   DeviceProfile profile;
-  SurfaceKind surface = SurfaceKind::kNormal;
+  SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
   Method method = Method::kHapticast;  ///< kThesis: forces interpolated by cubics between frames
   double stiffness_N_mm = 0.0;         ///< > 0: instead of the material's and the profile's
@@ -65,6 +66,7 @@ class Room {
   Playout playout_;
   FrameLookup lookup_;
   ThesisInterpolation thesis_;
+  ProxySurface proxies_;
   DynamicForce dynamic_;
   SafetyChain safety_;
   Workspace workspace_;

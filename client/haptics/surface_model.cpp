@@ -20,12 +20,11 @@ struct FrameShape {
 };
 
 FrameShape shapeIn(const PlayObject& frame, const ObjectNow& now, const Vec2& nominal_mm,
-                   const Workspace& workspace, bool smooth) noexcept {
+                   const Workspace& workspace) noexcept {
   const Eigen::Rotation2Dd back(frame.motion.angle_rad - now.angle_rad);
   const Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
   const Vec2 image_px = workspace.toImage(frame.motion.position_mm.head<2>() + back * offset_mm);
-  const SurfaceSample sample =
-      smooth ? frame.field->spline(image_px) : frame.field->bilinear(image_px);
+  const SurfaceSample sample = frame.field->bilinear(image_px);
   return {sample.height_mm - frame.motion.position_mm.z(), back.inverse() * sample.gradient,
           frame.field->inside(image_px)};
 }
@@ -39,13 +38,13 @@ Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_ra
 
 }  // namespace
 
-SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm, const Workspace& workspace,
-                       bool smooth) noexcept {
+SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
+                       const Workspace& workspace) noexcept {
   SurfacePoint point;
   if (object.before->field == nullptr) return point;
-  FrameShape shape = shapeIn(*object.before, object, nominal_mm, workspace, smooth);
+  FrameShape shape = shapeIn(*object.before, object, nominal_mm, workspace);
   if (object.after != nullptr && object.after->field != nullptr) {
-    const FrameShape next = shapeIn(*object.after, object, nominal_mm, workspace, smooth);
+    const FrameShape next = shapeIn(*object.after, object, nominal_mm, workspace);
     const double s = object.blend;
     if (shape.inside && next.inside) {
       point.shape_rate_mm_s = (next.height_mm - shape.height_mm) * object.blend_rate_1_s;
@@ -75,7 +74,7 @@ Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_m
                     const Workspace& workspace) noexcept {
   Contact contact;
   const Vec2 under = hip_mm.head<2>();
-  const SurfacePoint point = surfaceAt(object, under, workspace, false);
+  const SurfacePoint point = surfaceAt(object, under, workspace);
   const double depth_mm = point.sample.height_mm - hip_mm.z();  // Eq. 4
   // Written so that a NaN touches nothing.
   if (!point.inside || !(depth_mm > 0.0)) return contact;

@@ -12,6 +12,7 @@ namespace hapticast::client {
 enum class SurfaceKind : std::uint8_t {
   kPerturbed,  ///< Eq. 3 over k, as printed
   kNormal,     ///< distance to the tangent plane, d / (1 + |g|²) along M
+  kProxy,      ///< the surface point the HIP is tied to (proxy_surface.hpp): has a state
 };
 
 /// All in nominal mm, device axes.
@@ -36,8 +37,8 @@ struct SurfacePoint {
   double shape_rate_mm_s =
       0.0;  ///< how fast the height changes by the change of shape alone (inside both masks)
 };
-SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm, const Workspace& workspace,
-                       bool smooth) noexcept;
+SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
+                       const Workspace& workspace) noexcept;
 
 /// Eq. 2-4 on one sample: displacement F/k of the memoryless models at depth d = h - z > 0.
 /// K of Eq. 3 in mm; h_bar = height / depth_mm. Returned in nominal mm.

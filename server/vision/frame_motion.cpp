@@ -109,6 +109,7 @@ void FrameMotion::addGrid(HapticObject& object, std::uint64_t id, const NominalF
 // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
 // usual mass it is more than the error budget.
 void FrameMotion::addResidual(HapticObject& object, std::uint64_t id, const NominalFrame& nominal) {
+  if (!object.impacts.empty()) return;  // a window across one shows what nothing has
   const auto plan = plans_.find(object.id);
   if (plan == plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
   auto grid = history_.grid(object.id, id, lookahead_, nominal);

@@ -11,8 +11,10 @@ namespace hapticast::evaluate {
 namespace {
 
 int run(int argc, char** argv) {
-  const std::map<std::string, void (*)(const Options&)> topics{
-      {"motion", evaluateMotion}, {"plan", evaluatePlan}, {"vision", evaluateVision}};
+  const std::map<std::string, void (*)(const Options&)> topics{{"accuracy", evaluateAccuracy},
+                                                               {"motion", evaluateMotion},
+                                                               {"plan", evaluatePlan},
+                                                               {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   std::string topic;
   Options options;
@@ -23,6 +25,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", options.only, "Of the scenes of motion, only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
+  app.add_flag("--check", options.check, "Fail where a required figure is missed (accuracy)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

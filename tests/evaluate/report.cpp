@@ -33,7 +33,7 @@ Report::Report(std::string topic, Options options)
 }
 
 void Report::add(Row row) {
-  std::fprintf(stderr, "%-12s %-14s %-22s %10s %-10s %8.0f us\n", row.stage.c_str(),
+  std::fprintf(stderr, "%-12s %-14s %-22s %10s %-10s %8.3g us\n", row.stage.c_str(),
                row.scene.c_str(), row.variant.c_str(), number(row.error).c_str(), row.unit.c_str(),
                row.time_us);
   rows_.push_back(std::move(row));
@@ -41,10 +41,41 @@ void Report::add(Row row) {
 
 void Report::say(const std::string& text) { words_.push_back(text); }
 
+void Report::add(const Goal& goal) {
+  std::fprintf(stderr, "%-6s %-58s %10s %s (required %s)\n", goal.met() ? "ok" : "MISSED",
+               goal.what.c_str(), number(goal.got).c_str(), goal.unit.c_str(),
+               number(goal.required).c_str());
+  goals_.push_back(goal);
+}
+
 void Report::write() const {
   writeCsv();
   writeMarkdown();
-  plotRows(topic_, options_.out, rows_);
+  plotRows(topic_, options_.out, rows_, of_ticks_);
+  const std::string missed = missedGoals();
+  if (options_.check && !missed.empty()) throw std::runtime_error(topic_ + ": missed" + missed);
+}
+
+std::string Report::missedGoals() const {
+  std::string out;
+  for (const Goal& goal : goals_) {
+    if (!goal.met())
+      out += "\n  " + goal.what + ": " + number(goal.got) + ' ' + goal.unit + ", required " +
+             number(goal.required);
+  }
+  return out;
+}
+
+void Report::writeGoals(std::ostream& file) const {
+  if (goals_.empty()) return;
+  file << "| | thesis's method | required | aim | got | unit |\n|---|---|---|---|---|---|\n";
+  for (const Goal& goal : goals_) {
+    const char* const verdict = goal.got <= goal.aim ? "" : goal.met() ? " (met)" : " **missed**";
+    file << "| " << goal.what << " | " << (goal.thesis < 0 ? "-" : number(goal.thesis)) << " | "
+         << number(goal.required) << " | " << number(goal.aim) << " | " << number(goal.got)
+         << verdict << " | " << goal.unit << " |\n";
+  }
+  file << '\n';
 }
 
 void Report::writeCsv() const {
@@ -61,6 +92,7 @@ void Report::writeMarkdown() const {
   std::ofstream file = opened(options_.out / (topic_ + ".md"));
   file << "## " << topic_ << "\n\n";
   for (const std::string& line : words_) file << line << "\n\n";
+  writeGoals(file);
   std::vector<std::string> stages;
   for (const Row& row : rows_) {
     if (std::find(stages.begin(), stages.end(), row.stage) == stages.end())
@@ -80,7 +112,8 @@ void Report::writeMarkdown() const {
         scenes.push_back(row.scene);
       cells[{row.scene, row.variant}] = &row;
     }
-    file << "### " << stage << ", " << unit << " (ms per frame)\n\n| scene |";
+    file << "### " << stage << ", " << unit << (of_ticks_ ? " (us per tick)" : " (ms per frame)")
+         << "\n\n| scene |";
     for (const std::string& variant : variants) file << ' ' << variant << " |";
     file << "\n|---|";
     for (std::size_t i = 0; i < variants.size(); ++i) file << "---|";
@@ -93,7 +126,8 @@ void Report::writeMarkdown() const {
         if (cell != cells.end()) {
           const std::string text = number(cell->second->error);
           file << (cell->second->is_default ? "**" + text + "**" : text);
-          if (cell->second->time_us > 0) file << " (" << number(cell->second->time_us / 1e3) << ')';
+          if (cell->second->time_us > 0)
+            file << " (" << number(cell->second->time_us / (of_ticks_ ? 1.0 : 1e3)) << ')';
         }
         file << " |";
       }

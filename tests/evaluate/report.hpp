@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,23 @@ struct Row {
   bool is_thesis = false;
 };
 
+/// What a measurement has to show, and what it showed. Smaller is better.
+struct Goal {
+  std::string what;
+  std::string unit;
+  double required = 0.0;
+  double aim = 0.0;
+  double got = 0.0;
+  double thesis = -1.0;  ///< the thesis's own method in the same case; < 0: it has none
+
+  [[nodiscard]] bool met() const { return got <= required; }  // a NaN is not
+};
+
 struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
-  std::string only;  ///< of the scenes of `motion`, the one of this name; empty: all
+  bool check = false;  ///< a missed requirement is an error
+  std::string only;    ///< of the scenes of `motion`, the one of this name; empty: all
 };
 
 class Report {
@@ -34,19 +48,28 @@ class Report {
   void add(Row row);
   /// Lines of report.md; rows are put into tables by stage after it.
   void say(const std::string& text);
+  /// A line of the table of requirements, and of what is checked.
+  void add(const Goal& goal);
+  /// Run times are of a tick of the client, not of a frame: told in us.
+  void timesAreOfTicks() { of_ticks_ = true; }
   /// Writes the files; plots with gnuplot where there is one, else says that there is none. Throws
-  /// std::runtime_error naming the file that cannot be written.
+  /// std::runtime_error naming the file that cannot be written, or, if they are to be checked, the
+  /// requirements that were missed (after the files are written).
   void write() const;
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
 
  private:
   void writeCsv() const;
   void writeMarkdown() const;
+  void writeGoals(std::ostream& file) const;
+  [[nodiscard]] std::string missedGoals() const;
 
   std::string topic_;
   Options options_;
   std::vector<Row> rows_;
   std::vector<std::string> words_;
+  std::vector<Goal> goals_;
+  bool of_ticks_ = false;
 };
 
 /// report.md: the sections of all topics that have one in `out`.

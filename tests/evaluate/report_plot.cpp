@@ -15,7 +15,7 @@ namespace {
 constexpr double kFloor = 1e-4;  // of the largest error of a panel
 
 struct Point {
-  double time_ms = 0, error = 0;
+  double time = 0, error = 0;
 };
 
 struct Variant {
@@ -26,10 +26,10 @@ struct Variant {
   [[nodiscard]] Point mean() const {
     Point sum;
     for (const Point& p : scenes) {
-      sum.time_ms += std::log(p.time_ms) / double(scenes.size());
+      sum.time += std::log(p.time) / double(scenes.size());
       sum.error += std::log(p.error) / double(scenes.size());
     }
-    return {std::exp(sum.time_ms), std::exp(sum.error)};
+    return {std::exp(sum.time), std::exp(sum.error)};
   }
 };
 
@@ -60,7 +60,7 @@ void raiseToFloor(Panel& panel) {
   }
 }
 
-std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
+std::vector<Panel> panelsOf(const std::vector<Row>& rows, double us_per_unit) {
   std::vector<Panel> panels;
   for (const Row& row : rows) {
     if (row.time_us <= 0 || row.error <= 0 || isSummary(row)) continue;
@@ -69,7 +69,7 @@ std::vector<Panel> panelsOf(const std::vector<Row>& rows) {
     Variant& variant =
         findOrAdd(panel.variants, Variant{row.variant, row.is_default, row.is_thesis, {}},
                   [&](const Variant& v) { return v.name == row.variant; });
-    variant.scenes.push_back({row.time_us / 1e3, row.error});
+    variant.scenes.push_back({row.time_us / us_per_unit, row.error});
   }
   for (Panel& panel : panels) raiseToFloor(panel);
   return panels;
@@ -81,7 +81,7 @@ std::vector<Point> frontOf(const std::vector<Variant>& variants) {
   means.reserve(variants.size());
   for (const Variant& variant : variants) means.push_back(variant.mean());
   std::sort(means.begin(), means.end(),
-            [](const Point& a, const Point& b) { return a.time_ms < b.time_ms; });
+            [](const Point& a, const Point& b) { return a.time < b.time; });
   std::vector<Point> front;
   for (const Point& point : means) {
     if (front.empty() || point.error < front.back().error) front.push_back(point);
@@ -91,7 +91,7 @@ std::vector<Point> frontOf(const std::vector<Variant>& variants) {
 
 void writeData(std::ostream& file, const std::string& name, const std::vector<Point>& points) {
   file << '$' << name << " << EOD\n";
-  for (const Point& p : points) file << number(p.time_ms) << ' ' << number(p.error) << '\n';
+  for (const Point& p : points) file << number(p.time) << ' ' << number(p.error) << '\n';
   file << "EOD\n";
 }
 
@@ -101,8 +101,8 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
   double left = 1e300, right = 0, low = 1e300, high = 0;
   for (const Variant& variant : panel.variants) {
     for (const Point& p : variant.scenes) {
-      left = std::min(left, p.time_ms);
-      right = std::max(right, p.time_ms);
+      left = std::min(left, p.time);
+      right = std::max(right, p.time);
       low = std::min(low, p.error);
       high = std::max(high, p.error);
     }
@@ -140,13 +140,13 @@ std::string number(double value) {
 }
 
 void plotRows(const std::string& topic, const std::filesystem::path& out,
-              const std::vector<Row>& rows) {
+              const std::vector<Row>& rows, bool of_ticks) {
   if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
     std::fprintf(stderr, "no gnuplot: %s.png is left out (apt-get install gnuplot-nox)\n",
                  topic.c_str());
     return;
   }
-  const std::vector<Panel> panels = panelsOf(rows);
+  const std::vector<Panel> panels = panelsOf(rows, of_ticks ? 1.0 : 1e3);
   if (panels.empty()) return;
   const std::filesystem::path script = out / (topic + ".gnuplot");
   {
@@ -158,7 +158,8 @@ void plotRows(const std::string& topic, const std::filesystem::path& out,
          << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
          << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
          << "set grid lc rgb '#d0d0d0'\nset key outside top center horizontal\n"
-         << "set xlabel 'run time, ms of one thread per frame'\n";
+         << "set xlabel 'run time, " << (of_ticks ? "us per tick" : "ms of one thread per frame")
+         << "'\n";
     for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
     file << "unset multiplot\n";
   }

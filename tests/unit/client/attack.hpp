@@ -128,7 +128,8 @@ class Attack {
 inline std::vector<RoomSettings> everyRoom() {
   std::vector<RoomSettings> rooms;
   for (const char* profile : {"omni", "falcon"}) {
-    for (const SurfaceKind surface : {SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
+    for (const SurfaceKind surface :
+         {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
       for (const Interpolation interpolation :
            {Interpolation::kHermite, Interpolation::kLinear, Interpolation::kHold}) {
         for (const Method method : {Method::kHapticast, Method::kThesis}) {

@@ -91,7 +91,8 @@ void live(const RoomSettings& settings) {
 
 TEST(RealtimeHeap, TheTickUsesNone) {
   for (const Method method : {Method::kHapticast, Method::kThesis}) {
-    for (const SurfaceKind surface : {SurfaceKind::kPerturbed, SurfaceKind::kNormal}) {
+    for (const SurfaceKind surface :
+         {SurfaceKind::kPerturbed, SurfaceKind::kNormal, SurfaceKind::kProxy}) {
       for (const Interpolation interpolation :
            {Interpolation::kHermite, Interpolation::kLinear, Interpolation::kHold}) {
         RoomSettings settings;

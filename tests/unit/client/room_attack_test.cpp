@@ -46,7 +46,8 @@ TEST(RoomAttack, EpochsIdsAndHolesInContact) {
 }
 
 TEST(RoomAttack, ADeepObjectThatVanishesLetsTheForceRampDown) {
-  for (const SurfaceKind surface : {SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
+  for (const SurfaceKind surface :
+       {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
     RoomSettings room;
     room.surface = surface;
     Attack attack(room);

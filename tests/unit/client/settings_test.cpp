@@ -16,7 +16,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.server, (Endpoint{"localhost", 7447}));
   EXPECT_EQ(run.settings.profile, "omni");
   EXPECT_EQ(run.settings.transport, "tcp");
-  EXPECT_EQ(run.settings.surface, SurfaceKind::kNormal);
+  EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
   EXPECT_EQ(run.settings.hand, "press");
   EXPECT_EQ(run.settings.seconds, 0.0);
   EXPECT_EQ(run.settings.method, Method::kHapticast);

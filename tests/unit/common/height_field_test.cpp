@@ -56,7 +56,7 @@ TEST_P(Planes, ValueAndGradientAreExactBetweenPixels) {
   for (int i = 0; i < 2000; ++i) {
     const Vec2 px(u(random), v(random));
     const double truth = plane(p.workspace.toNominal(px));
-    for (const SurfaceSample& sample : {field.bilinear(px), field.spline(px)}) {
+    for (const SurfaceSample& sample : {field.bilinear(px), SurfaceSample(field.spline(px))}) {
       EXPECT_NEAR(sample.height_mm, truth, 1e-5);
       EXPECT_NEAR(sample.gradient.x(), p.slope_x, 1e-4);
       EXPECT_NEAR(sample.gradient.y(), p.slope_y, 1e-4);  // y up, though v runs down
@@ -113,26 +113,76 @@ TEST(HeightField, GradientAtAPixelCentreIsSobel) {
   EXPECT_NEAR(sample.gradient.y(), -per_v / 0.25, 1e-9);
 }
 
-TEST(HeightField, SplineGradientIsTheDerivativeOfItsValue) {
+/// The uniform cubic B-spline (order 0), its first and second derivative at x.
+double cubicB(int order, double x) {
+  const double a = std::abs(x);
+  if (a >= 2.0) return 0.0;
+  const double sign = x < 0.0 ? -1.0 : 1.0;
+  if (a < 1.0) {
+    if (order == 0) return 2.0 / 3.0 - a * a + 0.5 * a * a * a;
+    return order == 1 ? sign * (-2.0 * a + 1.5 * a * a) : -2.0 + 3.0 * a;
+  }
+  const double b = 2.0 - a;
+  if (order == 0) return b * b * b / 6.0;
+  return order == 1 ? -sign * 0.5 * b * b : b;
+}
+
+TEST(HeightField, SplineIsTheSumOfItsBasis) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> height(0.0, 30.0);
+  for (const Workspace& workspace : {Workspace{}, stretched()}) {
+    const Relief relief = makeRelief(
+        {10, 20, 9, 9}, workspace, [&](const Vec2&) { return height(random); }, everywhere);
+    const HeightField field = HeightField::prepare(relief, workspace);
+    std::uniform_real_distribution<double> at(2.0, 7.0);
+    for (int i = 0; i < 500; ++i) {
+      const Vec2 px(at(random), at(random));
+      const auto sum = [&](int order_u, int order_v) {
+        double total = 0.0;
+        for (int v = 0; v < 9; ++v) {
+          for (int u = 0; u < 9; ++u) {
+            total += cubicB(order_u, px.x() - u - 0.5) * cubicB(order_v, px.y() - v - 0.5) *
+                     static_cast<double>(relief.height_mm[static_cast<std::size_t>(v * 9 + u)]);
+          }
+        }
+        return total;
+      };
+      const CurvedSample sample = field.spline(px + Vec2(10.0, 20.0));
+      const Vec2 mm = workspace.mmPerPixel();
+      EXPECT_NEAR(sample.height_mm, sum(0, 0), 2e-5);
+      EXPECT_NEAR(sample.gradient.x(), sum(1, 0) / mm.x(), 5e-4);
+      EXPECT_NEAR(sample.gradient.y(), -sum(0, 1) / mm.y(), 5e-4);
+      EXPECT_NEAR(sample.bend_xx, sum(2, 0) / mm.x() / mm.x(), 1e-2);
+      EXPECT_NEAR(sample.bend_xy, -sum(1, 1) / mm.x() / mm.y(), 1e-2);
+      EXPECT_NEAR(sample.bend_yy, sum(0, 2) / mm.y() / mm.y(), 1e-2);
+      EXPECT_LE(sample.height_mm, field.highest_mm());
+    }
+  }
+}
+
+TEST(HeightField, EdgeGradientIsTheDerivativeOfTheDistance) {
   const Workspace workspace;
+  const auto disc = [&](const Vec2& px) { return (px - Vec2(320, 240)).norm() < 30.0; };
   const HeightField field = HeightField::prepare(
       makeRelief(
-          {10, 20, 9, 9}, workspace, [&](const Vec2&) { return height(random); }, everywhere),
+          {288, 208, 64, 64}, workspace, [](const Vec2&) { return 5.0; }, disc),
       workspace);
-  std::uniform_real_distribution<double> at(0.0, 9.0);
-  const double eps = 1e-5;
-  for (int i = 0; i < 500; ++i) {
-    const Vec2 px(10.0 + at(random), 20.0 + at(random));
-    const SurfaceSample sample = field.spline(px);
-    const double du =
-        field.spline(px + Vec2(eps, 0)).height_mm - field.spline(px - Vec2(eps, 0)).height_mm;
-    const double dv =
-        field.spline(px + Vec2(0, eps)).height_mm - field.spline(px - Vec2(0, eps)).height_mm;
-    EXPECT_NEAR(sample.gradient.x(), du / (2 * eps) / 0.25, 1e-3);
-    EXPECT_NEAR(sample.gradient.y(), -dv / (2 * eps) / 0.25, 1e-3);
+  const double eps = 0.01;
+  double steepest = 0.0;
+  for (double angle = 0.0; angle < 6.28; angle += 0.03) {
+    for (double r = 20.0; r < 40.0; r += 0.7) {
+      const Vec2 px = Vec2(320, 240) + r * Vec2(std::cos(angle), std::sin(angle));
+      const auto along = [&](const Vec2& step) {
+        return (field.edge(px + step).distance_mm - field.edge(px - step).distance_mm) /
+               (2.0 * eps * 0.25);
+      };
+      const Vec2 gradient = field.edge(px).gradient;
+      EXPECT_NEAR(gradient.x(), along({eps, 0.0}), 2e-3);
+      EXPECT_NEAR(gradient.y(), -along({0.0, eps}), 2e-3);
+      steepest = std::max(steepest, gradient.norm());
+    }
   }
+  EXPECT_LT(steepest, 1.1);  // what lets the proxy do without samples far from the edge
 }
 
 TEST(HeightField, ContinuesAPlaneBeyondADiscExactly) {
@@ -226,11 +276,11 @@ TEST(HeightField, EdgeDistanceOfAHalfPlaneAndADisc) {
   const HeightField half =
       HeightField::prepare(makeRelief({280, 180, 80, 120}, workspace, flat, left), workspace);
   for (double d = -6.0; d <= 6.0; d += 0.37) {
-    EXPECT_NEAR(half.edgeDistance_mm({320.0 - d, 240.0}), 0.25 * d, 0.02) << d;
+    EXPECT_NEAR(half.edge({320.0 - d, 240.0}).distance_mm, 0.25 * d, 0.02) << d;
   }
-  EXPECT_NEAR(half.edgeDistance_mm({285.0, 240.0}), 1.25, 0.02);  // 5 px inside the left rim
-  EXPECT_NEAR(half.edgeDistance_mm({302.0, 240.0}), 3.0, 0.1);    // clamped to 12 px
-  EXPECT_NEAR(half.edgeDistance_mm({9000.0, -9000.0}), -3.0, 0.1);
+  EXPECT_NEAR(half.edge({285.0, 240.0}).distance_mm, 1.25, 0.02);  // 5 px inside the left rim
+  EXPECT_NEAR(half.edge({302.0, 240.0}).distance_mm, 3.0, 0.1);    // clamped to 12 px
+  EXPECT_NEAR(half.edge({9000.0, -9000.0}).distance_mm, -3.0, 0.1);
 
   const auto disc = [](const Vec2& px) { return (px - Vec2(320, 240)).norm() < 40.0; };
   const HeightField round =
@@ -239,7 +289,7 @@ TEST(HeightField, EdgeDistanceOfAHalfPlaneAndADisc) {
   for (double angle = 0.0; angle < 6.28; angle += 0.01) {
     for (double d = -4.0; d <= 4.0; d += 0.5) {
       const Vec2 px = Vec2(320, 240) + (40.0 - d) * Vec2(std::cos(angle), std::sin(angle));
-      worst = std::max(worst, std::abs(round.edgeDistance_mm(px) - 0.25 * d));
+      worst = std::max(worst, std::abs(round.edge(px).distance_mm - 0.25 * d));
     }
   }
   std::printf("disc of 40 px: edge distance within %.3f mm\n", worst);
@@ -255,7 +305,7 @@ TEST(HeightField, ThesisIsZeroOutsideTheMask) {
   EXPECT_EQ(field.bilinear({320, 240}).height_mm, 5.0);
   EXPECT_EQ(field.bilinear({333, 240}).height_mm, 0.0);
   EXPECT_LT(field.bilinear({329.5, 240}).gradient.x(), -1.0);  // the silhouette is a cliff
-  EXPECT_GT(field.edgeDistance_mm({320, 240}), 1.5);  // 2.5 mm, the tip of the cone blurred
+  EXPECT_GT(field.edge({320, 240}).distance_mm, 1.5);  // 2.5 mm, the tip of the cone blurred
 }
 
 TEST(HeightField, InsideIsThePixelUnderThePoint) {
@@ -288,15 +338,13 @@ TEST(HeightField, TinyEmptyAndFullMasks) {
       makeRelief({3, 3, 5, 5}, workspace, flat, [](const Vec2&) { return false; }), workspace);
   EXPECT_FALSE(nothing.inside({5.5, 5.5}));
   EXPECT_EQ(nothing.bilinear({5.5, 5.5}).height_mm, 0.0);
-  EXPECT_NEAR(nothing.edgeDistance_mm({5.5, 5.5}), -3.0, 1e-5);
+  EXPECT_NEAR(nothing.edge({5.5, 5.5}).distance_mm, -3.0, 1e-5);
   Relief mismatched;
   mismatched.rect = {0, 0, 4, 4};
   for (const HeightField& field : {HeightField{}, HeightField::prepare(mismatched, workspace)}) {
     EXPECT_TRUE(field.empty());
     EXPECT_FALSE(field.inside({0, 0}));
     EXPECT_EQ(field.bilinear({0, 0}).height_mm, 0.0);
-    EXPECT_EQ(field.spline({0, 0}).height_mm, 0.0);
-    EXPECT_EQ(field.edgeDistance_mm({0, 0}), 0.0);
   }
 }
 
@@ -314,7 +362,7 @@ TEST(HeightField, AnyCoordinateIsSafe) {
       EXPECT_TRUE(std::isfinite(field.bilinear(px).height_mm));
       EXPECT_TRUE(field.bilinear(px).gradient.allFinite());
       EXPECT_TRUE(std::isfinite(field.spline(px).height_mm));
-      EXPECT_TRUE(std::isfinite(field.edgeDistance_mm(px)));
+      EXPECT_TRUE(std::isfinite(field.edge(px).distance_mm));
       if (!px.allFinite()) {
         EXPECT_FALSE(field.inside(px));
         EXPECT_EQ(field.bilinear(px).height_mm, 0.0);

@@ -244,6 +244,10 @@ TEST(Vision, TheBouncesOfASceneAreAnnounced) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto result = vision.push(*source->read(), mediaTime(double(i) / 25));
     if (!result || result->frame.objects.empty()) continue;
+    // Around a bounce there is no residual motion to tell: the windows are not of one motion.
+    if (result->frame.objects[0].grid != nullptr) {
+      EXPECT_TRUE(result->frame.objects[0].impacts.empty()) << i;
+    }
     for (const Impact& impact : result->frame.objects[0].impacts) {
       if (found.empty() || impact.time > found.back().time) found.push_back(impact);
     }

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// The parts of the topic `accuracy`: cases that each measure a few rows by themselves, so that two
+// threads can share them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/evaluate/report.hpp"
+#include "tests/evaluate/touch_scenes.hpp"
+
+namespace hapticast::evaluate {
+
+struct Outcome {
+  std::vector<Row> rows;
+  std::vector<Goal> goals;
+};
+using Case = std::function<Outcome()>;
+
+/// What a force is told in: displacement x this.
+inline constexpr double kStiffness_N_mm = 0.5;
+
+Row rowOf(const std::string& scene, const std::string& stage, const Variant& variant, double error,
+          const std::string& unit, double tick_us);
+
+std::vector<Case> smoothCases(bool quick);   ///< still, moving, approaching, turning surfaces
+std::vector<Case> wallCases(bool quick);     ///< pushes into side walls, presses at rims
+std::vector<Case> motionCases(bool quick);   ///< contacts held, steps at frames
+std::vector<Case> dynamicCases(bool quick);  ///< m a, impacts, inertia of the cursor
+
+}  // namespace hapticast::evaluate
