@@ -12,6 +12,7 @@ namespace {
 
 int run(int argc, char** argv) {
   const std::map<std::string, void (*)(const Options&)> topics{{"accuracy", evaluateAccuracy},
+                                                               {"figures", evaluateFigures},
                                                                {"motion", evaluateMotion},
                                                                {"plan", evaluatePlan},
                                                                {"vision", evaluateVision}};

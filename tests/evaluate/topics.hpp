@@ -8,6 +8,8 @@ namespace hapticast::evaluate {
 
 /// The force against exact truth, against its run time: what is required, aimed at and got.
 void evaluateAccuracy(const Options& options);
+/// The thesis's figures again.
+void evaluateFigures(const Options& options);
 void evaluateMotion(const Options& options);
 /// What the plan saves against everything on, and what it costs; frames a second of the whole
 /// server.

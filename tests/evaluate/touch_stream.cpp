@@ -2,6 +2,7 @@
 #include "tests/evaluate/touch_stream.hpp"
 
 #include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 
 #include "server/stream/encoded.hpp"
@@ -44,9 +45,37 @@ double maskError_px(const TouchScene& scene, const HapticFrame& frame, const Wor
 
 }  // namespace
 
+namespace {
+
+// `look` sees every frame before it is encoded, and may change it.
+Stream play(server::RgbdSource& source, const server::VisionSettings& settings, bool scan,
+            double longest_s, const std::function<void(HapticFrame&, const Workspace&)>& look) {
+  const server::SourceInfo info = source.info();
+  server::Vision vision(info, settings);
+  if (scan) vision.scan(source, nullptr);
+  server::FrameEncoder encoder;
+  Stream out;
+  const auto take = [&](server::VisionResult& result) {
+    look(result.frame, vision.description().workspace);
+    out.frames.push_back({toSeconds(result.frame.media_time), encoder.encode(result.frame).lean});
+  };
+  while (auto frame = source.read()) {
+    if (frame->clip_time_s > longest_s) break;
+    const double start_us = threadTime_us();
+    auto result = vision.push(*frame, mediaTime(double(frame->index) / info.fps));
+    out.server_us += threadTime_us() - start_us;
+    if (result) take(*result);
+  }
+  for (server::VisionResult& result : vision.flush()) take(result);
+  out.description = vision.description();
+  out.server_us /= std::max(1.0, double(out.frames.size()));
+  return out;
+}
+
+}  // namespace
+
 Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
   const auto source = scene.open(kind.seen);
-  const server::SourceInfo info = source->info();
   server::VisionSettings settings;
   settings.method = kind.method;
   settings.material = kind.material;
@@ -56,34 +85,24 @@ Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
     settings.segment =
         kind.method == Method::kThesis ? server::SegmentMode::kEdges : server::SegmentMode::kBand;
   }
-  server::Vision vision(info, settings);
-  if (kind.scan) vision.scan(*source, nullptr);
-  server::FrameEncoder encoder;
-  Stream out;
+  double mask_error_px = 0.0;
   std::size_t looked = 0;
-  const auto take = [&](server::VisionResult& result) {
-    const double time_s = toSeconds(result.frame.media_time);
-    if (kind.exact_pose) {
-      for (HapticObject& object : result.frame.objects) object.motion = scene.motion(time_s);
-    }
-    if (!kind.seen.give_mask && result.frame.id % 5 == 0) {
-      out.mask_error_px += maskError_px(scene, result.frame, vision.description().workspace);
-      ++looked;
-    }
-    out.frames.push_back({time_s, encoder.encode(result.frame).lean});
-  };
-  while (auto frame = source->read()) {
-    if (frame->clip_time_s > kind.longest_s) break;
-    const double start_us = threadTime_us();
-    auto result = vision.push(*frame, mediaTime(double(frame->index) / info.fps));
-    out.server_us += threadTime_us() - start_us;
-    if (result) take(*result);
-  }
-  for (server::VisionResult& result : vision.flush()) take(result);
-  out.description = vision.description();
-  out.server_us /= std::max(1.0, double(out.frames.size()));
-  out.mask_error_px /= std::max<double>(1.0, double(looked));
+  Stream out = play(*source, settings, kind.scan, kind.longest_s,
+                    [&](HapticFrame& frame, const Workspace& workspace) {
+                      if (kind.exact_pose) {
+                        for (HapticObject& object : frame.objects)
+                          object.motion = scene.motion(toSeconds(frame.media_time));
+                      }
+                      if (kind.seen.give_mask || frame.id % 5 != 0) return;
+                      mask_error_px += maskError_px(scene, frame, workspace);
+                      ++looked;
+                    });
+  out.mask_error_px = mask_error_px / std::max<double>(1.0, double(looked));
   return out;
+}
+
+Stream makeStream(server::RgbdSource& source, const server::VisionSettings& settings, bool scan) {
+  return play(source, settings, scan, 1e9, [](HapticFrame&, const Workspace&) {});
 }
 
 }  // namespace hapticast::evaluate

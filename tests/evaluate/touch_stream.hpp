@@ -34,5 +34,7 @@ struct Stream {
 };
 
 Stream makeStream(const TouchScene& scene, const StreamKind& kind);
+/// Any source; `scan`: looked through first.
+Stream makeStream(server::RgbdSource& source, const server::VisionSettings& settings, bool scan);
 
 }  // namespace hapticast::evaluate
