@@ -29,9 +29,9 @@ struct Relief {
   std::vector<std::uint8_t> mask;  ///< same shape; 1 inside the object, 0 outside
 };
 
-/// Velocity and acceleration of the surface that a rigid motion does not explain (or, in the
-/// thesis's method, the dense flow), over the relief's rectangle in cells of kGridCell_px,
-/// row-major.
+/// Velocity and acceleration of the surface that the object's own motion does not explain (in the
+/// thesis's method: by which its dense flow differs), over the relief's rectangle in cells of
+/// kGridCell_px, row-major.
 struct MotionGrid {
   int columns = 0;
   int rows = 0;

@@ -79,7 +79,8 @@ void App::scan() {
     if (stop_) throw Stopped();
     if (media_clock_.now() - told < std::chrono::seconds(1)) return;
     told = media_clock_.now();
-    spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done, total);
+    spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done,
+                 total);
   };
   try {
     if (!source_->info().live) vision_.scan(*source_, progress);

@@ -27,6 +27,14 @@ bool covers(const MotionGrid& grid, const Relief& relief) {
          sane(grid.velocity_mm_s, kFastest_mm_s) && sane(grid.acceleration_mm_s2, kHardest_mm_s2);
 }
 
+// A viewer adds the two: of a whole flow the grid is what the object's own motion leaves over.
+std::shared_ptr<const MotionGrid> lessRigid(const MotionGrid& flow, const Motion& motion) {
+  auto out = std::make_shared<MotionGrid>(flow);
+  for (Eigen::Vector3f& v : out->velocity_mm_s) v -= motion.velocity_mm_s.cast<float>();
+  for (Eigen::Vector3f& a : out->acceleration_mm_s2) a -= motion.acceleration_mm_s2.cast<float>();
+  return out;
+}
+
 }  // namespace
 
 FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead)
@@ -100,10 +108,11 @@ void FrameMotion::takeFromClip(HapticObject& object, MediaTime media_time, const
 }
 
 void FrameMotion::addGrid(HapticObject& object, std::uint64_t id, const NominalFrame& nominal) {
-  if (settings_.method == Method::kThesis)
-    object.grid = history_.grid(object.id, id, lookahead_, nominal);
-  else
+  if (settings_.method != Method::kThesis) {
     addResidual(object, id, nominal);
+  } else if (const auto flow = history_.grid(object.id, id, lookahead_, nominal)) {
+    object.grid = lessRigid(*flow, object.motion);
+  }
 }
 
 // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the

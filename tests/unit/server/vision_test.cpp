@@ -229,9 +229,14 @@ TEST(Vision, TheThesisMethodSendsADenseGrid) {
   EXPECT_EQ(object.grid->columns, 6);
   EXPECT_EQ(object.grid->rows, 5);
   ASSERT_EQ(object.grid->velocity_mm_s.size(), 30U);
-  // The visible front is nearer than the centre and moves faster in the picture.
-  EXPECT_NEAR(object.grid->velocity_mm_s[15].x(), 3 * 0.5 * 25 * 780 / 705, 1.0);
-  EXPECT_NEAR(object.grid->acceleration_mm_s2[15].x(), 0, 20);
+  // What it adds to the object's own motion is the flow's. The visible front is nearer than the
+  // centre and moves faster in the picture.
+  EXPECT_NEAR(object.motion.velocity_mm_s.x() + double(object.grid->velocity_mm_s[15].x()),
+              3 * 0.5 * 25 * 780 / 705, 1.0);
+  EXPECT_NEAR(object.motion.velocity_mm_s.x(), 3 * 0.5 * 25, 6.0);
+  EXPECT_NEAR(
+      object.motion.acceleration_mm_s2.x() + double(object.grid->acceleration_mm_s2[15].x()), 0,
+      20);
 }
 
 TEST(Vision, TheBouncesOfASceneAreAnnounced) {
