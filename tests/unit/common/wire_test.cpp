@@ -9,14 +9,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <limits>
-#include <random>
 #include <sstream>
 
 #include "common/framing.hpp"
-#include "common/wire_limits.hpp"
 #include "tests/support/golden_messages.hpp"
+#include "tests/unit/common/wire_messages.hpp"
 
 namespace hapticast {
 namespace {
@@ -24,10 +21,9 @@ namespace {
 using testing::goldenDescription;
 using testing::goldenFrame;
 using testing::goldenMessages;
+using testing::randomRelief;
+using testing::roundTrip;
 using Bytes = std::vector<std::uint8_t>;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::filesystem::path goldenFile(const std::string& name) {
   return std::filesystem::path(HAPTICAST_TESTS) / "unit/common/golden" / (name + ".hex");
@@ -79,22 +75,6 @@ TEST(WireGolden, DecodeToTheSameMessage) {
     EXPECT_EQ(decoded.value().index(), message.index()) << name;
     EXPECT_EQ(encode(decoded.value()), bytes) << name;
   }
-}
-
-/// What arrives of a message that is sent.
-template <class T>
-T roundTrip(const T& message) {
-  auto decoded = decode(encode(message));
-  if (!decoded.ok()) throw std::runtime_error(decoded.error().message);
-  return std::get<T>(std::move(decoded).value());
-}
-
-/// The error that a message gives at the other side; fails the test when it is taken.
-ErrorCode refusal(const Message& message) {
-  const auto decoded = decode(encode(message));
-  if (decoded.ok()) throw std::runtime_error("was accepted");
-  EXPECT_FALSE(decoded.error().message.empty());
-  return decoded.error().code;
 }
 
 TEST(Wire, CarriesHelloWelcomePingPong) {
@@ -171,18 +151,6 @@ TEST(Wire, CarriesEveryFieldOfAFrame) {
   EXPECT_EQ(got.objects[1].changed_in_frame, 990U);
 }
 
-Relief randomRelief(PixelRect rect, std::uint32_t seed, float height_mm) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> height(0.0F, height_mm);
-  Relief relief{rect, {}, {}};
-  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    relief.mask.push_back(i == 0 || random() % 3 != 0 ? 1 : 0);
-    relief.height_mm.push_back(relief.mask.back() != 0 ? height(random) : 0.0F);
-  }
-  return relief;
-}
-
 TEST(Wire, HeightsKeepWithinHalfAStepAndMasksExactly) {
   for (const int width : {1, 7, 8, 9, 64, 1920}) {
     HapticFrame frame = goldenFrame();
@@ -209,247 +177,6 @@ TEST(Wire, ConstantHeightsAreExact) {
   frame.objects[0].relief = std::make_shared<Relief>(flat);
   const HapticFrame got = roundTrip(frame);
   EXPECT_EQ(got.objects[0].relief->height_mm, flat.height_mm);
-}
-
-TEST(Wire, RefusesNumbersThatAreNotOrAreAbsurd) {
-  using Change = std::function<void(HapticFrame&, double)>;
-  const std::vector<std::pair<Change, double>> changes = {
-      {[](auto& f, double x) { f.objects[0].motion.position_mm.x() = x; }, limits::kPosition_mm},
-      {[](auto& f, double x) { f.objects[0].motion.velocity_mm_s.y() = x; },
-       limits::kVelocity_mm_s},
-      {[](auto& f, double x) { f.objects[1].motion.acceleration_mm_s2.z() = x; },
-       limits::kAcceleration_mm_s2},
-      {[](auto& f, double x) { f.objects[0].motion.angle_rad = x; }, limits::kAngle_rad},
-      {[](auto& f, double x) { f.objects[0].motion.angular_velocity_rad_s = x; },
-       limits::kAngularVelocity_rad_s},
-      {[](auto& f, double x) { f.objects[0].motion.quality = x; }, 1.0},
-      {[](auto& f, double x) { f.objects[0].motion.visible_fraction = x; }, 1.0},
-      {[](auto& f, double x) { f.objects[0].impacts[0].delta_velocity_mm_s.x() = x; },
-       limits::kVelocity_mm_s},
-      {[](auto& f, double x) { f.objects[0].material.stiffness_N_mm = x; },
-       limits::kStiffness_N_mm},
-      {[](auto& f, double x) { f.objects[0].material.damping_Ns_m = x; }, limits::kDamping_Ns_m},
-      {[](auto& f, double x) { f.objects[0].material.static_friction = x; }, limits::kFriction},
-      {[](auto& f, double x) { f.objects[0].material.dynamic_friction = x; }, limits::kFriction},
-      {[](auto& f, double x) { f.objects[0].material.texture_K_mm = x; }, limits::kWorkspace_mm},
-      {[](auto& f, double x) {
-         auto grid = std::make_shared<MotionGrid>(*f.objects[0].grid);
-         grid->velocity_mm_s[0].x() = static_cast<float>(x);
-         f.objects[0].grid = grid;
-       },
-       limits::kVelocity_mm_s},
-      {[](auto& f, double x) {
-         auto grid = std::make_shared<MotionGrid>(*f.objects[0].grid);
-         grid->acceleration_mm_s2[0].z() = static_cast<float>(x);
-         f.objects[0].grid = grid;
-       },
-       limits::kAcceleration_mm_s2},
-  };
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    const auto& [change, limit] = changes[i];
-    HapticFrame frame = goldenFrame();
-    change(frame, limit);
-    EXPECT_NO_THROW(roundTrip(frame)) << i;
-    for (const double bad : {kNan, kInfinity, -kInfinity, limit * 1.01}) {
-      change(frame, bad);
-      EXPECT_EQ(refusal(frame), ErrorCode::kMalformed) << i << " " << bad;
-    }
-  }
-}
-
-TEST(Wire, RefusesReliefsThatDoNotFit) {
-  const auto with = [](PixelRect rect, float height_mm) {
-    HapticFrame frame = goldenFrame();
-    frame.objects[0].grid = nullptr;
-    frame.objects[0].relief = std::make_shared<Relief>(randomRelief(rect, 1, height_mm));
-    return frame;
-  };
-  EXPECT_NO_THROW(roundTrip(with({1918, 1078, 2, 2}, 30.0F)));
-  EXPECT_EQ(refusal(with({1919, 0, 2, 2}, 30.0F)), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(with({0, 1079, 2, 2}, 30.0F)), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(with({-1, 0, 2, 2}, 30.0F)), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(with({0, 0, 0, 0}, 30.0F)), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(with({0, 0, 40, 40}, 3000.0F)), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(with({0, 0, 40, 40}, -3000.0F)), ErrorCode::kMalformed);
-  HapticFrame empty = with({0, 0, 3, 3}, 1.0F);
-  Relief nothing = *empty.objects[0].relief;
-  nothing.mask.assign(9, 0);
-  empty.objects[0].relief = std::make_shared<Relief>(nothing);
-  EXPECT_EQ(refusal(empty), ErrorCode::kMalformed) << "a mask without a pixel";
-}
-
-TEST(Wire, RefusesGridsThatDoNotCoverTheRelief) {
-  HapticFrame frame = goldenFrame();
-  auto grid = std::make_shared<MotionGrid>(*frame.objects[0].grid);
-  grid->columns = 2;
-  frame.objects[0].grid = grid;
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  frame.objects[0].relief = nullptr;  // now the arrays are too short
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  grid->velocity_mm_s.resize(2, Eigen::Vector3f::Zero());
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  grid->acceleration_mm_s2.resize(2, Eigen::Vector3f::Zero());
-  EXPECT_NO_THROW(roundTrip(frame));
-  grid->columns = 121;
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-}
-
-TEST(Wire, CountsBeforeItAllocates) {
-  HapticFrame frame = goldenFrame();
-  while (frame.objects.size() < kMaxObjects) {
-    frame.objects.push_back(frame.objects[1]);
-    frame.objects.back().id = 100 + static_cast<std::uint32_t>(frame.objects.size());
-  }
-  EXPECT_NO_THROW(roundTrip(frame));
-  frame.objects.push_back(frame.objects[1]);
-  EXPECT_EQ(refusal(frame), ErrorCode::kTooLarge);
-  frame = goldenFrame();
-  frame.objects[0].impacts.resize(kMaxImpacts);
-  EXPECT_NO_THROW(roundTrip(frame));
-  frame.objects[0].impacts.resize(kMaxImpacts + 1);
-  EXPECT_EQ(refusal(frame), ErrorCode::kTooLarge);
-  // Two frames in one message would be merged into one with twice the objects.
-  Bytes twice = encode(goldenFrame());
-  const Bytes once = twice;
-  twice.insert(twice.end(), once.begin(), once.end());
-  EXPECT_FALSE(decode(twice).ok());
-}
-
-TEST(Wire, RefusesInconsistentObjects) {
-  HapticFrame frame = goldenFrame();
-  frame.objects[1].id = frame.objects[0].id;
-  EXPECT_NO_THROW(roundTrip(frame)) << "another layer of the same object";
-  frame.objects[1].layer = frame.objects[0].layer;
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  frame = goldenFrame();
-  frame.objects[0].layer = kMaxObjects;
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  frame = goldenFrame();
-  frame.objects[0].changed_in_frame = frame.id + 1;
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  frame = goldenFrame();
-  frame.objects[0].motion.reference_point = static_cast<ReferencePoint>(9);
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-  frame = goldenFrame();
-  frame.media_time = MediaTime(Duration(limits::kTime_ns + 1));
-  EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
-}
-
-TEST(Wire, BoundsTheSumOfReliefs) {
-  HapticFrame frame = goldenFrame();
-  frame.objects.resize(1);
-  frame.objects[0].grid = nullptr;
-  auto large = std::make_shared<Relief>();
-  large->rect = {0, 0, 1920, 1080};
-  large->mask.assign(std::size_t{1920} * 1080, 0);
-  large->mask[77] = 1;
-  large->height_mm.assign(std::size_t{1920} * 1080, 1.0F);
-  frame.objects[0].relief = large;
-  frame.objects.push_back(frame.objects[0]);
-  frame.objects[1].id = 2;
-  EXPECT_NO_THROW(roundTrip(frame));
-  frame.objects.push_back(frame.objects[0]);
-  frame.objects[2].id = 3;
-  EXPECT_EQ(refusal(frame), ErrorCode::kTooLarge);
-}
-
-TEST(Wire, RefusesDescriptionsOutOfRange) {
-  const std::vector<std::function<void(StreamDescription&)>> changes = {
-      [](auto& d) { d.fps = 0.5; },
-      [](auto& d) { d.fps = 241.0; },
-      [](auto& d) { d.fps = kNan; },
-      [](auto& d) { d.workspace.width_px = 0; },
-      [](auto& d) { d.workspace.width_px = 1921; },
-      [](auto& d) { d.workspace.height_px = -1; },
-      [](auto& d) { d.workspace.height_px = 1081; },
-      [](auto& d) { d.workspace.width_mm = 0.0; },
-      [](auto& d) { d.workspace.height_mm = kInfinity; },
-      [](auto& d) { d.workspace.depth_mm = -30.0; },
-      [](auto& d) { d.method = static_cast<Method>(2); },
-      [](auto& d) { d.pipeline_latency = Duration(-1); },
-      [](auto& d) { d.pipeline_latency = std::chrono::seconds(11); },
-      [](auto& d) { d.largest_acceleration_mm_s2 = -1.0; },
-      [](auto& d) { d.mass_kg = 0.0; },
-      [](auto& d) { d.mass_kg = kNan; },
-  };
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    StreamDescription description = goldenDescription();
-    changes[i](description);
-    EXPECT_EQ(refusal(description), ErrorCode::kMalformed) << i;
-    EXPECT_EQ(refusal(Welcome{1, 1, 0, description}), ErrorCode::kMalformed) << i;
-  }
-}
-
-TEST(Wire, RefusesBadVideoReportsAndErrors) {
-  EXPECT_EQ(refusal(VideoFrame{0, 1, {}, {0x00, 0x01}}), ErrorCode::kMalformed) << "no JPEG";
-  EXPECT_EQ(refusal(VideoFrame{0, 1, {}, {}}), ErrorCode::kMalformed);
-  VideoFrame video{0, 1, {}, Bytes(limits::kJpeg, 0xFF)};
-  video.jpeg[1] = 0xD8;
-  EXPECT_NO_THROW(roundTrip(video));
-  video.jpeg.push_back(0);
-  EXPECT_EQ(refusal(video), ErrorCode::kTooLarge);
-  EXPECT_EQ(refusal(Report{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Report{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Error{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Error{static_cast<ErrorCode>(8), "x"}), ErrorCode::kMalformed);
-}
-
-TEST(Wire, MakesTextsShortAndPrintable) {
-  EXPECT_EQ(roundTrip(Hello{1,
-                            "a\nb\x7f"
-                            "c",
-                            false, true})
-                .client_name,
-            "a?b?c");
-  EXPECT_EQ(roundTrip(Hello{1, "gr\xC3\xBC\xC3\x9F", false, true}).client_name,
-            "gr\xC3\xBC\xC3\x9F");
-  EXPECT_EQ(roundTrip(Hello{1, "bad\xFF\xC3", false, true}).client_name, "bad??");
-  EXPECT_EQ(roundTrip(Hello{1, std::string(200, 'x'), false, true}).client_name.size(), 64U);
-  // 63 bytes and then a character of two: it is left out whole.
-  EXPECT_EQ(roundTrip(Hello{1, std::string(63, 'x') + "\xC3\xBC", false, true}).client_name.size(),
-            63U);
-}
-
-TEST(Wire, RefusesTextsThatOthersSendBadly) {
-  const Bytes good = encode(Hello{1, "abcd", false, true});
-  Bytes bad = good;
-  bad[std::size_t(std::find(bad.begin(), bad.end(), 'c') - bad.begin())] = 0xFF;
-  EXPECT_FALSE(decode(bad).ok()) << "no UTF-8";
-  Bytes control = good;
-  control[std::size_t(std::find(control.begin(), control.end(), 'c') - control.begin())] = '\n';
-  EXPECT_EQ(std::get<Hello>(decode(control).value()).client_name, "ab?d")
-      << "no line breaks in logs";
-  Bytes too_long = {0x0A, 0x43, 0x12, 0x41};  // hello { client_name: 65 bytes }
-  too_long.resize(too_long.size() + 65, 'x');
-  EXPECT_EQ(decode(too_long).error().code, ErrorCode::kTooLarge);
-}
-
-TEST(Wire, RefusesBytesThatAreNoMessage) {
-  EXPECT_FALSE(decode({}).ok());
-  EXPECT_FALSE(decode(Bytes{0x00}).ok());
-  EXPECT_FALSE(decode(Bytes(16, 0xFF)).ok());
-  EXPECT_EQ(decode(Bytes(kMaxMessageBytes + 1, 0)).error().code, ErrorCode::kTooLarge);
-}
-
-TEST(Wire, SurvivesEveryTruncationAndRandomDamage) {
-  std::mt19937 random(7);
-  for (const auto& [name, message] : goldenMessages()) {
-    const Bytes bytes = encode(message);
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
-      (void)decode(std::span(bytes).first(size));
-    }
-    for (int round = 0; round < 3000; ++round) {
-      Bytes damaged = bytes;
-      for (int hits = 0; hits < 3; ++hits) {
-        damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random());
-      }
-      const auto decoded = decode(damaged);
-      // What is taken can be sent on and is taken again.
-      if (decoded.ok()) {
-        EXPECT_TRUE(decode(encode(decoded.value())).ok()) << name;
-      }
-    }
-  }
 }
 
 }  // namespace
