@@ -156,6 +156,7 @@ void HeightField::complete(bool continued) {
   const auto deepest = static_cast<int>(std::distance(
       to_outside.distance_mm.begin(),
       std::max_element(to_outside.distance_mm.begin(), to_outside.distance_mm.end())));
+  deepest_height_mm_ = static_cast<double>(height_mm_[static_cast<std::size_t>(deepest)]);
   const int row = deepest / width;
   deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);

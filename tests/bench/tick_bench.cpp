@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// What a tick of the real-time room costs: Room::tick alone, call by call, under a virtual clock,
+// while a frame arrives every 40 ms. Counters in ns: median_ns and p99_ns of all ticks (the clock's
+// own time taken off), take_ns: median of the ticks that take over a new frame.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+#include "tests/unit/client/stage.hpp"
+
+namespace hapticast::client {
+namespace {
+
+using Ticks = std::chrono::steady_clock;
+Ticks::time_point begin;
+Ticks::duration took;
+
+double quantile(std::vector<double>& values, double q) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double ns(Ticks::duration duration) {
+  return std::chrono::duration<double, std::nano>(duration).count();
+}
+
+/// What reading the clock twice takes.
+double clockCost_ns() {
+  std::vector<double> costs;
+  for (int i = 0; i < 10000; ++i) {
+    const auto from = Ticks::now();
+    costs.push_back(ns(Ticks::now() - from));
+  }
+  return quantile(costs, 0.5);
+}
+
+struct Case {
+  SurfaceKind surface = SurfaceKind::kProxy;
+  HandKind hand = HandKind::kSlide;
+  double bounce_mm = 3.0;
+  double friction = 0.0;
+  bool objects = true;
+};
+
+void tick(benchmark::State& state, const Case& of) {
+  RoomSettings settings;
+  settings.surface = of.surface;
+  HandScript hand(of.hand, HandStiffness{}, {{0.0, {10.0, 5.0, 40.0}}});
+  Stage stage(settings, &hand, of.bounce_mm);
+  stage.material.static_friction = stage.material.dynamic_friction = of.friction;
+  stage.streaming = of.objects;
+  (void)stage.run(of.objects ? 3000 : 100);
+  stage.before_tick = [] { begin = Ticks::now(); };
+  stage.after_tick = [] { took = Ticks::now() - begin; };
+  const double clock_ns = clockCost_ns();
+  std::vector<double> all;
+  std::vector<double> taking;
+  double contact = 0.0;
+  for (auto _ : state) {
+    contact += stage.step().contact;
+    state.SetIterationTime(1e-9 * std::max(1.0, ns(took) - clock_ns));
+    all.push_back(ns(took) - clock_ns);
+    if (stage.clock.now().time_since_epoch().count() % 40'000'000 == 0) {
+      taking.push_back(all.back());
+    }
+  }
+  state.counters["median_ns"] = quantile(all, 0.5);
+  state.counters["p99_ns"] = quantile(all, 0.99);
+  if (!taking.empty()) state.counters["take_ns"] = quantile(taking, 0.5);
+  state.counters["contact"] = contact / static_cast<double>(all.size());
+}
+BENCHMARK_CAPTURE(tick, proxy_slide, Case{})->UseManualTime();
+BENCHMARK_CAPTURE(tick, proxy_slide_still, Case{.bounce_mm = 0.0})->UseManualTime();
+BENCHMARK_CAPTURE(tick, proxy_slide_friction, Case{.friction = 0.3})->UseManualTime();
+BENCHMARK_CAPTURE(tick, proxy_press, Case{.hand = HandKind::kPress})->UseManualTime();
+BENCHMARK_CAPTURE(tick, proxy_free, Case{.hand = HandKind::kFile})->UseManualTime();
+BENCHMARK_CAPTURE(tick, proxy_no_object, Case{.objects = false})->UseManualTime();
+BENCHMARK_CAPTURE(tick, normal_slide, Case{.surface = SurfaceKind::kNormal})->UseManualTime();
+BENCHMARK_CAPTURE(tick, normal_free, Case{.surface = SurfaceKind::kNormal, .hand = HandKind::kFile})
+    ->UseManualTime();
+BENCHMARK_CAPTURE(tick, perturbed_slide, Case{.surface = SurfaceKind::kPerturbed})->UseManualTime();
+
+}  // namespace
+}  // namespace hapticast::client
