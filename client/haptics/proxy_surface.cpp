@@ -112,12 +112,21 @@ bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double 
     const double share = speed_mm_s > kFastest_mm_s ? kFastest_mm_s / speed_mm_s : 1.0;
     return velocity_mm_s * (share * elapsed_s);
   };
-  const double moved_mm = awayFrom(object.position_mm - tied.position_mm,
-                                   way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
-  const double turn_rad = std::remainder(object.angle_rad - tied.angle_rad, 2.0 * std::numbers::pi);
-  const auto [slow, fast] = std::minmax(tied.angular_velocity_rad_s * elapsed_s,
-                                        object.angular_velocity_rad_s * elapsed_s);
-  const double turned_rad = std::abs(turn_rad - std::clamp(turn_rad, slow, fast));
+  const Vec3 step_mm = object.position_mm - tied.position_mm;
+  const double turn_rad = object.angle_rad - tied.angle_rad;
+  // The usual case first: it moves on as it did, without a turn.
+  constexpr double kNear_mm2 = 0.25 * Proxy::kJump_mm * Proxy::kJump_mm;
+  if (turn_rad == 0.0 && object.angular_velocity_rad_s == 0.0 &&
+      step_mm.squaredNorm() < kNear_mm2) {
+    return false;
+  }
+  const double moved_mm =
+      awayFrom(step_mm, way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
+  const double short_rad = std::remainder(turn_rad, 2.0 * std::numbers::pi);
+  const double was_rad = tied.angular_velocity_rad_s * elapsed_s;
+  const double is_rad = object.angular_velocity_rad_s * elapsed_s;
+  const double turned_rad = std::abs(
+      short_rad - std::clamp(short_rad, std::min(was_rad, is_rad), std::max(was_rad, is_rad)));
   return !(moved_mm + turned_rad * arm_mm <= Proxy::kJump_mm);
 }
 
