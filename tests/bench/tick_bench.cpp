@@ -84,5 +84,77 @@ BENCHMARK_CAPTURE(tick, normal_free, Case{.surface = SurfaceKind::kNormal, .hand
     ->UseManualTime();
 BENCHMARK_CAPTURE(tick, perturbed_slide, Case{.surface = SurfaceKind::kPerturbed})->UseManualTime();
 
+/// The stages alone, without filters, playout and report: look-up, surface, dynamic force, safety.
+void stages(benchmark::State& state, SurfaceKind surface) {
+  constexpr double kFrame_s = 0.04;
+  const DeviceProfile profile;
+  FramePool pool;
+  FrameLookup lookup(pool, Interpolation::kHermite);
+  ProxySurface proxies;
+  DynamicForce dynamic(profile);
+  SafetyChain safety(profile);
+  Controls controls;
+  controls.connected = true;
+  controls.first_epoch = 1;
+  const Workspace workspace;
+  const auto lift_mm = [](double t_s) { return 3.0 * std::sin(2.0 * M_PI * t_s); };
+  std::vector<std::shared_ptr<const HeightField>> fields;
+  for (int i = 0; i < 25; ++i) fields.push_back(dome(12.0 + lift_mm(kFrame_s * i), workspace));
+  std::uint64_t sent = 0;
+  const auto send = [&] {
+    FramePool::Index index = 0;
+    if (!pool.acquire(index)) return;
+    PlayFrame frame;
+    frame.epoch = 1;
+    frame.id = sent;
+    frame.media_time = MediaTime(Duration(static_cast<std::int64_t>(sent) * 40'000'000));
+    const double t_s = kFrame_s * static_cast<double>(sent);
+    PlayObject& object = frame.objects[frame.object_count++];
+    object.field = fields[sent % 25].get();
+    object.motion.position_mm = {10.0, 5.0, 12.0 + lift_mm(t_s)};
+    object.motion.velocity_mm_s.z() = 6.0 * M_PI * std::cos(2.0 * M_PI * t_s);
+    pool.slot(index).frame = frame;
+    pool.publish(index);
+    ++sent;
+  };
+  const double clock_ns = clockCost_ns();
+  std::vector<double> all;
+  double contacts = 0.0;
+  std::int64_t ms = 0;
+  for (auto _ : state) {
+    while (static_cast<std::int64_t>(sent) * 40 <= ms + 40) send();
+    const double t_s = 1e-3 * static_cast<double>(ms);
+    const double x_mm = 4.0 * std::sin(4.0 * t_s);  // 1 mm deep, up to 2 cm/s
+    const Vec3 hip_mm(10.0 + x_mm, 5.0,
+                      12.0 + lift_mm(t_s) + 5.0 * (1.0 - x_mm * x_mm / 225.0) - 1.0);
+    const auto from = Ticks::now();
+    const MediaTime play_time(Duration(ms * 1'000'000));
+    const Scene& scene = lookup.at(play_time, controls);
+    const Contact contact = surface == SurfaceKind::kProxy
+                                ? proxies.touch(scene, hip_mm, workspace, 6.6)
+                                : findContact(surface, scene, hip_mm, workspace);
+    SafetyInput input;
+    input.position_mm = hip_mm;
+    input.contact = contact.contact;
+    input.displacement_mm = contact.displacement_mm;
+    input.normal = contact.normal;
+    input.surface_velocity_mm_s = contact.surface_velocity_mm_s;
+    input.touchable = input.dynamic_valid = true;
+    input.dynamic_N = dynamic.evaluate(contact.object, contact.depth_mm, Vec3::Zero(), play_time,
+                                       controls, 1.0, &hip_mm);
+    benchmark::DoNotOptimize(safety.step(input));
+    all.push_back(ns(Ticks::now() - from) - clock_ns);
+    state.SetIterationTime(1e-9 * std::max(1.0, all.back()));
+    contacts += contact.contact;
+    ++ms;
+  }
+  state.counters["median_ns"] = quantile(all, 0.5);
+  state.counters["p99_ns"] = quantile(all, 0.99);
+  state.counters["contact"] = contacts / static_cast<double>(all.size());
+}
+BENCHMARK_CAPTURE(stages, proxy, SurfaceKind::kProxy)->UseManualTime();
+BENCHMARK_CAPTURE(stages, normal, SurfaceKind::kNormal)->UseManualTime();
+BENCHMARK_CAPTURE(stages, perturbed, SurfaceKind::kPerturbed)->UseManualTime();
+
 }  // namespace
 }  // namespace hapticast::client
