@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/room.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,17 @@ Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
 
 Vec2 centreOf(const ObjectNow& object, const Workspace& workspace) noexcept {
   return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
+}
+
+/// The height there; between two frames that of one turns into that of the other.
+double centreHeight_mm(const ObjectNow& object) noexcept {
+  const auto above = [](const PlayObject& frame) noexcept {
+    return frame.field->deepestPointHeight_mm() - frame.motion.position_mm.z();
+  };
+  const double before_mm = above(*object.before);
+  const bool blended = object.after != nullptr && object.after->field != nullptr;
+  const double change_mm = blended ? object.blend * (above(*object.after) - before_mm) : 0.0;
+  return object.position_mm.z() + before_mm + change_mm;
 }
 
 const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
@@ -120,7 +132,7 @@ Contact Room::contactAt(const Scene& scene, const Controls& controls, const Vec3
     return thesis_.evaluate(lookup_, scene.play_time, hip_mm, controls.workspace);
   }
   if (settings_.surface == SurfaceKind::kProxy) {
-    return proxies_.touch(scene, hip_mm, controls.workspace);
+    return proxies_.touch(scene, hip_mm, controls.workspace, deepest_mm(scene));
   }
   return findContact(settings_.surface, scene, hip_mm, controls.workspace);
 }
@@ -139,20 +151,29 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact, co
     input.surface_velocity_mm_s = contact.surface_velocity_mm_s * mapping_.scale;
   }
   input.stiffness_factor = contact.stiffness_factor;
-  input.stiffness_N_mm = stiffness_N_mm(contact);
+  input.stiffness_N_mm = stiffness_N_mm(contact.object);
   input.touchable =
       controls.connected && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !controls.paused;
   return input;
 }
 
-double Room::stiffness_N_mm(const Contact& contact) const noexcept {
+double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
   if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
-  if (contact.object != nullptr) {
-    const double material_N_mm = contact.object->before->material.stiffness_N_mm;
+  if (object != nullptr) {
+    const double material_N_mm = object->before->material.stiffness_N_mm;
     if (!(material_N_mm <= 0.0)) return material_N_mm;  // NaN goes on to the chain, which says so
   }
   return settings_.profile.stiffness_N_mm;
+}
+
+/// What the chain arms at most, by the stiffest object of the scene, in nominal mm.
+double Room::deepest_mm(const Scene& scene) const noexcept {
+  double stiffest_N_mm = 0.0;
+  for (std::size_t i = 0; i < scene.object_count; ++i) {
+    stiffest_N_mm = std::max(stiffest_N_mm, stiffness_N_mm(&scene.objects[i]));
+  }
+  return armDepth_mm(stiffest_N_mm, settings_.profile.peak_N) / mapping_.scale;
 }
 
 void Room::reportObject(const Contact& contact, const Scene& scene,
@@ -169,8 +190,7 @@ void Room::reportObject(const Contact& contact, const Scene& scene,
   report_.object_position_mm = object->position_mm;
   report_.object_velocity_mm_s = object->velocity_mm_s;
   report_.object_centre_mm = centreOf(*object, controls.workspace);
-  report_.object_centre_height_mm =
-      surfaceAt(*object, report_.object_centre_mm, controls.workspace).sample.height_mm;
+  report_.object_centre_height_mm = centreHeight_mm(*object);
   const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), controls.workspace);
   report_.over_object = below.inside;
   if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
