@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <map>
 #include <sstream>
 
 #include "common/wire_limits.hpp"
@@ -208,7 +207,7 @@ class Vision::Impl {
       if (settings_.method == Method::kThesis)
         object.grid = history_.grid(object.id, id, lookahead_, nominal());
       else
-        addResidual(object, id);
+        addResidual(object, result.frame);
       if (info_.live) boundAcceleration(object);
     }
     eraseGone(impacts_, result.frame.objects);
@@ -219,26 +218,26 @@ class Vision::Impl {
 
   // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
   // usual mass it is more than the error budget.
-  void addResidual(HapticObject& object, std::uint64_t id) {
-    if (!object.impacts.empty()) return;  // a window across one shows what nothing has
+  void addResidual(HapticObject& object, const HapticFrame& frame) {
+    // A window across an impact, its first cells from the frame before it, shows what nothing has.
+    const double reach_s = (lookahead_ + 1) / info_.fps;
+    const bool smooth = impacts_[object.id].around(toSeconds(frame.media_time), reach_s).empty();
     const auto plan = object_plans_.find(object.id);
-    if (plan == object_plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
-    auto grid = history_.grid(object.id, id, lookahead_, nominal());
+    if (!smooth || plan == object_plans_.end()) return;
+    if (!history_.hasCells(object.id, frame.id, lookahead_)) return;
+    auto grid = history_.grid(object.id, frame.id, lookahead_, nominal());
     if (grid == nullptr) return;
     double square = 0;
     for (const Eigen::Vector3f& a : grid->acceleration_mm_s2) square += double(a.squaredNorm());
-    const double rms_m_s2 =
-        1e-3 *
-        std::sqrt(square / double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size())));
-    const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * rms_m_s2;
+    square /= double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size()));
+    const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * 1e-3 * std::sqrt(square);
     if (plan->second->residual(felt_N) && covers(*grid, *object.relief)) object.grid = grid;
   }
 
   // An impact between this frame and the next is known now; those of the frames before are repeated
   // for a viewer who has missed them.
   void findImpacts(HapticObject& object, const HapticFrame& frame) {
-    const MotionHistory::Window around =
-        history_.window(object.id, frame.id, lookahead_, nominal());
+    const auto around = history_.window(object.id, frame.id, lookahead_, nominal());
     if (!around.at) return;
     ImpactFinder& finder = impacts_[object.id];
     finder.look(around.samples, *around.at);
