@@ -41,6 +41,26 @@ void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
       ->type_name("MM,MM");
 }
 
+constexpr double kMostFriction = 10.0;
+
+/// --friction STATIC,DYNAMIC
+void addFriction(CLI::App& app, Material& material) {
+  const auto set = [&material](const std::string& text) {
+    const auto pair = parsePair(text);
+    // Written so that a NaN fails.
+    if (!pair || !(pair->y() >= 0.0 && pair->y() <= pair->x() && pair->x() <= kMostFriction)) {
+      throw CLI::ValidationError("--friction",
+                                 inQuotes(text) + " is not S,D with 0 <= D <= S <= 10");
+    }
+    material.static_friction = pair->x();
+    material.dynamic_friction = pair->y();
+  };
+  app.add_option_function<std::string>(
+         "--friction", set,
+         "The surface's coefficients of static and dynamic friction; default: each viewer's own")
+      ->type_name("S,D");
+}
+
 /// Reads `auto`, `everything` or `STAGE=on|off,...`; nullopt where it is none of them.
 std::optional<PlanSettings> parsePlan(std::string_view text) {
   PlanSettings out;
@@ -128,6 +148,7 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
   addPlan(app, vision.plan);
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");
+  addFriction(app, vision.material);
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
             "The object's mass for the dynamic force; default: each viewer's choice");
   addChoice(app, "--method", vision.method, kMethods,

@@ -42,16 +42,18 @@ bool Proxy::clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept {
   return true;
 }
 
-ProxyTouch Proxy::touch(const MovingRelief& relief, const Vec3& hip_mm, const Friction& friction,
-                        int samples, bool jumped) noexcept {
+ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexcept {
   relief_ = &relief;
-  hip_mm_ = hip_mm;
-  friction_ = friction;
-  left_ = samples;
+  hip_mm_ = tick.hip_mm;
+  friction_ = tick.friction;
+  deepest_mm_ = tick.deepest_mm;
+  left_ = tick.samples;
   used_ = 0;
-  jumped_ = jumped;
+  jumped_ = tick.jumped;
   moved_ = done_ = false;
-  if (!valid_) at_mm_ = hip_mm;
+  // A jump through the air is no way that the tip has gone; how deep it is now counts anew.
+  if (jumped_ && kind_ == Kind::kBuried) kind_ = Kind::kFree;
+  if (!valid_ || (jumped_ && kind_ == Kind::kFree)) at_mm_ = hip_mm_;
   valid_ = true;
   settle();
   for (int phase = 0; phase < kPhases && left_ > 0 && !done_; ++phase) {
@@ -157,7 +159,7 @@ void Proxy::settleTop() noexcept {
   const double rise_mm = height.now.height_mm - at_mm_.z();
   if (rise_mm < -kJump_mm) {
     kind_ = Kind::kFree;  // it fell away and is followed by marching
-  } else if (rise_mm > kBuried_mm) {
+  } else if (rise_mm > deepest_mm_) {
     kind_ = Kind::kBuried;
   } else {
     jumped_ = jumped_ || rise_mm > kJump_mm;
@@ -170,7 +172,7 @@ void Proxy::settleWall() noexcept {
   if (inside_mm < -kLooseEdge_mm) kind_ = Kind::kFree;
   if (inside_mm <= 0.0) return;
   const Vec3 before_mm = at_mm_;
-  if (inside_mm > kBuried_mm || !pushOut(kPushes, kPush_mm)) kind_ = Kind::kBuried;
+  if (inside_mm > deepest_mm_ || !pushOut(kPushes, kPush_mm)) kind_ = Kind::kBuried;
   jumped_ = jumped_ || (at_mm_ - before_mm).norm() > kJump_mm;
 }
 
@@ -182,16 +184,16 @@ void Proxy::settleFree() noexcept {
   const double up_mm =
       (height.now.height_mm - at_mm_.z()) / std::sqrt(1.0 + height.now.gradient.squaredNorm());
   const double aside_mm = edgeAt(q_mm).distance_mm;
-  if (aside_mm < up_mm && aside_mm < kBuried_mm) {
+  if (aside_mm < up_mm && aside_mm < deepest_mm_) {
     const Vec3 before_mm = at_mm_;
-    if (pushOut(kPushes, kBuried_mm)) {
+    if (pushOut(kPushes, deepest_mm_)) {
       kind_ = Kind::kWall;
       jumped_ = jumped_ || aside_mm > kJump_mm;
       return;
     }
     at_mm_ = before_mm;
   }
-  if (up_mm > kBuried_mm) {
+  if (up_mm > deepest_mm_) {
     kind_ = Kind::kBuried;
     return;
   }
@@ -300,7 +302,7 @@ Vec3 Proxy::normalHere() noexcept {
 ProxyTouch Proxy::finish() noexcept {
   if (!moved_) slipping_ = false;
   const Vec3 way_mm = at_mm_ - hip_mm_;
-  if (jumped_ && way_mm.squaredNorm() > kBuried_mm * kBuried_mm) kind_ = Kind::kBuried;
+  if (jumped_ && way_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kBuried;
   const bool faded = faded_;
   faded_ = true;
   if (kind_ == Kind::kFree || kind_ == Kind::kBuried) {

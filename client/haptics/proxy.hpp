@@ -15,6 +15,15 @@ struct Friction {
   double sliding = 0.0;
 };
 
+/// What a tick asks of it, in the object's frame.
+struct ProxyTick {
+  Vec3 hip_mm = Vec3::Zero();  ///< finite
+  Friction friction;
+  int samples = 0;          ///< heights to be read at most, and 5 more to end well
+  bool jumped = false;      ///< the pose of the object changed by more than its motion
+  double deepest_mm = 0.0;  ///< after a jump: deeper there is no force
+};
+
 /// What the proxy says of a tick, in the object's frame.
 struct ProxyTouch {
   bool contact = false;
@@ -27,12 +36,11 @@ struct ProxyTouch {
 /// there is no floor outside and no bottom. On a still surface no move of the proxy lengthens the
 /// way to the HIP, so only the hand's own work is given back. A surface that rises, arrives or
 /// jumps takes the proxy along; by more than kJump_mm in a tick its force begins where the last
-/// tick's was and fades to the true one (40 ms); deeper than kBuried_mm after a jump the object is
-/// silent until the HIP is out of it.
+/// tick's was and fades to the true one (40 ms); deeper than ProxyTick::deepest_mm after a jump the
+/// object is silent until the HIP is out of it.
 class Proxy {
  public:
   static constexpr double kJump_mm = 0.3;
-  static constexpr double kBuried_mm = 3.0;
 
   /// Starts at the next HIP; `faded`: what it then touches begins with no force.
   void restart(bool faded) noexcept;
@@ -40,10 +48,7 @@ class Proxy {
   void forgetSamples() noexcept { here_known_ = edge_known_ = false; }
   /// Nothing to feel and nothing to compute this tick: the proxy simply follows.
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
-  /// One tick. At most `samples` heights are read, and 5 more to end well. `jumped`: the pose of
-  /// the object changed by more than its motion. Requires a finite HIP.
-  ProxyTouch touch(const MovingRelief& relief, const Vec3& hip_mm, const Friction& friction,
-                   int samples, bool jumped) noexcept;
+  ProxyTouch touch(const MovingRelief& relief, const ProxyTick& tick) noexcept;
 
   /// Heights read in the last touch().
   [[nodiscard]] int samplesUsed() const noexcept { return used_; }
@@ -108,6 +113,7 @@ class Proxy {
   const MovingRelief* relief_ = nullptr;
   Vec3 hip_mm_ = Vec3::Zero();
   Friction friction_;
+  double deepest_mm_ = 0.0;
   int left_ = 0;
   int used_ = 0;
   bool jumped_ = false;

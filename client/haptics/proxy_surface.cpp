@@ -14,7 +14,8 @@ namespace {
 constexpr double kMostFriction = 10.0;
 // What moves on for longer than this without being felt has jumped.
 constexpr double kLongestTick_s = 5e-3;
-constexpr double kWeight_mm = 1e-9;  // of a contact whose displacement has yet to grow
+constexpr double kFastest_mm_s = 1500.0;  // nor does the chain believe in more
+constexpr double kWeight_mm = 1e-9;       // of a contact whose displacement has yet to grow
 
 std::uint64_t keyOf(const PlayObject& object) noexcept {
   return (std::uint64_t{object.id} << 32U) | object.layer;
@@ -103,17 +104,21 @@ ProxySurface::Tied& ProxySurface::unused() noexcept {
 }
 
 /// The pose changed by more than the velocities of before and now explain (a frame that came late,
-/// a correction); an impact in between is a mean of both.
+/// a correction, a number that is none); an impact in between is a mean of both.
 bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double arm_mm,
                               double elapsed_s) noexcept {
-  const double moved_mm =
-      awayFrom(object.position_mm - tied.position_mm, tied.velocity_mm_s * elapsed_s,
-               object.velocity_mm_s * elapsed_s);
+  const auto way_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
+    const double speed_mm_s = velocity_mm_s.norm();
+    const double share = speed_mm_s > kFastest_mm_s ? kFastest_mm_s / speed_mm_s : 1.0;
+    return velocity_mm_s * (share * elapsed_s);
+  };
+  const double moved_mm = awayFrom(object.position_mm - tied.position_mm,
+                                   way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
   const double turn_rad = std::remainder(object.angle_rad - tied.angle_rad, 2.0 * std::numbers::pi);
   const auto [slow, fast] = std::minmax(tied.angular_velocity_rad_s * elapsed_s,
                                         object.angular_velocity_rad_s * elapsed_s);
   const double turned_rad = std::abs(turn_rad - std::clamp(turn_rad, slow, fast));
-  return moved_mm + turned_rad * arm_mm > Proxy::kJump_mm;
+  return !(moved_mm + turned_rad * arm_mm <= Proxy::kJump_mm);
 }
 
 void ProxySurface::look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
@@ -165,8 +170,8 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
   }
 }
 
-Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm,
-                            const Workspace& workspace) noexcept {
+Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
+                            double deepest_mm) noexcept {
   used_ = 0;
   if (scene.jumped || !hip_mm.allFinite()) restart();
   ++tick_;
@@ -185,8 +190,9 @@ Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm,
     const int left = kSamples - used_;
     if (left > 0) {
       const int fair = std::max(1, left / static_cast<int>(near_count_ - i));
-      tied.touch = tied.proxy.touch(tied.relief, near.hip_mm,
-                                    frictionOf(near.object->before->material), fair, near.jumped);
+      tied.touch = tied.proxy.touch(
+          tied.relief,
+          {near.hip_mm, frictionOf(near.object->before->material), fair, near.jumped, deepest_mm});
       used_ += tied.proxy.samplesUsed();
     }
     if (tied.touch.contact) sum.add(tied.touch, *near.object, tied.proxy.position_mm());

@@ -24,8 +24,10 @@ class ProxySurface {
   /// the mean over the contacts, weighted by their displacements; `object` the one with the
   /// longest. Proxies are kept by object id and layer, and dropped with their object. A jump of the
   /// geometry (an object appears, its surface or pose changes by more than motion explains) never
-  /// steps: its force fades in here, so Contact::jump says only that the epoch changed.
-  Contact touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
+  /// steps: its force fades in here, so Contact::jump says only that the epoch changed; deeper than
+  /// `deepest_mm` (nominal) after a jump there is none until the HIP is out of the object.
+  Contact touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
+                double deepest_mm) noexcept;
 
   /// The world or the HIP is not connected with the last tick's, and whoever says so fades the
   /// force: the next tick's contacts are told at their full depth.

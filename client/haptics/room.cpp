@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/room.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -120,7 +121,7 @@ Contact Room::contactAt(const Scene& scene, const Controls& controls, const Vec3
     return thesis_.evaluate(lookup_, scene.play_time, hip_mm, controls.workspace);
   }
   if (settings_.surface == SurfaceKind::kProxy) {
-    return proxies_.touch(scene, hip_mm, controls.workspace);
+    return proxies_.touch(scene, hip_mm, controls.workspace, deepest_mm(scene));
   }
   return findContact(settings_.surface, scene, hip_mm, controls.workspace);
 }
@@ -139,20 +140,29 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact, co
     input.surface_velocity_mm_s = contact.surface_velocity_mm_s * mapping_.scale;
   }
   input.stiffness_factor = contact.stiffness_factor;
-  input.stiffness_N_mm = stiffness_N_mm(contact);
+  input.stiffness_N_mm = stiffness_N_mm(contact.object);
   input.touchable =
       controls.connected && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !controls.paused;
   return input;
 }
 
-double Room::stiffness_N_mm(const Contact& contact) const noexcept {
+double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
   if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
-  if (contact.object != nullptr) {
-    const double material_N_mm = contact.object->before->material.stiffness_N_mm;
+  if (object != nullptr) {
+    const double material_N_mm = object->before->material.stiffness_N_mm;
     if (!(material_N_mm <= 0.0)) return material_N_mm;  // NaN goes on to the chain, which says so
   }
   return settings_.profile.stiffness_N_mm;
+}
+
+/// What the chain arms at most, by the stiffest object of the scene, in nominal mm.
+double Room::deepest_mm(const Scene& scene) const noexcept {
+  double stiffest_N_mm = 0.0;
+  for (std::size_t i = 0; i < scene.object_count; ++i) {
+    stiffest_N_mm = std::max(stiffest_N_mm, stiffness_N_mm(&scene.objects[i]));
+  }
+  return armDepth_mm(stiffest_N_mm, settings_.profile.peak_N) / mapping_.scale;
 }
 
 void Room::reportObject(const Contact& contact, const Scene& scene,

@@ -53,7 +53,8 @@ class Room {
   Contact contactAt(const Scene& scene, const Controls& controls, const Vec3& hip_mm) noexcept;
   SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact, const Scene& scene,
                           const Controls& controls) const noexcept;
-  double stiffness_N_mm(const Contact& contact) const noexcept;
+  double stiffness_N_mm(const ObjectNow* object) const noexcept;
+  double deepest_mm(const Scene& scene) const noexcept;
   void reportObject(const Contact& contact, const Scene& scene, const Controls& controls) noexcept;
   Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
   void publish() noexcept;

@@ -76,6 +76,10 @@ double wallDamping_Ns_m(double stiffness_N_mm, double lead_s) noexcept {
   return stiffness_N_mm * 1e3 * lead_s + kBaseDamping_Ns_m;
 }
 
+double armDepth_mm(double stiffness_N_mm, double peak_N) noexcept {
+  return stiffness_N_mm > 0.0 ? std::max(kArmDepth_mm, peak_N / stiffness_N_mm) : kArmDepth_mm;
+}
+
 StepMeter::StepMeter(const DeviceProfile& profile) noexcept
     : rise_N_(profile.slew_rise_N_per_tick),
       fall_N_(profile.slew_fall_N_per_tick),
@@ -247,10 +251,7 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
     out.interferences |= bit(Interference::kJump);
   }
   if (touchable && check_depth_) {
-    const double limit_mm = geometry.stiffness_N_mm > 0.0
-                                ? std::max(kArmDepth_mm, peak_N_ / geometry.stiffness_N_mm)
-                                : kArmDepth_mm;
-    blocked_ = geometry.displacement_mm.norm() > limit_mm;
+    blocked_ = geometry.displacement_mm.norm() > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
     check_depth_ = false;
   }
   if (touchable && !geometry.contact) blocked_ = false;

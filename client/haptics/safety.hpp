@@ -39,6 +39,9 @@ double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
 /// Damping of the wall law in N·s/m for a local stiffness: B = K tau + B_0.
 double wallDamping_Ns_m(double stiffness_N_mm, double lead_s) noexcept;
 
+/// Deeper (device mm) than max(2 mm, peak/K) after a jump nothing arms until the hand has left.
+double armDepth_mm(double stiffness_N_mm, double peak_N) noexcept;
+
 /// Device frame, device mm.
 struct SafetyInput {
   // The tip.

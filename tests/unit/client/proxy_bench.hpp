@@ -17,6 +17,8 @@ namespace hapticast::client {
 using HeightOf = std::function<double(const Vec2&)>;
 using MaskOf = std::function<bool(const Vec2&)>;
 
+inline constexpr double kDeepest_mm = 3.3;  // an Omni's peak at 1 N/mm
+
 inline bool anywhere(const Vec2&) { return true; }
 inline HeightOf level(double height_mm) {
   return [=](const Vec2&) { return height_mm; };
@@ -57,7 +59,7 @@ class Table {
   PlayObject& object(std::size_t index) { return *objects_[index]; }
   Contact touch(const Vec3& hip_mm) {
     scene.play_time += Duration(1'000'000);
-    const Contact contact = proxies.touch(scene, hip_mm, kWorkspace);
+    const Contact contact = proxies.touch(scene, hip_mm, kWorkspace, kDeepest_mm);
     most_samples = std::max(most_samples, proxies.samplesUsed());
     return contact;
   }
@@ -107,7 +109,7 @@ class Film {
   }
   [[nodiscard]] double t_s() const { return 1e-3 * tick_; }
   Contact touch(const Vec3& hip_mm) {
-    const Contact contact = proxies.touch(next(), hip_mm, kWorkspace);
+    const Contact contact = proxies.touch(next(), hip_mm, kWorkspace, kDeepest_mm);
     most_samples = std::max(most_samples, proxies.samplesUsed());
     return contact;
   }

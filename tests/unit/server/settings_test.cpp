@@ -44,6 +44,8 @@ void expectAll(const Settings& settings) {
   EXPECT_TRUE(vision.stretch);
   EXPECT_EQ(vision.motion, MotionMode::kLk);
   EXPECT_EQ(vision.material.stiffness_N_mm, 0.4);
+  EXPECT_EQ(vision.material.static_friction, 0.5);
+  EXPECT_EQ(vision.material.dynamic_friction, 0.3);
   EXPECT_EQ(vision.mass_kg, 0.25);
   EXPECT_EQ(vision.method, Method::kThesis);
 }
@@ -54,7 +56,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"max-clients", "3"},  {"object", "505,330"}, {"not", "300,400"},
     {"object", "10,20"},   {"segment", "band"},   {"depth-range", "500,1500"},
     {"stretch", "true"},   {"motion", "lk"},      {"stiffness", "0.4"},
-    {"mass", "0.25"},      {"method", "thesis"},
+    {"mass", "0.25"},      {"method", "thesis"},  {"friction", "0.5,0.3"},
 };
 
 TEST(ServerSettings, EveryFlag) {
@@ -94,6 +96,11 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--depth-range", "0,1e300", "NEAR,FAR in mm"},
       {"--motion", "rgb", "auto|depth|lk|none"},
       {"--stiffness", "inf", "0.01 to 10"},
+      {"--friction", "0.3", "0 <= D <= S <= 10"},
+      {"--friction", "0.3,0.5", "0 <= D <= S <= 10"},
+      {"--friction", "11,1", "0 <= D <= S <= 10"},
+      {"--friction", "0.3,-0.1", "0 <= D <= S <= 10"},
+      {"--friction", "nan,nan", "0 <= D <= S <= 10"},
       {"--mass", "nan", "0.001 to 100"},
       {"--method", "best", "hapticast|thesis"}};
   for (const auto& [flag, value, allowed] : wrong) {
