@@ -74,7 +74,7 @@ void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
       findImpacts(object, frame, around);
       takeFromClip(object, frame.media_time, around.samples[*around.at].position_mm, clip_frame);
     }
-    addGrid(object, frame.id, nominal);
+    addGrid(object, frame, nominal);
     if (info_.live) boundAcceleration(object);
   }
   std::erase_if(impacts_, [&](const auto& item) { return !present.contains(item.first); });
@@ -107,27 +107,32 @@ void FrameMotion::takeFromClip(HapticObject& object, MediaTime media_time, const
   for (Impact& impact : object.impacts) impact.time += clip_began;
 }
 
-void FrameMotion::addGrid(HapticObject& object, std::uint64_t id, const NominalFrame& nominal) {
+void FrameMotion::addGrid(HapticObject& object, const HapticFrame& frame,
+                          const NominalFrame& nominal) {
   if (settings_.method != Method::kThesis) {
-    addResidual(object, id, nominal);
-  } else if (const auto flow = history_.grid(object.id, id, lookahead_, nominal)) {
+    addResidual(object, frame, nominal);
+  } else if (const auto flow = history_.grid(object.id, frame.id, lookahead_, nominal)) {
     object.grid = lessRigid(*flow, object.motion);
   }
 }
 
 // What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
 // usual mass it is more than the error budget.
-void FrameMotion::addResidual(HapticObject& object, std::uint64_t id, const NominalFrame& nominal) {
-  if (!object.impacts.empty()) return;  // a window across one shows what nothing has
+void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
+                              const NominalFrame& nominal) {
+  // A window across an impact, its first cells from the frame before it, shows what nothing has.
+  const double window_s = (lookahead_ + 1) / info_.fps;
+  const bool smooth = object.impacts.empty() &&
+                      impacts_[object.id].around(toSeconds(frame.media_time), window_s).empty();
   const auto plan = plans_.find(object.id);
-  if (plan == plans_.end() || !history_.hasCells(object.id, id, lookahead_)) return;
-  auto grid = history_.grid(object.id, id, lookahead_, nominal);
+  if (!smooth || plan == plans_.end()) return;
+  if (!history_.hasCells(object.id, frame.id, lookahead_)) return;
+  auto grid = history_.grid(object.id, frame.id, lookahead_, nominal);
   if (grid == nullptr) return;
   double square = 0;
   for (const Eigen::Vector3f& a : grid->acceleration_mm_s2) square += double(a.squaredNorm());
-  const double rms_m_s2 =
-      1e-3 * std::sqrt(square / double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size())));
-  const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * rms_m_s2;
+  square /= double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size()));
+  const double felt_N = settings_.mass_kg.value_or(kUsualMass_kg) * 1e-3 * std::sqrt(square);
   if (plan->second->residual(felt_N) && covers(*grid, *object.relief)) object.grid = grid;
 }
 

@@ -46,8 +46,8 @@ class FrameMotion {
                    const MotionHistory::Window& around);
   void takeFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
                     std::uint64_t clip_frame) const;
-  void addGrid(HapticObject& object, std::uint64_t id, const NominalFrame& nominal);
-  void addResidual(HapticObject& object, std::uint64_t id, const NominalFrame& nominal);
+  void addGrid(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
+  void addResidual(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void boundAcceleration(const HapticObject& object);
   /// How far around a frame its impacts are told.
   [[nodiscard]] double reach_s() const { return lookahead_ / info_.fps; }

@@ -23,6 +23,7 @@ constexpr double kClean_mm = 0.1;
 // read the same when a sensor's correlated noise is on them.
 constexpr double kRounding = 0.61;
 constexpr std::size_t kLargestNoiseBins = 400;
+constexpr std::size_t kFewestGaps = 8;
 
 struct LatticePoint {
   double u, v, z;
@@ -171,7 +172,8 @@ DepthNoise measureNoise(const cv::Mat& depth) {
        ++next) {
     gaps.push_back(double(*std::next(next)) - double(*next));
   }
-  noise.quantum_mm = std::min(20.0, medianOf(gaps));
+  // The gaps between a few flat things are no step of the sensor's.
+  if (gaps.size() >= kFewestGaps) noise.quantum_mm = std::min(20.0, medianOf(gaps));
   for (double& sigma : noise.sigma_mm) sigma = std::max(sigma, 0.5 * noise.quantum_mm);
   return noise;
 }

@@ -37,6 +37,21 @@ std::vector<Outcome> runAll(const std::vector<Case>& cases) {
 
 }  // namespace
 
+Streams makeStreams(const TouchScene& scene, StreamKind kind) {
+  Streams out;
+  kind.method = Method::kHapticast;
+  out.ours = makeStream(scene, kind);
+  kind.method = Method::kThesis;
+  out.theirs = makeStream(scene, kind);
+  return out;
+}
+
+std::vector<Felt> feelAll(const Streams& streams, const std::vector<Variant>& variants,
+                          const Hand& hand, const PlayTimes& times) {
+  const auto of = [&](Method method) -> const Stream& { return streams.of(method); };
+  return feelAll(of, variants, hand, times);
+}
+
 Row rowOf(const std::string& scene, const std::string& stage, const Variant& variant, double error,
           const std::string& unit, double tick_us) {
   return {scene, stage, variant.name, error, unit, tick_us, variant.is_default, variant.is_thesis};
@@ -53,8 +68,9 @@ void evaluateAccuracy(const Options& options) {
       "wire, with the source's exact mask; `own mask`: segmented by the server, its error beside "
       "it. Times: look-up and surface of a tick. Where a force stands, it is at 0.5 N/mm.");
   std::vector<Case> cases;
-  for (const auto& part : {smoothCases(options.quick), wallCases(options.quick),
-                           motionCases(options.quick), dynamicCases(options.quick)})
+  for (const auto& part :
+       {smoothCases(options.quick), wallCases(options.quick), motionCases(options.quick),
+        frictionCases(options.quick), dynamicCases(options.quick)})
     cases.insert(cases.end(), part.begin(), part.end());
   for (const Outcome& outcome : runAll(cases)) {
     for (const Row& row : outcome.rows) report.add(row);

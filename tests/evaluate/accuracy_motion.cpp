@@ -20,12 +20,11 @@ struct HeldCase {
 Outcome measureHeld(const HeldCase& what) {
   Outcome out;
   Goal goal{"held contact, " + what.name + ": ticks that lose it", "ticks", 0.0, 0.0};
-  StreamKind kind;
-  const Stream ours = makeStream(what.scene, kind);
-  kind.method = Method::kThesis;
-  const Stream theirs = makeStream(what.scene, kind);
-  for (const Variant& variant : allVariants()) {
-    const Felt felt = feel(variant.method == Method::kThesis ? theirs : ours, variant, what.hand);
+  const std::vector<Variant> variants = allVariants();
+  const std::vector<Felt> all = feelAll(makeStreams(what.scene), variants, what.hand);
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const Variant& variant = variants[i];
+    const Felt& felt = all[i];
     const auto lost = std::count_if(felt.ticks.begin(), felt.ticks.end(), [](const Tick& tick) {
       return tick.hand.truth_mm.norm() > kSureDepth_mm && !tick.contact;
     });
@@ -44,7 +43,7 @@ Outcome measureHeld(const HeldCase& what) {
 double stepAtFrames_mN(const std::vector<Tick>& ticks) {
   double step_mm = 0;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
-    if (ticks[i].new_frame)
+    if (ticks[i].new_frame && ticks[i].time_s > 1.0)  // the hand has come
       step_mm = std::max(step_mm, (ticks[i].error_mm() - ticks[i - 1].error_mm()).norm());
   }
   return 1e3 * kStiffness_N_mm * step_mm;
@@ -59,20 +58,18 @@ Outcome measureSteps(double px_per_frame) {
   Outcome out;
   const TouchScene scene = steadySphere(px_per_frame);
   const Hand hand = holdingHand(scene, {7.0, 2.0}, 1.0);
-  StreamKind kind;
-  const Stream ours = makeStream(scene, kind);
-  kind.method = Method::kThesis;
-  const Stream theirs = makeStream(scene, kind);
+  const Streams streams = makeStreams(scene);
+  const std::vector<Variant> variants = allVariants();
   for (const Arrival& arrival : {Arrival{"in time", -0.08}, Arrival{"10 ms late", 0.01}}) {
     const std::string name = std::string("steady motion, frames ") + arrival.name;
     Goal goal{"force step at a frame, " + name, "mN", 2.0, 0.2};
-    for (const Variant& variant : allVariants()) {
-      const bool thesis = variant.method == Method::kThesis;
-      const PlayTimes times{0.5, scene.duration_s - 0.3, arrival.arrival_s};
-      const Felt felt = feel(thesis ? theirs : ours, variant, hand, times);
-      const double step_mN = stepAtFrames_mN(felt.ticks);
+    const PlayTimes times{0.4, scene.duration_s - 0.3, arrival.arrival_s};
+    const std::vector<Felt> all = feelAll(streams, variants, hand, times);
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const Variant& variant = variants[i];
+      const double step_mN = stepAtFrames_mN(all[i].ticks);
       out.rows.push_back(
-          rowOf(name, "force step at a frame", variant, step_mN, "mN", felt.tick_us));
+          rowOf(name, "force step at a frame", variant, step_mN, "mN", all[i].tick_us));
       if (variant.is_default) goal.got = step_mN;
       if (variant.is_thesis) goal.thesis = step_mN;
     }

@@ -50,12 +50,12 @@ void addSources(const SmoothCase& what, const Hand& hand, Outcome& out) {
 }
 
 void addOwnMask(const SmoothCase& what, const Hand& hand, Outcome& out) {
+  StreamKind kind;
+  kind.seen.give_mask = false;
+  kind.longest_s = what.longest_s;
+  const Streams streams = makeStreams(what.scene, kind);
   for (const Variant& variant : {defaultVariant(), thesisVariant()}) {
-    StreamKind kind;
-    kind.method = variant.method;
-    kind.seen.give_mask = false;
-    kind.longest_s = what.longest_s;
-    const Stream stream = makeStream(what.scene, kind);
+    const Stream& stream = streams.of(variant.method);
     const Felt felt = feel(stream, variant, hand);
     out.rows.push_back(rowOf(what.scene.name, "force, own mask", variant,
                              100.0 * relativeError(felt.ticks), "%", felt.tick_us));
@@ -69,12 +69,12 @@ Outcome measure(const SmoothCase& what, bool quick) {
   const Hand hand = slidingHand(what.scene, what.reach_mm);
   StreamKind kind;
   kind.longest_s = what.longest_s;
-  const Stream ours = makeStream(what.scene, kind);
-  kind.method = Method::kThesis;
-  const Stream theirs = makeStream(what.scene, kind);
   Goal goal{what.scene.name, "%", what.required, what.aim};
-  for (const Variant& variant : allVariants()) {
-    const Felt felt = feel(variant.method == Method::kThesis ? theirs : ours, variant, hand);
+  const std::vector<Variant> variants = allVariants();
+  const std::vector<Felt> all = feelAll(makeStreams(what.scene, kind), variants, hand);
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const Variant& variant = variants[i];
+    const Felt& felt = all[i];
     const double error = 100.0 * relativeError(felt.ticks);
     out.rows.push_back(rowOf(what.scene.name, what.stage, variant, error, "%", felt.tick_us));
     out.rows.push_back(rowOf(what.scene.name, "roughness of the force", variant,

@@ -31,32 +31,19 @@ Pushed pushed(const std::vector<Tick>& ticks, double push_mm) {
   return out;
 }
 
-struct Streams {
-  Stream ours, theirs;
-  [[nodiscard]] const Stream& of(const Variant& variant) const {
-    return variant.method == Method::kThesis ? theirs : ours;
-  }
-};
-
-Streams streamsOf(const TouchScene& scene, bool give_mask) {
-  StreamKind kind;
-  kind.seen.give_mask = give_mask;
-  Streams out{makeStream(scene, kind), {}};
-  kind.method = Method::kThesis;
-  out.theirs = makeStream(scene, kind);
-  return out;
-}
-
 void measurePush(const Wall& wall, const Streams& streams, bool own_mask, Outcome& out) {
   const std::string name = wall.scene.name + (own_mask ? ", own mask" : "");
   Goal sideways{"push 2 mm into the " + name + ": sideways force off by", "%", 4.0, 2.0};
   Goal upward{"push 2 mm into the " + name + ": upward force, of the push", "%", 1.0, 0.0};
   Goal edge{"push 0.5 mm into the " + name + ": off by, of the mask's edge", "px", 0.15, 0.1};
-  for (const Variant& variant : allVariants()) {
-    if (own_mask && !variant.is_default && !variant.is_thesis) continue;
-    const Stream& stream = streams.of(variant);
-    const Felt deep = feel(stream, variant, pushingHand(wall, 2.0), pushTimes());
-    const Felt slight = feel(stream, variant, pushingHand(wall, 0.5), pushTimes());
+  std::vector<Variant> variants = allVariants();
+  if (own_mask) variants = {defaultVariant(), thesisVariant()};
+  const auto all_deep = feelAll(streams, variants, pushingHand(wall, 2.0), pushTimes());
+  const auto all_slight = feelAll(streams, variants, pushingHand(wall, 0.5), pushTimes());
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const Variant& variant = variants[i];
+    const Felt& deep = all_deep[i];
+    const Felt& slight = all_slight[i];
     const Pushed two = pushed(deep.ticks, 2.0);
     const Pushed half = pushed(slight.ticks, 0.5);
     const double edge_px = 0.5 * half.sideways / kMmPerPx;
@@ -73,8 +60,8 @@ void measurePush(const Wall& wall, const Streams& streams, bool own_mask, Outcom
     if (variant.is_default) put(&Goal::got);
     if (variant.is_thesis) put(&Goal::thesis);
     if (own_mask)
-      out.rows.push_back(
-          rowOf(wall.scene.name, "own mask off by", variant, stream.mask_error_px, "px", 0.0));
+      out.rows.push_back(rowOf(wall.scene.name, "own mask off by", variant,
+                               streams.of(variant.method).mask_error_px, "px", 0.0));
   }
   if (!own_mask) out.goals = {sideways, upward, edge};
 }
@@ -102,10 +89,13 @@ void measureRim(const Wall& wall, const Streams& streams, Outcome& out) {
   Goal press{"press 0.5 mm inside the rim of the " + name + ": sideways force", "%", 2.0, 0.0};
   Goal leave{"leave over the rim of the " + name + ": kick", "%", 0.1, 0.0};
   const Hand hand = rimHand(wall, 0.5);
-  for (const Variant& variant : allVariants()) {
-    const Stream& stream = streams.of(variant);
-    const Felt pressed = feel(stream, variant, hand, rimPressTimes());
-    const Felt left = feel(stream, variant, hand, rimLeaveTimes());
+  const std::vector<Variant> variants = allVariants();
+  const auto all_pressed = feelAll(streams, variants, hand, rimPressTimes());
+  const auto all_left = feelAll(streams, variants, hand, rimLeaveTimes());
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const Variant& variant = variants[i];
+    const Felt& pressed = all_pressed[i];
+    const Felt& left = all_left[i];
     const double sideways = 100.0 * sidewaysOf(pressed.ticks);
     const double kick = 100.0 * kickOf(left.ticks, wall.at(0.0).outward);
     out.rows.push_back(
@@ -120,10 +110,13 @@ void measureRim(const Wall& wall, const Streams& streams, Outcome& out) {
 
 Outcome measure(const Wall& wall, bool push, bool rim, bool quick) {
   Outcome out;
-  const Streams exact = streamsOf(wall.scene, true);
+  const Streams exact = makeStreams(wall.scene);
   if (push) measurePush(wall, exact, false, out);
   if (rim) measureRim(wall, exact, out);
-  if (push && !quick) measurePush(wall, streamsOf(wall.scene, false), true, out);
+  if (!push || quick) return out;
+  StreamKind segmented;
+  segmented.seen.give_mask = false;
+  measurePush(wall, makeStreams(wall.scene, segmented), true, out);
   return out;
 }
 

@@ -4,9 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "client/haptics/proxy_surface.hpp"
+#include "client/haptics/safety.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
 
@@ -52,11 +54,16 @@ class Viewer {
     }
     return next_ > first;
   }
-  const Scene& sceneAt(double time_s) {
-    return lookup_.at(mediaTime(time_s + kInstant_s), receiver_.controls());
+
+  // Within an interval of frames in any order.
+  void touch(const Touch& surface, Tick& tick, const Look& look) {
+    const client::Controls& controls = receiver_.controls();
+    const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), controls);
+    const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, controls.workspace);
+    tick.contact = contact.contact;
+    if (contact.contact) tick.displacement_mm = contact.displacement_mm;
+    if (look) look(scene, controls, contact, tick);
   }
-  [[nodiscard]] const FrameLookup& lookup() const { return lookup_; }
-  [[nodiscard]] const client::Controls& controls() const { return receiver_.controls(); }
 
  private:
   const Stream& stream_;
@@ -77,9 +84,13 @@ Touch surfaceModel(SurfaceKind kind) {
 
 // The proxies keep their state from tick to tick.
 Touch proxy() {
+  const double deepest_mm =
+      client::armDepth_mm(client::DeviceProfile{}.stiffness_N_mm, client::DeviceProfile{}.peak_N);
   const auto state = std::make_shared<client::ProxySurface>();
-  return [state](const FrameLookup&, const Scene& scene, const Vec3& hip_mm,
-                 const Workspace& workspace) { return state->touch(scene, hip_mm, workspace); };
+  return
+      [=](const FrameLookup&, const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) {
+        return state->touch(scene, hip_mm, workspace, deepest_mm);
+      };
 }
 
 // Memoryless, by other samples or another K than the client's own.
@@ -167,42 +178,64 @@ const Variant& thesisVariant() {
   return variant;
 }
 
-Felt feel(const Stream& stream, const Variant& variant, const Hand& hand, const PlayTimes& times,
-          const Look& look) {
-  Viewer viewer(stream, variant);
-  const Touch touch = variant.make();
-  const Workspace& workspace = stream.description.workspace;
-  Felt out;
+namespace {
+
+// One after the other over the ticks between two frames: memory is warm for all alike.
+std::vector<Felt> feelTogether(const Stream& stream, const std::vector<const Variant*>& variants,
+                               const Hand& hand, const PlayTimes& times, const Look& look) {
+  Viewer viewer(stream, *variants.front());
+  std::vector<Touch> touches;
+  for (const Variant* variant : variants) touches.push_back(variant->make());
+  std::vector<Felt> out(variants.size());
   const double last_s = stream.frames[stream.frames.size() - 2].time_s;
-  const auto first_tick = static_cast<std::int64_t>(std::ceil(times.from_s * 1e3));
   const auto last_tick = static_cast<std::int64_t>(std::min(times.to_s, last_s) * 1e3);
   const auto per_frame = static_cast<std::int64_t>(1e3 / stream.description.fps);
-  double spent_us = 0.0;
-  for (std::int64_t tick = first_tick; tick < last_tick;) {
+  for (auto tick = static_cast<std::int64_t>(std::ceil(times.from_s * 1e3)); tick < last_tick;) {
     // Nothing comes between frames but where they are late.
     const std::int64_t whole = (tick / per_frame + 1) * per_frame;
     const std::int64_t next = std::min(last_tick, times.arrival_s > kAllThere_s ? tick + 1 : whole);
     const bool came = viewer.deliver(1e-3 * double(tick) - times.arrival_s);
-    const std::size_t begin = out.ticks.size();
+    std::vector<Tick> ticks;
     for (std::int64_t i = tick; i < next; ++i) {
       const double time_s = 1e-3 * double(i);
-      out.ticks.push_back(
-          {time_s, hand(time_s), Vec3::Zero(), false, i % per_frame == 0 || (i == tick && came)});
+      const bool new_frame = i % per_frame == 0 || (i == tick && came);
+      ticks.push_back({time_s, hand(time_s), Vec3::Zero(), false, new_frame});
     }
-    const double start_us = threadTime_us();
-    for (std::size_t i = begin; i < out.ticks.size(); ++i) {
-      Tick& now = out.ticks[i];
-      const Scene& scene = viewer.sceneAt(now.time_s);
-      const Contact contact = touch(viewer.lookup(), scene, now.hand.hip_mm, workspace);
-      now.contact = contact.contact;
-      if (contact.contact) now.displacement_mm = contact.displacement_mm;
-      if (look) look(scene, viewer.controls(), contact, now);
+    for (std::size_t k = 0; k < touches.size(); ++k) {
+      std::vector<Tick>& felt = out[k].ticks;
+      const std::size_t begin = felt.size();
+      felt.insert(felt.end(), ticks.begin(), ticks.end());
+      const double start_us = threadTime_us();
+      for (std::size_t i = begin; i < felt.size(); ++i) viewer.touch(touches[k], felt[i], look);
+      out[k].tick_us += threadTime_us() - start_us;
     }
-    spent_us += threadTime_us() - start_us;
     tick = next;
   }
-  out.tick_us = spent_us / std::max(1.0, double(out.ticks.size()));
+  for (Felt& felt : out) felt.tick_us /= std::max(1.0, double(felt.ticks.size()));
   return out;
+}
+
+}  // namespace
+
+std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
+                          const std::vector<Variant>& variants, const Hand& hand,
+                          const PlayTimes& times) {
+  std::map<std::pair<Method, Interpolation>, std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < variants.size(); ++i)
+    groups[{variants[i].method, variants[i].interpolation}].push_back(i);
+  std::vector<Felt> out(variants.size());
+  for (const auto& [kind, indices] : groups) {
+    std::vector<const Variant*> together;
+    for (const std::size_t i : indices) together.push_back(&variants[i]);
+    std::vector<Felt> felt = feelTogether(streams(kind.first), together, hand, times, nullptr);
+    for (std::size_t k = 0; k < indices.size(); ++k) out[indices[k]] = std::move(felt[k]);
+  }
+  return out;
+}
+
+Felt feel(const Stream& stream, const Variant& variant, const Hand& hand, const PlayTimes& times,
+          const Look& look) {
+  return feelTogether(stream, {&variant}, hand, times, look).front();
 }
 
 double relativeError(const std::vector<Tick>& ticks) {

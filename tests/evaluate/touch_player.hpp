@@ -63,7 +63,13 @@ struct PlayTimes {
                              ///< that any interpolation asks for
 };
 
-/// `look`: what else is wanted of each tick; its time counts.
+/// What a hand feels by each of the variants; frames are made once for those that read the same
+/// ones. `streams` gives the stream of a method.
+std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
+                          const std::vector<Variant>& variants, const Hand& hand,
+                          const PlayTimes& times = {});
+
+/// One variant. `look`: what else is wanted of each tick; its time counts.
 using Look = std::function<void(const client::Scene&, const client::Controls&,
                                 const client::Contact&, const Tick&)>;
 Felt feel(const Stream& stream, const Variant& variant, const Hand& hand,
