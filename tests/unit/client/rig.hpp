@@ -3,6 +3,7 @@
 // flat wall.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "client/device/virtual_device.hpp"
@@ -31,8 +32,9 @@ class ManualClock final : public Clock {
 /// A wall facing +z at `wall_mm` (device frame). One step() is one tick: device, motion, chain.
 class Rig {
  public:
-  Rig(const DeviceProfile& told, const DeviceProfile& real, const Hand& hand)
-      : device(real, hand, clock, nullptr), motion(told.count_mm), chain(told), told_(told) {
+  Rig(const DeviceProfile& told, const DeviceProfile& real, const Hand& hand,
+      const SafetyLinks& links = {})
+      : device(real, hand, clock, nullptr), motion(told.count_mm), chain(told, links), told_(told) {
     stiffness_N_mm = told.stiffness_N_mm;
   }
 
@@ -52,7 +54,9 @@ class Rig {
     input.displacement_mm = input.contact ? Vec3(0.0, 0.0, depth_mm) : Vec3(Vec3::Zero());
     if (nan_heights) input.displacement_mm.setConstant(std::nan(""));
     input.surface_velocity_mm_s = {0.0, 0.0, wall_velocity_mm_s};
+    input.scene_step_s = toSeconds(period);
     input.stiffness_N_mm = stiffness_N_mm;
+    input.damping_Ns_m = damping_Ns_m;
     input.world_jumped = epoch_jump;
     input.touchable = touchable;
     input.dynamic_N = dynamic_N;
@@ -75,6 +79,7 @@ class Rig {
   double wall_mm = 0.0;
   double wall_velocity_mm_s = 0.0;
   double stiffness_N_mm = 0.5;
+  double damping_Ns_m = 0.0;
   bool wall_present = true;
   bool touchable = true;
   bool epoch_jump = false;
@@ -88,7 +93,14 @@ class Rig {
   double max_step_N = 0.0;
   double max_force_N = 0.0;
   bool finite = true;
-  void clear() { max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0; }
+  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  void clear() {
+    max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0;
+    interferences.fill(0);
+  }
+  [[nodiscard]] std::uint64_t count(Interference which) const {
+    return interferences[static_cast<std::size_t>(which)];
+  }
 
  private:
   /// The same bound as the chain's meter, from what goes in and out only: K |dx| in any direction,
@@ -123,6 +135,9 @@ class Rig {
     max_step_N = std::max(max_step_N, (out.force_N - before_N).norm());
     max_force_N = std::max(max_force_N, out.force_N.norm());
     finite = finite && out.force_N.allFinite();
+    for (std::size_t i = 0; i < interferences.size(); ++i) {
+      interferences[i] += (out.interferences >> i) & 1U;
+    }
     was_contact_ = out.contact;
     last_stiffness_N_mm_ = rendered_N_mm();
     last_position_mm_ = hip.position_mm;

@@ -26,7 +26,7 @@ struct Hold {
 /// holds in counts.
 double battery(double stiffness_N_mm, int delay_ticks, const Hand& hand, double friction_N) {
   DeviceProfile profile = omni(stiffness_N_mm, delay_ticks, friction_N);
-  profile.peak_N = 8.0;  // the clamp of the notes' battery
+  profile.peak_N = profile.continuous_N = 8.0;  // the clamp of the notes' battery, cold motors
   Rig rig(profile, profile, hand);
   const bool free = hand.stiffness_N_m == 0.0;
   const double soft_mm = free ? 0.0 : 1e3 / hand.stiffness_N_m;
