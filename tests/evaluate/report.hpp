@@ -24,7 +24,8 @@ struct Row {
 struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
-  std::string only;  ///< of the scenes of `motion`, the one of this name; empty: all
+  std::string only;  ///< of the scenes of `motion` or the parts of `stability`, the one of this
+                     ///< name; empty: all
 };
 
 class Report {
@@ -34,6 +35,10 @@ class Report {
   void add(Row row);
   /// Lines of report.md; rows are put into tables by stage after it.
   void say(const std::string& text);
+  void sayFirst(const std::string& text);
+  /// A picture that the topic made itself in the report's folder, instead of the one of errors
+  /// against run time.
+  void show(const std::string& file, const std::string& caption);
   /// Writes the files; plots with gnuplot where there is one, else says that there is none. Throws
   /// std::runtime_error naming the file that cannot be written.
   void write() const;
@@ -47,6 +52,7 @@ class Report {
   Options options_;
   std::vector<Row> rows_;
   std::vector<std::string> words_;
+  bool own_pictures_ = false;
 };
 
 /// report.md: the sections of all topics that have one in `out`.
