@@ -199,8 +199,8 @@ void plot(const StabilityReport& to, const std::vector<std::array<double, 7>>& f
         << "'\nplot ";
     for (std::size_t i = 0; i < found.size(); ++i) {
       const bool is_default = kIntegrators[i].step == nullptr;
-      out << (i > 0 ? ", " : "") << "'+' using (" << found[i][rubbed ? 5 : 4] << "):("
-          << std::max(1e-14, found[i][rubbed ? 3 : 1]) << ") every ::0::0 with points pt "
+      out << (i > 0 ? ", " : "") << "'+' every ::0::0 using (" << found[i][rubbed ? 5 : 4] << "):("
+          << std::max(1e-14, found[i][rubbed ? 3 : 1]) << ") with points pt "
           << (is_default ? "7 ps 2.4" : "7 ps 1.6") << " lc " << i + 1 << " title '"
           << kIntegrators[i].name << "'";
     }
