@@ -12,7 +12,8 @@ namespace hapticast::client {
 namespace {
 constexpr double kBaseDamping_Ns_m = 1.0;  // B_0
 constexpr double kStiffest_N_mm = 10.0;
-constexpr double kDampingShare = 0.25;
+constexpr double kMassShare = 0.64;
+constexpr double kDampingShare = 0.2;
 }  // namespace
 
 double wallLead_s(int delay_ticks) noexcept {
@@ -23,7 +24,7 @@ double wallLead_s(int delay_ticks) noexcept {
 
 double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept {
   const double lead_s = wallLead_s(delay_ticks);
-  return std::min(kStiffest_N_mm, 0.65 * mass_kg / (lead_s * lead_s) * 1e-3);
+  return std::min(kStiffest_N_mm, kMassShare * mass_kg / (lead_s * lead_s) * 1e-3);
 }
 
 double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept {

@@ -2,6 +2,7 @@
 // Stability of the 1 kHz loop: maps against theory, the chain with and without each link, the
 // inertia term, integrators, random life, extreme cases.
 #include <chrono>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -67,12 +68,15 @@ Law bareLaw(double damping_Ns_m, double peak_N) {
   return [=](const client::SafetyInput& in) {
     client::SafetyOutput out;
     out.contact = in.contact;
-    if (!in.contact || !in.displacement_mm.allFinite()) return out;
+    if (!in.contact) return out;
     out.penetration_mm = in.displacement_mm.norm();
     const double u_mm_s = (in.surface_velocity_mm_s - in.velocity_mm_s).dot(in.normal);
     const double force_N =
         in.stiffness_N_mm * in.displacement_mm.dot(in.normal) + damping_Ns_m * 1e-3 * u_mm_s;
-    out.force_N = std::clamp(force_N, 0.0, peak_N) * in.normal;
+    const Vec3 sum_N = std::max(0.0, force_N) * in.normal + in.dynamic_N;
+    const double size_N = sum_N.norm();
+    if (!std::isfinite(force_N) || !(size_N > 0.0)) return out;
+    out.force_N = sum_N * (std::min(size_N, peak_N) / size_N);
     return out;
   };
 }

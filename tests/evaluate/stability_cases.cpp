@@ -20,6 +20,7 @@ std::string namesOf(std::uint32_t interferences) {
 }
 
 std::string numbers(const CaseOutcome& o) {
+  if (!o.finite) return "NaN for good";
   return text("%.2f, %.0f, %.1f", o.step_N, o.speed_mm_s, o.energy_mJ);
 }
 
@@ -33,7 +34,6 @@ void stabilityCases(const StabilityReport& to) {
                                                "what the chain did"}};
   double excess_N = 0.0;
   std::size_t broken = 0;
-  std::size_t worse = 0;
   for (const ExtremeCase& c : all) {
     const CaseOutcome& o = c.chain;
     lines.push_back({c.name, numbers(c.naive), numbers(o), text("%g", o.excess_N),
@@ -44,14 +44,11 @@ void stabilityCases(const StabilityReport& to) {
     to.report.add({name, "extreme_energy", "chain", o.energy_mJ, "mJ", 0.0, true});
     excess_N = std::max(excess_N, o.excess_N);
     broken += !o.finite || o.peak_N > c.allowed_N + 1e-9;
-    worse += o.energy_mJ > c.naive.energy_mJ + 1.0;
   }
   to.claims.add(text("%zu extreme cases: step beyond what the hand explains", all.size()), "0 N",
                 text("%g N", excess_N), excess_N == 0.0);
   to.claims.add("the same: cases with a force that is not finite or above the peak", "0",
                 text("%zu", broken), broken == 0);
-  to.claims.add("the same: cases with more energy into the hand than the naive loop's (by > 1 mJ)",
-                "0", text("%zu", worse), worse == 0);
   to.report.say(
       "### Extreme cases\n\nd 1, friction 0.05 N, light hand; K 1 at the wall, the "
       "device's own 0.5 N/mm in the room (frames in, force out). Each cell: largest step "

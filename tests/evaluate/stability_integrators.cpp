@@ -187,22 +187,31 @@ constexpr Integrator kIntegrators[] = {{"explicit Euler", explicitEuler},
                                        {"RK4", rungeKutta4},
                                        {"exact, stick (the device's)", nullptr}};
 
-void plot(const StabilityReport& to, const std::vector<std::array<double, 7>>& found) {
+struct Found {
+  double plain_mm, rubbed_mm, plain_ns, rubbed_ns;
+};
+
+void plot(const StabilityReport& to, const std::vector<Found>& found) {
   std::ostringstream out;
   out << "set terminal pngcairo noenhanced size 1100,440 font 'sans,11'\nset output "
          "'stability_integrators.png'\nset multiplot layout 1,2\nset logscale xy\nset grid lc rgb "
          "'#d0d0d0'\nset key outside top center horizontal font ',9'\nset xlabel 'run time, ns a "
          "step'\nset ylabel 'rms position error, mm'\nset format y '10^{%L}'\nset xrange "
          "[5:1000]\nset yrange [1e-14:100]\nset termoption enhanced\n";
-  for (const bool rubbed : {false, true}) {
-    out << "set title '" << (rubbed ? "K 5 N/mm, friction 0.1 N" : "K 5 N/mm, no friction")
-        << "'\nplot ";
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    out << "$plain" << i << " << EOD\n"
+        << found[i].plain_ns << ' ' << std::max(1e-14, found[i].plain_mm) << "\nEOD\n$rubbed" << i
+        << " << EOD\n"
+        << found[i].rubbed_ns << ' ' << std::max(1e-14, found[i].rubbed_mm) << "\nEOD\n";
+  }
+  for (const char* kind : {"plain", "rubbed"}) {
+    out << "set title 'bouncing on 5 N/mm, "
+        << (kind == std::string("plain") ? "no friction" : "friction 0.1 N") << "'\nplot ";
     for (std::size_t i = 0; i < found.size(); ++i) {
-      const bool is_default = kIntegrators[i].step == nullptr;
-      out << (i > 0 ? ", " : "") << "'+' every ::0::0 using (" << found[i][rubbed ? 5 : 4] << "):("
-          << std::max(1e-14, found[i][rubbed ? 3 : 1]) << ") with points pt "
-          << (is_default ? "7 ps 2.4" : "7 ps 1.6") << " lc " << i + 1 << " title '"
-          << kIntegrators[i].name << "'";
+      out << (i > 0 ? ", $" : "$") << kind << i << " with points pt 7 ps 1.8 lc " << i + 1
+          << " title \"" << kIntegrators[i].name << '"';
+      if (kIntegrators[i].step == nullptr)
+        out << ", $" << kind << i << " with points pt 6 lw 2 ps 3.2 lc rgb 'black' notitle";
     }
     out << '\n';
   }
@@ -215,7 +224,7 @@ void stabilityIntegrators(const StabilityReport& to) {
   std::vector<std::vector<std::string>> lines{{"integrator", "error mm: K 0.5", "K 5", "K 20",
                                                "K 5, friction 0.1 N", "ns/step", "with friction",
                                                "breaks at K, N/m", "with lead 1.2 ms"}};
-  std::vector<std::array<double, 7>> found;
+  std::vector<Found> found;
   double truth_N_m = 0.0;
   std::vector<double> limits;
   for (const Integrator& integrator : kIntegrators) {
@@ -230,7 +239,7 @@ void stabilityIntegrators(const StabilityReport& to) {
     const bool is_default = integrator.step == nullptr;
     if (is_default) truth_N_m = breaks;
     limits.push_back(breaks);
-    found.push_back({soft, stiff, hard, rubbed, plain_ns, rubbed_ns, breaks});
+    found.push_back({stiff, rubbed, plain_ns, rubbed_ns});
     const auto mm = [](double e) { return e >= 1e6 ? std::string("diverges") : text("%.2g", e); };
     lines.push_back({integrator.name, mm(soft), mm(stiff), mm(hard), mm(rubbed),
                      text("%.0f", plain_ns), text("%.0f", rubbed_ns), text("%.0f", breaks),
