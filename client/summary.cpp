@@ -68,6 +68,10 @@ void writeSummary(const std::string& file, const RunResult& result) {
              "  \"max_force_N\": %.6g,\n  \"max_force_step_N\": %.6g,\n  \"step_excess_max_N\": "
              "%.6g,\n",
              loop.max_force_N, loop.max_force_step_N, loop.step_excess_max_N)
+      << format(
+             "  \"work_mJ\": {\"relative\": %.6g, \"surface\": %.6g, \"object\": %.6g, \"user\": "
+             "%.6g},\n",
+             loop.work.relative_mJ, loop.work.surface_mJ, loop.work.object_mJ, loop.work.user_mJ())
       << "  \"contact_ticks\": " << loop.contact_ticks << ",\n"
       << format(
              "  \"playout_delay_ms\": %.3f,\n  \"clock_offset_us\": %.3f,\n  \"clock_error_us\": "

@@ -37,6 +37,8 @@ DeviceProfile falcon() {
   profile.slew_fall_N_per_tick = 1.25;
   profile.residue_N_per_tick = 0.25;
   profile.pulse_limit_N = 4.0;
+  profile.tank_mJ = 30.0;
+  profile.tank_W = 0.4;
   profile.damping_Ns_m = 0.5;
   profile.workspace_mm = {60.0, 60.0, 60.0};
   return profile;
@@ -49,7 +51,7 @@ struct NumberKey {
   double most;
 };
 // The ranges keep every ramp shorter than two seconds and every law finite.
-constexpr std::array<NumberKey, 11> kNumberKeys = {{
+constexpr std::array<NumberKey, 14> kNumberKeys = {{
     {"mass_kg", &DeviceProfile::mass_kg, 0.001, 10.0},
     {"peak_N", &DeviceProfile::peak_N, 0.1, 100.0},
     {"continuous_N", &DeviceProfile::continuous_N, 0.01, 100.0},
@@ -59,6 +61,9 @@ constexpr std::array<NumberKey, 11> kNumberKeys = {{
     {"slew_fall_N_per_tick", &DeviceProfile::slew_fall_N_per_tick, 0.01, 10.0},
     {"residue_N_per_tick", &DeviceProfile::residue_N_per_tick, 0.01, 10.0},
     {"pulse_limit_N", &DeviceProfile::pulse_limit_N, 0.0, 100.0},
+    {"tank_mJ", &DeviceProfile::tank_mJ, 0.1, 10000.0},
+    {"tank_W", &DeviceProfile::tank_W, 0.001, 100.0},
+    {"thermal_s", &DeviceProfile::thermal_s, 0.1, 1000.0},
     {"friction_N", &DeviceProfile::friction_N, 0.0, 10.0},
     {"damping_Ns_m", &DeviceProfile::damping_Ns_m, 0.0, 100.0},
 }};

@@ -29,6 +29,9 @@ struct DeviceProfile {
   double slew_fall_N_per_tick = 0.5;
   double residue_N_per_tick = 0.1;  ///< how fast a force that lost its reason ramps down
   double pulse_limit_N = 2.0;       ///< height of an impact pulse at most
+  double tank_mJ = 15.0;            ///< energy the force may give to the hand at once ...
+  double tank_W = 0.2;              ///< ... and for good
+  double thermal_s = 20.0;          ///< time constant of the motors' heat
   double friction_N = 0.0;          ///< Coulomb friction (virtual device)
   double damping_Ns_m = 0.1;        ///< physical damping (virtual device)
   Vec3 workspace_mm = {160.0, 120.0, 70.0};

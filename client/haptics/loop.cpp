@@ -24,6 +24,7 @@ void LoopStats::add(const TickReport& report, double step_N) noexcept {
   max_force_N = std::max(max_force_N, report.force_N.norm());
   max_force_step_N = std::max(max_force_step_N, step_N);
   step_excess_max_N = std::max(step_excess_max_N, report.step_excess_N);
+  work = report.work;
 }
 
 void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,

@@ -28,6 +28,7 @@ struct LoopStats {
   double max_force_N = 0.0;
   double max_force_step_N = 0.0;
   double step_excess_max_N = 0.0;
+  PortWork work;  ///< of the force so far
 
   /// Counts one tick. `step_N`: |change| of the force.
   void add(const TickReport& report, double step_N) noexcept;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "client/haptics/pose.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -82,6 +84,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   if (world_changed || hip.restarted) proxies_.restart();
   const Contact contact = contactAt(scene, controls, report_.hip_mm);
   SafetyInput input = safetyInput(hip, contact, scene, controls);
+  input.scene_step_s = secondsBetween(report_.play_time, play_time);
   input.world_jumped = world_changed || scene.jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
   const Vec3 contact_mm = report_.hip_mm + contact.displacement_mm;
@@ -102,6 +105,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   report_.fault = faultOf(out, hip, input.device_lost);
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
+  report_.work = safety_.work();
   report_.mapping = mapping_;
   reportObject(contact, scene, controls);
   publish();
@@ -111,6 +115,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
 /// Takes over what changed in the controls; returns whether the world is another one.
 bool Room::follow(const Controls& controls) noexcept {
   bool changed = controls.connected != connected_ && controls.connected;
+  if (changed) safety_.newConnection();
   connected_ = controls.connected;
   // A pause only holds the frame; the resume may be anywhere.
   changed = changed || (was_paused_ && !controls.paused);
@@ -152,6 +157,7 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact, co
   }
   input.stiffness_factor = contact.stiffness_factor;
   input.stiffness_N_mm = stiffness_N_mm(contact.object);
+  if (contact.object != nullptr) input.damping_Ns_m = contact.object->before->material.damping_Ns_m;
   input.touchable =
       controls.connected && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !controls.paused;
@@ -197,6 +203,7 @@ void Room::reportObject(const Contact& contact, const Scene& scene,
 }
 
 Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept {
+  if (out.latency_alarm) return Fault::kLatency;
   const Fault fault = device_lost                     ? Fault::kDeviceLost
                       : out.not_finite || !hip.finite ? Fault::kNotFinite
                                                       : Fault::kNone;

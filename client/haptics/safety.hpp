@@ -8,7 +8,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "client/haptics/energy_ports.hpp"
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/latency_watch.hpp"
+#include "client/haptics/step_meter.hpp"
+#include "client/haptics/thermal_budget.hpp"
+#include "client/haptics/wall_law.hpp"
 
 namespace hapticast::client {
 
@@ -24,23 +29,31 @@ enum class Interference : std::uint8_t {
   kUnarmed,       ///< too deep after a jump: no force until the hand has left
   kResidue,       ///< an old force ramps down
   kJump,          ///< the world or the measurement jumped
+  kDamping,       ///< the author's damping was cut to what the delay allows
+  kPassivity,     ///< the contact gave energy it had not got: more damping
+  kTank,          ///< shortened: too much energy into the hand
+  kThermal,       ///< shortened: the motors are warm
+  kLatency,       ///< the delay is longer than the profile says: a softer, more damped wall
 };
-inline constexpr std::array<const char*, 10> kInterferenceNames = {
-    "not_finite", "surface_speed", "stiffness", "no_pull", "peak",
-    "slew",       "fade",          "unarmed",   "residue", "jump"};
+inline constexpr std::array<const char*, 15> kInterferenceNames = {
+    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",   "unarmed",
+    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency"};
 constexpr std::uint32_t bit(Interference which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }
 
-/// tau of the wall law in s for a delay in ticks (0..5, beyond: 5).
-double wallLead_s(int delay_ticks) noexcept;
-/// K_max = min(10, 0.65 m / tau²) in N/mm.
-double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
-/// Damping of the wall law in N·s/m for a local stiffness: B = K tau + B_0.
-double wallDamping_Ns_m(double stiffness_N_mm, double lead_s) noexcept;
-
-/// Deeper (device mm) than max(2 mm, peak/K) after a jump nothing arms until the hand has left.
-double armDepth_mm(double stiffness_N_mm, double peak_N) noexcept;
+/// The links that can be left out to show what each is there for. Only tests and evaluate do.
+struct SafetyLinks {
+  bool stiffness_limit = true;
+  bool damping = true;
+  bool passivity = true;
+  bool tank = true;
+  bool thermal = true;
+  bool slew = true;
+  bool fade = true;  ///< fade in, fade out, residue
+  bool arming = true;
+  bool latency_watch = true;
+};
 
 /// Device frame, device mm.
 struct SafetyInput {
@@ -55,8 +68,10 @@ struct SafetyInput {
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
+  double scene_step_s = 1e-3;     ///< time that the scene lived since the last tick
   double stiffness_factor = 1.0;  ///< |displacement| over depth along the normal
   double stiffness_N_mm = 0.5;
+  double damping_Ns_m = 0.0;  ///< the author's, beyond what stability asks for
   bool world_jumped = false;  ///< epoch, connection, mapping
   bool touchable = false;     ///< the scene is fresh enough to be felt
   Vec3 dynamic_N = Vec3::Zero();
@@ -70,41 +85,15 @@ struct SafetyOutput {
   double penetration_mm = 0.0;          ///< |displacement| used, device mm
   bool contact = false;
   bool not_finite = false;
+  bool latency_alarm = false;  ///< raised in this tick: swings that the profile's delay cannot make
   double step_excess_N = 0.0;  ///< of StepMeter
   std::uint32_t interferences = 0;
-};
-
-/// What the meter and the slew limit have to know of a tick.
-struct StepState {
-  Vec3 force_N = Vec3::Zero();
-  Vec3 position_mm = Vec3::Zero();
-  Vec3 velocity_mm_s = Vec3::Zero();
-  // Without contact: zero.
-  bool contact = false;
-  double local_stiffness_N_mm = 0.0;  ///< along the normal
-  Vec3 normal = Vec3::Zero();
-  double depth_mm = 0.0;  ///< along the normal
-};
-
-/// Measures the finished force: how far its step exceeds what the hand's own motion explains and S
-/// more. The hand explains, in the wall it touched before the tick: K|dx| in any direction, B dv
-/// along the normal (or a part of it), and where the tip itself enters (the depth is at most its
-/// way inwards) K depth and B v; velocities no larger than the damper's limit. Knows nothing of how
-/// the force was made. Must read 0 always; infinite when the force is not finite.
-class StepMeter {
- public:
-  explicit StepMeter(const DeviceProfile& profile) noexcept;
-  double excess_N(const StepState& now, bool measurement_jumped) noexcept;
-
- private:
-  double rise_N_, fall_N_, lead_s_;
-  StepState last_;
 };
 
 class SafetyChain {
  public:
   /// Copies what it needs of the profile.
-  explicit SafetyChain(const DeviceProfile& profile) noexcept;
+  explicit SafetyChain(const DeviceProfile& profile, const SafetyLinks& links = {}) noexcept;
 
   SafetyOutput step(const SafetyInput& input) noexcept;
   /// A force acts on the device (it did at the last tick).
@@ -113,6 +102,10 @@ class SafetyChain {
   void rearm() noexcept;
   /// Ramps the force to zero and keeps it there until rearm().
   void stop() noexcept { stop_requested_ = true; }
+  /// What the latency watch has learned is forgotten as soon as nothing is touched.
+  void newConnection() noexcept { trust_profile_ = delay_ticks_ != profile_delay_ticks_; }
+  /// Work of the force so far.
+  [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
 
  private:
   struct Geometry {
@@ -120,23 +113,39 @@ class SafetyChain {
     Vec3 displacement_mm = Vec3::Zero();
     Vec3 normal = Vec3::UnitZ();
     Vec3 surface_velocity_mm_s = Vec3::Zero();
+    Vec3 surface_step_mm = Vec3::Zero();
     double stiffness_factor = 1.0;
     double stiffness_N_mm = 0.0;  // K_r
+    double damping_Ns_m = 0.0;    // along the normal
   };
 
-  Geometry plausible(const SafetyInput& input, SafetyOutput& out) noexcept;
+  void setDelay(int delay_ticks) noexcept;
+  Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
+  void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
   Geometry heldGeometry(const Vec3& position_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
-  Vec3 wallForce(const SafetyInput& input, const Geometry& geometry,
-                 SafetyOutput& out) const noexcept;
+  StepState stateOf(const SafetyInput& input, const Geometry& geometry) const noexcept;
+  void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
+             SafetyOutput& out) noexcept;
+  Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   Vec3 clamped(const Vec3& force_N, SafetyOutput& out) const noexcept;
-  Vec3 slewed(const Vec3& target_N, const StepState& now, bool measurement_jumped,
-              SafetyOutput& out) const noexcept;
+  Vec3 tanked(const Vec3& force_N, const Vec3& velocity_mm_s, SafetyOutput& out) const noexcept;
+  Vec3 slewed(const StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
 
-  double peak_N_, rise_N_, fall_N_, residue_step_N_, lead_s_, stiffness_limit_N_mm_;
+  SafetyLinks links_;
+  double peak_N_, residue_step_N_, mass_kg_;
+  int profile_delay_ticks_;
+  int delay_ticks_ = 0;
+  double lead_s_ = 0.0, stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
+  SlewLimit slew_;
   StepMeter meter_;
+  EnergyPorts ports_;
+  UserTank tank_;
+  ThermalBudget thermal_;
+  LatencyWatch watch_;
+  bool trust_profile_ = false;
   StepState last_;
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;

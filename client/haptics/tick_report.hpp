@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "client/haptics/energy_ports.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "common/geometry.hpp"
 #include "common/haptic_frame.hpp"
@@ -56,6 +57,7 @@ struct TickReport {
   Fault fault = Fault::kNone;       ///< raised in this tick
   double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
   std::uint32_t interferences = 0;  ///< bit per safety step that changed the force (safety.hpp)
+  PortWork work;                    ///< of the force so far
   DeviceMapping mapping;            ///< nominal <-> device mm in this tick
   // The object nearest to the HIP, for the window and for scripted hands.
   bool object_present = false;

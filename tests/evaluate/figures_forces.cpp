@@ -158,7 +158,8 @@ void drawSlice(const Options& options, Report& report) {
   plotCurves(options.out / "figure_5.png", panels, 2);
   report.say(
       "Figure 5: a slice of the ball (R 20 mm, 8-bit depth) with the static force of a tip 1 mm "
-      "below the surface.\n\n![figure 5](figure_5.png)");
+      "below the surface.");
+  report.show("figure_5.png", "figure 5");
 }
 
 namespace {
@@ -270,8 +271,8 @@ void drawMotion(const MotionFigure& figure, const Options& options, Report& repo
   }
   shareScale(panels);
   plotCurves(options.out / figure.file, panels, 2);
-  report.say(std::string(figure.words) + "; left with the cursor still, right accelerating.\n\n![" +
-             figure.file + "](" + figure.file + ")");
+  report.say(std::string(figure.words) + "; left with the cursor still, right accelerating.");
+  report.show(figure.file, figure.file);
 }
 
 }  // namespace
@@ -334,7 +335,8 @@ void drawRealClip(const Options& options, Report& report) {
   report.say(
       "Figure 9: static and total force over time on a real clip (dragon of visp_rbt_desk): the "
       "tip "
-      "stays 1 mm deep where the middle of the body is.\n\n![figure 9](figure_9.png)");
+      "stays 1 mm deep where the middle of the body is.");
+  report.show("figure_9.png", "figure 9");
 }
 
 }  // namespace hapticast::evaluate

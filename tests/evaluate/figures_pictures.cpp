@@ -119,8 +119,8 @@ void drawPictures(const Options& options, Report& report) {
   const std::filesystem::path file = options.out / "figure_2.png";
   if (!cv::imwrite(file.string(), sheet)) throw std::runtime_error("cannot write " + file.string());
   report.say(std::string("Figure 2: frame, depth, mask and enhanced depth") +
-             (real ? "." : "; without the real clip, which is not there.") +
-             "\n\n![figure 2](figure_2.png)");
+             (real ? "." : "; without the real clip, which is not there."));
+  report.show("figure_2.png", "figure 2");
 }
 
 }  // namespace hapticast::evaluate

@@ -11,11 +11,9 @@ namespace hapticast::evaluate {
 namespace {
 
 int run(int argc, char** argv) {
-  const std::map<std::string, void (*)(const Options&)> topics{{"accuracy", evaluateAccuracy},
-                                                               {"figures", evaluateFigures},
-                                                               {"motion", evaluateMotion},
-                                                               {"plan", evaluatePlan},
-                                                               {"vision", evaluateVision}};
+  const std::map<std::string, void (*)(const Options&)> topics{
+      {"accuracy", evaluateAccuracy}, {"figures", evaluateFigures},     {"motion", evaluateMotion},
+      {"plan", evaluatePlan},         {"stability", evaluateStability}, {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   std::string topic;
   Options options;
@@ -24,7 +22,10 @@ int run(int argc, char** argv) {
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
-  app.add_option("--only", options.only, "Of the scenes of motion, only this one");
+  app.add_option(
+      "--only", options.only,
+      "Of the scenes of motion or the parts of stability (theory, maps, chain, links, inertia, "
+      "integrators, life, cases), only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag("--check", options.check, "Fail where a required figure is missed (accuracy)");
   try {

@@ -48,10 +48,17 @@ void Report::add(const Goal& goal) {
   goals_.push_back(goal);
 }
 
+void Report::sayFirst(const std::string& text) { words_.insert(words_.begin(), text); }
+
+void Report::show(const std::string& file, const std::string& caption) {
+  own_pictures_ = true;
+  say("![" + caption + "](" + file + ")");
+}
+
 void Report::write() const {
   writeCsv();
   writeMarkdown();
-  plotRows(topic_, options_.out, rows_, of_ticks_);
+  if (!own_pictures_) plotRows(topic_, options_.out, rows_, of_ticks_);
   const std::string missed = missedGoals();
   if (options_.check && !missed.empty()) throw std::runtime_error(topic_ + ": missed" + missed);
 }
@@ -103,17 +110,19 @@ void Report::writeMarkdown() const {
     std::vector<std::string> scenes;
     std::map<std::pair<std::string, std::string>, const Row*> cells;
     std::string unit;
+    bool timed = false;
     for (const Row& row : rows_) {
       if (row.stage != stage) continue;
       unit = row.unit;
+      timed = timed || row.time_us > 0;
       if (std::find(variants.begin(), variants.end(), row.variant) == variants.end())
         variants.push_back(row.variant);
       if (std::find(scenes.begin(), scenes.end(), row.scene) == scenes.end())
         scenes.push_back(row.scene);
       cells[{row.scene, row.variant}] = &row;
     }
-    file << "### " << stage << ", " << unit << (of_ticks_ ? " (us per tick)" : " (ms per frame)")
-         << "\n\n| scene |";
+    const char* const times = !timed ? "" : of_ticks_ ? " (us per tick)" : " (ms per frame)";
+    file << "### " << stage << ", " << unit << times << "\n\n| scene |";
     for (const std::string& variant : variants) file << ' ' << variant << " |";
     file << "\n|---|";
     for (std::size_t i = 0; i < variants.size(); ++i) file << "---|";
@@ -135,7 +144,7 @@ void Report::writeMarkdown() const {
     }
     file << '\n';
   }
-  file << "![error against run time](" << topic_ << ".png)\n";
+  if (!own_pictures_) file << "![error against run time](" << topic_ << ".png)\n";
 }
 
 void writeReport(const std::filesystem::path& out, const std::vector<std::string>& topics) {

@@ -38,7 +38,8 @@ struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
   bool check = false;  ///< a missed requirement is an error
-  std::string only;    ///< of the scenes of `motion`, the one of this name; empty: all
+  std::string only;    ///< of the scenes of `motion` or the parts of `stability`, the one of this
+                       ///< name; empty: all
 };
 
 class Report {
@@ -52,6 +53,10 @@ class Report {
   void add(const Goal& goal);
   /// Run times are of a tick of the client, not of a frame: told in us.
   void timesAreOfTicks() { of_ticks_ = true; }
+  void sayFirst(const std::string& text);
+  /// A picture that the topic made itself in the report's folder, instead of the one of errors
+  /// against run time.
+  void show(const std::string& file, const std::string& caption);
   /// Writes the files; plots with gnuplot where there is one, else says that there is none. Throws
   /// std::runtime_error naming the file that cannot be written, or, if they are to be checked, the
   /// requirements that were missed (after the files are written).
@@ -70,6 +75,7 @@ class Report {
   std::vector<std::string> words_;
   std::vector<Goal> goals_;
   bool of_ticks_ = false;
+  bool own_pictures_ = false;
 };
 
 /// report.md: the sections of all topics that have one in `out`.

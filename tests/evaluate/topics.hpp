@@ -14,6 +14,8 @@ void evaluateMotion(const Options& options);
 /// What the plan saves against everything on, and what it costs; frames a second of the whole
 /// server.
 void evaluatePlan(const Options& options);
+/// Stability of the 1 kHz loop: maps, the chain link by link, extreme cases.
+void evaluateStability(const Options& options);
 void evaluateVision(const Options& options);
 
 }  // namespace hapticast::evaluate

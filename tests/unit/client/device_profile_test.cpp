@@ -28,6 +28,9 @@ TEST(DeviceProfileFile, BuiltIn) {
   EXPECT_EQ(falcon.name, "falcon");
   EXPECT_EQ(falcon.peak_N, 8.0);
   EXPECT_EQ(falcon.count_mm, 0.038);
+  EXPECT_EQ(omni.tank_mJ, 15.0);
+  EXPECT_EQ(falcon.tank_mJ, 30.0);
+  EXPECT_EQ(falcon.tank_W, 0.4);
 }
 
 TEST(DeviceProfileFile, EveryFieldByItsName) {
@@ -37,6 +40,7 @@ TEST(DeviceProfileFile, EveryFieldByItsName) {
       "delay_ticks = 3\n\n  stiffness_N_mm = 1.25\nslew_rise_N_per_tick = "
       "0.3\nslew_fall_N_per_tick = 0.6\n"
       "residue_N_per_tick = 0.2\npulse_limit_N = 1.5\nfriction_N = 0.26\ndamping_Ns_m = 0.4\n"
+      "tank_mJ = 7\ntank_W = 0.3\nthermal_s = 30\n"
       "workspace_mm = 100 90  80");
   EXPECT_EQ(p.name, "bench");
   EXPECT_EQ(p.mass_kg, 0.2);
@@ -51,6 +55,9 @@ TEST(DeviceProfileFile, EveryFieldByItsName) {
   EXPECT_EQ(p.pulse_limit_N, 1.5);
   EXPECT_EQ(p.friction_N, 0.26);
   EXPECT_EQ(p.damping_Ns_m, 0.4);
+  EXPECT_EQ(p.tank_mJ, 7.0);
+  EXPECT_EQ(p.tank_W, 0.3);
+  EXPECT_EQ(p.thermal_s, 30.0);
   EXPECT_EQ(p.workspace_mm, Vec3(100.0, 90.0, 80.0));
 }
 

@@ -3,8 +3,6 @@
 // receiver would.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <functional>
 #include <memory>
 

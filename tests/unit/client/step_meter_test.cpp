@@ -14,6 +14,7 @@ struct RestingMeter {
   RestingMeter() {
     state.contact = true;
     state.local_stiffness_N_mm = 0.5;
+    state.damping_Ns_m = wallDamping_Ns_m(0.5, wallLead_s(1));
     state.normal = Vec3::UnitZ();
     state.depth_mm = 2.0;
     for (int i = 1; i <= 10; ++i) {
@@ -64,6 +65,7 @@ TEST(StepMeter, AContactThatTheStreamMadeExplainsNothing) {
     state.contact = true;
     state.normal = Vec3::UnitZ();
     state.local_stiffness_N_mm = 0.5;
+    state.damping_Ns_m = wallDamping_Ns_m(0.5, wallLead_s(1));
     state.depth_mm = by_hand ? 0.1 : 0.3;  // the tip cannot have come deeper than it moved
     state.force_N.z() = 1.0;
     const double hand_N = 0.5 * 0.1 + wallDamping_Ns_m(0.5, wallLead_s(1)) * 0.2;

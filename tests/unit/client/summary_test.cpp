@@ -127,6 +127,7 @@ RunResult eventful() {
   result.loop.contact_ticks = 2000;
   result.loop.max_force_N = 1.25;
   result.loop.max_force_step_N = 0.125;
+  result.loop.work = {.relative_mJ = -8.0, .surface_mJ = 5.0, .object_mJ = 0.5};
   result.frames.received = 250;
   result.frames.lost = 6;
   result.frames.late = 7;
@@ -161,6 +162,10 @@ TEST(Summary, EveryKeyWithItsNumber) {
       {"max_force_N", "1.25"},
       {"max_force_step_N", "0.125"},
       {"step_excess_max_N", "0"},
+      {"work_mJ.relative", "-8"},
+      {"work_mJ.surface", "5"},
+      {"work_mJ.object", "0.5"},
+      {"work_mJ.user", "-2.5"},
       {"contact_ticks", "2000"},
       {"playout_delay_ms", "41.500"},
       {"clock_offset_us", "-1234567890.125"},

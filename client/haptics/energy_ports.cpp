@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/energy_ports.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/haptics/hip_motion.hpp"
+#include "client/haptics/wall_law.hpp"
+
+namespace hapticast::client {
+
+namespace {
+constexpr double kTolerated_mJ = 3.0;
+constexpr double kDebt_mJ = -2.0;  // what a contact has swallowed is not saved up for long
+constexpr double kForget_s = 1.0;
+constexpr double kMostPassivityDamping_Ns_m = 5.0;
+constexpr double kSlowest_mm_s = 5.0;  // below, the sign of the speed is the count's
+constexpr int kFreeTicks = 20;
+constexpr double kTankSpeed_mm_s = 10.0;
+constexpr double kTankHorizon_s = 0.02;
+}  // namespace
+
+void EnergyPorts::setDelay(int delay_ticks) noexcept {
+  age_ = static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks));
+}
+
+Vec3 EnergyPorts::wayTo(const PortTick& tick) noexcept {
+  const Vec3 before_mm = at_mm_;
+  const Vec3 half_mm = Vec3::Constant(half_count_mm_);
+  at_mm_ =
+      tick.connected
+          ? Vec3(at_mm_.cwiseMax(tick.position_mm - half_mm).cwiseMin(tick.position_mm + half_mm))
+          : tick.position_mm;
+  return tick.connected ? Vec3(at_mm_ - before_mm) : Vec3(Vec3::Zero());
+}
+
+double EnergyPorts::meter(const PortTick& tick) noexcept {
+  const Sent& acted = sent_[(newest_ + sent_.size() - age_) % sent_.size()];
+  const Vec3 static_N = acted.force_N - acted.dynamic_N;
+  static_sum_N_ += static_N;
+  dynamic_sum_N_ += acted.dynamic_N;
+  ticks_.array() += 1.0;
+  const Vec3 way_mm = wayTo(tick);
+  double static_mJ = 0.0;
+  double object_mJ = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    if (way_mm[i] == 0.0) continue;
+    static_mJ += way_mm[i] * static_sum_N_[i] / ticks_[i];
+    object_mJ += way_mm[i] * dynamic_sum_N_[i] / ticks_[i];
+    static_sum_N_[i] = dynamic_sum_N_[i] = ticks_[i] = 0.0;
+  }
+  const double surface_mJ = static_N.dot(tick.surface_mm);
+  const double relative_mJ = static_mJ - surface_mJ;
+  work_.relative_mJ += relative_mJ;
+  work_.surface_mJ += surface_mJ;
+  work_.object_mJ += object_mJ;
+
+  free_ticks_ = tick.contact ? 0 : free_ticks_ + 1;
+  generated_mJ_ = std::max(kDebt_mJ, generated_mJ_ * (1.0 - kTick_s / kForget_s) + relative_mJ +
+                                         tick.stored_mJ - tick.stored_before_mJ);
+  if (tick.jump || free_ticks_ >= kFreeTicks) generated_mJ_ = 0.0;
+  return static_mJ + object_mJ;
+}
+
+void EnergyPorts::sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept {
+  newest_ = (newest_ + 1) % sent_.size();
+  sent_[newest_] = {force_N, dynamic_N};
+}
+
+double EnergyPorts::damping_Ns_m(double u_mm_s) const noexcept {
+  const double excess_mJ = generated_mJ_ - kTolerated_mJ;
+  if (!(excess_mJ > 0.0) || std::abs(u_mm_s) <= kSlowest_mm_s) return 0.0;
+  return std::min(kMostPassivityDamping_Ns_m, 1e3 * excess_mJ / (kTick_s * u_mm_s * u_mm_s));
+}
+
+void UserTank::take(double work_mJ) noexcept {
+  const double refill_mJ = refill_W_ * kTick_s * 1e3;
+  content_mJ_ = std::clamp(content_mJ_ + refill_mJ - work_mJ, 0.0, most_mJ_);
+}
+
+Vec3 UserTank::limited(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept {
+  const double size_N = force_N.norm();
+  if (size_N <= 0.0) return force_N;
+  const double along_mm_s = velocity_mm_s.dot(force_N) / size_N;
+  if (along_mm_s <= kTankSpeed_mm_s) return force_N;
+  const double limit_N = content_mJ_ / (along_mm_s * kTankHorizon_s);
+  return size_N > limit_N ? Vec3(force_N * (limit_N / size_N)) : force_N;
+}
+
+}  // namespace hapticast::client

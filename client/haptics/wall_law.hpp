@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// What a wall may be made of on a given device: stiffness up to K_max, damping tied to stiffness
+// and delay (stability notes, sections 1 and 5). Real-time room.
+#pragma once
+
+#include "client/haptics/haptic_device.hpp"
+
+namespace hapticast::client {
+
+inline constexpr int kMostDelay_ticks = 5;  ///< beyond it nothing is known
+
+/// tau of the wall law in s for a delay in ticks (0..5, beyond: 5).
+double wallLead_s(int delay_ticks) noexcept;
+/// K_max = min(10, 0.64 m / tau²) in N/mm (the notes' 0.65 leaves 2.08 counts of 0.038 mm at d =
+/// 1).
+double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept;
+double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
+/// Damping of the wall law in N·s/m for a local stiffness: B = K tau + B_0.
+double wallDamping_Ns_m(double stiffness_N_mm, double lead_s) noexcept;
+/// What the law and an author's damping may come to together, N·s/m: a share of m / (T/2 + td),
+/// where the damper's own delay makes it unstable. The law alone may be above it.
+double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept;
+
+/// Deeper (device mm) than max(2 mm, peak/K) after a jump nothing arms until the hand has left.
+double armDepth_mm(double stiffness_N_mm, double peak_N) noexcept;
+
+}  // namespace hapticast::client

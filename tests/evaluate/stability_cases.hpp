@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// An extreme case: what came of it with the chain and with the naive loop K d and clamp.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hapticast::evaluate {
+
+struct CaseOutcome {
+  double peak_N = 0.0;
+  double step_N = 0.0;      ///< largest change of the force in a tick
+  double excess_N = 0.0;    ///< of it, beyond what the hand explains and S more (chain)
+  double speed_mm_s = 0.0;  ///< of the tip away from the surface (up)
+  double energy_mJ = 0.0;   ///< most that went into the hand since the event
+  double end_N = 0.0;       ///< force at the end
+  bool finite = true;
+  std::uint32_t interferences = 0;
+};
+
+struct ExtremeCase {
+  std::string name;
+  double allowed_N = 0.0;  ///< the device's peak
+  CaseOutcome naive, chain;
+};
+
+/// A wall, a virtual device, a light hand: what happens to the wall, the tip, the clock.
+std::vector<ExtremeCase> planeCases();
+/// The whole room, frames in and force out: what a stream does.
+std::vector<ExtremeCase> roomCases();
+
+}  // namespace hapticast::evaluate

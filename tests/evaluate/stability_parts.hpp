@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// The parts of the stability topic, and what they share: claims with what is required and what came
+// out, tables, laws other than the chain's, work on all cores.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/evaluate/report.hpp"
+#include "tests/unit/client/battery.hpp"
+
+namespace hapticast::evaluate {
+
+/// Runs job(0) .. job(count - 1) on all cores; each writes only what is its own.
+template <class Job>
+void onAllCores(std::size_t count, Job job) {
+  std::atomic<std::size_t> next{0};
+  std::vector<std::jthread> workers;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    workers.emplace_back([&] {
+      for (std::size_t at = next++; at < count; at = next++) job(at);
+    });
+  }
+}
+
+/// What the report says first: required and got, line by line.
+class Claims {
+ public:
+  void add(const std::string& claim, const std::string& required, const std::string& got,
+           bool held);
+  [[nodiscard]] std::string table() const;
+
+ private:
+  struct Claim {
+    std::string claim, required, got;
+    bool held;
+  };
+  std::vector<Claim> claims_;
+};
+
+struct StabilityReport {
+  Report& report;
+  Claims& claims;
+  const Options& options;
+};
+
+/// A table in Markdown: the first line is the heading.
+std::string markdown(const std::vector<std::vector<std::string>>& lines);
+/// printf to a string.
+[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
+/// Runs a gnuplot script in the report's folder; says so where there is none or it fails.
+void gnuplot(const std::filesystem::path& out, const std::string& name, const std::string& script);
+
+/// Force on the tip from what is touched, instead of the chain.
+using Law = std::function<client::SafetyOutput(const client::SafetyInput&)>;
+/// F = max(0, K d + B u), clamped to `peak_N`: no limits, no fades.
+Law bareLaw(double damping_Ns_m, double peak_N);
+
+void stabilityMaps(const StabilityReport& to);
+void stabilityTheory(const StabilityReport& to);
+void stabilityChain(const StabilityReport& to);
+void stabilityLinks(const StabilityReport& to);
+void stabilityInertia(const StabilityReport& to);
+void stabilityIntegrators(const StabilityReport& to);
+void stabilityLife(const StabilityReport& to);
+void stabilityCases(const StabilityReport& to);
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+// Each link of the chain, in the chain: it acts where it must and leaves a healthy press alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "client/device/device_profile.hpp"
+#include "tests/unit/client/rig.hpp"
+
+namespace hapticast::client {
+namespace {
+
+/// A light hand 30 mm above the wall presses with about 1 N for two seconds and lets go, three
+/// times.
+void press(Rig& rig, double force_N = 1.0) {
+  const double deep_mm = force_N * (1.0 / rig.stiffness_N_mm + 5.0);
+  rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
+  for (int i = 0; i < 9000; ++i) {
+    const double s = std::clamp(1.5 * std::sin(2.0 * M_PI * i / 3000.0), 0.0, 1.0);
+    rig.device.setTarget({0.0, 0.0, 10.0 - s * (10.0 + deep_mm)});
+    rig.step();
+  }
+}
+
+TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
+  for (const char* name : {"omni", "falcon"}) {
+    for (const double k : {0.3, 0.5, 1.0, 2.0}) {
+      for (const Hand& hand : {Hand::light(), Hand::lightGrip()}) {
+        DeviceProfile profile = loadDeviceProfile(name);
+        profile.stiffness_N_mm = k;
+        Rig rig(profile, profile, hand);
+        press(rig, 0.8);
+        EXPECT_GT(rig.max_force_N, 0.6) << name << k;
+        for (const Interference link :
+             {Interference::kNotFinite, Interference::kPeak, Interference::kSlew,
+              Interference::kUnarmed, Interference::kResidue, Interference::kDamping,
+              Interference::kPassivity, Interference::kTank, Interference::kThermal,
+              Interference::kLatency, Interference::kStiffness}) {
+          EXPECT_EQ(rig.count(link), 0U)
+              << name << " K " << k << ": " << kInterferenceNames[static_cast<std::size_t>(link)];
+        }
+        EXPECT_LE(rig.chain.work().relative_mJ, 0.0) << name << k;
+        EXPECT_EQ(rig.chain.work().surface_mJ, 0.0);
+      }
+    }
+  }
+}
+
+TEST(SafetyLinks, TheMetersAgreeWithThePlant) {
+  // The device's true way under the force that truly acted, tick by tick.
+  const DeviceProfile profile = omni(1.0, 2);
+  Rig rig(profile, profile, Hand::light());
+  rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
+  Vec3 sent_N[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  double true_mJ = 0.0;
+  for (int i = 0; i < 5000; ++i) {
+    rig.device.setTarget({0.0, 0.0, -1.0 + 8.0 * std::cos(0.004 * i)});
+    const Vec3 before_mm = rig.device.truePosition_mm();
+    rig.step();
+    true_mJ += sent_N[2].dot(rig.device.truePosition_mm() - before_mm);
+    sent_N[2] = sent_N[1];
+    sent_N[1] = sent_N[0];
+    sent_N[0] = rig.out.force_N;
+  }
+  EXPECT_LT(true_mJ, -0.05);
+  EXPECT_NEAR(rig.chain.work().user_mJ(), true_mJ, 0.03);
+}
+
+TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
+  const DeviceProfile profile = omni(1.0, 1);
+  Rig rig(profile, profile, Hand::light());
+  rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
+  rig.run(500);
+  rig.device.setTarget({0.0, 0.0, -8.0});
+  rig.run(1000);
+  Vec3 sent_N[2] = {rig.out.force_N, rig.out.force_N};
+  const PortWork start = rig.chain.work();
+  double surface_mJ = 0.0;
+  double relative_mJ = 0.0;
+  for (int i = 1; i <= 10'000; ++i) {  // 2 Hz, 5 mm
+    const double w = 4.0 * M_PI;
+    const Vec3 before_mm = rig.device.truePosition_mm();
+    const double wall_before_mm = rig.wall_mm;
+    rig.wall_mm = 5.0 - 5.0 * std::cos(w * i * 1e-3);
+    rig.wall_velocity_mm_s = 5.0 * w * std::sin(w * i * 1e-3);
+    rig.step();
+    const double moved_mm = rig.device.truePosition_mm().z() - before_mm.z();
+    if (rig.out.contact) surface_mJ += sent_N[1].z() * (rig.wall_mm - wall_before_mm);
+    relative_mJ += sent_N[1].z() * (moved_mm - (rig.wall_mm - wall_before_mm));
+    sent_N[1] = sent_N[0];
+    sent_N[0] = rig.out.force_N;
+  }
+  const PortWork& work = rig.chain.work();
+  std::printf("surface %.1f mJ (true %.1f), relative %.1f mJ (true %.1f)\n",
+              work.surface_mJ - start.surface_mJ, surface_mJ, work.relative_mJ - start.relative_mJ,
+              relative_mJ);
+  EXPECT_GT(surface_mJ, 20.0);
+  EXPECT_LT(relative_mJ, 0.0);
+  EXPECT_NEAR(work.surface_mJ - start.surface_mJ, surface_mJ, 0.5);
+  EXPECT_NEAR(work.relative_mJ - start.relative_mJ, relative_mJ, 1.5);
+  EXPECT_EQ(rig.count(Interference::kPassivity), 0U);
+}
+
+/// Largest speed of a light hand away from a wall that rises 30 mm within one frame of 40 ms.
+double thrown_mm_s(const SafetyLinks& links, std::uint64_t& tank_ticks) {
+  const DeviceProfile profile = omni(1.0, 1, 0.05);
+  Rig rig(profile, profile, Hand::light(), links);
+  rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+  rig.device.setTarget({0.0, 0.0, -5.0});
+  rig.run(1500);
+  double fastest_mm_s = 0.0;
+  for (int i = 0; i < 540; ++i) {
+    rig.wall_velocity_mm_s = i < 40 ? 750.0 : 0.0;
+    if (i < 40) rig.wall_mm += 0.75;
+    rig.step();
+    fastest_mm_s = std::max(fastest_mm_s, rig.device.trueVelocity_mm_s().z());
+  }
+  tank_ticks = rig.count(Interference::kTank);
+  return fastest_mm_s;
+}
+
+TEST(SafetyLinks, TheTankCalmsASurfaceThatRisesThirtyMillimetresInAFrame) {
+  std::uint64_t with = 0;
+  std::uint64_t without = 0;
+  const double calm_mm_s = thrown_mm_s({}, with);
+  const double wild_mm_s = thrown_mm_s({.tank = false}, without);
+  std::printf("30 mm in 40 ms: %.0f mm/s, without the tank %.0f mm/s\n", calm_mm_s, wild_mm_s);
+  EXPECT_LE(calm_mm_s, 200.0);
+  EXPECT_GE(wild_mm_s, 220.0);
+  EXPECT_GT(with, 0U);
+  EXPECT_EQ(without, 0U);
+}
+
+TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
+  const DeviceProfile profile = omni(1.0, 1, 0.05);
+  Rig rig(profile, profile, Hand::light());
+  rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+  rig.device.setTarget({0.0, 0.0, -30.0});
+  rig.run(700);
+  EXPECT_NEAR(rig.out.force_N.z(), 3.3, 0.01);
+  EXPECT_EQ(rig.count(Interference::kThermal), 0U);
+  rig.clear();
+  rig.run(20'000);
+  EXPECT_NEAR(rig.out.force_N.z(), 0.88, 0.03);
+  EXPECT_GT(rig.count(Interference::kThermal), 19'000U);
+  EXPECT_LE(rig.max_step_N, 0.05);  // eased, not dropped
+  Rig warm(profile, profile, Hand::light(), {.thermal = false});
+  warm.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+  warm.device.setTarget({0.0, 0.0, -30.0});
+  warm.run(20'000);
+  EXPECT_NEAR(warm.out.force_N.z(), 3.3, 0.01);
+}
+
+TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
+  const auto braked_N = [](double damping_Ns_m, std::uint64_t& cut) {
+    const DeviceProfile profile = omni(0.5, 1);
+    SafetyChain chain(profile);
+    SafetyInput in;
+    in.touchable = true;
+    in.stiffness_N_mm = 0.5;
+    in.damping_Ns_m = damping_Ns_m;
+    in.position_mm.z() = 1.0;
+    for (int i = 0; i < 300; ++i) (void)chain.step(in);
+    in.contact = true;
+    in.velocity_mm_s.z() = -100.0;
+    SafetyOutput out;
+    for (int i = 1; i <= 20; ++i) {
+      in.displacement_mm.z() = 0.1 * i;
+      in.position_mm.z() = 1.0 - 0.1 * i;
+      out = chain.step(in);
+      cut += (out.interferences & bit(Interference::kDamping)) != 0;
+    }
+    return out.force_N.z();
+  };
+  std::uint64_t cut = 0;
+  const double plain_N = braked_N(0.0, cut);
+  EXPECT_NEAR(braked_N(2.0, cut) - plain_N, 0.2, 1e-9);  // 2 N·s/m at 0.1 m/s
+  EXPECT_EQ(braked_N(-5.0, cut), plain_N);
+  EXPECT_EQ(cut, 0U);
+  const double most_N = (dampingLimit_Ns_m(0.045, 1) - wallDamping_Ns_m(0.5, wallLead_s(1))) * 0.1;
+  EXPECT_NEAR(braked_N(1e9, cut) - plain_N, most_N, 1e-9);
+  EXPECT_EQ(cut, 20U);
+}
+
+TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
+  // A spring without its damper, stiffer than its delay stands: it feeds itself.
+  const DeviceProfile profile = omni(1.9, 2);
+  double swing_mm[2] = {0.0, 0.0};
+  for (const bool insured : {true, false}) {
+    Rig rig(profile, profile, Hand::lightGrip(),
+            {.damping = false, .passivity = insured, .latency_watch = false});
+    rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+    rig.device.setTarget({0.0, 0.0, -6.0});
+    rig.run(4000);
+    double low = 1e9;
+    double high = -1e9;
+    for (int i = 0; i < 500; ++i) {
+      rig.step();
+      low = std::min(low, rig.device.truePosition_mm().z());
+      high = std::max(high, rig.device.truePosition_mm().z());
+    }
+    swing_mm[insured ? 0 : 1] = high - low;
+    EXPECT_EQ(rig.count(Interference::kPassivity) > 0, insured);
+    EXPECT_EQ(rig.max_excess_N, 0.0);
+  }
+  std::printf("undamped: swing %.2f mm with the controller, %.2f mm without\n", swing_mm[0],
+              swing_mm[1]);
+  EXPECT_LT(swing_mm[0], 0.5 * swing_mm[1]);
+}
+
+/// Swings of a free tip in a wall told `told` ticks of delay that really has `real`.
+struct Told {
+  Told(double stiffness_N_mm, int told, int real, const Hand& hand, const SafetyLinks& links = {})
+      : rig(profileOf(stiffness_N_mm, told), profileOf(stiffness_N_mm, real), hand, links) {
+    rig.device.reset({0.0, 0.0, 5.0}, {0.0, 0.0, -200.0});
+    rig.device.setPush({0.0, 0.0, -1.0});
+    rig.device.setTarget({0.0, 0.0, -2.0});
+    for (int i = 0; i < 4000; ++i) alarms += rig.step().latency_alarm;
+  }
+  static DeviceProfile profileOf(double stiffness_N_mm, int delay_ticks) {
+    DeviceProfile profile = omni(stiffness_N_mm, delay_ticks);
+    profile.peak_N = profile.continuous_N = 8.0;
+    return profile;
+  }
+  Rig rig;
+  int alarms = 0;
+};
+
+TEST(SafetyLinks, TheLatencyWatchSeesALongerDelayAndSoftensTheWall) {
+  Told wrong(5.0, 1, 3, Hand::lightGrip());
+  EXPECT_EQ(wrong.alarms, 1);  // once a connection
+  EXPECT_GT(wrong.rig.count(Interference::kLatency), 100U);
+  EXPECT_GT(wrong.rig.count(Interference::kStiffness), 100U);  // K_max is now that of 2 ticks
+  EXPECT_EQ(wrong.rig.max_excess_N, 0.0);
+  const Told unwatched(5.0, 1, 3, Hand::lightGrip(), {.latency_watch = false});
+  EXPECT_EQ(unwatched.alarms, 0);
+  EXPECT_EQ(unwatched.rig.count(Interference::kLatency), 0U);
+}
+
+TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
+  Told wrong(5.0, 1, 3, Hand::lightGrip());
+  wrong.rig.clear();
+  wrong.rig.chain.newConnection();
+  wrong.rig.run(1);
+  EXPECT_EQ(wrong.rig.count(Interference::kLatency), 1U);  // still touched
+  wrong.rig.device.setPush(Vec3::Zero());
+  wrong.rig.device.setTarget({0.0, 0.0, 10.0});
+  wrong.rig.run(300);
+  wrong.rig.clear();
+  wrong.rig.device.setTarget({0.0, 0.0, -2.0});
+  wrong.rig.run(60);
+  EXPECT_GT(wrong.rig.max_force_N, 0.1);
+  EXPECT_EQ(wrong.rig.count(Interference::kLatency), 0U);
+}
+
+TEST(SafetyLinks, TheLatencyWatchIsSilentWhereTheDelayIsTold) {
+  for (int d = 0; d <= 3; ++d) {
+    for (const double k : {0.5, 1.0, 2.0, 5.0}) {
+      for (const Hand& hand : {Hand::none(), Hand::light(), Hand::firmGrip(), Hand::lightGrip()}) {
+        EXPECT_EQ(Told(k, d, d, hand).alarms, 0) << "K " << k << " d " << d;
+      }
+    }
+  }
+}
+
+TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
+  // Why the watch is there: told 1, real 3, the meters see a contact that pays for itself.
+  Told blind(2.0, 1, 3, Hand::none(), {.latency_watch = false});
+  const double metered_mJ = blind.rig.chain.work().relative_mJ;
+  std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);
+  EXPECT_LT(metered_mJ, 0.0);
+  double high_mm = -1e9;
+  for (int i = 0; i < 200; ++i) {
+    blind.rig.step();
+    high_mm = std::max(high_mm, blind.rig.device.truePosition_mm().z());
+  }
+  EXPECT_GT(high_mm, 3.0);  // and yet it throws the tip out of the wall for ever
+}
+
+}  // namespace
+}  // namespace hapticast::client
