@@ -14,12 +14,8 @@ namespace {
 constexpr double kMostFriction = 10.0;
 // What moves on for longer than this without being felt has jumped.
 constexpr double kLongestTick_s = 5e-3;
-constexpr double kFastest_mm_s = 1500.0;  // nor does the chain believe in more
-constexpr double kWeight_mm = 1e-9;       // of a contact whose displacement has yet to grow
-
-std::uint64_t keyOf(const PlayObject& object) noexcept {
-  return (std::uint64_t{object.id} << 32U) | object.layer;
-}
+constexpr double kFastestObject_mm_s = 1500.0;  // nor does the chain believe in more
+constexpr double kWeight_mm = 1e-9;             // of a contact whose displacement has yet to grow
 
 bool touchable(const ObjectNow& object) noexcept {
   return object.before->field != nullptr && !object.before->field->empty();
@@ -109,7 +105,7 @@ bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double 
                               double elapsed_s) noexcept {
   const auto way_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
     const double speed_mm_s = velocity_mm_s.norm();
-    const double share = speed_mm_s > kFastest_mm_s ? kFastest_mm_s / speed_mm_s : 1.0;
+    const double share = speed_mm_s > kFastestObject_mm_s ? kFastestObject_mm_s / speed_mm_s : 1.0;
     return velocity_mm_s * (share * elapsed_s);
   };
   const Vec3 step_mm = object.position_mm - tied.position_mm;
