@@ -128,17 +128,18 @@ bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double 
 
 void ProxySurface::look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
                         const Workspace& workspace, double elapsed_s) noexcept {
-  if (tied.relief.follow(object, workspace)) tied.proxy.forgetSamples();
   const bool was_there = tied.tick + 1 == tick_;
+  if (!was_there) {
+    tied.relief = {};  // of another world, perhaps
+    tied.proxy.restart(!fresh_);
+    tied.touch = {};
+  }
+  if (tied.relief.follow(object, workspace)) tied.proxy.forgetSamples();
   const Vec3 arm_mm = hip_mm - object.position_mm;
   const bool turns = object.angle_rad != 0.0;
   const Vec3 own_mm =
       turns ? turned(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
   const bool jumped = was_there && poseJumped(tied, object, arm_mm.head<2>().norm(), elapsed_s);
-  if (!was_there) {
-    tied.proxy.restart(!fresh_);
-    tied.touch = {};
-  }
   tied.key = keyOf(*object.before);
   tied.tick = tick_;
   tied.position_mm = object.position_mm;

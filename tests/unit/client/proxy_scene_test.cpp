@@ -71,6 +71,18 @@ TEST(Proxy, FarObjectsCostNothing) {
   EXPECT_LE(table.proxies.samplesUsed(), 1);
 }
 
+TEST(Proxy, AnotherWorkspaceIsAnotherPlaceOfThePixels) {
+  Table table;
+  table.put(1, relief(10.0, level(10.0)));
+  Workspace twice;
+  twice.width_mm *= 2.0;
+  twice.height_mm *= 2.0;
+  EXPECT_FALSE(table.touch({15.0, 0.0, 9.0}).contact);
+  table.proxies.restart();
+  const Contact contact = table.proxies.touch(table.scene, {15.0, 0.0, 9.0}, twice, kDeepest_mm);
+  EXPECT_NEAR(contact.displacement_mm.z(), 1.0, 1e-5);
+}
+
 TEST(Proxy, NothingToTouchAndNoNumbers) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Table table;
