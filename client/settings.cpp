@@ -21,7 +21,8 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
       ->required();
   app.add_option(
          "--profile", settings.profile,
-         "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines")
+         "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines (keys: "
+         "README, Safety)")
       ->type_name("NAME|FILE");
   app.add_option(
          "--hand", settings.hand,

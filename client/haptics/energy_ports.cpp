@@ -78,13 +78,11 @@ void UserTank::take(double work_mJ) noexcept {
   content_mJ_ = std::clamp(content_mJ_ + refill_mJ - work_mJ, 0.0, most_mJ_);
 }
 
-Vec3 UserTank::limited(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept {
-  const double size_N = force_N.norm();
-  if (size_N <= 0.0) return force_N;
-  const double along_mm_s = velocity_mm_s.dot(force_N) / size_N;
-  if (along_mm_s <= kTankSpeed_mm_s) return force_N;
-  const double limit_N = content_mJ_ / (along_mm_s * kTankHorizon_s);
-  return size_N > limit_N ? Vec3(force_N * (limit_N / size_N)) : force_N;
+double UserTank::factor(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept {
+  const double power = velocity_mm_s.dot(force_N);  // mW
+  const double drawn_mJ = power * kTankHorizon_s;
+  if (!(drawn_mJ > content_mJ_)) return 1.0;
+  return power / force_N.norm() > kTankSpeed_mm_s ? content_mJ_ / drawn_mJ : 1.0;
 }
 
 }  // namespace hapticast::client

@@ -85,9 +85,9 @@ class UserTank {
       : most_mJ_(profile.tank_mJ), refill_W_(profile.tank_W), content_mJ_(profile.tank_mJ) {}
   /// Takes out the work of a tick (mJ, > 0: into the hand).
   void take(double work_mJ) noexcept;
-  /// The force, shortened when it drives the hand faster than 10 mm/s with more than the tank could
-  /// pay for 20 ms.
-  [[nodiscard]] Vec3 limited(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept;
+  /// What the force is to be multiplied with: below 1 where it drives the hand faster than 10 mm/s
+  /// with more than the tank could pay for 20 ms.
+  [[nodiscard]] double factor(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept;
   [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }
 
  private:

@@ -14,12 +14,6 @@ constexpr double kFadeOut = kTick_s / 0.1;
 
 double smoothstep(double x) noexcept { return x * x * (3.0 - 2.0 * x); }
 
-/// |part| of |whole|.
-double share(const Vec3& part, const Vec3& whole) noexcept {
-  const double size = whole.norm();
-  return size > 0.0 ? part.norm() / size : 0.0;
-}
-
 /// Energy of a spring whose force ends at limit_N, mJ.
 double springEnergy_mJ(double stiffness_N_mm, double depth_mm, double limit_N) noexcept {
   const double force_N = stiffness_N_mm * depth_mm;
@@ -34,6 +28,7 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
       residue_step_N_(profile.residue_N_per_tick),
       mass_kg_(profile.mass_kg),
       profile_delay_ticks_(profile.delay_ticks),
+      limit_N_(profile.peak_N),
       slew_(profile),
       meter_(profile),
       ports_(profile.delay_ticks, profile.count_mm),
@@ -61,7 +56,8 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
     trust_profile_ = false;
     setDelay(profile_delay_ticks_);
   }
-  const Geometry geometry = plausible(in, out);  // 1
+  limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
+  const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = (in.device_lost || stop_requested_) && !halted_;
   halted_ = halted_ || halt_now;
   const bool touchable = in.touchable && !out.not_finite && !halted_;
@@ -74,20 +70,22 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   out.static_force_N = wallForce(now, geometry, out);     // 3, 5
   out.dynamic_force_N = dynamicForce(in, geometry, out);  // 4
   const Vec3 sum_N = out.static_force_N + out.dynamic_force_N;
-  const Vec3 wanted_N = clamped(sum_N, out);   // 6, 7
-  fadeAndArm(jump, touchable, geometry, out);  // 9
-  const double gain = smoothstep(fade_);
-  const Vec3 faded_N = wanted_N * gain + residue_N_;
-  now.force_N = clamped(tanked(faded_N, now.velocity_mm_s, out), out);
-  const double dynamic_share = share(wanted_N, sum_N) * gain * share(now.force_N, faded_N);
+  const double clamp = clampFactor(sum_N, out);  // 7
+  fadeAndArm(jump, touchable, geometry, out);    // 9
+  const double gain = clamp * smoothstep(fade_);
+  const Vec3 faded_N = sum_N * gain + residue_N_;
+  const double tank = tankFactor(faded_N, now.velocity_mm_s, out);  // 5
+  now.force_N = faded_N * tank;
+  const double again = clampFactor(now.force_N, out);
+  now.force_N *= again;
   now.force_N = slewed(now, in.measurement_jumped, out);  // 8
 
-  ports_.sent(now.force_N, out.dynamic_force_N * dynamic_share);
-  thermal_.add(now.force_N.norm());
+  ports_.sent(now.force_N, out.dynamic_force_N * (gain * tank * again));
+  thermal_.add(now.force_N.squaredNorm());
   out.step_excess_N = meter_.excess_N(now, in.measurement_jumped);
   out.force_N = now.force_N;
   out.contact = geometry.contact;
-  out.penetration_mm = geometry.displacement_mm.norm();
+  out.penetration_mm = geometry.size_mm;
   last_ = now;
   geometry_ = geometry;
   return out;
@@ -103,7 +101,7 @@ StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry) 
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
                 .contact = geometry.contact};
-  if (!now.position_mm.allFinite() || !now.velocity_mm_s.allFinite()) {
+  if (!(now.position_mm + now.velocity_mm_s).allFinite()) {
     now.position_mm = last_.position_mm;
     now.velocity_mm_s = last_.velocity_mm_s;
   }
@@ -125,10 +123,9 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
                 .jump = jump};
   const StepState& wall = now.contact ? now : last_;
   const double gain = smoothstep(fade_);
-  const double limit_N = thermal_.limit_N();
-  tick.stored_mJ = gain * springEnergy_mJ(wall.local_stiffness_N_mm, now.depth_mm, limit_N);
+  tick.stored_mJ = gain * springEnergy_mJ(wall.local_stiffness_N_mm, now.depth_mm, limit_N_);
   tick.stored_before_mJ =
-      gain * springEnergy_mJ(wall.local_stiffness_N_mm, last_.depth_mm, limit_N);
+      gain * springEnergy_mJ(wall.local_stiffness_N_mm, last_.depth_mm, limit_N_);
   tank_.take(ports_.meter(tick));
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
@@ -184,8 +181,7 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
     out.interferences |= bit(Interference::kJump);
   }
   if (touchable && check_depth_) {
-    blocked_ = links_.arming &&
-               geometry.displacement_mm.norm() > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
+    blocked_ = links_.arming && geometry.size_mm > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
     check_depth_ = false;
   }
   if (touchable && !geometry.contact) blocked_ = false;
@@ -194,28 +190,29 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
                        : std::clamp(fade_ + (armed ? kFadeIn : -kFadeOut), 0.0, 1.0);
   if (!touchable && fade_ == 0.0) check_depth_ = true;
 
-  const double residue_N = residue_N_.norm();
-  residue_N_ *= residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
-  if (residue_N_ != Vec3::Zero()) out.interferences |= bit(Interference::kResidue);
+  if (residue_N_ != Vec3::Zero()) {
+    const double residue_N = residue_N_.norm();
+    residue_N_ *= residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
+    if (residue_N_ != Vec3::Zero()) out.interferences |= bit(Interference::kResidue);
+  }
   if (geometry.contact && blocked_) out.interferences |= bit(Interference::kUnarmed);
   if (geometry.contact && fade_ < 1.0) out.interferences |= bit(Interference::kFade);
 }
 
-Vec3 SafetyChain::clamped(const Vec3& force_N, SafetyOutput& out) const noexcept {
-  const double limit_N = links_.thermal ? thermal_.limit_N() : peak_N_;
-  const double size_N = force_N.norm();
-  if (size_N <= limit_N) return force_N;
-  if (size_N > peak_N_) out.interferences |= bit(Interference::kPeak);
-  if (limit_N < peak_N_) out.interferences |= bit(Interference::kThermal);
-  return force_N * (limit_N / size_N);
+double SafetyChain::clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
+  const double square_N2 = force_N.squaredNorm();
+  if (square_N2 <= limit_N_ * limit_N_) return 1.0;
+  if (square_N2 > peak_N_ * peak_N_) out.interferences |= bit(Interference::kPeak);
+  if (limit_N_ < peak_N_) out.interferences |= bit(Interference::kThermal);
+  return limit_N_ / std::sqrt(square_N2);
 }
 
-Vec3 SafetyChain::tanked(const Vec3& force_N, const Vec3& velocity_mm_s,
-                         SafetyOutput& out) const noexcept {
-  if (!links_.tank) return force_N;
-  const Vec3 paid_N = tank_.limited(force_N, velocity_mm_s);
-  if (paid_N != force_N) out.interferences |= bit(Interference::kTank);
-  return paid_N;
+double SafetyChain::tankFactor(const Vec3& force_N, const Vec3& velocity_mm_s,
+                               SafetyOutput& out) const noexcept {
+  if (!links_.tank) return 1.0;
+  const double factor = tank_.factor(force_N, velocity_mm_s);
+  if (factor < 1.0) out.interferences |= bit(Interference::kTank);
+  return factor;
 }
 
 Vec3 SafetyChain::slewed(const StepState& now, bool measurement_jumped,

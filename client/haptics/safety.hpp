@@ -111,6 +111,7 @@ class SafetyChain {
   struct Geometry {
     bool contact = false;
     Vec3 displacement_mm = Vec3::Zero();
+    double size_mm = 0.0;  // of the displacement
     Vec3 normal = Vec3::UnitZ();
     Vec3 surface_velocity_mm_s = Vec3::Zero();
     Vec3 surface_step_mm = Vec3::Zero();
@@ -130,14 +131,16 @@ class SafetyChain {
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
-  Vec3 clamped(const Vec3& force_N, SafetyOutput& out) const noexcept;
-  Vec3 tanked(const Vec3& force_N, const Vec3& velocity_mm_s, SafetyOutput& out) const noexcept;
+  double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
+  double tankFactor(const Vec3& force_N, const Vec3& velocity_mm_s,
+                    SafetyOutput& out) const noexcept;
   Vec3 slewed(const StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
   double peak_N_, residue_step_N_, mass_kg_;
   int profile_delay_ticks_;
   int delay_ticks_ = 0;
+  double limit_N_;  // of the force in this tick: the motors' heat, the peak
   double lead_s_ = 0.0, stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   SlewLimit slew_;
   StepMeter meter_;

@@ -11,14 +11,17 @@ namespace {
 constexpr double kSurfaceSpeed_mm_s = 1500.0;  // faster is not plausible
 constexpr double kJump_mm = 3.0;               // change of depth in a tick that nothing explains
 constexpr double kLongestStep_s = 20e-3;       // farther apart no way connects two ticks
+constexpr double kUnit = 1e-12;                // the rounding of a unit vector's square
 constexpr double kFarthest_mm = 1000.0;  // a displacement beyond any device is a broken number
 
 bool believable(const SafetyInput& in) noexcept {
-  return in.position_mm.allFinite() && in.velocity_mm_s.allFinite() &&
-         in.displacement_mm.allFinite() && in.normal.allFinite() &&
-         in.surface_velocity_mm_s.allFinite() && std::isfinite(in.scene_step_s) &&
-         std::isfinite(in.stiffness_factor) && std::isfinite(in.stiffness_N_mm) &&
-         std::isfinite(in.damping_Ns_m) && in.displacement_mm.norm() <= kFarthest_mm;
+  // A sum is finite where all are (or so huge that none of it is to be believed).
+  const Vec3 vectors =
+      in.position_mm + in.velocity_mm_s + in.displacement_mm + in.normal + in.surface_velocity_mm_s;
+  const double numbers =
+      in.scene_step_s + in.stiffness_factor + in.stiffness_N_mm + in.damping_Ns_m;
+  return std::isfinite(vectors.sum() + numbers) &&
+         in.displacement_mm.squaredNorm() <= kFarthest_mm * kFarthest_mm;
 }
 }  // namespace
 
@@ -34,15 +37,18 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   if (!in.contact || depth_mm <= 0.0) return geometry;
   geometry.contact = true;
   geometry.displacement_mm = in.displacement_mm;
-  const double length = in.normal.norm();
+  geometry.size_mm = depth_mm;
+  const double square = in.normal.squaredNorm();
   // A normal that is none, or that looks into the surface: along the displacement nothing can pull.
-  geometry.normal = length > 0.0 && in.normal.dot(in.displacement_mm) > 0.0
-                        ? Vec3(in.normal / length)
-                        : Vec3(in.displacement_mm / depth_mm);
+  if (!(square > 0.0) || in.normal.dot(in.displacement_mm) <= 0.0) {
+    geometry.normal = in.displacement_mm / depth_mm;
+  } else {
+    geometry.normal = std::abs(square - 1.0) < kUnit ? in.normal : in.normal.normalized();
+  }
   geometry.surface_velocity_mm_s = in.surface_velocity_mm_s;
-  const double speed_mm_s = in.surface_velocity_mm_s.norm();
-  if (speed_mm_s > kSurfaceSpeed_mm_s) {
-    geometry.surface_velocity_mm_s *= kSurfaceSpeed_mm_s / speed_mm_s;
+  const double speed2 = in.surface_velocity_mm_s.squaredNorm();
+  if (speed2 > kSurfaceSpeed_mm_s * kSurfaceSpeed_mm_s) {
+    geometry.surface_velocity_mm_s *= kSurfaceSpeed_mm_s / std::sqrt(speed2);
     out.interferences |= bit(Interference::kSurfaceSpeed);
   }
   const Vec3& from_mm_s =
@@ -78,19 +84,19 @@ SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& position_mm) const n
   Geometry held = geometry_;
   held.surface_velocity_mm_s = held.surface_step_mm = Vec3::Zero();
   if (!held.contact || !position_mm.allFinite()) return held;
-  const double depth_mm = held.displacement_mm.norm();
-  const Vec3 direction = held.displacement_mm / depth_mm;
-  const double now_mm = depth_mm - direction.dot(position_mm - last_.position_mm);
+  const Vec3 direction = held.displacement_mm / held.size_mm;
+  const double now_mm = held.size_mm - direction.dot(position_mm - last_.position_mm);
   if (now_mm <= 0.0) return {};
   held.displacement_mm = now_mm * direction;
+  held.size_mm = now_mm;
   return held;
 }
 
 bool SafetyChain::jumped(const SafetyInput& in, const Geometry& geometry) const noexcept {
   if (in.world_jumped || in.measurement_jumped) return true;
   // Without contact the displacement is zero: a surface that vanishes jumps like one that appears.
-  const double change_mm =
-      std::abs(geometry.displacement_mm.norm() - geometry_.displacement_mm.norm());
+  const double change_mm = std::abs(geometry.size_mm - geometry_.size_mm);
+  if (change_mm <= kJump_mm) return false;
   const double moved_mm = (in.position_mm - last_.position_mm).norm();
   return change_mm > kJump_mm + (1.0 + geometry.stiffness_factor) * moved_mm;
 }

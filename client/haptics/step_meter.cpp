@@ -10,9 +10,10 @@ namespace hapticast::client {
 namespace {
 /// The point nearest to `point` on the way from the origin to `end`.
 Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
+  const double along = point.dot(end);
+  if (!(along > 0.0)) return Vec3::Zero();
   const double square = end.squaredNorm();
-  return square > 0.0 ? Vec3(std::clamp(point.dot(end) / square, 0.0, 1.0) * end)
-                      : Vec3(Vec3::Zero());
+  return along < square ? Vec3(along / square * end) : end;
 }
 }  // namespace
 
@@ -42,10 +43,10 @@ Vec3 SlewLimit::limited(const StepState& now, const StepState& last,
   const Vec3 step_N = now.force_N - last.force_N;
   const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
   const Vec3 rest_N = step_N - explained_N;
-  const bool rises = now.force_N.norm() > (last.force_N + explained_N).norm();
+  const bool rises = now.force_N.squaredNorm() > (last.force_N + explained_N).squaredNorm();
   const double allowed_N = (rises ? rise_N_ : fall_N_) + hand.spring_N;
+  if (rest_N.squaredNorm() <= allowed_N * allowed_N) return now.force_N;
   const double size_N = rest_N.norm();
-  if (size_N <= allowed_N) return now.force_N;
   const Vec3 force_N = last.force_N + explained_N + rest_N * (allowed_N / size_N);
   if (force_N.norm() <= peak_N_) return force_N;
   // The way round would leave what the device can stand; the straight way does not.
@@ -59,12 +60,13 @@ double StepMeter::excess_N(const StepState& now, bool measurement_jumped) noexce
   const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_);
   const Vec3 step_N = now.force_N - last_.force_N;
   const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
-  const bool rises = now.force_N.norm() > (last_.force_N + explained_N).norm();
+  const bool rises = now.force_N.squaredNorm() > (last_.force_N + explained_N).squaredNorm();
   const double allowed_N = (rises ? rise_N_ : fall_N_) + hand.spring_N;
-  const double rest_N = (step_N - explained_N).norm();
+  const double rest_N2 = (step_N - explained_N).squaredNorm();
   last_ = now;
   constexpr double kRounding_N = 1e-9;
-  if (rest_N <= allowed_N + kRounding_N) return 0.0;
+  if (rest_N2 <= (allowed_N + kRounding_N) * (allowed_N + kRounding_N)) return 0.0;
+  const double rest_N = std::sqrt(rest_N2);
   // A number that is none must not read as "no step".
   return std::isfinite(rest_N) ? rest_N - allowed_N : std::numeric_limits<double>::infinity();
 }

@@ -18,16 +18,39 @@ namespace {
 using namespace client;
 
 using Field = std::shared_ptr<const HeightField>;
-constexpr PixelRect kPlate_px{280, 200, 80, 80};  // +-10 mm about the middle
+constexpr PixelRect kPlate_px{288, 208, 64, 64};  // +-8 mm about the middle
 constexpr double kPixel_mm = 0.25;
 constexpr double kEvent_s = 2.5;
 constexpr double kEnd_s = 5.0;
 constexpr double kBegin_s = 1.0;
 
+/// Made once, kept for both runs of a case.
+class Reliefs {
+ public:
+  const HeightField* at(int shift_px, double height_mm, bool dome) {
+    const auto key = std::make_tuple(shift_px, height_mm, dome);
+    Field& field = reliefs_[key];
+    if (field) return field.get();
+    PixelRect rect = kPlate_px;
+    rect.u += shift_px;
+    const Vec2 centre(shift_px * kPixel_mm, 0.0);
+    field = makeField(
+        rect, Workspace{},
+        [=](const Vec2& at) {
+          return height_mm - (dome ? 0.02 * (at - centre).squaredNorm() : 0.0);
+        },
+        [](const Vec2&) { return true; });
+    return field.get();
+  }
+
+ private:
+  std::map<std::tuple<int, double, bool>, Field> reliefs_;
+};
+
 /// A room, a stream, a light hand; time t_s counts from the beginning, the event is at 0.
 class Scene {
  public:
-  explicit Scene(bool naive) : naive_(naive), settings_(settings()) {
+  Scene(bool naive, Reliefs& all) : reliefs(all), naive_(naive), settings_(settings()) {
     room = std::make_unique<Room>(settings_, pool, controls, reports, nullptr);
     device = std::make_unique<VirtualDevice>(settings_.profile, Hand::light(), clock, nullptr);
     control.connected = true;
@@ -64,22 +87,6 @@ class Scene {
   void add(PlayFrame& frame, const PlayObject& object) {
     frame.objects[frame.object_count++] = object;
   }
-  /// Kept for the scene's life, made once.
-  const HeightField* relief(int shift_px, double height_mm, bool dome) {
-    const auto key = std::make_tuple(shift_px, height_mm, dome);
-    Field& field = reliefs_[key];
-    if (field) return field.get();
-    PixelRect rect = kPlate_px;
-    rect.u += shift_px;
-    const Vec2 centre(shift_px * kPixel_mm, 0.0);
-    field = makeField(
-        rect, Workspace{},
-        [=](const Vec2& at) {
-          return height_mm - (dome ? 0.02 * (at - centre).squaredNorm() : 0.0);
-        },
-        [](const Vec2&) { return true; });
-    return field.get();
-  }
   void send(double media_s) {
     PlayFrame frame;
     frame.epoch = epoch;
@@ -89,6 +96,7 @@ class Scene {
     (void)client::send(pool, frame);
   }
 
+  Reliefs& reliefs;
   FramePool pool;
   LatestValue<Controls> controls;
   LatestValue<TickReport> reports;
@@ -154,7 +162,6 @@ class Scene {
   }
 
   bool naive_;
-  std::map<std::tuple<int, double, bool>, Field> reliefs_;
   RoomSettings settings_;
   double next_frame_s_ = 0.0;
   Vec3 force_N_ = Vec3::Zero();
@@ -169,7 +176,7 @@ struct RoomCase {
   std::function<void(Scene&)> set;
 };
 
-/// An object of 20 x 20 mm about (0, 0), 10 mm high, 5 mm above where the hand wants to be: flat or
+/// An object of 16 x 16 mm about (0, 0), 10 mm high, 5 mm above where the hand wants to be: flat or
 /// a dome. `change` acts on each frame's object; where that moves it, its relief lies in the frame.
 void usual(Scene& s, std::function<void(PlayObject&, double)> change = {}, bool dome = false) {
   s.scene = [&s, change, dome](PlayFrame& frame, double t) {
@@ -179,14 +186,14 @@ void usual(Scene& s, std::function<void(PlayObject&, double)> change = {}, bool 
     const int shift_px = static_cast<int>(std::lround(at_mm.x() / kPixel_mm));
     at_mm.x() = shift_px * kPixel_mm;
     s.naive_stiffness_N_mm = object.material.stiffness_N_mm;
-    object.field = s.relief(shift_px, at_mm.z(), dome);
+    object.field = s.reliefs.at(shift_px, at_mm.z(), dome);
     s.add(frame, object);
   };
 }
 
 void slideAcross(Scene& s, double speed_mm_s) {
   s.target_mm = [=](double t) {
-    return Vec3(-8.0 + std::clamp(t, 0.0, 0.67) * speed_mm_s, 0.1, 5.0);
+    return Vec3(-7.0 + std::clamp(t, 0.0, 0.58) * speed_mm_s, 0.1, 5.0);
   };
 }
 
@@ -230,7 +237,7 @@ std::vector<RoomCase> shapes() {
              kPlate_px, Workspace{}, [](const Vec2&) { return 10.0; },
              [](const Vec2&) { return false; });
          s.scene = [&s, empty](PlayFrame& frame, double t) {
-           const HeightField* field = t < 0.0 ? s.relief(0, 10.0, false) : empty.get();
+           const HeightField* field = t < 0.0 ? s.reliefs.at(0, 10.0, false) : empty.get();
            s.add(frame, makeObject(1, field, {0.0, 0.0, 10.0}));
          };
        }},
@@ -300,7 +307,7 @@ std::vector<RoomCase> motions() {
            const double by_mm = t < 0.0 ? 0.0 : 2.0 * std::sin(20.0 * t);
            for (const double z_mm : {10.0 + by_mm, 10.0 - by_mm}) {
              const auto number = static_cast<std::uint32_t>(frame.object_count + 1);
-             s.add(frame, makeObject(number, s.relief(0, z_mm, false), {0.0, 0.0, z_mm}));
+             s.add(frame, makeObject(number, s.reliefs.at(0, z_mm, false), {0.0, 0.0, z_mm}));
            }
          };
        }},
@@ -330,7 +337,7 @@ std::vector<RoomCase> motions() {
            object.material.static_friction = object.material.dynamic_friction =
                t < 2.0 ? 0.0 : 10.0;
          });
-         s.target_mm = [](double t) { return Vec3(8.0 * std::sin(3.0 * t), 0.1, 5.0); };
+         s.target_mm = [](double t) { return Vec3(6.0 * std::sin(3.0 * t), 0.1, 5.0); };
        }},
   };
 }
@@ -421,8 +428,9 @@ std::vector<ExtremeCase> roomCases() {
     ExtremeCase& out = cases[i];
     out.name = all[i].name;
     out.allowed_N = Scene::settings().profile.peak_N;
+    Reliefs reliefs;
     for (const bool naive : {true, false}) {
-      const auto scene = std::make_unique<Scene>(naive);
+      const auto scene = std::make_unique<Scene>(naive, reliefs);
       all[i].set(*scene);
       (naive ? out.naive : out.chain) = scene->run();
     }

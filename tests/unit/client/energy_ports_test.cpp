@@ -168,13 +168,15 @@ TEST(UserTank, IsEmptiedByTheForceAndFilledByTheHandAndByPower) {
 TEST(UserTank, LimitsOnlyAForceThatDrivesTheHand) {
   UserTank tank{DeviceProfile{}};
   const Vec3 force_N(3.0, 0.0, 0.0);
-  EXPECT_EQ(tank.limited(force_N, {-500.0, 0.0, 0.0}), force_N);  // it brakes
-  EXPECT_EQ(tank.limited(force_N, {0.0, 500.0, 0.0}), force_N);   // across
-  EXPECT_EQ(tank.limited(force_N, {9.0, 0.0, 0.0}), force_N);     // slow
-  EXPECT_EQ(tank.limited(force_N, {200.0, 0.0, 0.0}), force_N);   // 3.75 N for 20 ms can be paid
-  EXPECT_NEAR(tank.limited(force_N, {500.0, 0.0, 0.0}).x(), 1.5, 1e-12);
-  EXPECT_NEAR(tank.limited(force_N, {500.0, 900.0, 0.0}).x(), 1.5, 1e-12);  // only along counts
-  EXPECT_EQ(tank.limited(Vec3::Zero(), force_N), Vec3(Vec3::Zero()));
+  EXPECT_EQ(tank.factor(force_N, {-500.0, 0.0, 0.0}), 1.0);  // it brakes
+  EXPECT_EQ(tank.factor(force_N, {0.0, 500.0, 0.0}), 1.0);   // across
+  EXPECT_EQ(tank.factor(force_N, {200.0, 0.0, 0.0}), 1.0);   // 3.75 N for 20 ms can be paid
+  EXPECT_NEAR(tank.factor(force_N, {500.0, 0.0, 0.0}), 0.5, 1e-12);
+  EXPECT_NEAR(tank.factor(force_N, {500.0, 900.0, 0.0}), 0.5, 1e-12);  // only along counts
+  EXPECT_EQ(tank.factor(Vec3::Zero(), force_N), 1.0);
+  tank.take(100.0);
+  EXPECT_EQ(tank.factor(force_N, {9.0, 0.0, 0.0}), 1.0);  // slow
+  EXPECT_EQ(tank.factor(force_N, {11.0, 0.0, 0.0}), 0.0);
 }
 
 }  // namespace

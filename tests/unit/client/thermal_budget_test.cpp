@@ -12,7 +12,9 @@ namespace {
 
 /// The limit after `seconds` of pressing as hard as it allows.
 double limitAfter_N(ThermalBudget& budget, double seconds) {
-  for (int i = 0; i < static_cast<int>(seconds * 1e3); ++i) budget.add(budget.limit_N());
+  for (int i = 0; i < static_cast<int>(seconds * 1e3); ++i) {
+    budget.add(budget.limit_N() * budget.limit_N());
+  }
   return budget.limit_N();
 }
 
@@ -35,7 +37,7 @@ TEST(ThermalBudget, NeverStepsAndKeepsTheMeanSquare) {
     EXPECT_LE(std::abs(limit_N - before_N), 0.01);
     before_N = limit_N;
     square += limit_N * limit_N / 60'000;
-    budget.add(limit_N);
+    budget.add(limit_N * limit_N);
   }
   EXPECT_NEAR(std::sqrt(square), 1.01, 0.02);
 }
@@ -44,7 +46,7 @@ TEST(ThermalBudget, LeavesTheContinuousForceAlone) {
   const DeviceProfile profile;
   ThermalBudget budget(profile);
   for (int i = 0; i < 200'000; ++i) {
-    budget.add(0.97 * profile.continuous_N);
+    budget.add(std::pow(0.97 * profile.continuous_N, 2));
     ASSERT_GE(budget.limit_N(), 0.97 * profile.continuous_N);
   }
   (void)limitAfter_N(budget, 20.0);
