@@ -19,6 +19,7 @@ constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
 // the errors of a slow clip, whose largest acceleration is hardly more than noise, fill the force.
 constexpr double kUnknownMass_kg = 0.5;
 constexpr double kPulse_s = 0.015;
+constexpr double kKnee = 0.8;  // of the pulse limit
 
 /// Device metres per nominal millimetre: beta of Eq. 6.
 double metresPerMillimetre(double scale) noexcept { return scale * 1e-3; }
@@ -101,6 +102,16 @@ Vec3 shortened(const Vec3& force_N, double limit_N) noexcept {
   return length_N > limit_N ? Vec3(force_N * (limit_N / length_N)) : force_N;
 }
 
+/// As it is up to a knee, so that the impulse of what the device can render is exact; above it
+/// smoothly under the limit.
+double compressed(double height_N, double limit_N) noexcept {
+  if (!(limit_N > 0.0)) return 0.0;
+  const double knee_N = kKnee * limit_N;
+  if (height_N <= knee_N) return height_N;
+  const double above = (height_N - knee_N) / (limit_N - knee_N);
+  return knee_N + (limit_N - knee_N) * (1.0 - 1.0 / (1.0 + above));
+}
+
 }  // namespace
 
 DynamicForce::DynamicForce(const DeviceProfile& profile) noexcept : profile_(profile) {}
@@ -136,8 +147,7 @@ Vec3 DynamicForce::pulse_N(const PlayObject& before, const PlayObject* after, Me
   const double length = pulse_.delta_velocity_mm_s.norm();
   if (!(length > 0.0) || !std::isfinite(length)) return Vec3::Zero();
   const double height_N = kg_m_per_mm * length * std::numbers::pi / (2.0 * kPulse_s);
-  const double limit_N = profile_.pulse_limit_N;
-  const double compressed_N = limit_N > 0.0 ? limit_N * std::tanh(height_N / limit_N) : 0.0;
+  const double compressed_N = compressed(height_N, profile_.pulse_limit_N);
   const double phase = std::numbers::pi * secondsSince(pulse_, play_time) / kPulse_s;
   return compressed_N * std::sin(phase) / length * pulse_.delta_velocity_mm_s;
 }

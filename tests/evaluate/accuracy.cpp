@@ -3,6 +3,8 @@
 // chain, along scripted paths (DESIGN section 4, proxy notes section 5).
 #include <atomic>
 #include <exception>
+#include <mutex>
+#include <optional>
 #include <thread>
 
 #include "tests/evaluate/accuracy_parts.hpp"
@@ -12,28 +14,46 @@ namespace hapticast::evaluate {
 
 namespace {
 
-// Both cores; the outcomes stay in the cases' order.
-std::vector<Outcome> runAll(const std::vector<Case>& cases) {
-  constexpr std::size_t kThreads = 2;
-  std::vector<Outcome> outcomes(cases.size());
-  std::vector<std::exception_ptr> errors(kThreads);
-  std::atomic<std::size_t> next{0};
-  std::vector<std::thread> threads;
-  for (std::size_t t = 0; t < kThreads; ++t) {
-    threads.emplace_back([&, t] {
-      try {
-        for (std::size_t i = next++; i < cases.size(); i = next++) outcomes[i] = cases[i]();
-      } catch (...) {
-        errors[t] = std::current_exception();
-      }
-    });
+// Both cores; what they find is reported in the cases' order, as soon as it can be.
+class Work {
+ public:
+  Work(const std::vector<Case>& cases, Report& report)
+      : cases_(cases), report_(report), outcomes_(cases.size()) {}
+
+  void run() {
+    constexpr std::size_t kThreads = 2;
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < kThreads; ++i) threads.emplace_back([this] { runSome(); });
+    for (std::thread& thread : threads) thread.join();
+    if (error_) std::rethrow_exception(error_);
   }
-  for (std::thread& thread : threads) thread.join();
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
+
+ private:
+  void runSome() {
+    try {
+      for (std::size_t i = next_++; i < cases_.size(); i = next_++) tell(i, cases_[i]());
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      error_ = std::current_exception();
+    }
   }
-  return outcomes;
-}
+  void tell(std::size_t i, Outcome outcome) {
+    const std::lock_guard lock(mutex_);
+    outcomes_[i] = std::move(outcome);
+    for (; told_ < cases_.size() && outcomes_[told_]; ++told_) {
+      for (const Row& row : outcomes_[told_]->rows) report_.add(row);
+      for (const Goal& goal : outcomes_[told_]->goals) report_.add(goal);
+    }
+  }
+
+  const std::vector<Case>& cases_;
+  Report& report_;
+  std::atomic<std::size_t> next_{0};
+  std::mutex mutex_;  // guards what follows
+  std::vector<std::optional<Outcome>> outcomes_;
+  std::size_t told_ = 0;
+  std::exception_ptr error_;
+};
 
 }  // namespace
 
@@ -72,10 +92,7 @@ void evaluateAccuracy(const Options& options) {
        {smoothCases(options.quick), wallCases(options.quick), motionCases(options.quick),
         frictionCases(options.quick), dynamicCases(options.quick)})
     cases.insert(cases.end(), part.begin(), part.end());
-  for (const Outcome& outcome : runAll(cases)) {
-    for (const Row& row : outcome.rows) report.add(row);
-    for (const Goal& goal : outcome.goals) report.add(goal);
-  }
+  Work(cases, report).run();
   report.write();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Smooth surfaces under a sliding hand: the error of every way to the force, and where that of the
 // default comes from.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/evaluate/accuracy_parts.hpp"
@@ -8,6 +9,8 @@
 namespace hapticast::evaluate {
 
 namespace {
+
+constexpr double kSourcesLong_s = 12.0;
 
 struct SmoothCase {
   TouchScene scene;
@@ -29,20 +32,18 @@ double roughness_mN(const std::vector<Tick>& ticks) {
   return 1e3 * kStiffness_N_mm * std::sqrt(square / std::max<double>(1.0, double(count)));
 }
 
-// The default on streams that leave out one error after the other.
+// The default on streams that leave out one error or the other.
 void addSources(const SmoothCase& what, const Hand& hand, Outcome& out) {
   struct Source {
     const char* name;
     bool eight_bit, exact_pose;
   };
-  for (const Source& source : {Source{"8 bit, measured pose", true, false},
-                               Source{"exact heights, measured pose", false, false},
-                               Source{"8 bit, exact pose", true, true},
-                               Source{"exact heights, exact pose", false, true}}) {
+  for (const Source& source : {Source{"exact heights, measured pose", false, false},
+                               Source{"8 bit, exact pose", true, true}}) {
     StreamKind kind;
     kind.seen.eight_bit = source.eight_bit;
     kind.exact_pose = source.exact_pose;
-    kind.longest_s = what.longest_s;
+    kind.longest_s = std::min(kSourcesLong_s, what.longest_s);
     const Felt felt = feel(makeStream(what.scene, kind), defaultVariant(), hand);
     out.rows.push_back({what.scene.name, "where the error comes from", source.name,
                         100.0 * relativeError(felt.ticks), "%", 0.0, false, false});
@@ -52,13 +53,13 @@ void addSources(const SmoothCase& what, const Hand& hand, Outcome& out) {
 void addOwnMask(const SmoothCase& what, const Hand& hand, Outcome& out) {
   StreamKind kind;
   kind.seen.give_mask = false;
-  kind.longest_s = what.longest_s;
+  kind.longest_s = std::min(kSourcesLong_s, what.longest_s);
   const Streams streams = makeStreams(what.scene, kind);
   for (const Variant& variant : {defaultVariant(), thesisVariant()}) {
     const Stream& stream = streams.of(variant.method);
     const Felt felt = feel(stream, variant, hand);
     out.rows.push_back(rowOf(what.scene.name, "force, own mask", variant,
-                             100.0 * relativeError(felt.ticks), "%", felt.tick_us));
+                             100.0 * relativeError(felt.ticks), "%", 0.0));
     out.rows.push_back(
         rowOf(what.scene.name, "own mask off by", variant, stream.mask_error_px, "px", 0.0));
   }

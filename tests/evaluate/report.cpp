@@ -14,6 +14,8 @@ namespace hapticast::evaluate {
 
 namespace {
 
+constexpr double kNothing = 1e-9;  // rounding
+
 std::ofstream opened(const std::filesystem::path& path) {
   std::ofstream file(path);
   if (!file) throw std::runtime_error("--out: cannot write " + path.string());
@@ -77,7 +79,9 @@ void Report::writeGoals(std::ostream& file) const {
   if (goals_.empty()) return;
   file << "| | thesis's method | required | aim | got | unit |\n|---|---|---|---|---|---|\n";
   for (const Goal& goal : goals_) {
-    const char* const verdict = goal.got <= goal.aim ? "" : goal.met() ? " (met)" : " **missed**";
+    const char* const verdict = goal.got <= goal.aim + kNothing ? ""
+                                : goal.met()                    ? " (met)"
+                                                                : " **missed**";
     file << "| " << goal.what << " | " << (goal.thesis < 0 ? "-" : number(goal.thesis)) << " | "
          << number(goal.required) << " | " << number(goal.aim) << " | " << number(goal.got)
          << verdict << " | " << goal.unit << " |\n";

@@ -2,6 +2,7 @@
 #include "tests/evaluate/report_plot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,7 +13,12 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr double kFloor = 1e-4;  // of the largest error of a panel
+constexpr double kFloor = 1e-4;        // of the largest error of a panel
+constexpr std::size_t kManyNames = 6;  // more stand beside their panel, not over it
+// Apart from each other also for who does not see red or green (after Tol's and Okabe's palettes).
+constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                              "#e69f00", "#56b4e9", "#882255", "#332288",
+                                              "#999933", "#44aa99", "#661100", "#aaaaaa"};
 
 struct Point {
   double time = 0, error = 0;
@@ -49,12 +55,17 @@ T& findOrAdd(std::vector<T>& all, T fresh, Is is) {
   return all.back();
 }
 
-// What is as good as exact is drawn at the lower edge: rounding errors are not worth decades.
-void raiseToFloor(Panel& panel) {
+double largestError(const Panel& panel) {
   double largest = 0;
   for (const Variant& variant : panel.variants) {
     for (const Point& p : variant.scenes) largest = std::max(largest, p.error);
   }
+  return largest;
+}
+
+// What is as good as exact is drawn at the lower edge: rounding errors are not worth decades.
+void raiseToFloor(Panel& panel) {
+  const double largest = largestError(panel);
   for (Variant& variant : panel.variants) {
     for (Point& p : variant.scenes) p.error = std::max(p.error, kFloor * largest);
   }
@@ -63,7 +74,7 @@ void raiseToFloor(Panel& panel) {
 std::vector<Panel> panelsOf(const std::vector<Row>& rows, double us_per_unit) {
   std::vector<Panel> panels;
   for (const Row& row : rows) {
-    if (row.time_us <= 0 || row.error <= 0 || isSummary(row)) continue;
+    if (row.time_us <= 0 || !(row.error >= 0) || isSummary(row)) continue;
     Panel& panel = findOrAdd(panels, Panel{row.stage, row.unit, {}},
                              [&](const Panel& p) { return p.stage == row.stage; });
     Variant& variant =
@@ -71,6 +82,7 @@ std::vector<Panel> panelsOf(const std::vector<Row>& rows, double us_per_unit) {
                   [&](const Variant& v) { return v.name == row.variant; });
     variant.scenes.push_back({row.time_us / us_per_unit, row.error});
   }
+  std::erase_if(panels, [](const Panel& panel) { return largestError(panel) <= 0; });
   for (Panel& panel : panels) raiseToFloor(panel);
   return panels;
 }
@@ -95,7 +107,18 @@ void writeData(std::ostream& file, const std::string& name, const std::vector<Po
   file << "EOD\n";
 }
 
-void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
+// The color of a variant is the same in all panels of a topic.
+using Names = std::vector<std::string>;
+Names namesOf(const std::vector<Panel>& panels) {
+  Names out;
+  for (const Panel& panel : panels) {
+    for (const Variant& variant : panel.variants)
+      findOrAdd(out, variant.name, [&](const std::string& name) { return name == variant.name; });
+  }
+  return out;
+}
+
+void writePanel(std::ostream& file, const Panel& panel, std::size_t index, const Names& names) {
   std::ostringstream curves;
   const std::string id = std::to_string(index) + "_";
   double left = 1e300, right = 0, low = 1e300, high = 0;
@@ -113,7 +136,9 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
     const Variant& variant = panel.variants[i];
     const std::string scenes = "s" + id + std::to_string(i);
     const std::string mean = "m" + id + std::to_string(i);
-    const std::string color = " lc " + std::to_string(i + 1);
+    const auto name = std::find(names.begin(), names.end(), variant.name) - names.begin();
+    const std::string color =
+        std::string(" lc rgb '") + kColors[std::size_t(name) % kColors.size()] + "'";
     writeData(file, scenes, variant.scenes);
     writeData(file, mean, {variant.mean()});
     const bool says_so = variant.name == "thesis";
@@ -126,7 +151,9 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index) {
     if (variant.is_default)
       curves << ", $" << mean << " with points pt 6 lw 2 ps 3.2 lc rgb 'black' notitle";
   }
-  file << "set title '" << panel.stage << "'\nset ylabel '" << panel.unit << "'\nset xrange ["
+  file << "set key outside "
+       << (panel.variants.size() > kManyNames ? "right center vertical" : "top center horizontal")
+       << "\nset title '" << panel.stage << "'\nset ylabel '" << panel.unit << "'\nset xrange ["
        << number(left / 1.5) << ':' << number(right * 1.5) << "]\nset yrange [" << number(low / 1.6)
        << ':' << number(high * 1.6) << "]\nplot " << curves.str() << "\n";
 }
@@ -157,10 +184,11 @@ void plotRows(const std::string& topic, const std::filesystem::path& out,
          << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines
          << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
          << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
-         << "set grid lc rgb '#d0d0d0'\nset key outside top center horizontal\n"
+         << "set grid lc rgb '#d0d0d0'\n"
          << "set xlabel 'run time, " << (of_ticks ? "us per tick" : "ms of one thread per frame")
          << "'\n";
-    for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
+    const Names names = namesOf(panels);
+    for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i, names);
     file << "unset multiplot\n";
   }
   const std::string run = "cd '" + out.string() + "' && gnuplot '" + topic + ".gnuplot'";

@@ -23,18 +23,17 @@ HandPoint below(const HeightAt& height_mm, const Vec2& at_mm, double time_s, dou
   return {surface - depth_mm * normal, std::max(0.0, depth_mm) * normal};
 }
 
-/// From a to b at 20 mm/s beginning at `start_s`.
+constexpr double kSpeed_mm_s = 20.0;
+
+/// From a to b at that speed, beginning at `start_s`.
 double moved(double a, double b, double start_s, double time_s) {
-  constexpr double kSpeed_mm_s = 20.0;
   const double way = std::clamp(kSpeed_mm_s * (time_s - start_s), 0.0, std::abs(b - a));
   return a + (b > a ? way : -way);
 }
 
 constexpr double kStart_s = 0.4;
 constexpr double kPushStart_s = 0.5;  // 3 mm beside the wall
-constexpr double kPushed_s = 1.0;
-constexpr double kAlong_mm = 6.0;
-constexpr double kPushEnd_s = 3.4;
+constexpr double kAlong_s = 1.2;      // all the way in since a while
 constexpr double kRimDepth_mm = 1.0;
 
 }  // namespace
@@ -68,11 +67,13 @@ Hand stillHand(const TouchScene& scene, const Vec3& hip_mm) {
 }
 
 Hand pushingHand(const Wall& wall, double push_mm) {
+  const double turn_s = kAlong_s + 2.0 * wall.reach_mm / kSpeed_mm_s;
+  const double end_s = pushTimes(wall).to_s;
   return [=](double t) {
-    const double in_mm = t < kPushEnd_s ? moved(-3.0, push_mm, kPushStart_s, t)
-                                        : moved(push_mm, -3.0, kPushEnd_s, t);
-    double along_mm = moved(-kAlong_mm, kAlong_mm, kPushed_s + 0.2, t);
-    if (t > 2.2) along_mm = moved(kAlong_mm, -kAlong_mm, 2.2, t);
+    const double in_mm =
+        t < end_s ? moved(-3.0, push_mm, kPushStart_s, t) : moved(push_mm, -3.0, end_s, t);
+    const double along_mm = t < turn_s ? moved(-wall.reach_mm, wall.reach_mm, kAlong_s, t)
+                                       : moved(wall.reach_mm, -wall.reach_mm, turn_s, t);
     const Wall::Point point = wall.at(along_mm);
     const Vec2 at_mm = point.at_mm - in_mm * point.outward;
     const Vec2 out_mm = std::max(0.0, in_mm) * point.outward;
@@ -80,7 +81,9 @@ Hand pushingHand(const Wall& wall, double push_mm) {
   };
 }
 
-PlayTimes pushTimes() { return {kPushStart_s, kPushEnd_s, -0.08}; }
+PlayTimes pushTimes(const Wall& wall) {
+  return {kPushStart_s, kAlong_s + 4.0 * wall.reach_mm / kSpeed_mm_s, -0.08};
+}
 
 Hand rimHand(const Wall& wall, double inside_mm) {
   return [=](double t) {
@@ -88,7 +91,12 @@ Hand rimHand(const Wall& wall, double inside_mm) {
     const Wall::Point point = wall.at(0.0);
     const Vec2 at_mm = point.at_mm - in_mm * point.outward;
     HandPoint hand = below(wall.top_mm, at_mm, t, moved(-2.0, kRimDepth_mm, 0.5, t));
-    if (in_mm < 0.0) hand.truth_mm.setZero();  // beyond the edge there is nothing
+    if (in_mm >= 0.0) return hand;
+    // The top's nearest point has gone over the edge: only the side is left to be felt, as long as
+    // the tip itself is inside.
+    const double beyond_mm = (hand.hip_mm.head<2>() - point.at_mm).dot(point.outward);
+    const Vec2 out_mm = std::max(0.0, -beyond_mm) * point.outward;
+    hand.truth_mm = Vec3(out_mm.x(), out_mm.y(), 0.0);
     return hand;
   };
 }

@@ -61,6 +61,7 @@ class Viewer {
     const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), controls);
     const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, controls.workspace);
     tick.contact = contact.contact;
+    tick.normal = contact.normal;
     if (contact.contact) tick.displacement_mm = contact.displacement_mm;
     if (look) look(scene, controls, contact, tick);
   }
@@ -199,7 +200,7 @@ std::vector<Felt> feelTogether(const Stream& stream, const std::vector<const Var
     for (std::int64_t i = tick; i < next; ++i) {
       const double time_s = 1e-3 * double(i);
       const bool new_frame = i % per_frame == 0 || (i == tick && came);
-      ticks.push_back({time_s, hand(time_s), Vec3::Zero(), false, new_frame});
+      ticks.push_back({time_s, hand(time_s), Vec3::Zero(), Vec3::UnitZ(), false, new_frame});
     }
     for (std::size_t k = 0; k < touches.size(); ++k) {
       std::vector<Tick>& felt = out[k].ticks;

@@ -44,6 +44,7 @@ struct Tick {
   double time_s = 0.0;
   HandPoint hand;
   Vec3 displacement_mm = Vec3::Zero();  ///< of the surface model; zero without contact
+  Vec3 normal = Vec3::UnitZ();          ///< as the surface model says
   bool contact = false;
   bool new_frame = false;  ///< in this tick play time reaches a frame, or one has come
 

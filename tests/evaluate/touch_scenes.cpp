@@ -221,13 +221,14 @@ Wall cylinderWall() {
   static constexpr double kRadius_mm = 15.0;
   Wall wall;
   ReliefBody body = still("cylinder", disc(kRadius_mm), {1.37, -0.81, 17.4}, 16);
-  body.duration_s = 6.0;
+  body.duration_s = 8.0;
   wall.scene = reliefScene(body);
   wall.at = [](double along_mm) {
     const Vec2 outward = turned({1, 0}, along_mm / kRadius_mm);
     return Wall::Point{kOnTable.head<2>() + kRadius_mm * outward, outward};
   };
   wall.push_z_mm = 10.0;
+  wall.reach_mm = 23.5;  // half way round
   wall.top_mm = [](const Vec2&, double) { return 17.4; };
   return wall;
 }

@@ -44,6 +44,7 @@ struct Wall {
   };
   std::function<Point(double along_mm)> at;
   double push_z_mm = 0.0;  ///< height at which the hand pushes: between the floor and the top
+  double reach_mm = 6.0;   ///< the hand goes this far along it, to and fro
   HeightAt top_mm;         ///< of what is pushed, continued beyond its edge
 };
 Wall boxWall(double top_slope = 0.0);  ///< turned by 17 degrees
@@ -63,8 +64,7 @@ Hand stillHand(const TouchScene& scene, const Vec3& hip_mm);
 
 /// From the side into the wall, `push_mm` deep, along it to and fro and away again.
 Hand pushingHand(const Wall& wall, double push_mm);
-/// Seconds in which the pushing hand is all the way in.
-PlayTimes pushTimes();
+PlayTimes pushTimes(const Wall& wall);
 /// From above, `inside_mm` from the wall's edge, 1 mm deep (until leaveStart_s), then out over it.
 Hand rimHand(const Wall& wall, double inside_mm);
 PlayTimes rimPressTimes();
