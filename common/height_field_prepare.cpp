@@ -96,14 +96,19 @@ void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>&
   }
 }
 
-/// Fills all pixels outside the mask from the fit of their nearest mask pixel.
+/// Fills the pixels outside the mask from the fit of their nearest mask pixel.
 void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask,
                      int width, int height, const NearestPixel& to_inside, const Vec2& mm_per_px) {
   std::vector<RimFit> fits;
   std::vector<std::int32_t> fit_of(mask.size(), -1);  // index into fits, by rim pixel
+  const auto farthest = static_cast<float>((HeightField::kMargin_px + 2) * mm_per_px.maxCoeff());
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const std::int32_t rim = to_inside.nearest[i];
     if (mask[i] != 0 || rim < 0) continue;
+    if (to_inside.distance_mm[i] > farthest) {  // nobody comes here
+      height_mm[i] = height_mm[static_cast<std::size_t>(rim)];
+      continue;
+    }
     const int u = rim % width;
     const int v = rim / width;
     std::int32_t& fit = fit_of[static_cast<std::size_t>(rim)];
