@@ -18,6 +18,7 @@ constexpr double kSlowest_mm_s = 5.0;  // below, the sign of the speed is the co
 constexpr int kFreeTicks = 20;
 constexpr double kTankSpeed_mm_s = 10.0;
 constexpr double kTankHorizon_s = 0.02;
+constexpr double kTankSmooth_s = 0.005;
 }  // namespace
 
 void EnergyPorts::setDelay(int delay_ticks) noexcept {
@@ -73,13 +74,14 @@ double EnergyPorts::damping_Ns_m(double u_mm_s) const noexcept {
   return std::min(kMostPassivityDamping_Ns_m, 1e3 * excess_mJ / (kTick_s * u_mm_s * u_mm_s));
 }
 
-void UserTank::take(double work_mJ) noexcept {
+void UserTank::take(double work_mJ, const Vec3& velocity_mm_s) noexcept {
+  velocity_mm_s_ += kTick_s / kTankSmooth_s * (velocity_mm_s - velocity_mm_s_);
   const double refill_mJ = refill_W_ * kTick_s * 1e3;
   content_mJ_ = std::clamp(content_mJ_ + refill_mJ - work_mJ, 0.0, most_mJ_);
 }
 
-double UserTank::factor(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept {
-  const double power = velocity_mm_s.dot(force_N);  // mW
+double UserTank::factor(const Vec3& force_N) const noexcept {
+  const double power = velocity_mm_s_.dot(force_N);  // mW
   const double drawn_mJ = power * kTankHorizon_s;
   if (!(drawn_mJ > content_mJ_)) return 1.0;
   return power / force_N.norm() > kTankSpeed_mm_s ? content_mJ_ / drawn_mJ : 1.0;

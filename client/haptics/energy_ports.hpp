@@ -83,15 +83,17 @@ class UserTank {
  public:
   explicit UserTank(const DeviceProfile& profile) noexcept
       : most_mJ_(profile.tank_mJ), refill_W_(profile.tank_W), content_mJ_(profile.tank_mJ) {}
-  /// Takes out the work of a tick (mJ, > 0: into the hand).
-  void take(double work_mJ) noexcept;
+  /// Takes out the work of a tick (mJ, > 0: into the hand); the tip's velocity is smoothed within
+  /// 5 ms, since that of single counts would make the limit chatter.
+  void take(double work_mJ, const Vec3& velocity_mm_s) noexcept;
   /// What the force is to be multiplied with: below 1 where it drives the hand faster than 10 mm/s
   /// with more than the tank could pay for 20 ms.
-  [[nodiscard]] double factor(const Vec3& force_N, const Vec3& velocity_mm_s) const noexcept;
+  [[nodiscard]] double factor(const Vec3& force_N) const noexcept;
   [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }
 
  private:
   double most_mJ_, refill_W_, content_mJ_;
+  Vec3 velocity_mm_s_ = Vec3::Zero();
 };
 
 }  // namespace hapticast::client

@@ -74,7 +74,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   fadeAndArm(jump, touchable, geometry, out);    // 9
   const double gain = clamp * smoothstep(fade_);
   const Vec3 faded_N = sum_N * gain + residue_N_;
-  const double tank = tankFactor(faded_N, now.velocity_mm_s, out);  // 5
+  const double tank = tankFactor(faded_N, out);  // 5
   now.force_N = faded_N * tank;
   const double again = clampFactor(now.force_N, out);
   now.force_N *= again;
@@ -126,7 +126,7 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
   tick.stored_mJ = gain * springEnergy_mJ(wall.local_stiffness_N_mm, now.depth_mm, limit_N_);
   tick.stored_before_mJ =
       gain * springEnergy_mJ(wall.local_stiffness_N_mm, last_.depth_mm, limit_N_);
-  tank_.take(ports_.meter(tick));
+  tank_.take(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
     out.interferences |= bit(Interference::kLatency);
@@ -207,10 +207,9 @@ double SafetyChain::clampFactor(const Vec3& force_N, SafetyOutput& out) const no
   return limit_N_ / std::sqrt(square_N2);
 }
 
-double SafetyChain::tankFactor(const Vec3& force_N, const Vec3& velocity_mm_s,
-                               SafetyOutput& out) const noexcept {
+double SafetyChain::tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
   if (!links_.tank) return 1.0;
-  const double factor = tank_.factor(force_N, velocity_mm_s);
+  const double factor = tank_.factor(force_N);
   if (factor < 1.0) out.interferences |= bit(Interference::kTank);
   return factor;
 }

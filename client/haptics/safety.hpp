@@ -132,8 +132,7 @@ class SafetyChain {
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
-  double tankFactor(const Vec3& force_N, const Vec3& velocity_mm_s,
-                    SafetyOutput& out) const noexcept;
+  double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
   Vec3 slewed(const StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;

@@ -3,6 +3,7 @@
 #include "tests/evaluate/stability_cases.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 #include "tests/evaluate/stability_parts.hpp"
 
@@ -22,6 +23,46 @@ std::string namesOf(std::uint32_t interferences) {
 std::string numbers(const CaseOutcome& o) {
   if (!o.finite) return "NaN for good";
   return text("%.2f, %.0f, %.1f", o.step_N, o.speed_mm_s, o.energy_mJ);
+}
+
+/// Force and speed over time of some of them, naive loop and chain.
+void draw(const StabilityReport& to, const std::vector<ExtremeCase>& all) {
+  const struct {
+    const char* name;
+    int ticks;
+  } shown[] = {{"surface appears 30 mm above the tip", 400},
+               {"30 mm rise within one frame of 40 ms", 400},
+               {"stall of 0.5 s, then +20 mm", 1000},
+               {"tip at 2 m/s into the wall", 200},
+               {"a 30 mm step in one pixel, slid across at 24 mm/s", 1000},
+               {"disconnect in contact, reconnect to a scene 3 mm higher", 1500}};
+  std::ostringstream out;
+  out << "set terminal pngcairo noenhanced size 1500,820 font 'sans,10'\nset output "
+         "'stability_cases.png'\nset multiplot layout 2,3\nset grid lc rgb '#e0e0e0'\nset xlabel "
+         "'ms since the event'\nset ylabel 'force, N (full)'\nset y2label 'tip upwards, mm/s "
+         "(dashed)'\nset ytics nomirror\nset y2tics\nset yrange [0:3.6]\nset key above\n";
+  for (const auto& [name, ticks] : shown) {
+    for (const ExtremeCase& c : all) {
+      if (c.name != name) continue;
+      for (const bool naive : {true, false}) {
+        const CaseOutcome& o = naive ? c.naive : c.chain;
+        out << (naive ? "$naive" : "$chain") << " << EOD\n";
+        for (std::size_t i = 0; i < std::min<std::size_t>(std::size_t(ticks), o.trace_N.size());
+             ++i)
+          out << i << ' ' << o.trace_N[i] << ' ' << o.trace_mm_s[i] << '\n';
+        out << "EOD\n";
+      }
+      out << "set title \"" << c.name
+          << "\"\nplot $naive using 1:3 axes x1y2 with lines dt 2 lw 1.5 lc rgb '#f4a582' notitle, "
+             "$chain "
+             "using 1:3 axes x1y2 with lines dt 2 lw 1.5 lc rgb '#6baed6' notitle, $naive using "
+             "1:2 with "
+             "lines lw 2 lc rgb '#ca0020' title 'naive', $chain using 1:2 with lines lw 2 lc rgb "
+             "'#0571b0' title 'chain'\n";
+    }
+  }
+  gnuplot(to.options.out, "stability_cases", out.str() + "unset multiplot\n");
+  to.report.show("stability_cases.png", "six of the extreme cases: naive loop and chain");
 }
 
 }  // namespace
@@ -55,6 +96,7 @@ void stabilityCases(const StabilityReport& to) {
       "of the force in a tick, speed of the hand away from the surface, most energy into "
       "the hand. A step that remains with the chain is the hand's own motion.\n\n" +
       markdown(lines));
+  draw(to, all);
 }
 
 }  // namespace hapticast::evaluate

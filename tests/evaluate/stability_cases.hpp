@@ -17,6 +17,7 @@ struct CaseOutcome {
   double end_N = 0.0;       ///< force at the end
   bool finite = true;
   std::uint32_t interferences = 0;
+  std::vector<double> trace_N, trace_mm_s;  ///< force and the tip's speed up, tick by tick
 };
 
 struct ExtremeCase {

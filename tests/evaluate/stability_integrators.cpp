@@ -189,7 +189,7 @@ constexpr Integrator kIntegrators[] = {{"explicit Euler", explicitEuler},
                                        {"semi-implicit Euler", semiImplicitEuler},
                                        {"2nd-order position", secondOrder},
                                        {"RK4", rungeKutta4},
-                                       {"exact, stick (the device's)", nullptr}};
+                                       {"exact with stick (the device's)", nullptr}};
 
 struct Found {
   double plain_mm, rubbed_mm, plain_ns, rubbed_ns;

@@ -43,6 +43,8 @@ CaseOutcome happens(const Plane& what, bool naive) {
     out.speed_mm_s = std::max(out.speed_mm_s, rig.device.trueVelocity_mm_s().z());
     out.energy_mJ = std::max(out.energy_mJ, rig.true_work_mJ - before_mJ);
     out.interferences |= rig.out.interferences;
+    out.trace_N.push_back(rig.out.force_N.norm());
+    out.trace_mm_s.push_back(rig.device.trueVelocity_mm_s().z());
   }
   out.peak_N = rig.max_force_N;
   out.step_N = rig.max_step_N;

@@ -159,6 +159,8 @@ class Scene {
     out.energy_mJ = std::max(out.energy_mJ, work_mJ_ - begin_mJ);
     out.finite = out.finite && force_N_.allFinite();
     out.interferences |= report.interferences;
+    out.trace_N.push_back(force_N_.norm());
+    out.trace_mm_s.push_back(device->trueVelocity_mm_s().z());
   }
 
   bool naive_;
