@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kLongestExtrapolation_s = 0.080;
 constexpr double kLongestHold_s = 0.300;
+// Of an interval: from here on a late frame is blended in, however late it is. Faster, its change
+// of shape would be felt as a blow.
+constexpr double kLatestBlend = 0.75;
 // Frames farther apart than this and three intervals are not one motion: what lies between is
 // unknown, and a frame from a far future must not keep an old one alive.
 constexpr double kWidestGap_s = 1.0;
@@ -42,10 +45,11 @@ void setPose(ObjectNow& object, const Pose& pose) noexcept {
 }
 
 void setBetween(ObjectNow& object, const PlayObject& after, Interpolation interpolation,
-                MediaTime before_time, double interval_s, double time_s) noexcept {
+                MediaTime before_time, double interval_s, double alone_s, double time_s) noexcept {
   object.after = &after;
-  object.blend = time_s / interval_s;
-  object.blend_rate_1_s = 1.0 / interval_s;
+  const double from_s = std::min(alone_s, kLatestBlend * interval_s);
+  object.blend_rate_1_s = 1.0 / (interval_s - from_s);
+  object.blend = std::clamp((time_s - from_s) * object.blend_rate_1_s, 0.0, 1.0);
   setPose(object, interpolation == Interpolation::kLinear
                       ? linearPose(object.before->motion, after.motion, interval_s, time_s)
                       : hermitePose(*object.before, after, before_time, interval_s, time_s));
@@ -180,6 +184,9 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
   const double interval_s =
       has_next ? std::max({secondsBetween(now.media_time, next->media_time), time_s, 1e-9}) : 0.0;
   const double limit_s = extrapolationLimit_s(controls);
+  if (now.epoch != scene_.epoch || now.id != alone_id_) alone_s_ = 0.0;
+  alone_id_ = now.id;
+  if (!has_next) alone_s_ = std::max(time_s, 0.0);
 
   scene_.kind = has_next ? Lookup::kInterpolated : kindWithoutNext(time_s, limit_s);
   scene_.jumped = !played_ || now.epoch != scene_.epoch;
@@ -197,7 +204,7 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
     } else if (after == nullptr) {
       setPose(out, carriedPose(object, now.media_time, limit_s, time_s));
     } else {
-      setBetween(out, *after, interpolation_, now.media_time, interval_s, time_s);
+      setBetween(out, *after, interpolation_, now.media_time, interval_s, alone_s_, time_s);
     }
     if (controls.paused) standStill(out);
     const std::uint64_t* const first = known_.data();

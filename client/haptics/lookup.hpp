@@ -25,10 +25,10 @@ enum class Interpolation : std::uint8_t {
 struct ObjectNow {
   const PlayObject* before = nullptr;  ///< never null
   const PlayObject* after = nullptr;   ///< null when held, extrapolated or not in the next frame
-  double blend = 0.0;                  ///< 0 at `before`, 1 at `after`
-  double blend_rate_1_s = 0.0;         ///< d blend / dt; 0 when paused or without `after`
-  bool appeared = false;               ///< was not in the scene of the last look-up (id and layer)
-  Vec3 position_mm = Vec3::Zero();     ///< reference point at play time
+  double blend = 0.0;               ///< 0 at `before` (or when a late `after` came), 1 at `after`
+  double blend_rate_1_s = 0.0;      ///< d blend / dt; 0 when paused or without `after`
+  bool appeared = false;            ///< was not in the scene of the last look-up (id and layer)
+  Vec3 position_mm = Vec3::Zero();  ///< reference point at play time
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
   double angle_rad = 0.0;
@@ -94,6 +94,9 @@ class FrameLookup {
   std::array<std::uint64_t, kMaxObjects> known_{};  // id and layer of the last scene's objects
   std::size_t known_count_ = 0;
   std::uint64_t late_frames_ = 0;
+  // How long the frame played was the only one known: a late next one is blended in from there.
+  std::uint64_t alone_id_ = 0;
+  double alone_s_ = 0.0;
 };
 
 }  // namespace hapticast::client

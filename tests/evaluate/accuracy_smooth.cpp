@@ -10,7 +10,7 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr double kSourcesLong_s = 12.0;
+constexpr double kSourcesLong_s = 8.0;
 
 struct SmoothCase {
   TouchScene scene;

@@ -60,6 +60,23 @@ TEST_F(LookupTest, HermiteMeetsACubicExactly) {
   }
 }
 
+// Its relief differs a little from the last one's: that must not be felt as a step.
+TEST_F(LookupTest, ALateFrameIsBlendedInFromWhereItCame) {
+  sendAt(0, Vec3::Zero());
+  EXPECT_EQ(at(0.010).kind, Lookup::kExtrapolated);
+  sendAt(1, Vec3::Zero());
+  EXPECT_NEAR(at(0.010).objects[0].blend, 0.0, 1e-6);
+  EXPECT_NEAR(at(0.025).objects[0].blend, 0.5, 1e-6);
+  EXPECT_NEAR(at(0.025).objects[0].blend_rate_1_s, 1.0 / 0.03, 1e-6);
+  EXPECT_NEAR(at(0.0399).objects[0].blend, 1.0, 0.01);
+  sendAt(2, Vec3::Zero());
+  EXPECT_NEAR(at(0.05).objects[0].blend, 0.25, 1e-6);  // in time again
+  (void)at(0.119);
+  sendAt(3, Vec3::Zero());
+  EXPECT_NEAR(at(0.119).objects[0].blend, 0.9, 1e-6);  // no faster than in a quarter
+  EXPECT_NEAR(at(0.119).objects[0].blend_rate_1_s, 100.0, 1e-6);
+}
+
 TEST_F(LookupTest, LinearAndHold) {
   for (const Interpolation kind : {Interpolation::kLinear, Interpolation::kHold}) {
     pool = std::make_unique<FramePool>();
