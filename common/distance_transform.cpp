@@ -3,30 +3,35 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <limits>
 
 namespace hapticast {
 
 namespace {
 
-/// Row of the nearest marked pixel in the same column, -1 where the column has none.
+// Rows farther away than any picture is high: none.
+constexpr std::int32_t kNone = 1 << 24;
+
+/// Row of the nearest marked pixel in the same column, +-kNone where the column has none. Without
+/// branches, so that the columns of a row are done side by side.
 std::vector<std::int32_t> nearestInColumn(const std::vector<std::uint8_t>& mask, int width,
                                           int height, std::uint8_t marked) {
   const auto columns = static_cast<std::size_t>(width);
   std::vector<std::int32_t> row(mask.size());
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    const auto here = static_cast<std::int32_t>(i / columns);
-    row[i] = mask[i] == marked ? here : (i < columns ? -1 : row[i - columns]);
+  std::vector<std::int32_t> last(columns, -kNone);
+  for (std::int32_t v = 0; v < height; ++v) {
+    const std::size_t start = static_cast<std::size_t>(v) * columns;
+    const std::uint8_t* const is = mask.data() + start;
+    std::int32_t* const at = row.data() + start;
+    for (std::size_t u = 0; u < columns; ++u) at[u] = last[u] = is[u] == marked ? v : last[u];
   }
-  std::vector<std::int32_t> below(columns, -1);
+  last.assign(columns, kNone);
   for (std::int32_t v = height - 1; v >= 0; --v) {
-    std::int32_t* at = row.data() + static_cast<std::size_t>(v) * columns;
+    std::int32_t* const at = row.data() + static_cast<std::size_t>(v) * columns;
     for (std::size_t u = 0; u < columns; ++u) {
-      if (at[u] == v) {
-        below[u] = v;
-      } else if (below[u] >= 0 && (at[u] < 0 || below[u] - v < v - at[u])) {
-        at[u] = below[u];
-      }
+      last[u] = at[u] == v ? v : last[u];
+      at[u] = last[u] - v < v - at[u] ? last[u] : at[u];
     }
   }
   return row;
@@ -37,15 +42,19 @@ std::vector<std::int32_t> nearestInColumn(const std::vector<std::uint8_t>& mask,
 class LowerEnvelope {
  public:
   LowerEnvelope(std::size_t width, double step)
-      : squared_step_(step * step), column_(width), from_(width), height_(width) {}
+      : squared_step_(step * step), column_(width), from_(width), height_(width), half_per_(width) {
+    for (std::size_t gap = 1; gap < width; ++gap) {
+      half_per_[gap] = 0.5 / (squared_step_ * static_cast<double>(gap));
+    }
+  }
 
   void clear() { count_ = 0; }
   void add(int column, double height) {
     double from = -std::numeric_limits<double>::infinity();
     while (count_ > 0) {
       const std::size_t top = count_ - 1;
-      const double gap = column - column_[top];
-      from = 0.5 * (column + column_[top]) + 0.5 * (height - height_[top]) / (squared_step_ * gap);
+      const auto gap = static_cast<std::size_t>(column - column_[top]);
+      from = 0.5 * (column + column_[top]) + (height - height_[top]) * half_per_[gap];
       if (from > from_[top]) break;
       --count_;
     }
@@ -74,6 +83,7 @@ class LowerEnvelope {
   std::vector<int> column_;
   std::vector<double> from_;
   std::vector<double> height_;
+  std::vector<double> half_per_;  // 1 / (2 step² gap)
 };
 
 }  // namespace
@@ -92,7 +102,7 @@ NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int 
     for (int u = 0; u < width; ++u) {
       const std::size_t i = start + static_cast<std::size_t>(u);
       const std::int32_t candidate = row[i];
-      if (candidate < 0) continue;
+      if (std::abs(candidate) == kNone) continue;
       // Within a run of marked pixels only its ends are nearest to anything but themselves.
       const bool within_run =
           candidate == v && u > 0 && u + 1 < width && row[i - 1] == v && row[i + 1] == v;

@@ -43,12 +43,12 @@ class HeightField {
 
   /// Whether the pixel under `image_px` belongs to the object.
   [[nodiscard]] bool inside(const Vec2& image_px) const noexcept;
-  /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12). Outside the prepared
-  /// rectangle: the nearest prepared value. Any `image_px`; zero where it is not finite.
+  /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12), to about 1e-5 mm
+  /// (single precision). Outside the prepared rectangle: the nearest prepared value. Any
+  /// `image_px`; zero where it is not finite.
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
-  /// Uniform cubic B-spline with the heights as coefficients, to about 1e-5 mm (single precision).
-  /// Outside the prepared rectangle: the nearest prepared value; a NaN counts as the far left or
-  /// top. Requires a field that is not empty.
+  /// Uniform cubic B-spline with the heights as coefficients; otherwise as bilinear(), but a NaN
+  /// counts as the far left or top. Requires a field that is not empty.
   [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
   /// Signed distance to the mask's edge (a cubic B-spline of the blurred field), clamped to
   /// +-kMargin_px. Coordinates and requirement as for spline().
@@ -59,6 +59,8 @@ class HeightField {
   /// Centre of the pixel of the mask that is farthest from its edge, px, image frame; (0, 0) when
   /// empty.
   [[nodiscard]] const Vec2& deepestPoint_px() const noexcept { return deepest_px_; }
+  /// Height of that pixel.
+  [[nodiscard]] double deepestPointHeight_mm() const noexcept { return deepest_height_mm_; }
 
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
   [[nodiscard]] bool empty() const noexcept { return height_mm_.empty(); }
@@ -76,6 +78,7 @@ class HeightField {
   Vec2 mm_per_px_ = Vec2::Ones();
   Vec2 px_per_mm_ = Vec2::Ones();
   Vec2 deepest_px_ = Vec2::Zero();  // of the mask
+  double deepest_height_mm_ = 0.0;
   double highest_mm_ = 0.0;
   std::vector<float> height_mm_;    // over prepared_
   std::vector<float> edge_mm_;      // over prepared_

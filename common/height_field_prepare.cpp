@@ -79,27 +79,36 @@ void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>&
                  int height, const NearestPixel& to_inside, double mm_per_px) {
   const auto columns = static_cast<std::size_t>(width);
   const auto limit = static_cast<float>((HeightField::kMargin_px - 1) * mm_per_px);
-  std::vector<float> from;
-  for (int pass = 0; pass < kSeamPasses; ++pass) {
-    from = height_mm;
-    for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height); ++v) {
-      for (std::size_t i = v * columns + 1; i + 1 < (v + 1) * columns; ++i) {
-        if (mask[i] != 0 || to_inside.distance_mm[i] > limit) continue;
-        height_mm[i] = 0.5F * from[i] +
-                       0.125F * (from[i - 1] + from[i + 1] + from[i - columns] + from[i + columns]);
-      }
+  std::vector<std::size_t> seam;
+  for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height); ++v) {
+    for (std::size_t i = v * columns + 1; i + 1 < (v + 1) * columns; ++i) {
+      if (mask[i] == 0 && to_inside.distance_mm[i] <= limit) seam.push_back(i);
     }
+  }
+  std::vector<float> smooth(seam.size());
+  for (int pass = 0; pass < kSeamPasses; ++pass) {
+    const float* const from = height_mm.data();
+    for (std::size_t k = 0; k < seam.size(); ++k) {
+      const float* const at = from + seam[k];
+      smooth[k] = 0.5F * *at + 0.125F * (*(at - 1) + *(at + 1) + *(at - columns) + *(at + columns));
+    }
+    for (std::size_t k = 0; k < seam.size(); ++k) height_mm[seam[k]] = smooth[k];
   }
 }
 
-/// Fills all pixels outside the mask from the fit of their nearest mask pixel.
+/// Fills the pixels outside the mask from the fit of their nearest mask pixel.
 void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask,
                      int width, int height, const NearestPixel& to_inside, const Vec2& mm_per_px) {
   std::vector<RimFit> fits;
   std::vector<std::int32_t> fit_of(mask.size(), -1);  // index into fits, by rim pixel
+  const auto farthest = static_cast<float>((HeightField::kMargin_px + 2) * mm_per_px.maxCoeff());
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const std::int32_t rim = to_inside.nearest[i];
     if (mask[i] != 0 || rim < 0) continue;
+    if (to_inside.distance_mm[i] > farthest) {  // nobody comes here
+      height_mm[i] = height_mm[static_cast<std::size_t>(rim)];
+      continue;
+    }
     const int u = rim % width;
     const int v = rim / width;
     std::int32_t& fit = fit_of[static_cast<std::size_t>(rim)];
@@ -156,6 +165,7 @@ void HeightField::complete(bool continued) {
   const auto deepest = static_cast<int>(std::distance(
       to_outside.distance_mm.begin(),
       std::max_element(to_outside.distance_mm.begin(), to_outside.distance_mm.end())));
+  deepest_height_mm_ = static_cast<double>(height_mm_[static_cast<std::size_t>(deepest)]);
   const int row = deepest / width;
   deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);

@@ -96,7 +96,7 @@ RimFit::RimFit(const std::vector<float>& height_mm, const std::vector<std::uint8
 }
 
 double RimFit::at(double du, double dv) const {
-  const double distance = std::hypot(du, dv);
+  const double distance = std::sqrt(du * du + dv * dv);
   if (distance == 0.0) return constant_;
   const double a = du / distance;
   const double b = dv / distance;

@@ -29,6 +29,11 @@ struct PlayObject {
   Material material;
 };
 
+/// What an object is known by from frame to frame.
+inline std::uint64_t keyOf(const PlayObject& object) noexcept {
+  return (std::uint64_t{object.id} << 32U) | object.layer;
+}
+
 struct PlayFrame {
   std::uint32_t epoch = 0;  ///< client-side: also new at every connection, so it never repeats
   std::uint64_t id = 0;

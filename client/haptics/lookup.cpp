@@ -25,10 +25,6 @@ bool earlier(const PlayFrame& a, const PlayFrame& b) noexcept {
   return a.epoch != b.epoch ? a.epoch < b.epoch : a.media_time < b.media_time;
 }
 
-std::uint64_t keyOf(const PlayObject& object) noexcept {
-  return (std::uint64_t{object.id} << 32U) | object.layer;
-}
-
 std::size_t objectCount(const PlayFrame& frame) noexcept {
   return std::min(frame.object_count, kMaxObjects);
 }

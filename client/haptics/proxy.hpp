@@ -62,13 +62,17 @@ class Proxy {
     HeightNow now;
   };
 
-  // proxy.cpp: samples, changes of the surface, flight
+  // proxy.cpp: samples and the result
   [[nodiscard]] Height heightAt(const Vec2& q_mm) noexcept;
   [[nodiscard]] EdgeSample edgeAt(const Vec2& q_mm) noexcept;
   [[nodiscard]] bool masked(const Vec2& q_mm) noexcept;
   [[nodiscard]] bool solidAt(const Vec3& point_mm) noexcept;
   void remember(const Vec2& q_mm, const Height& height) noexcept;
   void standAt(const Vec2& q_mm, const Height& height) noexcept;
+  ProxyTouch finish() noexcept;
+  [[nodiscard]] Vec3 normalHere() noexcept;
+
+  // proxy_flight.cpp: changes of the surface, in the air
   void settle() noexcept;
   void settleTop() noexcept;
   void settleWall() noexcept;
@@ -77,8 +81,6 @@ class Proxy {
   void march() noexcept;
   void enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept;
   void enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexcept;
-  ProxyTouch finish() noexcept;
-  [[nodiscard]] Vec3 normalHere() noexcept;
 
   // proxy_slide.cpp: in contact
   void slideOnTop() noexcept;

@@ -14,12 +14,8 @@ namespace {
 constexpr double kMostFriction = 10.0;
 // What moves on for longer than this without being felt has jumped.
 constexpr double kLongestTick_s = 5e-3;
-constexpr double kFastest_mm_s = 1500.0;  // nor does the chain believe in more
-constexpr double kWeight_mm = 1e-9;       // of a contact whose displacement has yet to grow
-
-std::uint64_t keyOf(const PlayObject& object) noexcept {
-  return (std::uint64_t{object.id} << 32U) | object.layer;
-}
+constexpr double kFastestObject_mm_s = 1500.0;  // nor does the chain believe in more
+constexpr double kWeight_mm = 1e-9;             // of a contact whose displacement has yet to grow
 
 bool touchable(const ObjectNow& object) noexcept {
   return object.before->field != nullptr && !object.before->field->empty();
@@ -109,31 +105,41 @@ bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double 
                               double elapsed_s) noexcept {
   const auto way_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
     const double speed_mm_s = velocity_mm_s.norm();
-    const double share = speed_mm_s > kFastest_mm_s ? kFastest_mm_s / speed_mm_s : 1.0;
+    const double share = speed_mm_s > kFastestObject_mm_s ? kFastestObject_mm_s / speed_mm_s : 1.0;
     return velocity_mm_s * (share * elapsed_s);
   };
-  const double moved_mm = awayFrom(object.position_mm - tied.position_mm,
-                                   way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
-  const double turn_rad = std::remainder(object.angle_rad - tied.angle_rad, 2.0 * std::numbers::pi);
-  const auto [slow, fast] = std::minmax(tied.angular_velocity_rad_s * elapsed_s,
-                                        object.angular_velocity_rad_s * elapsed_s);
-  const double turned_rad = std::abs(turn_rad - std::clamp(turn_rad, slow, fast));
+  const Vec3 step_mm = object.position_mm - tied.position_mm;
+  const double turn_rad = object.angle_rad - tied.angle_rad;
+  // The usual case first: it moves on as it did, without a turn.
+  constexpr double kNear_mm2 = 0.25 * Proxy::kJump_mm * Proxy::kJump_mm;
+  if (turn_rad == 0.0 && object.angular_velocity_rad_s == 0.0 &&
+      step_mm.squaredNorm() < kNear_mm2) {
+    return false;
+  }
+  const double moved_mm =
+      awayFrom(step_mm, way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
+  const double short_rad = std::remainder(turn_rad, 2.0 * std::numbers::pi);
+  const double was_rad = tied.angular_velocity_rad_s * elapsed_s;
+  const double is_rad = object.angular_velocity_rad_s * elapsed_s;
+  const double turned_rad = std::abs(
+      short_rad - std::clamp(short_rad, std::min(was_rad, is_rad), std::max(was_rad, is_rad)));
   return !(moved_mm + turned_rad * arm_mm <= Proxy::kJump_mm);
 }
 
 void ProxySurface::look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
                         const Workspace& workspace, double elapsed_s) noexcept {
-  if (tied.relief.follow(object, workspace)) tied.proxy.forgetSamples();
   const bool was_there = tied.tick + 1 == tick_;
+  if (!was_there) {
+    tied.relief = {};  // of another world, perhaps
+    tied.proxy.restart(!fresh_);
+    tied.touch = {};
+  }
+  if (tied.relief.follow(object, workspace)) tied.proxy.forgetSamples();
   const Vec3 arm_mm = hip_mm - object.position_mm;
   const bool turns = object.angle_rad != 0.0;
   const Vec3 own_mm =
       turns ? turned(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
   const bool jumped = was_there && poseJumped(tied, object, arm_mm.head<2>().norm(), elapsed_s);
-  if (!was_there) {
-    tied.proxy.restart(!fresh_);
-    tied.touch = {};
-  }
   tied.key = keyOf(*object.before);
   tied.tick = tick_;
   tied.position_mm = object.position_mm;

@@ -26,6 +26,17 @@ Vec2 centreOf(const ObjectNow& object, const Workspace& workspace) noexcept {
   return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
 }
 
+/// The height there; between two frames that of one turns into that of the other.
+double centreHeight_mm(const ObjectNow& object) noexcept {
+  const auto above = [](const PlayObject& frame) noexcept {
+    return frame.field->deepestPointHeight_mm() - frame.motion.position_mm.z();
+  };
+  const double before_mm = above(*object.before);
+  const bool blended = object.after != nullptr && object.after->field != nullptr;
+  const double change_mm = blended ? object.blend * (above(*object.after) - before_mm) : 0.0;
+  return object.position_mm.z() + before_mm + change_mm;
+}
+
 const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
                                const Workspace& workspace) noexcept {
   const ObjectNow* nearest = nullptr;
@@ -179,8 +190,7 @@ void Room::reportObject(const Contact& contact, const Scene& scene,
   report_.object_position_mm = object->position_mm;
   report_.object_velocity_mm_s = object->velocity_mm_s;
   report_.object_centre_mm = centreOf(*object, controls.workspace);
-  report_.object_centre_height_mm =
-      surfaceAt(*object, report_.object_centre_mm, controls.workspace).sample.height_mm;
+  report_.object_centre_height_mm = centreHeight_mm(*object);
   const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), controls.workspace);
   report_.over_object = below.inside;
   if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;

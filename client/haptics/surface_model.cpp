@@ -11,23 +11,28 @@ namespace {
 
 constexpr double kDefaultTextureK_mm = 30.0;
 
-/// One frame's relief under a point that was carried back into it: height above the reference
-/// point, and the gradient turned to the object's present angle.
-struct FrameShape {
-  double height_mm = 0.0;
-  Vec2 gradient = Vec2::Zero();
-  bool inside = false;
-};
+/// A point that was carried back into a frame.
+struct Carried {
+  const PlayObject& frame;
+  Eigen::Rotation2Dd turn;  // from the frame's angle to the present one
+  bool turns;
+  Vec2 image_px;
 
-FrameShape shapeIn(const PlayObject& frame, const ObjectNow& now, const Vec2& nominal_mm,
-                   const Workspace& workspace) noexcept {
-  const Eigen::Rotation2Dd back(frame.motion.angle_rad - now.angle_rad);
-  const Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
-  const Vec2 image_px = workspace.toImage(frame.motion.position_mm.head<2>() + back * offset_mm);
-  const SurfaceSample sample = frame.field->bilinear(image_px);
-  return {sample.height_mm - frame.motion.position_mm.z(), back.inverse() * sample.gradient,
-          frame.field->inside(image_px)};
-}
+  Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
+          const Workspace& workspace) noexcept
+      : frame(in), turn(now.angle_rad - in.motion.angle_rad), turns(turn.angle() != 0.0) {
+    Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
+    if (turns) offset_mm = turn.inverse() * offset_mm;
+    image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm);
+  }
+  [[nodiscard]] bool inside() const noexcept { return frame.field->inside(image_px); }
+  /// Height above the reference point; the gradient at the object's present angle.
+  [[nodiscard]] SurfaceSample shape() const noexcept {
+    const SurfaceSample sample = frame.field->bilinear(image_px);
+    return {sample.height_mm - frame.motion.position_mm.z(),
+            turns ? Vec2(turn * sample.gradient) : sample.gradient};
+  }
+};
 
 /// v + omega x r, and the change of shape along z.
 Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_rate_mm_s) noexcept {
@@ -42,19 +47,31 @@ SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
                        const Workspace& workspace) noexcept {
   SurfacePoint point;
   if (object.before->field == nullptr) return point;
-  FrameShape shape = shapeIn(*object.before, object, nominal_mm, workspace);
-  if (object.after != nullptr && object.after->field != nullptr) {
-    const FrameShape next = shapeIn(*object.after, object, nominal_mm, workspace);
-    const double s = object.blend;
-    if (shape.inside && next.inside) {
+  const Carried before(*object.before, object, nominal_mm, workspace);
+  bool inside = before.inside();
+  const bool blended = object.after != nullptr && object.after->field != nullptr;
+  const double s = blended ? object.blend : 0.0;
+  SurfaceSample shape;
+  if (blended) {
+    const Carried after(*object.after, object, nominal_mm, workspace);
+    const bool inside_after = after.inside();
+    const bool inside_both = inside && inside_after;
+    inside = s < 0.5 ? inside : inside_after;
+    if (!inside) return point;
+    shape = before.shape();
+    const SurfaceSample next = after.shape();
+    if (inside_both) {
       point.shape_rate_mm_s = (next.height_mm - shape.height_mm) * object.blend_rate_1_s;
     }
     shape.height_mm = (1.0 - s) * shape.height_mm + s * next.height_mm;
     shape.gradient = (1.0 - s) * shape.gradient + s * next.gradient;
-    shape.inside = s < 0.5 ? shape.inside : next.inside;
+  } else if (inside) {
+    shape = before.shape();
+  } else {
+    return point;
   }
   point.sample = {shape.height_mm + object.position_mm.z(), shape.gradient};
-  point.inside = shape.inside;
+  point.inside = true;
   return point;
 }
 

@@ -30,7 +30,8 @@ struct Contact {
 
 /// Height and gradient (nominal frame) of an object under the nominal point (x, y) at play time,
 /// with the relief carried along: (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z) + p(t)_z,
-/// q = rotated back (x, y) - p(t). `inside`: the point is in the mask (of the nearer frame).
+/// q = rotated back (x, y) - p(t). `inside`: the point is in the mask (of the nearer frame);
+/// elsewhere nothing is told.
 struct SurfacePoint {
   SurfaceSample sample;
   bool inside = false;

@@ -8,7 +8,6 @@
 #include "server/stream/encoded.hpp"
 #include "server/vision/picture.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/unit/client/stage.hpp"
 
 namespace hapticast {
 namespace {
@@ -68,28 +67,27 @@ void decodeFrame(benchmark::State& state) {
 }
 BENCHMARK(decodeFrame)->Unit(benchmark::kMicrosecond);
 
-void prepareHeights(benchmark::State& state) {
+/// A disc of 200 px in its rectangle, and the relief of a frame of the tumble.
+void prepareDisc(benchmark::State& state) {
+  Relief relief{{220, 140, 200, 200}, {}, {}};
+  for (int v = 0; v < 200; ++v) {
+    for (int u = 0; u < 200; ++u) {
+      const double r2 = (u - 99.5) * (u - 99.5) + (v - 99.5) * (v - 99.5);
+      relief.mask.push_back(r2 < 1e4 ? 1 : 0);
+      relief.height_mm.push_back(static_cast<float>(r2 < 1e4 ? 20.0 - 1e-3 * r2 : 0.0));
+    }
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(HeightField::prepare(relief, Workspace{}));
+}
+BENCHMARK(prepareDisc)->Unit(benchmark::kMicrosecond);
+
+void prepareTumble(benchmark::State& state) {
   const server::VisionResult result = visionResult();
   const Relief& relief = *result.frame.objects.at(0).relief;
   for (auto _ : state) benchmark::DoNotOptimize(HeightField::prepare(relief, Workspace{}));
   state.counters["px"] = static_cast<double>(relief.mask.size());
 }
-BENCHMARK(prepareHeights)->Unit(benchmark::kMicrosecond);
-
-/// A millisecond of pressing on a moving dome: the tick and, in the same figure, the virtual
-/// device.
-void tick(benchmark::State& state, client::SurfaceKind surface, Method method) {
-  client::RoomSettings settings;
-  settings.surface = surface;
-  settings.method = method;
-  client::HandScript hand(client::HandKind::kPress, {});
-  client::Stage stage(settings, &hand, 3.0);
-  stage.run(2000);
-  for (auto _ : state) benchmark::DoNotOptimize(stage.step());
-}
-BENCHMARK_CAPTURE(tick, normal, client::SurfaceKind::kNormal, Method::kHapticast);
-BENCHMARK_CAPTURE(tick, perturbed, client::SurfaceKind::kPerturbed, Method::kHapticast);
-BENCHMARK_CAPTURE(tick, thesis, client::SurfaceKind::kPerturbed, Method::kThesis);
+BENCHMARK(prepareTumble)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace hapticast

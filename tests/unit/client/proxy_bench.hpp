@@ -3,9 +3,12 @@
 // time. One tick is 1 ms; forces are displacements (1 N/mm).
 #pragma once
 
+#include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -32,6 +35,51 @@ inline std::shared_ptr<const HeightField> relief(double half_mm, const HeightOf&
                                                  const MaskOf& mask = anywhere) {
   return makeField(square(half_mm), kWorkspace, height, mask);
 }
+
+inline constexpr double kSlant = 17.0 * M_PI / 180.0;
+inline constexpr double kTop_mm = 12.0;
+
+/// A flat box of +-10 mm, turned by 17 degrees.
+inline MaskOf slantedBox() {
+  return [](const Vec2& at) {
+    return (Eigen::Rotation2Dd(-kSlant) * at).cwiseAbs().maxCoeff() < 10.0;
+  };
+}
+/// A point of the box: `out` along the normal of its right wall, `along` the wall.
+inline Vec3 ofBox(double out_mm, double along_mm, double z_mm) {
+  const Vec2 at = Eigen::Rotation2Dd(kSlant) * Vec2(out_mm, along_mm);
+  return {at.x(), at.y(), z_mm};
+}
+
+/// Hills of 0.5 mm, 3 mm apart.
+inline double rough(const Vec2& at) {
+  return 10.0 + 0.5 * std::sin(2.0 * M_PI * at.x() / 3.0) * std::cos(2.0 * M_PI * at.y() / 3.0);
+}
+
+/// A ball of 20 mm, cut off at 19 mm from its axis.
+inline double sphere(const Vec2& at) { return std::sqrt(std::max(0.0, 400.0 - at.squaredNorm())); }
+inline bool cap(const Vec2& at) { return at.norm() < 19.0; }
+
+/// Random but smooth: three sines on each axis about a point of the surface.
+class Wander {
+ public:
+  explicit Wander(std::uint64_t seed) : random_(seed) {
+    for (double& f : rate_) f = std::uniform_real_distribution<double>(0.5, 4.0)(random_);
+    for (double& p : phase_) p = std::uniform_real_distribution<double>(0.0, 6.28)(random_);
+  }
+  [[nodiscard]] double operator()(int axis, double t) const {
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(3 * axis + k);
+      sum += std::sin(2.0 * M_PI * rate_[i] * t + phase_[i]);
+    }
+    return sum / 3.0;
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::array<double, 9> rate_{}, phase_{};
+};
 
 /// Objects that stand still, touched tick by tick.
 class Table {

@@ -66,12 +66,13 @@ TEST_P(StillBall, PerturbedEqualsEq3ByHand) {
     const Contact contact = findContact(SurfaceKind::kPerturbed, sceneOf({standing(object)}),
                                         {at.x(), at.y(), z}, kWorkspace);
     ASSERT_TRUE(contact.contact);
-    EXPECT_NEAR((contact.displacement_mm - expected).norm(), 0.0, 1e-6);
-    EXPECT_NEAR(contact.stiffness_factor, 1 + gx * gx + gy * gy, 1e-6);
+    // Heights are sampled in single precision.
+    EXPECT_NEAR((contact.displacement_mm - expected).norm(), 0.0, 5e-4);
+    EXPECT_NEAR(contact.stiffness_factor, 1 + gx * gx + gy * gy, 1e-4);
     const Contact normal = findContact(SurfaceKind::kNormal, sceneOf({standing(object)}),
                                        {at.x(), at.y(), z}, kWorkspace);
     EXPECT_NEAR((normal.displacement_mm - Vec3(-gx, -gy, 1) * d / (1 + gx * gx + gy * gy)).norm(),
-                0.0, 1e-6);
+                0.0, 5e-4);
   }
 }
 

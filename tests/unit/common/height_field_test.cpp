@@ -89,7 +89,7 @@ TEST(HeightField, BilinearWeightsAreTheOppositeAreas) {
     for (double a = 0.05; a < 1.0; a += 0.1) {
       for (double b = 0.05; b < 1.0; b += 0.1) {
         const Vec2 px(319.5 + a, 239.5 + b);
-        EXPECT_NEAR(field.bilinear(px).height_mm, workspace.toNominal(px)[axis], 1e-12);
+        EXPECT_NEAR(field.bilinear(px).height_mm, workspace.toNominal(px)[axis], 1e-5);
       }
     }
   }
@@ -108,9 +108,9 @@ TEST(HeightField, GradientAtAPixelCentreIsSobel) {
   const SurfaceSample sample = field.bilinear({14.5, 24.5});  // pixel (4, 4) of the rectangle
   const double per_u = (h(5, 3) + 2 * h(5, 4) + h(5, 5) - h(3, 3) - 2 * h(3, 4) - h(3, 5)) / 8.0;
   const double per_v = (h(3, 5) + 2 * h(4, 5) + h(5, 5) - h(3, 3) - 2 * h(4, 3) - h(5, 3)) / 8.0;
-  EXPECT_NEAR(sample.height_mm, h(4, 4), 1e-12);
-  EXPECT_NEAR(sample.gradient.x(), per_u / 0.25, 1e-9);
-  EXPECT_NEAR(sample.gradient.y(), -per_v / 0.25, 1e-9);
+  EXPECT_NEAR(sample.height_mm, h(4, 4), 1e-5);
+  EXPECT_NEAR(sample.gradient.x(), per_u / 0.25, 1e-4);
+  EXPECT_NEAR(sample.gradient.y(), -per_v / 0.25, 1e-4);
 }
 
 /// The uniform cubic B-spline (order 0), its first and second derivative at x.
@@ -302,7 +302,7 @@ TEST(HeightField, ThesisIsZeroOutsideTheMask) {
   const auto flat = [](const Vec2&) { return 5.0; };
   const HeightField field =
       HeightField::prepareThesis(makeRelief({305, 225, 30, 30}, workspace, flat, disc), workspace);
-  EXPECT_EQ(field.bilinear({320, 240}).height_mm, 5.0);
+  EXPECT_NEAR(field.bilinear({320, 240}).height_mm, 5.0, 1e-6);
   EXPECT_EQ(field.bilinear({333, 240}).height_mm, 0.0);
   EXPECT_LT(field.bilinear({329.5, 240}).gradient.x(), -1.0);  // the silhouette is a cliff
   EXPECT_GT(field.edge({320, 240}).distance_mm, 1.5);  // 2.5 mm, the tip of the cone blurred
