@@ -84,7 +84,8 @@ Outcome measure(const SmoothCase& what, bool quick) {
     if (variant.is_thesis) goal.thesis = error;
   }
   out.goals.push_back(goal);
-  if (!quick) addSources(what, hand, out);
+  if (quick) return out;
+  addSources(what, hand, out);
   addOwnMask(what, hand, out);
   return out;
 }
