@@ -10,6 +10,9 @@ namespace hapticast::client {
 
 namespace {
 
+// At rest for so long it sticks again. A slow hand on a wall whose normal wavers by a degree or two
+// rests for single ticks: sticking in each of them would saw.
+constexpr int kStuck_ticks = 20;
 constexpr int kPhases = 64;           // of one tick: each reads a height or is the last but two
 constexpr double kFade = 1.0 / 40.0;  // of the offset per tick
 constexpr double kForgotten_mm = 1e-6;
@@ -136,7 +139,8 @@ Vec3 Proxy::normalHere() noexcept {
 }
 
 ProxyTouch Proxy::finish() noexcept {
-  if (!moved_) slipping_ = false;
+  rested_ticks_ = moved_ ? 0 : std::min(rested_ticks_ + 1, kStuck_ticks);
+  if (rested_ticks_ >= kStuck_ticks) slipping_ = false;
   const Vec3 way_mm = at_mm_ - hip_mm_;
   if (jumped_ && way_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kBuried;
   const bool faded = faded_;

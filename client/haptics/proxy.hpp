@@ -100,6 +100,7 @@ class Proxy {
   bool faded_ = true;
   Kind kind_ = Kind::kFree;
   bool slipping_ = false;
+  int rested_ticks_ = 0;  // without a move
   Vec3 at_mm_ = Vec3::Zero();
   Vec3 offset_mm_ = Vec3::Zero();
   Vec3 displacement_mm_ = Vec3::Zero();

@@ -12,7 +12,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kPull = 0.05;
+constexpr double kPull = 0.035;
 // The strongest pull in a frame, px and share of the motion: an outline that changes is no motion,
 // but a centre that is off its true place has an error that grows with the motion.
 constexpr double kStrongestPull_px = 0.1;

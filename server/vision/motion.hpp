@@ -51,7 +51,7 @@ struct PoseSettings {
 };
 
 /// Follows one object. `rgbd` (and auto): a point in the middle of the body, carried by the rigid
-/// alignment and pulled slowly (5 % a frame) to where outline and depth say it is. Where that
+/// alignment and pulled slowly (3.5 % a frame) to where outline and depth say it is. Where that
 /// fails, and with `lk` and `depth`: carried by the robust flow and pulled to the mask's centroid
 /// (auto, with the source's own exact masks: the centroid itself), in depth by the mean difference
 /// over the carried, eroded mask.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 namespace hapticast::server {
@@ -17,13 +18,16 @@ constexpr double kRoundest = 0.93;      // shorter over longer axis of the outli
 constexpr double kFitResidual = 0.03;   // of the radius
 constexpr double kRadiusAgrees = 0.08;  // fitted against that of the outline
 constexpr std::size_t kFitPoints = 1000;
-// Mean depth of a ball's visible half against the spread (5 to 95 %) of its depths.
+constexpr double kDomeResidual = 0.03;  // of an ellipsoid's depth
+// Of what is neither ball nor ellipsoid: from the mean depth to the centre, against the spread (5
+// to 95 %) of the depths. A box has 0.6 edge on, 1.1 corner on.
 constexpr double kBehindPerSpread = 0.89;
 
 struct Outline {
   double u_px = 0, v_px = 0;  // centroid, pixel centres at +0.5
   double radius_px = 0;       // of the disc of this area
   double roundness = 0;
+  Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();  // 1 on the ellipse of the same moments
 };
 
 Outline outlineOf(const Surface& surface) {
@@ -35,6 +39,9 @@ Outline outlineOf(const Surface& surface) {
   out.radius_px = std::sqrt(m.m00 / CV_PI);
   const double mean = 0.5 * (m.mu20 + m.mu02);
   const double off = std::hypot(0.5 * (m.mu20 - m.mu02), m.mu11);
+  Eigen::Matrix2d spread;
+  spread << m.mu20 / m.m00, m.mu11 / m.m00, m.mu11 / m.m00, m.mu02 / m.m00;
+  if (spread.determinant() > 1.0) out.shape = (4.0 * spread).inverse();
   out.roundness = mean + off > 0 ? std::sqrt(std::max(0.0, mean - off) / (mean + off)) : 0.0;
   return out;
 }
@@ -89,6 +96,33 @@ SphereFit fitSphere(const std::vector<Vector3d>& points) {
   return out;
 }
 
+// Of an ellipsoid, however it is turned, seen from afar: its depth is a plane through the centre
+// less a dome over the outline, z = z0 + g.x - c sqrt(1 - x.shape.x). nullopt where that does not
+// fit.
+std::optional<double> ellipsoidDepth_mm(const std::vector<Vector3d>& points, const Outline& outline,
+                                        const CameraModel& camera) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  std::vector<Eigen::Vector4d> rows;
+  for (const Vector3d& p : points) {
+    const Eigen::Vector2d at(camera.fx_px * p.x() / p.z() + camera.cx_px - outline.u_px,
+                             camera.fy_px * p.y() / p.z() + camera.cy_px - outline.v_px);
+    const double dome = std::sqrt(std::max(0.0, 1.0 - at.dot(outline.shape * at)));
+    rows.emplace_back(1.0, at.x() / outline.radius_px, at.y() / outline.radius_px, -dome);
+    matrix += rows.back() * rows.back().transpose();
+    right += rows.back() * p.z();
+  }
+  const Eigen::Vector4d c = matrix.ldlt().solve(right);
+  if (!c.allFinite() || !(c[3] > 0)) return std::nullopt;
+  double square = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    square += std::pow(rows[i].dot(c) - points[i].z(), 2);
+  const double residual_mm = std::sqrt(square / static_cast<double>(points.size()));
+  if (residual_mm >= kDomeResidual * c[3] || c[0] <= c[3]) return std::nullopt;
+  // From nearby the outline lies before the centre: of a ball by r²/z.
+  return c[0] + c[3] * c[3] / c[0];
+}
+
 }  // namespace
 
 BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
@@ -115,7 +149,8 @@ BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
     out.position_mm = fit.centre;
   }
   if (!out.sphere) {
-    const double z = mean + kBehindPerSpread * spread;
+    const double z =
+        ellipsoidDepth_mm(points, outline, camera).value_or(mean + kBehindPerSpread * spread);
     out.position_mm = {(outline.u_px - camera.cx_px) / camera.fx_px * z,
                        (outline.v_px - camera.cy_px) / camera.fy_px * z, z};
   }
