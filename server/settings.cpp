@@ -154,6 +154,10 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");
   addFriction(app, vision.material);
+  addNumber(app, "--damping", vision.material.damping_Ns_m, 0.0, 1000.0, "NS/M 0..1000",
+            "Damping beside what keeps the surface stable; each viewer's device bounds it");
+  addNumber(app, "--texture-depth", vision.material.texture_K_mm, 0.0, 1000.0, "MM 0..1000",
+            "K of the thesis's Eq. 3 (viewers with --surface perturbed); default: 30");
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
             "The object's mass for the dynamic force; default: each viewer's choice");
   addChoice(app, "--method", vision.method, kMethods,

@@ -102,7 +102,7 @@ Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_m
     const double given_K_mm = object.before->material.texture_K_mm;
     contact.displacement_mm = perturbedDisplacement(
         depth_mm, std::max(point.sample.height_mm, 0.0), gradient,
-        given_K_mm > 0.0 ? given_K_mm : kDefaultTextureK_mm, workspace.depth_mm);
+        given_K_mm >= 0.0 ? given_K_mm : kDefaultTextureK_mm, workspace.depth_mm);
     contact.stiffness_factor = 1.0 + gradient.squaredNorm();
   }
   contact.normal = Vec3(-gradient.x(), -gradient.y(), 1.0).normalized();

@@ -91,6 +91,21 @@ TEST(SurfaceModel, ThresholdOfEq3FollowsK) {
               1e-12);
 }
 
+TEST(SurfaceModel, AnAuthorsKOfZeroIsOne) {
+  const auto field = makeBall(Vec3::Zero(), kRadius_mm, 19.0, kWorkspace);
+  PlayObject object = makeObject(1, field.get(), Vec3::Zero());
+  const auto aside = [&](double texture_K_mm) {
+    object.material.texture_K_mm = texture_K_mm;
+    return findContact(SurfaceKind::kPerturbed, sceneOf({standing(object)}), {8.0, 0.0, 16.0},
+                       kWorkspace)
+        .displacement_mm.head<2>()
+        .norm();
+  };
+  EXPECT_EQ(aside(0.0), 0.0);
+  EXPECT_GT(aside(30.0), 0.5);
+  EXPECT_EQ(aside(std::nan("")), aside(30.0));
+}
+
 // --- against truth
 // ----------------------------------------------------------------------------------------------
 

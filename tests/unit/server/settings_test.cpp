@@ -46,17 +46,23 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(vision.material.stiffness_N_mm, 0.4);
   EXPECT_EQ(vision.material.static_friction, 0.5);
   EXPECT_EQ(vision.material.dynamic_friction, 0.3);
+  EXPECT_EQ(vision.material.damping_Ns_m, 2.5);
+  EXPECT_EQ(vision.material.texture_K_mm, 1.5);
   EXPECT_EQ(vision.mass_kg, 0.25);
   EXPECT_EQ(vision.method, Method::kThesis);
 }
 
 const std::vector<std::pair<std::string, std::string>> kAll = {
-    {"source", "my clip"}, {"fps", "60"},         {"loop", "true"},
-    {"frames", "1000"},    {"quiet", "true"},     {"listen", "127.0.0.1:0"},
-    {"max-clients", "3"},  {"object", "505,330"}, {"not", "300,400"},
-    {"object", "10,20"},   {"segment", "band"},   {"depth-range", "500,1500"},
-    {"stretch", "true"},   {"motion", "lk"},      {"stiffness", "0.4"},
-    {"mass", "0.25"},      {"method", "thesis"},  {"friction", "0.5,0.3"},
+    {"source", "my clip"}, {"fps", "60"},
+    {"loop", "true"},      {"frames", "1000"},
+    {"quiet", "true"},     {"listen", "127.0.0.1:0"},
+    {"max-clients", "3"},  {"object", "505,330"},
+    {"not", "300,400"},    {"object", "10,20"},
+    {"segment", "band"},   {"depth-range", "500,1500"},
+    {"stretch", "true"},   {"motion", "lk"},
+    {"stiffness", "0.4"},  {"mass", "0.25"},
+    {"method", "thesis"},  {"friction", "0.5,0.3"},
+    {"damping", "2.5"},    {"texture-depth", "1.5"},
 };
 
 TEST(ServerSettings, EveryFlag) {
