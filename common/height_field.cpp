@@ -81,7 +81,8 @@ struct Cell {
   }
 };
 
-Cell cellAt(const std::vector<float>& values, const PixelRect& rect, const Vec2& image_px) {
+[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, const PixelRect& rect,
+                                          const Vec2& image_px) {
   const Taps u = tapsAt(image_px.x(), rect.u, rect.width);
   const Taps v = tapsAt(image_px.y(), rect.v, rect.height);
   const auto stride = static_cast<std::size_t>(rect.width);
@@ -92,7 +93,8 @@ Cell cellAt(const std::vector<float>& values, const PixelRect& rect, const Vec2&
 }
 
 /// Value, derivatives along u and v (per px), and nothing.
-Four sampled(const Cell& cell, const AxisWeights& u, const AxisWeights& v) {
+[[gnu::always_inline]] inline Four sampled(const Cell& cell, const AxisWeights& u,
+                                           const AxisWeights& v) {
   return sums(u.value * cell.down(v.value), u.slope * cell.down(v.across),
               u.across * cell.down(v.slope), Four{});
 }
