@@ -101,8 +101,8 @@ struct Cell {
 
 /// From derivatives per px; v runs against y.
 Vec2 gradientOf(const Four& sample, const Vec2& px_per_mm) {
-  return {static_cast<double>(sample[1]) * px_per_mm.x(),
-          -static_cast<double>(sample[2]) * px_per_mm.y()};
+  return Vec2(static_cast<double>(sample[1]), -static_cast<double>(sample[2]))
+      .cwiseProduct(px_per_mm);
 }
 
 }  // namespace
