@@ -86,15 +86,13 @@ class LowerEnvelope {
   std::vector<double> half_per_;  // 1 / (2 step² gap)
 };
 
-}  // namespace
-
-NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
-                          std::uint8_t marked, const Vec2& mm_per_px) {
+/// Calls visit(index, squared distance, index of the nearest) for all pixels that have one; a
+/// marked pixel is its own.
+template <class Visit>
+void visitNearest(const std::vector<std::uint8_t>& mask, int width, int height, std::uint8_t marked,
+                  const Vec2& mm_per_px, Visit visit) {
   const auto columns = static_cast<std::size_t>(width);
   const std::vector<std::int32_t> row = nearestInColumn(mask, width, height, marked);
-  NearestPixel result;
-  result.distance_mm.assign(mask.size(), std::numeric_limits<float>::infinity());
-  result.nearest.assign(mask.size(), -1);
   LowerEnvelope envelope(columns, mm_per_px.x());
   for (int v = 0; v < height; ++v) {
     const std::size_t start = static_cast<std::size_t>(v) * columns;
@@ -113,16 +111,38 @@ NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int 
     if (envelope.empty()) continue;
     envelope.forEach(width, [&](int u, int column, double squared) {
       const std::size_t i = start + static_cast<std::size_t>(u);
-      if (row[i] == v) {  // marked itself
-        result.distance_mm[i] = 0.0F;
-        result.nearest[i] = static_cast<std::int32_t>(i);
-        return;
+      if (row[i] == v) {
+        visit(i, 0.0, static_cast<std::int32_t>(i));
+      } else {
+        visit(i, squared, row[start + static_cast<std::size_t>(column)] * width + column);
       }
-      result.distance_mm[i] = static_cast<float>(std::sqrt(squared));
-      result.nearest[i] = row[start + static_cast<std::size_t>(column)] * width + column;
     });
   }
+}
+
+}  // namespace
+
+NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
+                          std::uint8_t marked, const Vec2& mm_per_px) {
+  NearestPixel result;
+  result.distance_mm.assign(mask.size(), std::numeric_limits<float>::infinity());
+  result.nearest.assign(mask.size(), -1);
+  visitNearest(mask, width, height, marked, mm_per_px,
+               [&](std::size_t i, double squared, std::int32_t nearest) {
+                 result.distance_mm[i] = static_cast<float>(std::sqrt(squared));
+                 result.nearest[i] = nearest;
+               });
   return result;
+}
+
+std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, int height,
+                              std::uint8_t marked, const Vec2& mm_per_px) {
+  std::vector<float> distance_mm(mask.size(), std::numeric_limits<float>::infinity());
+  visitNearest(mask, width, height, marked, mm_per_px,
+               [&](std::size_t i, double squared, std::int32_t) {
+                 distance_mm[i] = static_cast<float>(std::sqrt(squared));
+               });
+  return distance_mm;
 }
 
 }  // namespace hapticast

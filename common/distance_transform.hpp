@@ -23,5 +23,8 @@ struct NearestPixel {
 /// parabolas along each row. Requires mask.size() == width * height, both > 0.
 NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
                           std::uint8_t marked, const Vec2& mm_per_px);
+/// Its distances alone.
+std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, int height,
+                              std::uint8_t marked, const Vec2& mm_per_px);
 
 }  // namespace hapticast

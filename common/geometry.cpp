@@ -17,14 +17,6 @@ Vec2 Workspace::mmPerPixel() const noexcept {
   return stretch ? each : Vec2::Constant(each.minCoeff());
 }
 
-Vec2 Workspace::toImage(const Vec2& nominal_mm) const noexcept {
-  // 1 / mmPerPixel() with half the divisions: the loop comes here.
-  const Vec2 each(width_px / width_mm, height_px / height_mm);
-  const Vec2 per_mm = stretch ? each : Vec2::Constant(each.maxCoeff());
-  return {nominal_mm.x() * per_mm.x() + 0.5 * width_px,
-          0.5 * height_px - nominal_mm.y() * per_mm.y()};
-}
-
 Vec2 Workspace::toNominal(const Vec2& image_px) const noexcept {
   const Vec2 scale = mmPerPixel();
   return {(image_px.x() - 0.5 * width_px) * scale.x(),

@@ -37,9 +37,18 @@ struct Workspace {
 
   /// Width and height of one pixel in nominal mm.
   [[nodiscard]] Vec2 mmPerPixel() const noexcept;
+  /// The inverse; with less divisions, for the loop.
+  [[nodiscard]] Vec2 pixelsPerMm() const noexcept {
+    const Vec2 each(width_px / width_mm, height_px / height_mm);
+    return stretch ? each : Vec2::Constant(each.maxCoeff());
+  }
   /// Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y; the top-left picture corner is (x_min,
   /// y_max).
-  [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept;
+  [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept {
+    const Vec2 per_mm = pixelsPerMm();
+    return {nominal_mm.x() * per_mm.x() + 0.5 * width_px,
+            0.5 * height_px - nominal_mm.y() * per_mm.y()};
+  }
   [[nodiscard]] Vec2 toNominal(const Vec2& image_px) const noexcept;
 };
 

@@ -81,7 +81,8 @@ struct Cell {
   }
 };
 
-Cell cellAt(const std::vector<float>& values, const PixelRect& rect, const Vec2& image_px) {
+[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, const PixelRect& rect,
+                                          const Vec2& image_px) {
   const Taps u = tapsAt(image_px.x(), rect.u, rect.width);
   const Taps v = tapsAt(image_px.y(), rect.v, rect.height);
   const auto stride = static_cast<std::size_t>(rect.width);
@@ -92,15 +93,16 @@ Cell cellAt(const std::vector<float>& values, const PixelRect& rect, const Vec2&
 }
 
 /// Value, derivatives along u and v (per px), and nothing.
-Four sampled(const Cell& cell, const AxisWeights& u, const AxisWeights& v) {
+[[gnu::always_inline]] inline Four sampled(const Cell& cell, const AxisWeights& u,
+                                           const AxisWeights& v) {
   return sums(u.value * cell.down(v.value), u.slope * cell.down(v.across),
               u.across * cell.down(v.slope), Four{});
 }
 
 /// From derivatives per px; v runs against y.
 Vec2 gradientOf(const Four& sample, const Vec2& px_per_mm) {
-  return {static_cast<double>(sample[1]) * px_per_mm.x(),
-          -static_cast<double>(sample[2]) * px_per_mm.y()};
+  return Vec2(static_cast<double>(sample[1]), -static_cast<double>(sample[2]))
+      .cwiseProduct(px_per_mm);
 }
 
 }  // namespace

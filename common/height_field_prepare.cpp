@@ -53,8 +53,8 @@ void blurLines(std::vector<float>& values, const std::vector<std::uint8_t>& want
 
 /// Blurred signed distance to the mask's edge in mm, positive inside.
 std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width, int height,
-                                const NearestPixel& to_inside, const NearestPixel& to_outside,
-                                const Vec2& mm_per_px) {
+                                const std::vector<float>& to_inside_mm,
+                                const std::vector<float>& to_outside_mm, const Vec2& mm_per_px) {
   // The edge runs between pixel centres.
   const auto half = static_cast<float>(0.5 * mm_per_px.mean());
   const auto limit = static_cast<float>(HeightField::kMargin_px * mm_per_px.mean());
@@ -63,8 +63,7 @@ std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width
   std::vector<std::uint8_t> wanted(mask.size());
   std::vector<float> edge(mask.size());
   for (std::size_t i = 0; i < mask.size(); ++i) {
-    const float signed_mm =
-        mask[i] != 0 ? to_outside.distance_mm[i] - half : half - to_inside.distance_mm[i];
+    const float signed_mm = mask[i] != 0 ? to_outside_mm[i] - half : half - to_inside_mm[i];
     wanted[i] = std::abs(signed_mm) < limit + reach ? 1 : 0;
     edge[i] = std::clamp(signed_mm, -limit, limit);
   }
@@ -96,6 +95,19 @@ void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>&
     }
     for (std::size_t k = 0; k < seam.size(); ++k) height_mm[seam[k]] = smooth[k];
   }
+}
+
+/// The largest of some values, not none and no NaN among them; eight side by side.
+float largest(const std::vector<float>& values) {
+  constexpr std::size_t kSideBySide = 8;
+  std::array<float, kSideBySide> most;
+  most.fill(values.front());
+  std::size_t i = 0;
+  for (; i + kSideBySide <= values.size(); i += kSideBySide) {
+    for (std::size_t k = 0; k < kSideBySide; ++k) most[k] = std::max(most[k], values[i + k]);
+  }
+  for (; i < values.size(); ++i) most[0] = std::max(most[0], values[i]);
+  return *std::max_element(most.begin(), most.end());
 }
 
 /// Fills the pixels outside the mask from the fit of their nearest mask pixel.
@@ -162,16 +174,16 @@ void HeightField::complete(bool continued) {
   const int width = prepared_.width;
   const int height = prepared_.height;
   const NearestPixel to_inside = nearestPixel(mask_, width, height, 1, mm_per_px_);
-  const NearestPixel to_outside = nearestPixel(mask_, width, height, 0, mm_per_px_);
-  edge_mm_ = edgeDistance(mask_, width, height, to_inside, to_outside, mm_per_px_);
-  const auto deepest = static_cast<int>(std::distance(
-      to_outside.distance_mm.begin(),
-      std::max_element(to_outside.distance_mm.begin(), to_outside.distance_mm.end())));
+  const std::vector<float> to_outside_mm = distanceTo(mask_, width, height, 0, mm_per_px_);
+  edge_mm_ = edgeDistance(mask_, width, height, to_inside.distance_mm, to_outside_mm, mm_per_px_);
+  const auto deepest = static_cast<int>(
+      std::distance(to_outside_mm.begin(),
+                    std::find(to_outside_mm.begin(), to_outside_mm.end(), largest(to_outside_mm))));
   deepest_height_mm_ = static_cast<double>(height_mm_[static_cast<std::size_t>(deepest)]);
   const int row = deepest / width;
   deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
-  highest_mm_ = static_cast<double>(*std::max_element(height_mm_.begin(), height_mm_.end()));
+  highest_mm_ = static_cast<double>(largest(height_mm_));
 }
 
 HeightField HeightField::prepare(const Relief& relief, const Workspace& workspace) {

@@ -24,10 +24,10 @@ constexpr double kKnee = 0.8;  // of the pulse limit
 /// Device metres per nominal millimetre: beta of Eq. 6.
 double metresPerMillimetre(double scale) noexcept { return scale * 1e-3; }
 
-/// Bilinear between the centres of the cells, held beyond the outer ones.
+/// Bilinear between the centres of the cells, held beyond the outer ones. Requires frame.grid.
 Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
   const MotionGrid* const grid = frame.grid;
-  if (grid == nullptr || grid->columns <= 0 || grid->rows <= 0) return Vec3::Zero();
+  if (grid->columns <= 0 || grid->rows <= 0) return Vec3::Zero();
   const auto cells = static_cast<std::size_t>(grid->columns) * static_cast<std::size_t>(grid->rows);
   if (grid->acceleration_mm_s2.size() < cells || !image_px.allFinite()) return Vec3::Zero();
   const Vec2 last(grid->columns - 1, grid->rows - 1);
@@ -60,20 +60,26 @@ Vec2 imageIn(const PlayObject& frame, const ObjectNow& now, const Vec3& contact_
 /// Acceleration of the object's material at the contact, nominal mm/s².
 Vec3 accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
                     const Workspace& workspace) noexcept {
+  Vec3 sum = object.acceleration_mm_s2;
+  const auto addGrid = [&](const PlayObject& frame, double weight) noexcept {
+    if (frame.grid == nullptr) return;
+    sum += weight * gridAcceleration(frame, imageIn(frame, object, contact_mm, workspace));
+  };
   const PlayObject& before = *object.before;
-  const Vec2 r = (contact_mm - object.position_mm).head<2>();
   const double turn = object.angular_velocity_rad_s;
   double turn_rate = 0.0;
-  Vec3 grid = gridAcceleration(before, imageIn(before, object, contact_mm, workspace));
-  if (object.after != nullptr) {
+  if (object.after == nullptr) {
+    addGrid(before, 1.0);
+  } else {
     const PlayObject& after = *object.after;
     turn_rate = (after.motion.angular_velocity_rad_s - before.motion.angular_velocity_rad_s) *
                 object.blend_rate_1_s;
-    grid = (1.0 - object.blend) * grid +
-           object.blend * gridAcceleration(after, imageIn(after, object, contact_mm, workspace));
+    addGrid(before, 1.0 - object.blend);
+    addGrid(after, object.blend);
   }
-  const Vec2 of_turn = turn_rate * Vec2(-r.y(), r.x()) - turn * turn * r;
-  return object.acceleration_mm_s2 + grid + Vec3(of_turn.x(), of_turn.y(), 0.0);
+  const Vec2 r = (contact_mm - object.position_mm).head<2>();
+  sum.head<2>() += turn_rate * Vec2(-r.y(), r.x()) - turn * turn * r;
+  return sum;
 }
 
 double secondsSince(const Impact& impact, MediaTime play_time) noexcept {

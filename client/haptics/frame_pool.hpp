@@ -34,6 +34,12 @@ inline std::uint64_t keyOf(const PlayObject& object) noexcept {
   return (std::uint64_t{object.id} << 32U) | object.layer;
 }
 
+/// Nothing to blend: the same relief at the same place.
+inline bool sameRelief(const PlayObject& a, const PlayObject& b) noexcept {
+  return a.field == b.field && a.motion.position_mm == b.motion.position_mm &&
+         a.motion.angle_rad == b.motion.angle_rad;
+}
+
 struct PlayFrame {
   std::uint32_t epoch = 0;  ///< client-side: also new at every connection, so it never repeats
   std::uint64_t id = 0;

@@ -44,15 +44,10 @@ void setPose(ObjectNow& object, const Pose& pose) noexcept {
   object.angular_velocity_rad_s = pose.angular_velocity_rad_s;
 }
 
-void setBetween(ObjectNow& object, const PlayObject& after, Interpolation interpolation,
-                MediaTime before_time, double interval_s, double alone_s, double time_s) noexcept {
-  object.after = &after;
+void setBlend(ObjectNow& object, double interval_s, double alone_s, double time_s) noexcept {
   const double from_s = std::min(alone_s, kLatestBlend * interval_s);
   object.blend_rate_1_s = 1.0 / (interval_s - from_s);
   object.blend = std::clamp((time_s - from_s) * object.blend_rate_1_s, 0.0, 1.0);
-  setPose(object, interpolation == Interpolation::kLinear
-                      ? linearPose(object.before->motion, after.motion, interval_s, time_s)
-                      : hermitePose(*object.before, after, before_time, interval_s, time_s));
 }
 
 void standStill(ObjectNow& object) noexcept {
@@ -135,11 +130,13 @@ void FrameLookup::insert(FramePool::Index index, MediaTime play_time) noexcept {
   for (std::size_t i = held_count_; i > position; --i) held_[i] = held_[i - 1];
   held_[position] = index;
   ++held_count_;
+  pair_.now = nullptr;
 }
 
 void FrameLookup::release(std::size_t i) noexcept {
   pool_.giveBack(held_[i]);
   --held_count_;
+  pair_.now = nullptr;
   for (; i < held_count_; ++i) held_[i] = held_[i + 1];
 }
 
@@ -174,6 +171,19 @@ const PlayFrame* FrameLookup::nextOf(std::size_t before, const Controls& control
   return connected ? &next : nullptr;
 }
 
+void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double interval_s) noexcept {
+  if (pair_.now == &now && pair_.next == next && pair_.interval_s == interval_s) return;
+  pair_.now = &now;
+  pair_.next = next;
+  pair_.interval_s = interval_s;
+  for (std::size_t i = 0; i < objectCount(now); ++i) {
+    const PlayObject& object = now.objects[i];
+    pair_.after[i] = next != nullptr ? find(*next, keyOf(object)) : nullptr;
+    if (pair_.after[i] == nullptr) continue;
+    pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
+  }
+}
+
 void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
                             const Controls& controls) noexcept {
   const PlayFrame& now = frame(before);
@@ -193,18 +203,23 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
   scene_.epoch = now.epoch;
   scene_.object_count = objectCount(now);
   played_ = true;
+  pairUp(now, next, interval_s);
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
     const PlayObject& object = now.objects[i];
     ObjectNow& out = scene_.objects[i];
     out = {};
     out.before = &object;
-    const PlayObject* const after = has_next ? find(*next, keyOf(object)) : nullptr;
+    const PlayObject* const after = pair_.after[i];
     if (interpolation_ == Interpolation::kHold) {
       setPose(out, standingPose(object.motion));
     } else if (after == nullptr) {
       setPose(out, carriedPose(object, now.media_time, limit_s, time_s));
     } else {
-      setBetween(out, *after, interpolation_, now.media_time, interval_s, alone_s_, time_s);
+      out.after = after;
+      setBlend(out, interval_s, alone_s_, time_s);
+      setPose(out, interpolation_ == Interpolation::kLinear
+                       ? linearPose(object.motion, after->motion, interval_s, time_s)
+                       : pair_.path[i].at(time_s));
     }
     if (controls.paused) standStill(out);
     const std::uint64_t* const first = known_.data();

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "client/haptics/frame_pool.hpp"
+#include "client/haptics/pose.hpp"
 #include "client/haptics/tick_report.hpp"
 
 namespace hapticast::client {
@@ -84,11 +85,22 @@ class FrameLookup {
   void releaseUnneeded(MediaTime play_time) noexcept;
   void fillScene(std::size_t before, MediaTime play_time, const Controls& controls) noexcept;
 
+  /// What two frames say of the time between them; holds until another frame is held or released.
+  struct Pair {
+    const PlayFrame* now = nullptr;  // null: not known
+    const PlayFrame* next = nullptr;
+    double interval_s = 0.0;
+    std::array<const PlayObject*, kMaxObjects> after{};  // in `next`, for each object of `now`
+    std::array<HermitePath, kMaxObjects> path;
+  };
+  void pairUp(const PlayFrame& now, const PlayFrame* next, double interval_s) noexcept;
+
   static constexpr std::size_t kNone = ~std::size_t{0};
   FramePool& pool_;
   Interpolation interpolation_;
   std::array<FramePool::Index, FramePool::kSlots> held_{};  // by epoch, then media time
   std::size_t held_count_ = 0;
+  Pair pair_;
   Scene scene_;
   bool played_ = false;                             // a frame has been played
   std::array<std::uint64_t, kMaxObjects> known_{};  // id and layer of the last scene's objects

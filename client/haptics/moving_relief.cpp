@@ -21,11 +21,6 @@ bool shows(const PlayObject* frame) noexcept {
   return frame != nullptr && frame->field != nullptr && !frame->field->empty();
 }
 
-bool sameRelief(const PlayObject& a, const PlayObject& b) noexcept {
-  return a.field == b.field && a.motion.position_mm == b.motion.position_mm &&
-         a.motion.angle_rad == b.motion.angle_rad;
-}
-
 }  // namespace
 
 bool MovingRelief::Frame::same(const PlayObject& object) const noexcept {

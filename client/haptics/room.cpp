@@ -18,6 +18,7 @@ Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
   const Motion& then = object.before->motion;
   const double angle_rad = object.angle_rad - then.angle_rad;
   const Vec2 arm_mm = point_mm - then.position_mm.head<2>();
+  if (angle_rad == 0.0) return object.position_mm.head<2>() + arm_mm;
   const double c = std::cos(angle_rad);
   const double s = std::sin(angle_rad);
   return object.position_mm.head<2>() +

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/surface_model.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -14,23 +13,30 @@ constexpr double kDefaultTextureK_mm = 30.0;
 /// A point that was carried back into a frame.
 struct Carried {
   const PlayObject& frame;
-  Eigen::Rotation2Dd turn;  // from the frame's angle to the present one
-  bool turns;
+  bool turns;  // from the frame's angle to the present one, with this cosine and sine
+  double c = 1.0;
+  double s = 0.0;
   Vec2 image_px;
 
   Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
           const Workspace& workspace) noexcept
-      : frame(in), turn(now.angle_rad - in.motion.angle_rad), turns(turn.angle() != 0.0) {
+      : frame(in), turns(now.angle_rad != in.motion.angle_rad) {
     Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
-    if (turns) offset_mm = turn.inverse() * offset_mm;
+    if (turns) {
+      c = std::cos(now.angle_rad - in.motion.angle_rad);
+      s = std::sin(now.angle_rad - in.motion.angle_rad);
+      offset_mm =
+          Vec2(c * offset_mm.x() + s * offset_mm.y(), c * offset_mm.y() - s * offset_mm.x());
+    }
     image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm);
   }
   [[nodiscard]] bool inside() const noexcept { return frame.field->inside(image_px); }
   /// Height above the reference point; the gradient at the object's present angle.
   [[nodiscard]] SurfaceSample shape() const noexcept {
-    const SurfaceSample sample = frame.field->bilinear(image_px);
-    return {sample.height_mm - frame.motion.position_mm.z(),
-            turns ? Vec2(turn * sample.gradient) : sample.gradient};
+    const SurfaceSample at = frame.field->bilinear(image_px);
+    const Vec2& g = at.gradient;
+    return {at.height_mm - frame.motion.position_mm.z(),
+            turns ? Vec2(c * g.x() - s * g.y(), s * g.x() + c * g.y()) : g};
   }
 };
 
@@ -49,7 +55,8 @@ SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
   if (object.before->field == nullptr) return point;
   const Carried before(*object.before, object, nominal_mm, workspace);
   bool inside = before.inside();
-  const bool blended = object.after != nullptr && object.after->field != nullptr;
+  const bool blended = object.after != nullptr && object.after->field != nullptr &&
+                       !sameRelief(*object.before, *object.after);
   const double s = blended ? object.blend : 0.0;
   SurfaceSample shape;
   if (blended) {
@@ -116,8 +123,10 @@ Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_m
 
 Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept {
-  Contact deepest;
-  for (std::size_t i = 0; i < std::min(scene.object_count, kMaxObjects); ++i) {
+  const std::size_t count = std::min(scene.object_count, kMaxObjects);
+  // The first in place: nearly always it is the only one.
+  Contact deepest = count > 0 ? touchObject(kind, scene.objects[0], hip_mm, workspace) : Contact{};
+  for (std::size_t i = 1; i < count; ++i) {
     const Contact contact = touchObject(kind, scene.objects[i], hip_mm, workspace);
     if (!contact.contact) continue;
     if (!deepest.contact || contact.depth_mm > deepest.depth_mm) deepest = contact;

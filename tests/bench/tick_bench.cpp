@@ -84,9 +84,62 @@ BENCHMARK_CAPTURE(tick, normal_free, Case{.surface = SurfaceKind::kNormal, .hand
     ->UseManualTime();
 BENCHMARK_CAPTURE(tick, perturbed_slide, Case{.surface = SurfaceKind::kPerturbed})->UseManualTime();
 
+/// A dome for the stages alone, and the hand on it; the usual one moves and is blended.
+struct StageCase {
+  SurfaceKind surface = SurfaceKind::kProxy;
+  double lift_mm = 3.0;       // 0: every frame is the same
+  double friction = 0.0;      // of the material
+  double turn_rad_s = 0.0;    // of the object
+  bool grid = false;          // its motion has one
+  double from_centre_mm = 0;  // where the hand slides; the edge is at 15
+  double depth_mm = 1.0;      // of the tip, negative: in the air
+};
+
+/// The frames of a case, sent when they are due.
+class StageStream {
+ public:
+  explicit StageStream(const StageCase& of) : of_(of) {
+    for (int i = 0; i < (of.lift_mm > 0.0 ? 25 : 1); ++i) {
+      fields_.push_back(dome(12.0 + lift_mm(kFrame_s * i), {}));
+    }
+    grid_.columns = grid_.rows = 8;
+    grid_.velocity_mm_s.assign(64, Eigen::Vector3f::Zero());
+    grid_.acceleration_mm_s2.assign(64, Eigen::Vector3f::Ones());
+  }
+  [[nodiscard]] double lift_mm(double t_s) const {
+    return of_.lift_mm * std::sin(2.0 * M_PI * t_s);
+  }
+  void sendUntil(FramePool& pool, std::int64_t ms) {
+    for (FramePool::Index index = 0; sent_ * 40 <= ms && pool.acquire(index); ++sent_) {
+      PlayFrame& frame = pool.slot(index).frame;
+      frame = {};
+      frame.epoch = 1;
+      frame.id = static_cast<std::uint64_t>(sent_);
+      frame.media_time = MediaTime(Duration(sent_ * 40'000'000));
+      const double t_s = kFrame_s * static_cast<double>(sent_);
+      PlayObject& object = frame.objects[frame.object_count++];
+      object.field = fields_[static_cast<std::size_t>(sent_) % fields_.size()].get();
+      object.motion.position_mm = {10.0, 5.0, 12.0 + lift_mm(t_s)};
+      object.motion.velocity_mm_s.z() = of_.lift_mm * 2.0 * M_PI * std::cos(2.0 * M_PI * t_s);
+      object.motion.angle_rad = std::remainder(of_.turn_rad_s * t_s, 2.0 * M_PI);
+      object.motion.angular_velocity_rad_s = of_.turn_rad_s;
+      object.material.static_friction = object.material.dynamic_friction = of_.friction;
+      if (of_.grid) object.grid = &grid_;
+      object.grid_rect = {300, 200, 128, 128};
+      pool.publish(index);
+    }
+  }
+
+ private:
+  static constexpr double kFrame_s = 0.04;
+  StageCase of_;
+  std::vector<std::shared_ptr<const HeightField>> fields_;
+  MotionGrid grid_;
+  std::int64_t sent_ = 0;
+};
+
 /// The stages alone, without filters, playout and report: look-up, surface, dynamic force, safety.
-void stages(benchmark::State& state, SurfaceKind surface) {
-  constexpr double kFrame_s = 0.04;
+void stages(benchmark::State& state, const StageCase& of) {
   const DeviceProfile profile;
   FramePool pool;
   FrameLookup lookup(pool, Interpolation::kHermite);
@@ -97,42 +150,24 @@ void stages(benchmark::State& state, SurfaceKind surface) {
   controls.connected = true;
   controls.first_epoch = 1;
   const Workspace workspace;
-  const auto lift_mm = [](double t_s) { return 3.0 * std::sin(2.0 * M_PI * t_s); };
-  std::vector<std::shared_ptr<const HeightField>> fields;
-  for (int i = 0; i < 25; ++i) fields.push_back(dome(12.0 + lift_mm(kFrame_s * i), workspace));
-  std::uint64_t sent = 0;
-  const auto send = [&] {
-    FramePool::Index index = 0;
-    if (!pool.acquire(index)) return;
-    PlayFrame frame;
-    frame.epoch = 1;
-    frame.id = sent;
-    frame.media_time = MediaTime(Duration(static_cast<std::int64_t>(sent) * 40'000'000));
-    const double t_s = kFrame_s * static_cast<double>(sent);
-    PlayObject& object = frame.objects[frame.object_count++];
-    object.field = fields[sent % 25].get();
-    object.motion.position_mm = {10.0, 5.0, 12.0 + lift_mm(t_s)};
-    object.motion.velocity_mm_s.z() = 6.0 * M_PI * std::cos(2.0 * M_PI * t_s);
-    pool.slot(index).frame = frame;
-    pool.publish(index);
-    ++sent;
-  };
+  StageStream stream(of);
   const double clock_ns = clockCost_ns();
   std::vector<double> all;
   double contacts = 0.0;
   std::int64_t ms = 0;
   for (auto _ : state) {
-    while (static_cast<std::int64_t>(sent) * 40 <= ms + 40) send();
+    stream.sendUntil(pool, ms + 40);
     const double t_s = 1e-3 * static_cast<double>(ms);
-    const double x_mm = 4.0 * std::sin(4.0 * t_s);  // 1 mm deep, up to 2 cm/s
-    const Vec3 hip_mm(10.0 + x_mm, 5.0,
-                      12.0 + lift_mm(t_s) + 5.0 * (1.0 - x_mm * x_mm / 225.0) - 1.0);
+    const double x_mm = 4.0 * std::sin(4.0 * t_s);  // up to 2 cm/s
+    const double r2 = x_mm * x_mm + of.from_centre_mm * of.from_centre_mm;
+    const double top_mm = 12.0 + stream.lift_mm(t_s) + 5.0 * (1.0 - r2 / 225.0);
+    const Vec3 hip_mm(10.0 + x_mm, 5.0 + of.from_centre_mm, top_mm - of.depth_mm);
     const auto from = Ticks::now();
     const MediaTime play_time(Duration(ms * 1'000'000));
     const Scene& scene = lookup.at(play_time, controls);
-    const Contact contact = surface == SurfaceKind::kProxy
+    const Contact contact = of.surface == SurfaceKind::kProxy
                                 ? proxies.touch(scene, hip_mm, workspace, 6.6)
-                                : findContact(surface, scene, hip_mm, workspace);
+                                : findContact(of.surface, scene, hip_mm, workspace);
     SafetyInput input;
     input.position_mm = hip_mm;
     input.contact = contact.contact;
@@ -152,9 +187,23 @@ void stages(benchmark::State& state, SurfaceKind surface) {
   state.counters["p99_ns"] = quantile(all, 0.99);
   state.counters["contact"] = contacts / static_cast<double>(all.size());
 }
-BENCHMARK_CAPTURE(stages, proxy, SurfaceKind::kProxy)->UseManualTime();
-BENCHMARK_CAPTURE(stages, normal, SurfaceKind::kNormal)->UseManualTime();
-BENCHMARK_CAPTURE(stages, perturbed, SurfaceKind::kPerturbed)->UseManualTime();
+// The usual ones, then what is left out where it is not needed and what it costs where it is.
+constexpr auto kNormal = SurfaceKind::kNormal;
+BENCHMARK_CAPTURE(stages, proxy, StageCase{})->UseManualTime();
+BENCHMARK_CAPTURE(stages, normal, StageCase{.surface = kNormal})->UseManualTime();
+BENCHMARK_CAPTURE(stages, perturbed, StageCase{.surface = SurfaceKind::kPerturbed})
+    ->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_same_frames, StageCase{.lift_mm = 0.0})->UseManualTime();
+BENCHMARK_CAPTURE(stages, normal_same_frames, StageCase{.surface = kNormal, .lift_mm = 0.0})
+    ->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_friction, StageCase{.friction = 0.3})->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_turning, StageCase{.turn_rad_s = 1.0})->UseManualTime();
+BENCHMARK_CAPTURE(stages, normal_turning, StageCase{.surface = kNormal, .turn_rad_s = 1.0})
+    ->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_motion_grid, StageCase{.grid = true})->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_near_edge, StageCase{.from_centre_mm = 13.5})->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_in_the_air, StageCase{.depth_mm = -3.0})->UseManualTime();
+BENCHMARK_CAPTURE(stages, proxy_above_all, StageCase{.depth_mm = -20.0})->UseManualTime();
 
 }  // namespace
 }  // namespace hapticast::client
