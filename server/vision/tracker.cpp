@@ -146,8 +146,10 @@ Surface Tracker::surfaceOf(const Segment& segment, const View& view, ScenePlan& 
     cleaned = cleanSurface(view.depth, segment.mask, noise_, settings_.method);
   }
   if (plan.measureNow()) {
-    const bool same =
-        equalImages(cleaned.measured, raw.measured) && equalImages(raw.measured, raw.mask);
+    // A mask of our own may take in some background in any frame, not just in those that are
+    // measured.
+    const bool same = exact_masks_ && equalImages(cleaned.measured, raw.measured) &&
+                      equalImages(raw.measured, raw.mask);
     plan.costs(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
   }
   return cleaned;
