@@ -14,6 +14,11 @@ namespace hapticast::evaluate {
 
 namespace {
 
+// A field of a CSV line; none of ours has quotes in it.
+std::string quoted(const std::string& text) {
+  return text.find(',') == std::string::npos ? text : '"' + text + '"';
+}
+
 constexpr double kNothing = 1e-9;  // rounding
 
 std::ofstream opened(const std::filesystem::path& path) {
@@ -93,9 +98,9 @@ void Report::writeCsv() const {
   std::ofstream file = opened(options_.out / (topic_ + ".csv"));
   file << "scene,stage,variant,error,unit,time_us,is_default,is_thesis\n";
   for (const Row& row : rows_) {
-    file << row.scene << ',' << row.stage << ',' << row.variant << ',' << number(row.error) << ','
-         << row.unit << ',' << number(row.time_us) << ',' << row.is_default << ',' << row.is_thesis
-         << '\n';
+    file << quoted(row.scene) << ',' << quoted(row.stage) << ',' << quoted(row.variant) << ','
+         << number(row.error) << ',' << row.unit << ',' << number(row.time_us) << ','
+         << row.is_default << ',' << row.is_thesis << '\n';
   }
 }
 
