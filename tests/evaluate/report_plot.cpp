@@ -152,7 +152,9 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index, const
       curves << ", $" << mean << " with points pt 6 lw 2 ps 3.2 lc rgb 'black' notitle";
   }
   file << "set key outside "
-       << (panel.variants.size() > kManyNames ? "right center vertical" : "top center horizontal")
+       << (panel.variants.size() > kManyNames
+               ? "right center vertical maxcols 1 font ',8' spacing 0.95"
+               : "top center horizontal maxcols 0 font ',11' spacing 1")
        << "\nset title '" << panel.stage << "'\nset ylabel '" << panel.unit << "'\nset xrange ["
        << number(left / 1.5) << ':' << number(right * 1.5) << "]\nset yrange [" << number(low / 1.6)
        << ':' << number(high * 1.6) << "]\nplot " << curves.str() << "\n";
