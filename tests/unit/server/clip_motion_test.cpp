@@ -41,8 +41,8 @@ Track swinging(double noise_mm) {
   return out;
 }
 
-double errorOf(const Track& track, const std::function<Vec3(std::size_t)>& acceleration,
-               std::size_t margin) {
+double accelerationOff(const Track& track, const std::function<Vec3(std::size_t)>& acceleration,
+                       std::size_t margin) {
   double off = 0;
   double all = 0;
   for (std::size_t i = margin; i + margin < track.samples.size(); ++i) {
@@ -55,9 +55,9 @@ double errorOf(const Track& track, const std::function<Vec3(std::size_t)>& accel
 TEST(ClipMotion, TheWholeClipIsABetterWindow) {
   const Track track = swinging(0.02);
   const std::vector<Motion> whole = smoothedTrack(track.samples, {}, kLookahead);
-  const double with_clip = errorOf(
+  const double with_clip = accelerationOff(
       track, [&](std::size_t i) { return whole[i].acceleration_mm_s2; }, 8);
-  const double with_window = errorOf(
+  const double with_window = accelerationOff(
       track,
       [&](std::size_t i) { return motionFrom(track.samples, i, kLookahead).acceleration_mm_s2; },
       8);
@@ -79,7 +79,7 @@ TEST(ClipMotion, WhatIsNotMeasuredIsBridged) {
     track.samples[i].position_mm.z() = track.samples[i - 1].position_mm.z();
   }
   const std::vector<Motion> whole = smoothedTrack(track.samples, {}, kLookahead);
-  EXPECT_LT(errorOf(
+  EXPECT_LT(accelerationOff(
                 track, [&](std::size_t i) { return whole[i].acceleration_mm_s2; }, 8),
             0.05);
 }
