@@ -71,11 +71,10 @@ MotionHistory::Window MotionHistory::window(std::uint32_t id, std::uint64_t fram
   return out;
 }
 
-Motion MotionHistory::motion(std::uint32_t id, std::uint64_t frame, int lookahead,
+Motion MotionHistory::motion(std::uint32_t id, const Window& around, int lookahead,
                              const NominalFrame& nominal) const {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return {};
-  const Window around = window(id, frame, lookahead, nominal);
   Motion out;
   if (around.at) {
     out = motionFrom(around.samples, *around.at, lookahead);

@@ -48,9 +48,9 @@ class MotionHistory {
 
   [[nodiscard]] Window window(std::uint32_t id, std::uint64_t frame, int lookahead,
                               const NominalFrame& nominal) const;
-  /// Motion of object `id` at `frame`. Without an entry there (lost) it rests at its last known
-  /// pose.
-  [[nodiscard]] Motion motion(std::uint32_t id, std::uint64_t frame, int lookahead,
+  /// Motion of object `id` at the frame that `around` is the window of. Without an entry there
+  /// (lost) it rests at its last known pose.
+  [[nodiscard]] Motion motion(std::uint32_t id, const Window& around, int lookahead,
                               const NominalFrame& nominal) const;
   /// Whether cells were measured in all frames of the window around one.
   [[nodiscard]] bool hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const;

@@ -66,7 +66,7 @@ void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
     }
     nearer = &object;
     const MotionHistory::Window around = history_.window(object.id, frame.id, lookahead_, nominal);
-    Motion motion = history_.motion(object.id, frame.id, lookahead_, nominal);
+    Motion motion = history_.motion(object.id, around, lookahead_, nominal);
     motion.quality = object.motion.quality;
     motion.visible_fraction = object.motion.visible_fraction;
     object.motion = motion;

@@ -45,15 +45,6 @@ bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
   return frame.objects.size() < kMaxObjects && sum <= limits::kReliefPixels;
 }
 
-// Forgets what is kept for objects (by id) that are not there any more.
-template <class Kept>
-void eraseGone(std::map<std::uint32_t, Kept>& kept, const std::vector<HapticObject>& objects) {
-  std::erase_if(kept, [&](const auto& item) {
-    return std::none_of(objects.begin(), objects.end(),
-                        [&](const HapticObject& o) { return o.id == item.first; });
-  });
-}
-
 }  // namespace
 
 class Vision::Impl {
@@ -126,7 +117,10 @@ class Vision::Impl {
       }
     }
     last_objects_ = result.frame.objects;
-    eraseGone(cutters_, last_objects_);
+    std::erase_if(cutters_, [this](const auto& cutter) {
+      return std::none_of(last_objects_.begin(), last_objects_.end(),
+                          [&](const HapticObject& o) { return o.id == cutter.first; });
+    });
     motion_.see(id, time_s, objects);
     pending_.push_back(std::move(pending));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();

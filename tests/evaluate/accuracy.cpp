@@ -2,13 +2,11 @@
 // The force against exact truth: displacement x stiffness of the surface model, before damping and
 // chain, along scripted paths (DESIGN section 4, proxy notes section 5).
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include "tests/evaluate/accuracy_parts.hpp"
+#include "tests/evaluate/all_cores.hpp"
 #include "tests/evaluate/topics.hpp"
 
 namespace hapticast::evaluate {
@@ -17,29 +15,17 @@ namespace {
 
 constexpr double kThesisLong_s = 8.0;  // its server takes its time, and it needs no more to be off
 
-// Both cores; what they find is reported in the cases' order, as soon as it can be.
+// All cores; what they find is reported in the cases' order, as soon as it can be.
 class Work {
  public:
   Work(const std::vector<Case>& cases, Report& report)
       : cases_(cases), report_(report), outcomes_(cases.size()) {}
 
   void run() {
-    constexpr std::size_t kThreads = 2;
-    std::vector<std::thread> threads;
-    for (std::size_t i = 0; i < kThreads; ++i) threads.emplace_back([this] { runSome(); });
-    for (std::thread& thread : threads) thread.join();
-    if (error_) std::rethrow_exception(error_);
+    onAllCores(cases_.size(), [this](std::size_t i) { tell(i, cases_[i]()); });
   }
 
  private:
-  void runSome() {
-    try {
-      for (std::size_t i = next_++; i < cases_.size(); i = next_++) tell(i, cases_[i]());
-    } catch (...) {
-      const std::lock_guard lock(mutex_);
-      error_ = std::current_exception();
-    }
-  }
   void tell(std::size_t i, Outcome outcome) {
     const std::lock_guard lock(mutex_);
     outcomes_[i] = std::move(outcome);
@@ -51,11 +37,9 @@ class Work {
 
   const std::vector<Case>& cases_;
   Report& report_;
-  std::atomic<std::size_t> next_{0};
   std::mutex mutex_;  // guards what follows
   std::vector<std::optional<Outcome>> outcomes_;
   std::size_t told_ = 0;
-  std::exception_ptr error_;
 };
 
 }  // namespace

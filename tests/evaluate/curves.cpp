@@ -2,10 +2,9 @@
 #include "tests/evaluate/curves.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <sstream>
+
+#include "tests/evaluate/gnuplot.hpp"
 
 namespace hapticast::evaluate {
 
@@ -63,24 +62,15 @@ void shareScale(std::vector<CurvePanel>& panels) {
 
 void plotCurves(const std::filesystem::path& png, const std::vector<CurvePanel>& panels,
                 std::size_t columns) {
-  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
-    std::fprintf(stderr, "no gnuplot: %s is left out (apt-get install gnuplot-nox)\n", png.c_str());
-    return;
-  }
-  const std::filesystem::path script = png.string() + ".gnuplot";
-  {
-    std::ofstream file(script);
-    const std::size_t lines = (panels.size() + columns - 1) / columns;
-    file << "set terminal pngcairo noenhanced size " << 640 * columns << ',' << 360 * lines
-         << " font 'sans,11'\nset output '" << png.string() << "'\nset multiplot layout " << lines
-         << ',' << columns
-         << "\nset grid lc rgb '#d8d8d8'\nset key outside top center horizontal\n";
-    for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
-    file << "unset multiplot\n";
-  }
-  const std::string run = "gnuplot '" + script.string() + "'";
-  if (std::system(run.c_str()) != 0) std::fprintf(stderr, "gnuplot failed on %s\n", script.c_str());
-  std::filesystem::remove(script);
+  std::ostringstream file;
+  const std::size_t lines = (panels.size() + columns - 1) / columns;
+  file << "set terminal pngcairo noenhanced size " << 640 * columns << ',' << 360 * lines
+       << " font 'sans,11'\nset output '" << png.filename().string() << "'\nset multiplot layout "
+       << lines << ',' << columns
+       << "\nset grid lc rgb '#d8d8d8'\nset key outside top center horizontal\n";
+  for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i);
+  file << "unset multiplot\n";
+  gnuplot(png.parent_path(), png.stem().string(), file.str());
 }
 
 }  // namespace hapticast::evaluate

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <sstream>
+
+#include "tests/evaluate/gnuplot.hpp"
 
 namespace hapticast::evaluate {
 
@@ -170,32 +170,22 @@ std::string number(double value) {
 
 void plotRows(const std::string& topic, const std::filesystem::path& out,
               const std::vector<Row>& rows, bool of_ticks) {
-  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
-    std::fprintf(stderr, "no gnuplot: %s.png is left out (apt-get install gnuplot-nox)\n",
-                 topic.c_str());
-    return;
-  }
   const std::vector<Panel> panels = panelsOf(rows, of_ticks ? 1.0 : 1e3);
   if (panels.empty()) return;
-  const std::filesystem::path script = out / (topic + ".gnuplot");
-  {
-    std::ofstream file(script);
-    const std::size_t columns = panels.size() > 1 ? 2 : 1;
-    const std::size_t lines = (panels.size() + columns - 1) / columns;
-    file << "set terminal pngcairo noenhanced size " << 760 * columns << ',' << 420 * lines
-         << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines
-         << ',' << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
-         << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
-         << "set grid lc rgb '#d0d0d0'\n"
-         << "set xlabel 'run time, " << (of_ticks ? "us per tick" : "ms of one thread per frame")
-         << "'\n";
-    const Names names = namesOf(panels);
-    for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i, names);
-    file << "unset multiplot\n";
-  }
-  const std::string run = "cd '" + out.string() + "' && gnuplot '" + topic + ".gnuplot'";
-  if (std::system(run.c_str()) != 0) std::fprintf(stderr, "gnuplot failed on %s\n", script.c_str());
-  std::filesystem::remove(script);
+  std::ostringstream file;
+  const std::size_t columns = panels.size() > 1 ? 2 : 1;
+  const std::size_t lines = (panels.size() + columns - 1) / columns;
+  file << "set terminal pngcairo noenhanced size " << 760 * columns << ',' << 420 * lines
+       << " font 'sans,11'\nset output '" << topic << ".png'\nset multiplot layout " << lines << ','
+       << columns << "\nset logscale xy\nset format y '%.3g'\nset format x '%.3g'\n"
+       << "set xtics add (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200)\n"
+       << "set grid lc rgb '#d0d0d0'\n"
+       << "set xlabel 'run time, " << (of_ticks ? "us per tick" : "ms of one thread per frame")
+       << "'\n";
+  const Names names = namesOf(panels);
+  for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i, names);
+  file << "unset multiplot\n";
+  gnuplot(out, topic, file.str());
 }
 
 }  // namespace hapticast::evaluate

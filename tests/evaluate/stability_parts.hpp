@@ -1,30 +1,18 @@
 // SPDX-License-Identifier: MIT
 // The parts of the stability topic, and what they share: claims with what is required and what came
-// out, tables, laws other than the chain's, work on all cores.
+// out, tables, laws other than the chain's.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "tests/evaluate/all_cores.hpp"
+#include "tests/evaluate/gnuplot.hpp"
 #include "tests/evaluate/report.hpp"
 #include "tests/unit/client/battery.hpp"
 
 namespace hapticast::evaluate {
-
-/// Runs job(0) .. job(count - 1) on all cores; each writes only what is its own.
-template <class Job>
-void onAllCores(std::size_t count, Job job) {
-  std::atomic<std::size_t> next{0};
-  std::vector<std::jthread> workers;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
-    workers.emplace_back([&] {
-      for (std::size_t at = next++; at < count; at = next++) job(at);
-    });
-  }
-}
 
 /// What the report says first: required and got, line by line.
 class Claims {
@@ -51,9 +39,6 @@ struct StabilityReport {
 std::string markdown(const std::vector<std::vector<std::string>>& lines);
 /// printf to a string.
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
-/// Runs a gnuplot script in the report's folder; says so where there is none or it fails.
-void gnuplot(const std::filesystem::path& out, const std::string& name, const std::string& script);
-
 /// Force on the tip from what is touched, instead of the chain.
 using Law = std::function<client::SafetyOutput(const client::SafetyInput&)>;
 /// F = max(0, K d + B u), clamped to `peak_N`: no limits, no fades.

@@ -28,6 +28,10 @@ TrackedObject objectAtPixel(int u, double depth_mm) {
   return out;
 }
 
+Motion motionAt(const MotionHistory& history, std::uint64_t frame) {
+  return history.motion(5, history.window(5, frame, 3, nominalFrame()), 3, nominalFrame());
+}
+
 TEST(Describe, PutsPosesIntoTheNominalFrame) {
   const Sample sample = nominalFrame().sample({320, 0, 600, 0.3, true}, 2.0);
   EXPECT_EQ(sample.position_mm, Vec3(80, 60, 30));
@@ -67,7 +71,7 @@ TEST(Describe, HistoryGivesMotionInNominalUnits) {
     TrackedObject object = objectAtPixel(100 + static_cast<int>(i), 750 - 10.0 * double(i));
     history.add(i, double(i) / 25, {object});
   }
-  const Motion motion = history.motion(5, 4, 3, nominalFrame());
+  const Motion motion = motionAt(history, 4);
   EXPECT_NEAR(motion.velocity_mm_s.x(), 0.5 * 25, 1e-6);  // 1 px a frame, 0.5 mm a px
   EXPECT_NEAR(motion.velocity_mm_s.y(), 0, 1e-9);
   EXPECT_NEAR(motion.velocity_mm_s.z(), 1.0 * 25,
@@ -79,11 +83,11 @@ TEST(Describe, ALostObjectRestsWhereItWasSeenLast) {
   MotionHistory history;
   for (std::uint64_t i = 0; i < 4; ++i)
     history.add(i, double(i) / 25, {objectAtPixel(100 + 2 * int(i), 750)});
-  const Motion motion = history.motion(5, 6, 3, nominalFrame());
+  const Motion motion = motionAt(history, 6);
   EXPECT_EQ(motion.velocity_mm_s, Vec3::Zero());
   EXPECT_NEAR(motion.position_mm.x(), (126 - 160) * 0.5, 1e-9);
   history.dropBefore(30);
-  EXPECT_EQ(history.motion(5, 30, 3, nominalFrame()).position_mm, Vec3::Zero());
+  EXPECT_EQ(motionAt(history, 30).position_mm, Vec3::Zero());
 }
 
 }  // namespace
