@@ -45,9 +45,12 @@ struct Workspace {
   /// Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y; the top-left picture corner is (x_min,
   /// y_max).
   [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept {
-    const Vec2 per_mm = pixelsPerMm();
-    return {nominal_mm.x() * per_mm.x() + 0.5 * width_px,
-            0.5 * height_px - nominal_mm.y() * per_mm.y()};
+    return toImage(nominal_mm, pixelsPerMm());
+  }
+  /// The same for who has pixelsPerMm() at hand: divisions are what the loop waits for.
+  [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm, const Vec2& px_per_mm) const noexcept {
+    return {nominal_mm.x() * px_per_mm.x() + 0.5 * width_px,
+            0.5 * height_px - nominal_mm.y() * px_per_mm.y()};
   }
   [[nodiscard]] Vec2 toNominal(const Vec2& image_px) const noexcept;
 };

@@ -20,22 +20,10 @@ Four load(const float* from) {
   return values;
 }
 
-/// Weights of four pixels along one axis, t beyond the second: of the value, of the first
-/// derivative per px, and those that the derivative of the *other* axis is smoothed with.
-struct AxisWeights {
-  Four value, slope, across;
-};
-
-/// Linear value; Sobel's [-1 0 1]/2 and [1 2 1]/4 interpolated linearly: together the bilinear mean
-/// of the four pixels' Sobel gradients (Eq. 11-12), each pixel weighted by the area opposite to it.
-AxisWeights bilinearWeights(float t) {
-  const float s = 1.0F - t;
-  return {Four{0.0F, s, t, 0.0F}, Four{-0.5F * s, -0.5F * t, 0.5F * s, 0.5F * t},
-          Four{0.25F * s, 0.5F * s + 0.25F * t, 0.25F * s + 0.5F * t, 0.25F * t}};
-}
-
-struct SplineWeights : AxisWeights {
-  Four bend;
+/// Weights of four pixels along one axis, t beyond the second: of the value and its derivatives
+/// per px.
+struct SplineWeights {
+  Four value, slope, bend;
 };
 
 SplineWeights splineWeights(float t) {
@@ -45,7 +33,7 @@ SplineWeights splineWeights(float t) {
   constexpr Four kLine = {-3.0F / 6, 0.0F, 3.0F / 6, 0.0F};
   constexpr Four kConstant = {1.0F / 6, 4.0F / 6, 1.0F / 6, 0.0F};
   const Four value = ((kCube * t + kSquare) * t + kLine) * t + kConstant;
-  return {{value, (3.0F * kCube * t + 2.0F * kSquare) * t + kLine, value},
+  return {value, (3.0F * kCube * t + 2.0F * kSquare) * t + kLine,
           6.0F * kCube * t + 2.0F * kSquare};
 }
 
@@ -56,18 +44,6 @@ Four sums(const Four& a, const Four& b, const Four& c, const Four& d) {
   const Four cd = __builtin_shufflevector(c, d, 0, 4, 1, 5) +  //
                   __builtin_shufflevector(c, d, 2, 6, 3, 7);
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
-}
-
-/// Index of the first of the four pixels along one axis and the fraction from the second to the
-/// third; all four lie within 0 .. count-1 (count >= 4). No branches; a NaN becomes the first.
-struct Taps {
-  std::size_t first;
-  float t;
-};
-Taps tapsAt(double coordinate_px, int first_px, int count) {
-  const double x = std::min(std::max(1.0, coordinate_px - first_px - 0.5), count - 2.0);
-  const int i = std::min(static_cast<int>(x), count - 3);
-  return {static_cast<std::size_t>(i - 1), static_cast<float>(x - i)};
 }
 
 /// The 4 x 4 pixels around a point, row by row, and where it lies between them.
@@ -81,22 +57,19 @@ struct Cell {
   }
 };
 
-[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, const PixelRect& rect,
-                                          const Vec2& image_px) {
-  const Taps u = tapsAt(image_px.x(), rect.u, rect.width);
-  const Taps v = tapsAt(image_px.y(), rect.v, rect.height);
-  const auto stride = static_cast<std::size_t>(rect.width);
-  const float* const from = values.data() + v.first * stride + u.first;
-  return {u.t,
-          v.t,
-          {load(from), load(from + stride), load(from + 2 * stride), load(from + 3 * stride)}};
-}
-
-/// Value, derivatives along u and v (per px), and nothing.
-[[gnu::always_inline]] inline Four sampled(const Cell& cell, const AxisWeights& u,
-                                           const AxisWeights& v) {
-  return sums(u.value * cell.down(v.value), u.slope * cell.down(v.across),
-              u.across * cell.down(v.slope), Four{});
+/// The pixels around a point `x_px`, `y_px` from the first centre; none of them is outside when
+/// both are kept within 1 and `last`, less than two below the last centre. Without branches; a NaN
+/// counts as 1.
+[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, int stride,
+                                          const Vec2& from_first_px, const Vec2& last) {
+  const double x = std::min(std::max(1.0, from_first_px.x()), last.x());
+  const double y = std::min(std::max(1.0, from_first_px.y()), last.y());
+  const int i = static_cast<int>(x);
+  const int j = static_cast<int>(y);
+  const float* const row = values.data() + std::ptrdiff_t{j - 1} * stride + (i - 1);
+  return {static_cast<float>(x - i),
+          static_cast<float>(y - j),
+          {load(row), load(row + stride), load(row + 2 * stride), load(row + 3 * stride)}};
 }
 
 /// From derivatives per px; v runs against y.
@@ -109,23 +82,37 @@ Vec2 gradientOf(const Four& sample, const Vec2& px_per_mm) {
 
 bool HeightField::inside(const Vec2& image_px) const noexcept {
   if (empty()) return false;
-  const double u = image_px.x() - prepared_.u;
-  const double v = image_px.y() - prepared_.v;
+  const Vec2 from_edge_px = image_px - first_px_ + Vec2::Constant(0.5);
+  const double u = from_edge_px.x();
+  const double v = from_edge_px.y();
   // Written so that a NaN fails.
-  if (!(u >= 0.0 && u < prepared_.width && v >= 0.0 && v < prepared_.height)) return false;
-  return mask_[static_cast<std::size_t>(v) * static_cast<std::size_t>(prepared_.width) +
-               static_cast<std::size_t>(u)] != 0;
+  if (!(u >= 0.0 && u < size_px_.x() && v >= 0.0 && v < size_px_.y())) return false;
+  return mask_[static_cast<std::size_t>(static_cast<int>(v) * prepared_.width +
+                                        static_cast<int>(u))] != 0;
 }
 
 SurfaceSample HeightField::bilinear(const Vec2& image_px) const noexcept {
-  if (empty() || !image_px.allFinite()) return {};
-  const Cell cell = cellAt(height_mm_, prepared_, image_px);
-  const Four sample = sampled(cell, bilinearWeights(cell.u), bilinearWeights(cell.v));
+  const Cell cell = cellAt(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
+  // Between two pixels of a column: the value; Sobel's [1 2 1] and [-1 0 1] of one pixel turn into
+  // those of the other, so that each of the four pixels' Sobel gradients weighs by the area
+  // opposite to it.
+  const auto& [top, upper, lower, bottom] = cell.row;
+  const Four between = lower - upper;
+  const Four above = top + upper, below = lower + bottom, middle = upper + lower;
+  const Four value = upper + cell.v * between;
+  const Four across = above + middle + cell.v * (below - above);
+  const Four slope = lower - top + cell.v * (bottom - upper - (lower - top));
+  const float t = cell.u;
+  const float s = 1.0F - t;
+  const Four linear = {0.0F, s, t, 0.0F};
+  const Four step = {-s, -t, s, t};
+  const Four smooth = {s, 1.0F + s, 1.0F + t, t};
+  const Four sample = sums(linear * value, 0.125F * step * across, 0.125F * smooth * slope, Four{});
   return {static_cast<double>(sample[0]), gradientOf(sample, px_per_mm_)};
 }
 
 CurvedSample HeightField::spline(const Vec2& image_px) const noexcept {
-  const Cell cell = cellAt(height_mm_, prepared_, image_px);
+  const Cell cell = cellAt(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
   const SplineWeights u = splineWeights(cell.u);
   const SplineWeights v = splineWeights(cell.v);
   const Four value = cell.down(v.value);
@@ -143,8 +130,11 @@ CurvedSample HeightField::spline(const Vec2& image_px) const noexcept {
 }
 
 EdgeSample HeightField::edge(const Vec2& image_px) const noexcept {
-  const Cell cell = cellAt(edge_mm_, prepared_, image_px);
-  const Four sample = sampled(cell, splineWeights(cell.u), splineWeights(cell.v));
+  const Cell cell = cellAt(edge_mm_, prepared_.width, image_px - first_px_, last_cell_);
+  const SplineWeights u = splineWeights(cell.u);
+  const SplineWeights v = splineWeights(cell.v);
+  const Four value = cell.down(v.value);
+  const Four sample = sums(u.value * value, u.slope * value, u.value * cell.down(v.slope), Four{});
   return {static_cast<double>(sample[0]), gradientOf(sample, px_per_mm_)};
 }
 

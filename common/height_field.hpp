@@ -45,13 +45,12 @@ class HeightField {
   [[nodiscard]] bool inside(const Vec2& image_px) const noexcept;
   /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12), to about 1e-5 mm
   /// (single precision). Outside the prepared rectangle: the nearest prepared value. Any
-  /// `image_px`; zero where it is not finite.
+  /// `image_px`; a NaN counts as the far left or top. Requires a field that is not empty.
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
-  /// Uniform cubic B-spline with the heights as coefficients; otherwise as bilinear(), but a NaN
-  /// counts as the far left or top. Requires a field that is not empty.
+  /// Uniform cubic B-spline with the heights as coefficients; otherwise as bilinear().
   [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
   /// Signed distance to the mask's edge (a cubic B-spline of the blurred field), clamped to
-  /// +-kMargin_px. Coordinates and requirement as for spline().
+  /// +-kMargin_px. Coordinates and requirement as for bilinear().
   [[nodiscard]] EdgeSample edge(const Vec2& image_px) const noexcept;
   /// No spline() of this field is higher.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
@@ -75,6 +74,10 @@ class HeightField {
 
   PixelRect rect_;      // of the relief
   PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
+  // The same in the numbers that sampling reckons with.
+  Vec2 first_px_ = Vec2::Zero();  // centre of the first pixel
+  Vec2 size_px_ = Vec2::Zero();
+  Vec2 last_cell_ = Vec2::Zero();  // from there: the last point with 4 x 4 pixels around it
   Vec2 mm_per_px_ = Vec2::Ones();
   Vec2 px_per_mm_ = Vec2::Ones();
   Vec2 deepest_px_ = Vec2::Zero();  // of the mask

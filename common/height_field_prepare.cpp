@@ -154,6 +154,10 @@ HeightField HeightField::padded(const Relief& relief, const Workspace& workspace
   }
   field.prepared_ = {rect.u - kMargin_px, rect.v - kMargin_px, rect.width + 2 * kMargin_px,
                      rect.height + 2 * kMargin_px};
+  field.first_px_ = Vec2(field.prepared_.u, field.prepared_.v) + Vec2::Constant(0.5);
+  field.size_px_ = Vec2(field.prepared_.width, field.prepared_.height);
+  constexpr double kJustBefore_px = 1e-9;  // the point itself is between the next pixels
+  field.last_cell_ = field.size_px_ - Vec2::Constant(2.0 + kJustBefore_px);
   const auto width = static_cast<std::size_t>(field.prepared_.width);
   const auto height = static_cast<std::size_t>(field.prepared_.height);
   field.height_mm_.assign(width * height, 0.0F);

@@ -34,6 +34,11 @@ inline std::uint64_t keyOf(const PlayObject& object) noexcept {
   return (std::uint64_t{object.id} << 32U) | object.layer;
 }
 
+/// There is something to touch; null: there is no such object.
+inline bool shows(const PlayObject* object) noexcept {
+  return object != nullptr && object->field != nullptr && !object->field->empty();
+}
+
 /// Nothing to blend: the same relief at the same place.
 inline bool sameRelief(const PlayObject& a, const PlayObject& b) noexcept {
   return a.field == b.field && a.motion.position_mm == b.motion.position_mm &&

@@ -44,12 +44,6 @@ void setPose(ObjectNow& object, const Pose& pose) noexcept {
   object.angular_velocity_rad_s = pose.angular_velocity_rad_s;
 }
 
-void setBlend(ObjectNow& object, double interval_s, double alone_s, double time_s) noexcept {
-  const double from_s = std::min(alone_s, kLatestBlend * interval_s);
-  object.blend_rate_1_s = 1.0 / (interval_s - from_s);
-  object.blend = std::clamp((time_s - from_s) * object.blend_rate_1_s, 0.0, 1.0);
-}
-
 void standStill(ObjectNow& object) noexcept {
   object.velocity_mm_s.setZero();
   object.acceleration_mm_s2.setZero();
@@ -73,12 +67,11 @@ FrameLookup::FrameLookup(FramePool& pool, Interpolation interpolation) noexcept
 
 const Scene& FrameLookup::at(MediaTime play_time, const Controls& controls) noexcept {
   takeArrived(play_time, controls.first_epoch);
-  releaseUnneeded(play_time);
+  const std::size_t before = releaseUnneeded(play_time);
   scene_.play_time = play_time;
   scene_.jumped = false;
   scene_.object_count = 0;
   scene_.kind = Lookup::kNone;
-  const std::size_t before = beforeIndex(play_time);
   if (before != kNone) fillScene(before, play_time, controls);
   return scene_;
 }
@@ -140,7 +133,7 @@ void FrameLookup::release(std::size_t i) noexcept {
   for (; i < held_count_; ++i) held_[i] = held_[i + 1];
 }
 
-void FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
+std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
   std::size_t before = beforeIndex(play_time);
   for (; before != kNone && before > 1; --before) release(0);
   // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
@@ -158,6 +151,7 @@ void FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
     }
     release(densest);
   }
+  return before;
 }
 
 const PlayFrame* FrameLookup::nextOf(std::size_t before, const Controls& controls) const noexcept {
@@ -176,6 +170,7 @@ void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double int
   pair_.now = &now;
   pair_.next = next;
   pair_.interval_s = interval_s;
+  pair_.rate_1_s = next != nullptr ? 1.0 / interval_s : 0.0;
   for (std::size_t i = 0; i < objectCount(now); ++i) {
     const PlayObject& object = now.objects[i];
     pair_.after[i] = next != nullptr ? find(*next, keyOf(object)) : nullptr;
@@ -204,11 +199,15 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
   scene_.object_count = objectCount(now);
   played_ = true;
   pairUp(now, next, interval_s);
+  const double from_s = std::min(alone_s_, kLatestBlend * interval_s);
+  const double blend_rate_1_s = from_s > 0.0 ? 1.0 / (interval_s - from_s) : pair_.rate_1_s;
+  const double blend = std::clamp((time_s - from_s) * blend_rate_1_s, 0.0, 1.0);
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
     const PlayObject& object = now.objects[i];
     ObjectNow& out = scene_.objects[i];
-    out = {};
     out.before = &object;
+    out.after = nullptr;
+    out.blend = out.blend_rate_1_s = 0.0;
     const PlayObject* const after = pair_.after[i];
     if (interpolation_ == Interpolation::kHold) {
       setPose(out, standingPose(object.motion));
@@ -216,7 +215,8 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
       setPose(out, carriedPose(object, now.media_time, limit_s, time_s));
     } else {
       out.after = after;
-      setBlend(out, interval_s, alone_s_, time_s);
+      out.blend = blend;
+      out.blend_rate_1_s = blend_rate_1_s;
       setPose(out, interpolation_ == Interpolation::kLinear
                        ? linearPose(object.motion, after->motion, interval_s, time_s)
                        : pair_.path[i].at(time_s));

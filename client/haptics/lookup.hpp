@@ -82,7 +82,8 @@ class FrameLookup {
   void takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;
-  void releaseUnneeded(MediaTime play_time) noexcept;
+  /// Keeps what the cubic needs and what is ahead; returns beforeIndex().
+  std::size_t releaseUnneeded(MediaTime play_time) noexcept;
   void fillScene(std::size_t before, MediaTime play_time, const Controls& controls) noexcept;
 
   /// What two frames say of the time between them; holds until another frame is held or released.
@@ -90,6 +91,7 @@ class FrameLookup {
     const PlayFrame* now = nullptr;  // null: not known
     const PlayFrame* next = nullptr;
     double interval_s = 0.0;
+    double rate_1_s = 0.0;                               // 1 / interval
     std::array<const PlayObject*, kMaxObjects> after{};  // in `next`, for each object of `now`
     std::array<HermitePath, kMaxObjects> path;
   };

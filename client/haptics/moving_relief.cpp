@@ -17,10 +17,6 @@ Vec2 turnedBack(const Vec2& turn, const Vec2& gradient) noexcept {
           turn.x() * gradient.y() - turn.y() * gradient.x()};
 }
 
-bool shows(const PlayObject* frame) noexcept {
-  return frame != nullptr && frame->field != nullptr && !frame->field->empty();
-}
-
 }  // namespace
 
 bool MovingRelief::Frame::same(const PlayObject& object) const noexcept {

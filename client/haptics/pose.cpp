@@ -93,7 +93,8 @@ HermitePath::HermitePath(const PlayObject& from, const PlayObject& to, MediaTime
                          double interval_s) noexcept
     : acceleration_mm_s2_(from.motion.acceleration_mm_s2),
       acceleration_change_mm_s2_(to.motion.acceleration_mm_s2 - from.motion.acceleration_mm_s2),
-      interval_s_(interval_s) {
+      interval_s_(interval_s),
+      rate_1_s_(1.0 / interval_s) {
   const Motion& a = from.motion;
   const Motion& b = to.motion;
   // The later frame knows its past best; both may list the impact.
@@ -116,9 +117,9 @@ HermitePath::HermitePath(const PlayObject& from, const PlayObject& to, MediaTime
 }
 
 Pose HermitePath::at(double time_s) const noexcept {
-  const double s = time_s / interval_s_;
+  const double s = time_s * rate_1_s_;
   const double r = 1.0 - s;
-  const double bend = 6.0 * s * r / interval_s_;
+  const double bend = 6.0 * s * r * rate_1_s_;
   const auto value = [&]<class T>(const Ends<T>& of) -> T {
     return (1.0 + 2.0 * s) * r * r * of.p0 + interval_s_ * s * r * r * of.v0 +
            s * s * (3.0 - 2.0 * s) * of.p1 - interval_s_ * s * s * r * of.v1;

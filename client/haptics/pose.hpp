@@ -64,6 +64,7 @@ class HermitePath {
   Vec3 acceleration_mm_s2_ = Vec3::Zero();
   Vec3 acceleration_change_mm_s2_ = Vec3::Zero();
   double interval_s_ = 1.0;
+  double rate_1_s_ = 1.0;  // 1 / interval
   bool turns_ = false;
   Kinks kinks_;
 };

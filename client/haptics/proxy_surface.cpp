@@ -17,10 +17,6 @@ constexpr double kLongestTick_s = 5e-3;
 constexpr double kFastestObject_mm_s = 1500.0;  // nor does the chain believe in more
 constexpr double kWeight_mm = 1e-9;             // of a contact whose displacement has yet to grow
 
-bool touchable(const ObjectNow& object) noexcept {
-  return object.before->field != nullptr && !object.before->field->empty();
-}
-
 double coefficient(double given) noexcept {
   return given > 0.0 ? std::min(given, kMostFriction) : 0.0;  // a NaN is none
 }
@@ -164,7 +160,7 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
   std::size_t arrived_count = 0;
   for (std::size_t i = 0; i < std::min(scene.object_count, kMaxObjects); ++i) {
     const ObjectNow& object = scene.objects[i];
-    if (!touchable(object)) continue;
+    if (!shows(object.before)) continue;
     if (Tied* const tied = known(keyOf(*object.before))) {
       look(*tied, object, hip_mm, workspace, elapsed_s);
     } else {

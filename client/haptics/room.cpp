@@ -35,7 +35,7 @@ double centreHeight_mm(const ObjectNow& object) noexcept {
     return frame.field->deepestPointHeight_mm() - frame.motion.position_mm.z();
   };
   const double before_mm = above(*object.before);
-  const bool blended = object.after != nullptr && object.after->field != nullptr;
+  const bool blended = shows(object.after);
   const double change_mm = blended ? object.blend * (above(*object.after) - before_mm) : 0.0;
   return object.position_mm.z() + before_mm + change_mm;
 }
@@ -46,7 +46,7 @@ const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scene.object_count; ++i) {
     const ObjectNow& object = scene.objects[i];
-    if (object.before->field == nullptr || object.before->field->empty()) continue;
+    if (!shows(object.before)) continue;
     const double distance_mm = (centreOf(object, workspace) - hip_mm.head<2>()).norm();
     if (distance_mm >= nearest_mm) continue;
     nearest_mm = distance_mm;
@@ -188,8 +188,8 @@ void Room::reportObject(const Contact& contact, const Scene& scene,
   const ObjectNow* object = contact.object != nullptr
                                 ? contact.object
                                 : nearestObject(scene, report_.hip_mm, controls.workspace);
-  report_.object_present = object != nullptr && object->before->field != nullptr &&
-                           controls.connected && fresh(scene.kind);
+  report_.object_present =
+      object != nullptr && shows(object->before) && controls.connected && fresh(scene.kind);
   report_.over_object = false;
   report_.height_at_hip_mm = 0.0;
   if (!report_.object_present) return;

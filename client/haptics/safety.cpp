@@ -29,8 +29,7 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
       mass_kg_(profile.mass_kg),
       profile_delay_ticks_(profile.delay_ticks),
       limit_N_(profile.peak_N),
-      slew_(profile),
-      meter_(profile),
+      steps_(profile),
       ports_(profile.delay_ticks, profile.count_mm),
       tank_(profile),
       thermal_(profile),
@@ -64,7 +63,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   // A world that disappears under the tip leaves nothing to fade: its last force ramps down.
   const bool vanished = !in.touchable && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
-  StepState now = stateOf(in, geometry);
+  StepState now = stateOf(in, geometry, out.not_finite);
   meter(now, geometry, in.measurement_jumped, jump, out);  // 5, 10
 
   out.static_force_N = wallForce(now, geometry, out);     // 3, 5
@@ -78,11 +77,16 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   now.force_N = faded_N * tank;
   const double again = clampFactor(now.force_N, out);
   now.force_N *= again;
-  now.force_N = slewed(now, in.measurement_jumped, out);  // 8
+  const Explained hand = in.measurement_jumped ? Explained{} : explainedByHand(now, last_);
+  out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
+  if (out.step_excess_N > 0.0 && links_.slew) {  // 8
+    now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
+    out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
+    out.interferences |= bit(Interference::kSlew);
+  }
 
   ports_.sent(now.force_N, out.dynamic_force_N * (gain * tank * again));
   thermal_.add(now.force_N.squaredNorm());
-  out.step_excess_N = meter_.excess_N(now, in.measurement_jumped);
   out.force_N = now.force_N;
   out.contact = geometry.contact;
   out.penetration_mm = geometry.size_mm;
@@ -97,11 +101,12 @@ void SafetyChain::rearm() noexcept {
   check_depth_ = true;
 }
 
-StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry) const noexcept {
+StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
+                               bool not_finite) const noexcept {
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
                 .contact = geometry.contact};
-  if (!(now.position_mm + now.velocity_mm_s).allFinite()) {
+  if (not_finite && !(now.position_mm + now.velocity_mm_s).allFinite()) {
     now.position_mm = last_.position_mm;
     now.velocity_mm_s = last_.velocity_mm_s;
   }
@@ -212,14 +217,6 @@ double SafetyChain::tankFactor(const Vec3& force_N, SafetyOutput& out) const noe
   const double factor = tank_.factor(force_N);
   if (factor < 1.0) out.interferences |= bit(Interference::kTank);
   return factor;
-}
-
-Vec3 SafetyChain::slewed(const StepState& now, bool measurement_jumped,
-                         SafetyOutput& out) const noexcept {
-  if (!links_.slew) return now.force_N;
-  const Vec3 force_N = slew_.limited(now, last_, measurement_jumped);
-  if (force_N != now.force_N) out.interferences |= bit(Interference::kSlew);
-  return force_N;
 }
 
 }  // namespace hapticast::client

@@ -11,7 +11,7 @@
 #include "client/haptics/energy_ports.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/latency_watch.hpp"
-#include "client/haptics/step_meter.hpp"
+#include "client/haptics/step_limit.hpp"
 #include "client/haptics/thermal_budget.hpp"
 #include "client/haptics/wall_law.hpp"
 
@@ -86,7 +86,7 @@ struct SafetyOutput {
   bool contact = false;
   bool not_finite = false;
   bool latency_alarm = false;  ///< raised in this tick: swings that the profile's delay cannot make
-  double step_excess_N = 0.0;  ///< of StepMeter
+  double step_excess_N = 0.0;  ///< over StepLimit's: must be 0
   std::uint32_t interferences = 0;
 };
 
@@ -125,7 +125,8 @@ class SafetyChain {
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
   Geometry heldGeometry(const Vec3& position_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
-  StepState stateOf(const SafetyInput& input, const Geometry& geometry) const noexcept;
+  StepState stateOf(const SafetyInput& input, const Geometry& geometry,
+                    bool not_finite) const noexcept;
   void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
              SafetyOutput& out) noexcept;
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
@@ -133,7 +134,6 @@ class SafetyChain {
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
-  Vec3 slewed(const StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
   double peak_N_, residue_step_N_, mass_kg_;
@@ -141,8 +141,7 @@ class SafetyChain {
   int delay_ticks_ = 0;
   double limit_N_;  // of the force in this tick: the motors' heat, the peak
   double lead_s_ = 0.0, stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
-  SlewLimit slew_;
-  StepMeter meter_;
+  StepLimit steps_;
   EnergyPorts ports_;
   UserTank tank_;
   ThermalBudget thermal_;

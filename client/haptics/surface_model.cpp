@@ -19,7 +19,7 @@ struct Carried {
   Vec2 image_px;
 
   Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
-          const Workspace& workspace) noexcept
+          const Workspace& workspace, const Vec2& px_per_mm) noexcept
       : frame(in), turns(now.angle_rad != in.motion.angle_rad) {
     Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
     if (turns) {
@@ -28,7 +28,7 @@ struct Carried {
       offset_mm =
           Vec2(c * offset_mm.x() + s * offset_mm.y(), c * offset_mm.y() - s * offset_mm.x());
     }
-    image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm);
+    image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm, px_per_mm);
   }
   [[nodiscard]] bool inside() const noexcept { return frame.field->inside(image_px); }
   /// Height above the reference point; the gradient at the object's present angle.
@@ -52,15 +52,15 @@ Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_ra
 SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
                        const Workspace& workspace) noexcept {
   SurfacePoint point;
-  if (object.before->field == nullptr) return point;
-  const Carried before(*object.before, object, nominal_mm, workspace);
+  if (!shows(object.before)) return point;
+  const Vec2 px_per_mm = workspace.pixelsPerMm();
+  const Carried before(*object.before, object, nominal_mm, workspace, px_per_mm);
   bool inside = before.inside();
-  const bool blended = object.after != nullptr && object.after->field != nullptr &&
-                       !sameRelief(*object.before, *object.after);
+  const bool blended = shows(object.after) && !sameRelief(*object.before, *object.after);
   const double s = blended ? object.blend : 0.0;
   SurfaceSample shape;
   if (blended) {
-    const Carried after(*object.after, object, nominal_mm, workspace);
+    const Carried after(*object.after, object, nominal_mm, workspace, px_per_mm);
     const bool inside_after = after.inside();
     const bool inside_both = inside && inside_after;
     inside = s < 0.5 ? inside : inside_after;
@@ -90,8 +90,12 @@ Vec3 perturbedDisplacement(double depth_mm, double height_mm, const Vec2& gradie
   return (depth_mm - threshold_mm) * Vec3::UnitZ() + threshold_mm * m;
 }
 
-Vec3 normalDisplacement(double depth_mm, const Vec2& gradient) noexcept {
-  return depth_mm / (1.0 + gradient.squaredNorm()) * Vec3(-gradient.x(), -gradient.y(), 1.0);
+TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept {
+  const Vec3 m(-gradient.x(), -gradient.y(), 1.0);
+  // In this order the displacement need not wait for the root.
+  const double square = 1.0 / (1.0 + gradient.squaredNorm());
+  const double slant = std::sqrt(square);
+  return {depth_mm * square * m, slant * m, slant * depth_mm};
 }
 
 Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_mm,
@@ -103,8 +107,11 @@ Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_m
   // Written so that a NaN touches nothing.
   if (!point.inside || !(depth_mm > 0.0)) return contact;
   const Vec2& gradient = point.sample.gradient;
+  const TangentPlane plane = tangentPlane(depth_mm, gradient);
+  contact.normal = plane.normal;
+  contact.depth_mm = plane.depth_mm;
   if (kind == SurfaceKind::kNormal) {
-    contact.displacement_mm = normalDisplacement(depth_mm, gradient);
+    contact.displacement_mm = plane.displacement_mm;
   } else {
     const double given_K_mm = object.before->material.texture_K_mm;
     contact.displacement_mm = perturbedDisplacement(
@@ -112,8 +119,6 @@ Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_m
         given_K_mm >= 0.0 ? given_K_mm : kDefaultTextureK_mm, workspace.depth_mm);
     contact.stiffness_factor = 1.0 + gradient.squaredNorm();
   }
-  contact.normal = Vec3(-gradient.x(), -gradient.y(), 1.0).normalized();
-  contact.depth_mm = depth_mm * contact.normal.z();
   contact.surface_velocity_mm_s = velocityAt(object, under, point.shape_rate_mm_s);
   contact.contact = true;
   contact.jump = object.appeared;

@@ -45,7 +45,15 @@ SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
 /// K of Eq. 3 in mm; h_bar = height / depth_mm. Returned in nominal mm.
 Vec3 perturbedDisplacement(double depth_mm, double height_mm, const Vec2& gradient,
                            double texture_K_mm, double workspace_depth_mm) noexcept;
-Vec3 normalDisplacement(double depth_mm, const Vec2& gradient) noexcept;
+
+/// The plane through a surface point that lies `depth_mm` above the tip along z, with the surface's
+/// gradient there.
+struct TangentPlane {
+  Vec3 displacement_mm;  ///< from the tip to the nearest point of the plane, d / (1 + |g|²) M
+  Vec3 normal;           ///< unit
+  double depth_mm;       ///< of the tip along it
+};
+TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept;
 
 /// Contact of the HIP with one object; `jump` if the object has just appeared.
 Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_mm,

@@ -139,7 +139,7 @@ client::SurfacePoint splineAt(const client::ObjectNow& object, const Vec2& nomin
 
 Touch normalBySpline() {
   return memoryless(splineAt, [](double depth_mm, const SurfaceSample& sample) {
-    return client::normalDisplacement(depth_mm, sample.gradient);
+    return client::tangentPlane(depth_mm, sample.gradient).displacement_mm;
   });
 }
 

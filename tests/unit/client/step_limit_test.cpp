@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the meter of force steps takes for the hand's doing, and what not.
+// What of a step of the force is taken for the hand's doing, what not, and what is left of it.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -8,6 +8,21 @@
 
 namespace hapticast::client {
 namespace {
+
+/// Follows the steps of a force tick by tick.
+class StepMeter {
+ public:
+  double excess_N(const StepState& now, bool measurement_jumped) {
+    const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_);
+    const double excess_N = limit_.excess_N(now.force_N, last_.force_N, hand);
+    last_ = now;
+    return excess_N;
+  }
+
+ private:
+  StepLimit limit_{DeviceProfile{}};
+  StepState last_;
+};
 
 /// A meter that has seen a tip resting in a wall of 0.5 N/mm under 1 N.
 struct RestingMeter {
@@ -22,11 +37,11 @@ struct RestingMeter {
       EXPECT_EQ(meter.excess_N(state, false), 0.0);
     }
   }
-  StepMeter meter{DeviceProfile{}};
+  StepMeter meter;
   StepState state;
 };
 
-TEST(StepMeter, TheDamperExplainsOnlyItsOwnDirection) {
+TEST(StepLimit, TheDamperExplainsOnlyItsOwnDirection) {
   const double damping_N = wallDamping_Ns_m(0.5, wallLead_s(1)) * 0.1;  // of 100 mm/s
   for (const double direction : {1.0, -1.0}) {
     RestingMeter in;
@@ -45,7 +60,7 @@ TEST(StepMeter, TheDamperExplainsOnlyItsOwnDirection) {
   EXPECT_NEAR(fast.meter.excess_N(fast.state, false), 3.0 - 6.0 * damping_N - 0.2, 1e-9);
 }
 
-TEST(StepMeter, AStifferStreamExplainsNothing) {
+TEST(StepLimit, AStifferStreamExplainsNothing) {
   RestingMeter meter;
   meter.state.local_stiffness_N_mm = 5.0;
   meter.state.position_mm.z() -= 0.1;
@@ -55,9 +70,9 @@ TEST(StepMeter, AStifferStreamExplainsNothing) {
   EXPECT_NEAR(meter.meter.excess_N(meter.state, false), 2.0 - hand_N - 0.2, 1e-9);
 }
 
-TEST(StepMeter, AContactThatTheStreamMadeExplainsNothing) {
+TEST(StepLimit, AContactThatTheStreamMadeExplainsNothing) {
   for (const bool by_hand : {true, false}) {
-    StepMeter meter{DeviceProfile{}};
+    StepMeter meter;
     StepState state;
     state.velocity_mm_s = {0.0, 0.0, -200.0};
     EXPECT_EQ(meter.excess_N(state, false), 0.0);
@@ -73,7 +88,7 @@ TEST(StepMeter, AContactThatTheStreamMadeExplainsNothing) {
   }
 }
 
-TEST(StepMeter, ANumberThatIsNoneIsNoSilence) {
+TEST(StepLimit, ANumberThatIsNoneIsNoSilence) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     RestingMeter meter;
@@ -82,8 +97,8 @@ TEST(StepMeter, ANumberThatIsNoneIsNoSilence) {
   }
 }
 
-TEST(StepMeter, SeesAStepThatNothingExplains) {
-  StepMeter meter{DeviceProfile{}};
+TEST(StepLimit, SeesAStepThatNothingExplains) {
+  StepMeter meter;
   StepState state;
   EXPECT_EQ(meter.excess_N(state, false), 0.0);
   state.force_N = {0.0, 0.0, 0.2};
