@@ -2,6 +2,7 @@
 #include "server/vision/enhance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -12,6 +13,9 @@ namespace {
 constexpr int kRim_px = 5;
 constexpr int kSweeps = 60;
 constexpr double kSmooth_mm = 0.65;
+constexpr std::array kWider_mm{1.0, 1.6, 2.6};
+constexpr double kFinest_px_mm = 12.0;  // smoothed over no more pixels in finer pictures
+constexpr double kBeyond = 0.1;         // of half a step, that a wider fit may be off
 constexpr double kThesisSigma_px = 2.0;
 constexpr double kMixed = 0.1;  // of the pixels at an edge
 
@@ -160,14 +164,28 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
   return keep;
 }
 
-// Where the measured depth is only rounded the truth is within half a step of it. What a fit makes
-// of a rim that bends more than a quadratic is not.
-void keepWithin(cv::Mat& height, const cv::Mat& measured_height, const cv::Mat& measured,
-                double half_mm) {
+// Depth that is only rounded: the truth is within half a step of it. A wider fit sees more of the
+// terraces; where it, too, stays within half a step of all that was measured around a pixel it is
+// the better one, elsewhere the surface bends more than a quadratic (Lepski's choice of a
+// bandwidth). What a fit makes of a rim that bends too much for any is cut to half a step.
+void smoothTerraces(cv::Mat& height, const cv::Mat& rounded, const Surface& surface, double half_mm,
+                    double px_per_mm) {
+  for (const double sigma_mm : kWider_mm) {
+    const cv::Mat wide = widerFit(rounded, height, surface.mask, sigma_mm * px_per_mm);
+    cv::Mat off;
+    cv::absdiff(wide, rounded, off);
+    cv::Mat share = cv::max(cv::min((1 + kBeyond - off / half_mm) / kBeyond, 1.0), 0.0);
+    share.setTo(1.0, surface.measured == 0);
+    const double reach_px = 0.5 * sigma_mm * px_per_mm;
+    const int size = 2 * static_cast<int>(std::lround(reach_px)) + 1;
+    cv::erode(share, share, cv::Mat::ones(size, size, CV_8UC1));
+    cv::GaussianBlur(share, share, {}, reach_px);
+    height += share.mul(wide - height);
+  }
   cv::Mat kept;
-  cv::max(height, measured_height - half_mm, kept);
-  cv::min(kept, measured_height + half_mm, kept);
-  kept.copyTo(height, measured);
+  cv::max(height, rounded - half_mm, kept);
+  cv::min(kept, rounded + half_mm, kept);
+  kept.copyTo(height, surface.measured);
 }
 
 }  // namespace
@@ -223,11 +241,11 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
     height = height(cv::Rect({margin, margin}, surface.box.size()));
   } else {
     height.setTo(0, surface.depth <= 0);
-    const double sigma_px = std::clamp(kSmooth_mm / workspace.mmPerPixel().maxCoeff(), 0.8, 8.0);
-    const cv::Mat measured_height = height;
-    if (smooth) height = quadraticFit(height, surface.mask, sigma_px);
+    const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());
+    const cv::Mat rounded = height;
+    if (smooth) height = quadraticFit(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
     if (smooth && surface.quantum_mm > 0)
-      keepWithin(height, measured_height, surface.measured, 0.5 * gain * surface.quantum_mm);
+      smoothTerraces(height, rounded, surface, 0.5 * gain * surface.quantum_mm, px_per_mm);
   }
   auto relief = std::make_shared<Relief>();
   relief->rect = {surface.box.x, surface.box.y, surface.box.width, surface.box.height};

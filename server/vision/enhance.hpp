@@ -33,9 +33,9 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
 Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise);
 
 /// Heights 0..depth_mm: (far - z) / (far - near) x depth_mm, smoothed inside the mask by a local
-/// quadratic fit with Gaussian weights (sigma 0.65 mm), which takes the terraces of 8-bit depth
-/// away, too, and stays within half a step of what was measured; the thesis: Gauss sigma 2 px over
-/// zero outside the mask.
+/// quadratic fit with Gaussian weights (sigma 0.65 mm; for 8-bit depth up to 2.6 mm, as wide as the
+/// fit stays within half a step of what was measured, which takes its terraces away); the thesis:
+/// Gauss sigma 2 px over zero outside the mask.
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
                                          const Workspace& workspace, Method method,
                                          bool smooth = true);
@@ -47,5 +47,10 @@ cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wante
 /// Value at each pixel of `mask` of the quadratic fitted to `values` around it with Gaussian
 /// weights inside the mask. Exact for planes, nearly so for quadratics up to the rim.
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px);
+/// The same with a wide window, reckoned in fewer pixels: the mean over a block of them is no more
+/// biased by curvature than that of `narrow`, a fit in all pixels, and only the difference of the
+/// two is interpolated. Blocks that are not all inside the mask keep `narrow`.
+cv::Mat widerFit(const cv::Mat& values, const cv::Mat& narrow, const cv::Mat& mask,
+                 double sigma_px);
 
 }  // namespace hapticast::server

@@ -167,36 +167,64 @@ cv::Mat fitAt(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wante
   return out;
 }
 
+// Means of blocks of `factor` x `factor` pixels; what a block has beyond the image is zero.
+cv::Mat shrunk(const cv::Mat& image, int factor) {
+  const int right = (factor - image.cols % factor) % factor;
+  const int below = (factor - image.rows % factor) % factor;
+  cv::Mat out;
+  cv::copyMakeBorder(image, out, 0, below, 0, right, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::resize(out, out, {out.cols / factor, out.rows / factor}, 0, 0, cv::INTER_AREA);
+  return out;
+}
+
+cv::Mat grown(const cv::Mat& image, int factor, const cv::Size& size) {
+  cv::Mat out;
+  cv::resize(image, out, image.size() * factor, 0, 0, cv::INTER_CUBIC);
+  return out(cv::Rect({0, 0}, size));
+}
+
 // What is smoothed over many pixels is as well told by every second or third one.
 cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double sigma_px,
                          int factor) {
-  const int right = (factor - values.cols % factor) % factor;
-  const int below = (factor - values.rows % factor) % factor;
-  cv::Mat small_values;
-  cv::Mat small_weight;
-  cv::copyMakeBorder(values, small_values, 0, below, 0, right, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::copyMakeBorder(weight, small_weight, 0, below, 0, right, cv::BORDER_CONSTANT, cv::Scalar(0));
-  const cv::Size whole = small_values.size();
-  const cv::Size size(whole.width / factor, whole.height / factor);
-  cv::resize(small_values, small_values, size, 0, 0, cv::INTER_AREA);
-  cv::resize(small_weight, small_weight, size, 0, 0, cv::INTER_AREA);
+  const cv::Mat small_weight = shrunk(weight, factor);
   const cv::Mat wanted = dilatedBy(small_weight > 0, 2);  // cubic interpolation reads as far
-  cv::Mat out = fitAt(small_values, small_weight, wanted, sigma_px / factor);
-  cv::resize(out, out, whole, 0, 0, cv::INTER_CUBIC);
-  return out(cv::Rect({0, 0}, values.size()));
+  const cv::Mat out = fitAt(shrunk(values, factor), small_weight, wanted, sigma_px / factor);
+  return grown(out, factor, values.size());
 }
+
+// About the mean, so that float moments do not lose the small differences that matter; zero outside
+// the mask.
+struct Centred {
+  double mean;
+  cv::Mat weight;
+  cv::Mat values;
+
+  Centred(const cv::Mat& of, const cv::Mat& mask) : mean(cv::mean(of, mask)[0]) {
+    mask.convertTo(weight, CV_32F, 1.0 / 255.0);
+    values = (of - mean).mul(weight);
+  }
+};
 
 }  // namespace
 
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px) {
-  cv::Mat weight;
-  mask.convertTo(weight, CV_32F, 1.0 / 255.0);
-  // About the mean, so that float moments do not lose the small differences that matter.
-  const double mean = cv::mean(values, mask)[0];
-  const cv::Mat centred = (values - mean).mul(weight);
+  const Centred in(values, mask);
   const int factor = std::min(4, static_cast<int>(sigma_px / kFewestSigma_px));
-  return mean + (factor > 1 ? fitInFewerPixels(centred, weight, sigma_px, factor)
-                            : fitAt(centred, weight, mask, sigma_px));
+  return in.mean + (factor > 1 ? fitInFewerPixels(in.values, in.weight, sigma_px, factor)
+                               : fitAt(in.values, in.weight, mask, sigma_px));
+}
+
+cv::Mat widerFit(const cv::Mat& values, const cv::Mat& narrow, const cv::Mat& mask,
+                 double sigma_px) {
+  const Centred in(values, mask);
+  const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
+  // What a block's part inside the mask would tell does not lie at the block's centre.
+  const cv::Mat whole = shrunk(in.weight, factor) > 0.999;
+  const Centred blocks(shrunk(in.values, factor), whole);
+  const cv::Mat wide = blocks.mean + fitAt(blocks.values, blocks.weight, whole, sigma_px / factor);
+  cv::Mat correction = wide - shrunk(narrow - in.mean, factor);
+  correction.setTo(0, whole == 0);
+  return narrow + grown(correction, factor, narrow.size());
 }
 
 }  // namespace hapticast::server
