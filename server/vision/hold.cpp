@@ -170,13 +170,14 @@ Surface Hold::surface(double quantum_mm) const {
           held_.measured(tight) & held_.mask(tight), quantum_mm};
 }
 
-Surface Hold::apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bool repeated) {
+Surface Hold::apply(const cv::Mat& gray, const Surface& now, const RestNoise& noise,
+                    bool repeated) {
   cv::Rect box = now.box;
   if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
   moveTo(tilesAround(grown(box, kMargin_px, gray.size()), gray.size()));
   HoldImages seen = imagesOf(gray, now);
   countPixels();
-  tiles_.look(held_, last_gray_, seen, sigma_mm, repeated);
+  tiles_.look(held_, last_gray_, seen, noise, repeated);
   blend(seen);
   keepReference(seen);
   countShare();
@@ -191,7 +192,7 @@ Hold Hold::copy() const {
   return out;
 }
 
-bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, double sigma_mm) {
+bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, const RestNoise& noise) {
   if (share_ < 1.0) return false;
   // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
   // released and looked at in full.
@@ -203,7 +204,7 @@ bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, double sigma_mm) {
   now.measured = held_.measured(tight) & (now.depth > 0);
   held_.depth(tight).copyTo(now.depth, now.measured == 0);
   Hold next = copy();
-  (void)next.apply(gray, now, sigma_mm, false);
+  (void)next.apply(gray, now, noise, false);
   if (next.share_ < 1.0) return false;
   *this = next;
   return true;

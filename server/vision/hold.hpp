@@ -16,13 +16,13 @@ class Hold {
  public:
   /// The surface of the next frame as it is to be felt: averaged over the first 16 frames and then
   /// kept, depth and mask, in tiles at rest; `now` elsewhere. `gray`: the whole picture, CV_8UC1.
-  /// `sigma_mm`: depth noise of a pixel. `repeated`: this depth is no new observation. Touches the
+  /// `repeated`: this depth is no new observation. Touches the
   /// object's box only.
-  Surface apply(const cv::Mat& gray, const Surface& now, double sigma_mm, bool repeated);
+  Surface apply(const cv::Mat& gray, const Surface& now, const RestNoise& noise, bool repeated);
 
   /// Whether a frame shows the object as it is held, all of it at rest: then the frame is counted
   /// as apply() would have. Else nothing is changed. `depth`: working depth of the whole picture.
-  bool stays(const cv::Mat& gray, const cv::Mat& depth, double sigma_mm);
+  bool stays(const cv::Mat& gray, const cv::Mat& depth, const RestNoise& noise);
 
   /// The part of the object, 0..1, that lies in tiles at rest, unchanged by this frame. 1: the
   /// surface equals the last frame's bit by bit.

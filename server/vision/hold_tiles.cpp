@@ -170,27 +170,27 @@ void HoldTiles::learnNoise(const std::vector<Look>& looks, double sigma_mm) {
   depth_noise_mm_ = std::clamp(depth_noise_mm_, 0.02, largest_mm);
 }
 
-bool HoldTiles::moved(Tile& tile, const Look& look, bool repeated) const {
+bool HoldTiles::moved(Tile& tile, const Look& look, double drift_mm, bool repeated) const {
   // The mean over few pixels of a tile scatters more.
   const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, look.compared)));
   if (look.color_off > spread * color_noise_ + 0.5) return true;
   if (2 * look.core_lost > look.core) return true;
   double evidence = 2 * look.flipped > std::max(kFewestPixels, look.pixels) ? 1.0 : 0.0;
   if (!repeated && look.core_measured >= kFewestCore)
-    evidence += evidenceOf(look.depth_off_mm, 5 * depth_noise_mm_ + 1.0);
+    evidence += evidenceOf(look.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
   if (evidence > 0 || !repeated) tile.evidence = evidence > 0 ? tile.evidence + evidence : 0.0;
   return tile.evidence >= (look.texture < kTexture ? kEnoughUntextured : kEnough);
 }
 
 // The whole object drifts in depth: seen sooner and by less than in any one tile.
-bool HoldTiles::allMoved(const std::vector<Look>& looks, bool repeated) {
+bool HoldTiles::allMoved(const std::vector<Look>& looks, double drift_mm, bool repeated) {
   if (repeated) return false;
   std::vector<double> offs;
   for (const Look& look : looks) {
     if (look.core_measured >= kFewestCore) offs.push_back(look.depth_off_mm);
   }
   const double evidence =
-      offs.size() < kFewestTiles ? 0.0 : evidenceOf(medianOf(offs), 2 * depth_noise_mm_ + 1.0);
+      offs.size() < kFewestTiles ? 0.0 : evidenceOf(medianOf(offs), 2 * depth_noise_mm_ + drift_mm);
   evidence_of_all_ = evidence > 0 ? evidence_of_all_ + evidence : 0.0;
   return evidence_of_all_ >= kEnoughOfAll;
 }
@@ -221,7 +221,7 @@ void HoldTiles::weigh(const std::vector<Look>& looks, bool repeated) {
 }
 
 void HoldTiles::look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now,
-                     double sigma_mm, bool repeated) {
+                     const RestNoise& noise, bool repeated) {
   now.gray /= gainOf(held, now);
   const cv::Mat core = erodedBy(held.mask, kCore_px);
   std::vector<Look> looks;
@@ -229,11 +229,12 @@ void HoldTiles::look(const HoldImages& held, const cv::Mat& last_gray, HoldImage
     for (int column = 0; column < columns_; ++column)
       looks.push_back(lookAt(column, row, held, last_gray, now, core));
   }
-  learnNoise(looks, sigma_mm);
-  const bool all = allMoved(looks, repeated);
+  learnNoise(looks, noise.sigma_mm);
+  const bool all = allMoved(looks, noise.drift_mm, repeated);
   if (all) evidence_of_all_ = 0;
   for (std::size_t i = 0; i < tiles_.size(); ++i)
-    tiles_[i].released = !looks[i].known || moved(tiles_[i], looks[i], repeated) || all;
+    tiles_[i].released =
+        !looks[i].known || moved(tiles_[i], looks[i], noise.drift_mm, repeated) || all;
   weigh(looks, repeated);
   for (Tile& tile : tiles_) {
     if (tile.released) {

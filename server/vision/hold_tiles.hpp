@@ -31,16 +31,22 @@ struct Tile {
   bool mask_held = false;
 };
 
+/// What depth reads of something at rest.
+struct RestNoise {
+  double sigma_mm = 0.0;  ///< of a pixel
+  double drift_mm = 1.0;  ///< of a tile's mean: sensors wander; clean depth does not
+};
+
 /// The tiles of one object and the noise they are judged by. Thread: vision's.
 class HoldTiles {
  public:
   /// Tiles over another box (px, corners on tiles); those of both boxes stay.
   void moveTo(const cv::Rect& box);
-  /// Looks at a frame: `held`, `last_gray` (the frame before) and `now` over the box. `sigma_mm`:
-  /// depth noise of a pixel. `repeated`: this depth is no new observation. Decides for every tile
-  /// whether it is released, its weight and whether its mask is held, and counts the frame.
-  void look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now, double sigma_mm,
-            bool repeated);
+  /// Looks at a frame: `held`, `last_gray` (the frame before) and `now` over the box. `repeated`:
+  /// this depth is no new observation. Decides for every tile whether it is released, its weight
+  /// and whether its mask is held, and counts the frame.
+  void look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now,
+            const RestNoise& noise, bool repeated);
 
   [[nodiscard]] const Tile& tileAt(int column, int row) const {
     return tiles_[static_cast<std::size_t>(row * columns_ + column)];
@@ -56,8 +62,8 @@ class HoldTiles {
   [[nodiscard]] Look lookAt(int column, int row, const HoldImages& held, const cv::Mat& last_gray,
                             const HoldImages& now, const cv::Mat& core) const;
   void learnNoise(const std::vector<Look>& looks, double sigma_mm);
-  [[nodiscard]] bool moved(Tile& tile, const Look& look, bool repeated) const;
-  [[nodiscard]] bool allMoved(const std::vector<Look>& looks, bool repeated);
+  [[nodiscard]] bool moved(Tile& tile, const Look& look, double drift_mm, bool repeated) const;
+  [[nodiscard]] bool allMoved(const std::vector<Look>& looks, double drift_mm, bool repeated);
   void weigh(const std::vector<Look>& looks, bool repeated);
 
   cv::Rect box_;

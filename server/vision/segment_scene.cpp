@@ -19,6 +19,7 @@ constexpr double kSmallestPlane = 0.06;
 constexpr double kSmallestGround = 0.02;  // of the picture, for a plane that is surely ground
 constexpr double kGroundSlope = 1.5;      // mm of depth per px
 constexpr double kClean_mm = 0.1;
+constexpr double kUnknown_mm = 0.5;
 // What rounding alone reads as noise on a slope: second differences of one quantum. Finer quanta
 // read the same when a sensor's correlated noise is on them.
 constexpr double kRounding = 0.61;
@@ -162,10 +163,13 @@ DepthNoise measureNoise(const cv::Mat& depth) {
     }
   }
   DepthNoise noise;
-  double last = 0.5;
+  std::optional<double> last;
   for (auto& bin : differences) {
+    const bool nearest = !last && bin.size() >= 200;
     if (bin.size() >= 200) last = 1.48 * medianOf(bin) / std::sqrt(6.0);
-    noise.sigma_mm.push_back(last);
+    // What comes nearer than anything was is not noisier.
+    if (nearest) std::fill(noise.sigma_mm.begin(), noise.sigma_mm.end(), *last);
+    noise.sigma_mm.push_back(last.value_or(kUnknown_mm));
   }
   std::vector<double> gaps;
   for (auto next = values.begin(); next != values.end() && std::next(next) != values.end();

@@ -16,6 +16,7 @@ constexpr double kTooLittle = 0.25;              // visible fraction
 constexpr double kBlindQuality = 0.5;            // at most: followed without depth
 constexpr int kBesideObjects_px = 4;             // at half size: their rims are no background
 constexpr double kStandingBackground_px = 0.03;  // a step of less is noise
+constexpr double kCleanDrift = 0.1;              // steps of rounded depth
 
 cv::Vec2d centroidOf(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
@@ -70,7 +71,7 @@ bool Tracker::staysAtRest(Track& track, const View& view) const {
   if (settings_.method == Method::kThesis || track.lost > 0 || !track.now.atRest() || !left_out)
     return false;
   const double depth_mm = cv::mean(track.now.surface.depth, track.now.surface.mask)[0];
-  return track.hold.stays(view.gray, view.depth, noise_.at(depth_mm));
+  return track.hold.stays(view.gray, view.depth, restNoise(depth_mm));
 }
 
 Flows Tracker::followTracks(const View& view) {
@@ -171,13 +172,19 @@ Surface Tracker::carriedSurface(const Segment& segment, const Surface& before,
   return out;
 }
 
+RestNoise Tracker::restNoise(double depth_mm) const {
+  RestNoise out{noise_.at(depth_mm)};
+  if (noise_.clean(depth_mm)) out.drift_mm = kCleanDrift * noise_.quantum_mm;
+  return out;
+}
+
 void Tracker::hold(Track& track, const View& view, bool repeated) const {
   track.now.held_share = 0.0;
   if (settings_.method == Method::kThesis) return;
   Surface& surface = track.now.surface;
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
   if (exact_masks_ && noise_.clean(depth_mm)) return;  // nothing trembles
-  surface = track.hold.apply(view.gray, surface, noise_.at(depth_mm), repeated);
+  surface = track.hold.apply(view.gray, surface, restNoise(depth_mm), repeated);
   track.now.held_share = track.hold.share();
 }
 

@@ -85,6 +85,7 @@ class Tracker {
   /// The thesis's dense flow, or what the rigid motion leaves over.
   void measureCells(Track& track, const View& view, const Surface& before, double time_s);
   /// Holds what is at rest of the track's new surface; does nothing where there is no noise.
+  [[nodiscard]] RestNoise restNoise(double depth_mm) const;
   void hold(Track& track, const View& view, bool repeated) const;
   static void updatePresence(Track& track, const Segment& segment, const ObjectFlow& flow);
 

@@ -135,6 +135,17 @@ TEST(Enhance, ExactDepthAndRoundedDepthAreClean) {
   EXPECT_FALSE((DepthNoise{{1.9}, 1.57, true}).clean(700));
 }
 
+TEST(Enhance, WhatComesNearerThanAnythingWasIsNotNoisier) {
+  cv::RNG random(3);
+  const cv::Mat depth =
+      painted(120, [&](int u, int v) { return 620.0 + 0.1 * u + 0.2 * v + random.gaussian(0.05); });
+  const DepthNoise noise = measureNoise(depth);
+  EXPECT_NEAR(noise.at(620), 0.05, 0.01);
+  EXPECT_EQ(noise.at(300), noise.at(620));
+  EXPECT_EQ(noise.at(2000), noise.at(620));
+  EXPECT_FALSE(measureNoise(cv::Mat::zeros(120, 120, CV_32FC1)).clean(300));
+}
+
 // Height of a ball of `radius_px` over a 640x480 picture (0.25 mm a pixel), its middle at (u, v).
 cv::Mat ballHeights(double radius_px, double u, double v) {
   return painted(280, [&](int i, int j) {

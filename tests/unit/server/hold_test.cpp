@@ -56,7 +56,7 @@ struct Holding {
   void next(double u, double v = 120, double closer_mm = 0, bool repeated = false) {
     const View view = makeView(ball.frame(index++, u, v, closer_mm), ball.scene.info());
     free = cleanSurface(view.depth, view.mask * 255, noise, Method::kHapticast);
-    held = hold.apply(view.gray, free, kSigma_mm, repeated);
+    held = hold.apply(view.gray, free, {kSigma_mm}, repeated);
   }
   // Root mean square of the depth's error, mm, 5 px and more inside the ball.
   [[nodiscard]] double error_mm(const Surface& surface, double u, double v = 120,
@@ -184,7 +184,7 @@ TEST(Hold, ABodyAtRestIsHeldBesideAHandThatMoves) {
     cv::rectangle(gray, hand, 30, cv::FILLED);
     cv::rectangle(depth, hand, 690, cv::FILLED);
     const Surface now = cleanSurface(depth, view.mask * 255, run.noise, Method::kHapticast);
-    run.held = run.hold.apply(gray, now, kSigma_mm, false);
+    run.held = run.hold.apply(gray, now, {kSigma_mm}, false);
     if (i >= 20) least = std::min(least, run.hold.share());
     EXPECT_LT(run.hold.share(), 1.0);
   }
@@ -197,6 +197,25 @@ TEST(Hold, RepeatedDepthDoesNotCount) {
   for (int i = 0; i < 30; ++i) run.next(160, 120, 0, true);
   EXPECT_LT(run.error_mm(run.held, 160) / run.error_mm(run.free, 160), 1.2);
   EXPECT_GT(run.error_mm(run.held, 160) / run.error_mm(run.free, 160), 0.8);
+}
+
+// A clean depth has no drift that would hide the slow moments of a motion.
+TEST(Hold, CleanDepthThatTurnsRoundIsFollowed) {
+  const auto worst_mm = [](const RestNoise& noise) {
+    Holding run;
+    double worst = 0.0;
+    for (std::uint64_t i = 0; i < 60; ++i) {
+      const double closer_mm = 40.0 * std::cos(0.1 * double(i));
+      const View view =
+          makeView(run.ball.scene.frame(i, 160, 120, closer_mm), run.ball.scene.info());
+      const Surface now = rawSurface(view.depth, view.mask * 255, {{0.02}, 0.0});
+      run.held = run.hold.apply(view.gray, now, noise, false);
+      worst = std::max(worst, run.error_mm(run.held, 160, 120, closer_mm));
+    }
+    return worst;
+  };
+  EXPECT_LT(worst_mm({.sigma_mm = 0.02, .drift_mm = 0.0}), 0.25);
+  EXPECT_GT(worst_mm({.sigma_mm = 0.02}), 0.6);
 }
 
 // Through all of vision: what is felt at rest, and what is sent.
