@@ -168,7 +168,7 @@ cv::Mat fitAt(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wante
 }
 
 // Means of blocks of `factor` x `factor` pixels; what a block has beyond the image is zero.
-cv::Mat shrunk(const cv::Mat& image, int factor) {
+cv::Mat blockMeans(const cv::Mat& image, int factor) {
   const int right = (factor - image.cols % factor) % factor;
   const int below = (factor - image.rows % factor) % factor;
   cv::Mat out;
@@ -177,7 +177,7 @@ cv::Mat shrunk(const cv::Mat& image, int factor) {
   return out;
 }
 
-cv::Mat grown(const cv::Mat& image, int factor, const cv::Size& size) {
+cv::Mat fromBlocks(const cv::Mat& image, int factor, const cv::Size& size) {
   cv::Mat out;
   cv::resize(image, out, image.size() * factor, 0, 0, cv::INTER_CUBIC);
   return out(cv::Rect({0, 0}, size));
@@ -186,10 +186,10 @@ cv::Mat grown(const cv::Mat& image, int factor, const cv::Size& size) {
 // What is smoothed over many pixels is as well told by every second or third one.
 cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double sigma_px,
                          int factor) {
-  const cv::Mat small_weight = shrunk(weight, factor);
+  const cv::Mat small_weight = blockMeans(weight, factor);
   const cv::Mat wanted = dilatedBy(small_weight > 0, 2);  // cubic interpolation reads as far
-  const cv::Mat out = fitAt(shrunk(values, factor), small_weight, wanted, sigma_px / factor);
-  return grown(out, factor, values.size());
+  const cv::Mat out = fitAt(blockMeans(values, factor), small_weight, wanted, sigma_px / factor);
+  return fromBlocks(out, factor, values.size());
 }
 
 // About the mean, so that float moments do not lose the small differences that matter; zero outside
@@ -219,12 +219,12 @@ cv::Mat widerFit(const cv::Mat& values, const cv::Mat& narrow, const cv::Mat& ma
   const Centred in(values, mask);
   const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
   // What a block's part inside the mask would tell does not lie at the block's centre.
-  const cv::Mat whole = shrunk(in.weight, factor) > 0.999;
-  const Centred blocks(shrunk(in.values, factor), whole);
+  const cv::Mat whole = blockMeans(in.weight, factor) > 0.999;
+  const Centred blocks(blockMeans(in.values, factor), whole);
   const cv::Mat wide = blocks.mean + fitAt(blocks.values, blocks.weight, whole, sigma_px / factor);
-  cv::Mat correction = wide - shrunk(narrow - in.mean, factor);
+  cv::Mat correction = wide - blockMeans(narrow - in.mean, factor);
   correction.setTo(0, whole == 0);
-  return narrow + grown(correction, factor, narrow.size());
+  return narrow + fromBlocks(correction, factor, narrow.size());
 }
 
 }  // namespace hapticast::server
