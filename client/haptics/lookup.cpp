@@ -44,6 +44,18 @@ void setPose(ObjectNow& object, const Pose& pose) noexcept {
   object.angular_velocity_rad_s = pose.angular_velocity_rad_s;
 }
 
+struct Blend {
+  double value;
+  double rate_1_s;
+};
+
+/// `rate_1_s`: 1 / interval. A frame that came late is blended in from there.
+Blend blendAt(double time_s, double interval_s, double rate_1_s, double alone_s) noexcept {
+  const double from_s = std::min(alone_s, kLatestBlend * interval_s);
+  if (from_s > 0.0) rate_1_s = 1.0 / (interval_s - from_s);
+  return {std::clamp((time_s - from_s) * rate_1_s, 0.0, 1.0), rate_1_s};
+}
+
 void standStill(ObjectNow& object) noexcept {
   object.velocity_mm_s.setZero();
   object.acceleration_mm_s2.setZero();
@@ -199,9 +211,7 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
   scene_.object_count = objectCount(now);
   played_ = true;
   pairUp(now, next, interval_s);
-  const double from_s = std::min(alone_s_, kLatestBlend * interval_s);
-  const double blend_rate_1_s = from_s > 0.0 ? 1.0 / (interval_s - from_s) : pair_.rate_1_s;
-  const double blend = std::clamp((time_s - from_s) * blend_rate_1_s, 0.0, 1.0);
+  const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
     const PlayObject& object = now.objects[i];
     ObjectNow& out = scene_.objects[i];
@@ -215,8 +225,8 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
       setPose(out, carriedPose(object, now.media_time, limit_s, time_s));
     } else {
       out.after = after;
-      out.blend = blend;
-      out.blend_rate_1_s = blend_rate_1_s;
+      out.blend = blend.value;
+      out.blend_rate_1_s = blend.rate_1_s;
       setPose(out, interpolation_ == Interpolation::kLinear
                        ? linearPose(object.motion, after->motion, interval_s, time_s)
                        : pair_.path[i].at(time_s));
