@@ -96,40 +96,53 @@ SphereFit fitSphere(const std::vector<Vector3d>& points) {
   return out;
 }
 
-// Of an ellipsoid, however it is turned, seen from afar: its depth is a plane through the centre
-// less a dome over the outline, z = z0 + g.x - c sqrt(1 - x.shape.x). nullopt where that does not
-// fit.
-std::optional<double> ellipsoidDepth_mm(const std::vector<Vector3d>& points, const Outline& outline,
-                                        const CameraModel& camera) {
+// Of an ellipsoid, however it is turned. It touches the cone over its outline M, X.MX = 0, along a
+// plane m.X = w, so that X.MX + (m.X - w)² = 0 on it: the inverse depth is linear in the picture
+// and in a dome over the outline, 1 / z = p.(x, y, 1) + d sqrt(1 - x.shape.x). The centre solves
+// (d² M + p p^T) C = p. nullopt where that does not fit. x: from the outline's middle, in its
+// radii.
+std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
+                                           const Outline& outline, const CameraModel& camera) {
+  const Eigen::Matrix2d shape = outline.shape * outline.radius_px * outline.radius_px;
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   std::vector<Eigen::Vector4d> rows;
   for (const Vector3d& p : points) {
-    const Eigen::Vector2d at(camera.fx_px * p.x() / p.z() + camera.cx_px - outline.u_px,
-                             camera.fy_px * p.y() / p.z() + camera.cy_px - outline.v_px);
-    const double dome = std::sqrt(std::max(0.0, 1.0 - at.dot(outline.shape * at)));
-    rows.emplace_back(1.0, at.x() / outline.radius_px, at.y() / outline.radius_px, -dome);
+    const Eigen::Vector2d at =
+        Eigen::Vector2d(camera.fx_px * p.x() / p.z() + camera.cx_px - outline.u_px,
+                        camera.fy_px * p.y() / p.z() + camera.cy_px - outline.v_px) /
+        outline.radius_px;
+    const double dome = std::sqrt(std::max(0.0, 1.0 - at.dot(shape * at)));
+    rows.emplace_back(at.x(), at.y(), 1.0, dome);
     matrix += rows.back() * rows.back().transpose();
-    right += rows.back() * p.z();
+    right += rows.back() / p.z();
   }
-  const Eigen::Vector4d c = matrix.ldlt().solve(right);
-  if (!c.allFinite() || !(c[3] > 0)) return std::nullopt;
+  const Eigen::Vector4d fit = matrix.ldlt().solve(right);
+  const Vector3d plane = fit.head<3>();
+  const double dome = fit[3];
+  if (!fit.allFinite() || !(dome > 0)) return std::nullopt;
   double square = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    square += std::pow(rows[i].dot(c) - points[i].z(), 2);
-  const double residual_mm = std::sqrt(square / static_cast<double>(points.size()));
-  if (residual_mm >= kDomeResidual * c[3] || c[0] <= c[3]) return std::nullopt;
-  // From nearby the outline lies before the centre: of a ball by r²/z.
-  return c[0] + c[3] * c[3] / c[0];
+    square += std::pow(rows[i].dot(fit) - 1.0 / points[i].z(), 2);
+  if (std::sqrt(square / static_cast<double>(points.size())) >= kDomeResidual * dome)
+    return std::nullopt;
+  Eigen::Matrix3d body = plane * plane.transpose();
+  body.topLeftCorner<2, 2>() += dome * dome * shape;
+  body(2, 2) -= dome * dome;
+  if (!(body.determinant() > 0)) return std::nullopt;
+  const Vector3d centre = body.ldlt().solve(plane);
+  const double z = centre.z();
+  return Vector3d(
+      (centre.x() * outline.radius_px + (outline.u_px - camera.cx_px) * z) / camera.fx_px,
+      (centre.y() * outline.radius_px + (outline.v_px - camera.cy_px) * z) / camera.fy_px, z);
 }
 
 }  // namespace
 
 BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
-  BodyCentre out;
   const Outline outline = outlineOf(surface);
   const std::vector<Vector3d> points = innerPoints(surface, camera, outline.radius_px);
-  if (points.size() < 8) return out;
+  if (points.size() < 8) return {};
   std::vector<double> depths;
   double mean = 0;
   for (const Vector3d& p : points) {
@@ -142,19 +155,16 @@ BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
   if (outline.roundness > kRoundest && points.size() >= 40) {
     const SphereFit fit = fitSphere(points);
     const double seen_mm = outline.radius_px / focal_px * fit.centre.z();
-    out.sphere = fit.centre.allFinite() && fit.radius_mm > 0 &&
-                 fit.residual_mm < kFitResidual * fit.radius_mm &&
-                 std::abs(fit.radius_mm - seen_mm) < kRadiusAgrees * seen_mm &&
-                 fit.centre.z() > mean;
-    out.position_mm = fit.centre;
+    const bool sphere = fit.centre.allFinite() && fit.radius_mm > 0 &&
+                        fit.residual_mm < kFitResidual * fit.radius_mm &&
+                        std::abs(fit.radius_mm - seen_mm) < kRadiusAgrees * seen_mm &&
+                        fit.centre.z() > mean;
+    if (sphere) return {fit.centre, true};
   }
-  if (!out.sphere) {
-    const double z =
-        ellipsoidDepth_mm(points, outline, camera).value_or(mean + kBehindPerSpread * spread);
-    out.position_mm = {(outline.u_px - camera.cx_px) / camera.fx_px * z,
-                       (outline.v_px - camera.cy_px) / camera.fy_px * z, z};
-  }
-  return out;
+  const double z = mean + kBehindPerSpread * spread;
+  const Vector3d blob((outline.u_px - camera.cx_px) / camera.fx_px * z,
+                      (outline.v_px - camera.cy_px) / camera.fy_px * z, z);
+  return {ellipsoidCentre_mm(points, outline, camera).value_or(blob)};
 }
 
 }  // namespace hapticast::server

@@ -16,10 +16,10 @@ struct BodyCentre {
   bool sphere = false;  ///< the centre of a sphere that fits; else of an ellipsoid or blob
 };
 
-/// A sphere only where outline, fit and radius all say so; else the outline's centroid, as deep as
-/// the ellipsoid that fits outline and depths has its centre, or as far behind the visible surface
-/// as its depth range tells (a flat thing: on it). `surface.depth` in mm; without any depth in it
-/// the position is 0.
+/// A sphere only where outline, fit and radius all say so; else the centre of the ellipsoid that
+/// fits outline and depths, or the outline's centroid as far behind the visible surface as its
+/// depth range tells (a flat thing: on it). `surface.depth` in mm; without any depth in it the
+/// position is 0.
 BodyCentre centreOf(const Surface& surface, const CameraModel& camera);
 
 }  // namespace hapticast::server

@@ -50,16 +50,19 @@ Surface ellipsoid(const Vec3& centre_mm, const Vec3& semi_axes_mm, const Eigen::
   });
 }
 
-// However it is turned; the blob's own rule is 10 to 20 mm off here.
+// However it is turned, also from nearby and beside the axis, where the outline's middle is not
+// before the centre. Measured: at most 1.2 and 0.37 mm off; the blob's own rule is 10 to 20 mm off.
 TEST(ReferencePoint, TheCentreOfAnEllipsoidIsFound) {
-  const Vec3 centre(15, -8, 1000);
-  for (int i = 0; i < 12; ++i) {
-    const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(0.5 * i, Vec3(0.6, 0.3, -0.8).normalized()).matrix();
-    const BodyCentre found = centreOf(ellipsoid(centre, {70, 45, 55}, turn), kCamera);
-    EXPECT_NEAR(found.position_mm.z(), centre.z(), 3.0) << i;
-    EXPECT_NEAR(found.position_mm.x(), centre.x(), 1.5) << i;
-    EXPECT_NEAR(found.position_mm.y(), centre.y(), 1.5) << i;
+  struct Case {
+    Vec3 centre_mm, semi_axes_mm;
+  };
+  for (const Case& of : {Case{{15, -8, 1000}, {70, 45, 55}}, Case{{18, -12, 330}, {22, 14, 18}}}) {
+    for (int i = 0; i < 12; ++i) {
+      const Eigen::Matrix3d turn =
+          Eigen::AngleAxisd(0.5 * i, Vec3(0.6, 0.3, -0.8).normalized()).matrix();
+      const BodyCentre found = centreOf(ellipsoid(of.centre_mm, of.semi_axes_mm, turn), kCamera);
+      EXPECT_LT((found.position_mm - of.centre_mm).norm(), 0.02 * of.semi_axes_mm.x()) << i;
+    }
   }
 }
 
