@@ -15,7 +15,6 @@ constexpr int kSweeps = 60;
 constexpr double kSmooth_mm = 0.65;
 constexpr std::array kWider_mm{1.0, 1.6, 2.6};
 constexpr double kFinest_px_mm = 12.0;  // smoothed over no more pixels in finer pictures
-constexpr double kBeyond = 0.1;         // of half a step, that a wider fit may be off
 constexpr double kThesisSigma_px = 2.0;
 constexpr double kMixed = 0.1;  // of the pixels at an edge
 
@@ -164,24 +163,12 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
   return keep;
 }
 
-// Depth that is only rounded: the truth is within half a step of it. A wider fit sees more of the
-// terraces; where it, too, stays within half a step of all that was measured around a pixel it is
-// the better one, elsewhere the surface bends more than a quadratic (Lepski's choice of a
-// bandwidth). What a fit makes of a rim that bends too much for any is cut to half a step.
+// Depth that is only rounded: the truth is within half a step of it. What a fit makes of a rim that
+// bends too much for it is cut to that.
 void smoothTerraces(cv::Mat& height, const cv::Mat& rounded, const Surface& surface, double half_mm,
                     double px_per_mm) {
-  for (const double sigma_mm : kWider_mm) {
-    const cv::Mat wide = widerFit(rounded, height, surface.mask, sigma_mm * px_per_mm);
-    cv::Mat off;
-    cv::absdiff(wide, rounded, off);
-    cv::Mat share = cv::max(cv::min((1 + kBeyond - off / half_mm) / kBeyond, 1.0), 0.0);
-    share.setTo(1.0, surface.measured == 0);
-    const double reach_px = 0.5 * sigma_mm * px_per_mm;
-    const int size = 2 * static_cast<int>(std::lround(reach_px)) + 1;
-    cv::erode(share, share, cv::Mat::ones(size, size, CV_8UC1));
-    cv::GaussianBlur(share, share, {}, reach_px);
-    height += share.mul(wide - height);
-  }
+  for (const double sigma_mm : kWider_mm)
+    widenFit(height, rounded, surface.mask, surface.measured, half_mm, sigma_mm * px_per_mm);
   cv::Mat kept;
   cv::max(height, rounded - half_mm, kept);
   cv::min(kept, rounded + half_mm, kept);

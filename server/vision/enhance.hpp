@@ -47,10 +47,13 @@ cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wante
 /// Value at each pixel of `mask` of the quadratic fitted to `values` around it with Gaussian
 /// weights inside the mask. Exact for planes, nearly so for quadratics up to the rim.
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px);
-/// The same with a wide window, reckoned in fewer pixels: the mean over a block of them is no more
-/// biased by curvature than that of `narrow`, a fit in all pixels, and only the difference of the
-/// two is interpolated. Blocks that are not all inside the mask keep `narrow`.
-cv::Mat widerFit(const cv::Mat& values, const cv::Mat& narrow, const cv::Mat& mask,
-                 double sigma_px);
+/// For values that are `rounded` to steps, of which `height` is a fit with a narrow window: a wider
+/// one sees more of the terraces, and takes its place wherever it, too, stays within `half_step` of
+/// all that was `measured` (0 / 255) around a pixel; elsewhere the surface bends more than a
+/// quadratic (Lepski's choice of a bandwidth). Reckoned in blocks of half a sigma: the mean over
+/// one is no more biased by curvature than that of `height`, and only the difference of the two is
+/// interpolated. Blocks that are not all inside the mask keep `height`.
+void widenFit(cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask, const cv::Mat& measured,
+              double half_step, double sigma_px);
 
 }  // namespace hapticast::server

@@ -14,6 +14,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kFewestSigma_px = 2.0;  // smoothed over fewer pixels it would show them
+constexpr double kBeyond = 0.1;          // of half a step, that a wider fit may be off
 constexpr int kOrders = 5;               // moments x^0 .. x^4
 // Basis 1, x, y, x², xy, y² as exponents of x and y.
 constexpr std::array<std::array<int, 2>, 6> kBasis{
@@ -177,6 +178,18 @@ cv::Mat blockMeans(const cv::Mat& image, int factor) {
   return out;
 }
 
+// The largest values of the same blocks; values >= 0.
+cv::Mat blockMaxima(const cv::Mat& image, int factor) {
+  cv::Mat out = cv::Mat::zeros((image.rows + factor - 1) / factor,
+                               (image.cols + factor - 1) / factor, CV_32FC1);
+  for (int v = 0; v < image.rows; ++v) {
+    const auto* from = image.ptr<float>(v);
+    auto* to = out.ptr<float>(v / factor);
+    for (int u = 0; u < image.cols; ++u) to[u / factor] = std::max(to[u / factor], from[u]);
+  }
+  return out;
+}
+
 cv::Mat fromBlocks(const cv::Mat& image, int factor, const cv::Size& size) {
   cv::Mat out;
   cv::resize(image, out, image.size() * factor, 0, 0, cv::INTER_CUBIC);
@@ -214,17 +227,24 @@ cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px
                                : fitAt(in.values, in.weight, mask, sigma_px));
 }
 
-cv::Mat widerFit(const cv::Mat& values, const cv::Mat& narrow, const cv::Mat& mask,
-                 double sigma_px) {
-  const Centred in(values, mask);
+void widenFit(cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask, const cv::Mat& measured,
+              double half_step, double sigma_px) {
+  const Centred in(rounded, mask);
   const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
   // What a block's part inside the mask would tell does not lie at the block's centre.
   const cv::Mat whole = blockMeans(in.weight, factor) > 0.999;
   const Centred blocks(blockMeans(in.values, factor), whole);
   const cv::Mat wide = blocks.mean + fitAt(blocks.values, blocks.weight, whole, sigma_px / factor);
-  cv::Mat correction = wide - blockMeans(narrow - in.mean, factor);
-  correction.setTo(0, whole == 0);
-  return narrow + fromBlocks(correction, factor, narrow.size());
+  cv::Mat change = wide - blockMeans(height - in.mean, factor);
+  change.setTo(0, whole == 0);
+  cv::Mat off;
+  cv::absdiff(height + fromBlocks(change, factor, height.size()), rounded, off);
+  off.setTo(0, measured == 0);
+  cv::Mat share = (1 + kBeyond - blockMaxima(off, factor) / half_step) / kBeyond;
+  share = cv::max(cv::min(share, 1.0), 0.0);
+  cv::erode(share, share, cv::Mat::ones(3, 3, CV_8UC1));  // a block is half a sigma
+  cv::GaussianBlur(share, share, {}, 1.0);
+  height += fromBlocks(change.mul(share), factor, height.size());
 }
 
 }  // namespace hapticast::server
