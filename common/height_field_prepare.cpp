@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 
 #include "common/distance_transform.hpp"
+#include "common/edge_distance.hpp"
 #include "common/height_field.hpp"
 #include "common/rim_fit.hpp"
 
@@ -14,63 +16,21 @@ namespace hapticast {
 
 namespace {
 
-// The notes use 2 px; at the side of a cylinder (R 60 px), whose mask runs along whole pixels for
-// long stretches, that leaves a push of 0.5 mm 0.154 px off.
-constexpr double kEdgeSigma_px = 2.35;
-constexpr int kEdgeRadius_px = 6;
 constexpr int kSeamPasses = 2;
 
-/// One direction of a separable Gaussian blur over lines of `length` values, `stride` apart; ends
-/// held. Lines start at 0, `next`, 2 `next`, ... Only where `wanted`: the rest stays as it is.
-void blurLines(std::vector<float>& values, const std::vector<std::uint8_t>& wanted,
-               std::size_t lines, std::size_t next, std::size_t length, std::size_t stride) {
-  constexpr auto kRadius = static_cast<std::size_t>(kEdgeRadius_px);
-  std::array<float, kRadius + 1> weight{};
-  float sum = 0.0F;
-  for (std::size_t k = 0; k <= kRadius; ++k) {
-    const double x = static_cast<double>(k) / kEdgeSigma_px;
-    weight[k] = static_cast<float>(std::exp(-0.5 * x * x));
-    sum += (k == 0 ? 1.0F : 2.0F) * weight[k];
-  }
-  for (float& w : weight) w /= sum;
-  std::vector<float> line(length + 2 * kRadius);
-  for (std::size_t n = 0; n < lines; ++n) {
-    float* const at = values.data() + n * next;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      line[i] = at[std::clamp(i, kRadius, length + kRadius - 1) * stride - kRadius * stride];
-    }
-    for (std::size_t i = 0; i < length; ++i) {
-      if (wanted[n * next + i * stride] == 0) continue;
-      const float* const centre = line.data() + i + kRadius;
-      float value = weight[0] * centre[0];
-      for (std::size_t k = 1; k <= kRadius; ++k) {
-        value += weight[k] * (centre[k] + *(centre - k));
-      }
-      at[i * stride] = value;
-    }
-  }
-}
-
-/// Blurred signed distance to the mask's edge in mm, positive inside.
+/// Smoothed signed distance to the mask's edge in mm, positive inside.
 std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width, int height,
                                 const std::vector<float>& to_inside_mm,
-                                const std::vector<float>& to_outside_mm, const Vec2& mm_per_px) {
+                                std::vector<float> to_outside_mm, const Vec2& mm_per_px) {
   // The edge runs between pixel centres.
   const auto half = static_cast<float>(0.5 * mm_per_px.mean());
   const auto limit = static_cast<float>(HeightField::kMargin_px * mm_per_px.mean());
-  // Farther away all that the blur reaches is the limit.
-  const auto reach = static_cast<float>(kEdgeRadius_px * mm_per_px.sum());
-  std::vector<std::uint8_t> wanted(mask.size());
-  std::vector<float> edge(mask.size());
+  std::vector<float> edge = std::move(to_outside_mm);
   for (std::size_t i = 0; i < mask.size(); ++i) {
-    const float signed_mm = mask[i] != 0 ? to_outside_mm[i] - half : half - to_inside_mm[i];
-    wanted[i] = std::abs(signed_mm) < limit + reach ? 1 : 0;
+    const float signed_mm = mask[i] != 0 ? edge[i] - half : half - to_inside_mm[i];
     edge[i] = std::clamp(signed_mm, -limit, limit);
   }
-  const auto columns = static_cast<std::size_t>(width);
-  const auto rows = static_cast<std::size_t>(height);
-  blurLines(edge, wanted, rows, columns, columns, 1);
-  blurLines(edge, wanted, columns, 1, rows, columns);
+  smoothEdgeDistance(edge, width, height, mm_per_px);
   return edge;
 }
 
@@ -178,14 +138,15 @@ void HeightField::complete(bool continued) {
   const int width = prepared_.width;
   const int height = prepared_.height;
   const NearestPixel to_inside = nearestPixel(mask_, width, height, 1, mm_per_px_);
-  const std::vector<float> to_outside_mm = distanceTo(mask_, width, height, 0, mm_per_px_);
-  edge_mm_ = edgeDistance(mask_, width, height, to_inside.distance_mm, to_outside_mm, mm_per_px_);
+  std::vector<float> to_outside_mm = distanceTo(mask_, width, height, 0, mm_per_px_);
   const auto deepest = static_cast<int>(
       std::distance(to_outside_mm.begin(),
                     std::find(to_outside_mm.begin(), to_outside_mm.end(), largest(to_outside_mm))));
   deepest_height_mm_ = static_cast<double>(height_mm_[static_cast<std::size_t>(deepest)]);
   const int row = deepest / width;
   deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
+  edge_mm_ = edgeDistance(mask_, width, height, to_inside.distance_mm, std::move(to_outside_mm),
+                          mm_per_px_);
   if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
   highest_mm_ = static_cast<double>(largest(height_mm_));
 }
