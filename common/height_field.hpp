@@ -34,7 +34,7 @@ class HeightField {
  public:
   HeightField() = default;
 
-  /// Continues the heights kMargin_px beyond the mask by local fits and computes the blurred signed
+  /// Continues the heights kMargin_px beyond the mask by local fits and finds the smoothed signed
   /// distance to the mask's edge (reference: proxy notes, section 2). Time linear in the rectangle.
   /// Requires a validated relief (sizes match, finite heights). May allocate; not for the loop.
   static HeightField prepare(const Relief& relief, const Workspace& workspace);
@@ -49,7 +49,7 @@ class HeightField {
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
   /// Uniform cubic B-spline with the heights as coefficients; otherwise as bilinear().
   [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
-  /// Signed distance to the mask's edge (a cubic B-spline of the blurred field), clamped to
+  /// Signed distance to the mask's edge (a cubic B-spline of the smoothed field), clamped to
   /// +-kMargin_px. Coordinates and requirement as for bilinear().
   [[nodiscard]] EdgeSample edge(const Vec2& image_px) const noexcept;
   /// No spline() of this field is higher.
