@@ -242,7 +242,8 @@ void widenFit(cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask, cons
   off.setTo(0, measured == 0);
   cv::Mat share = (1 + kBeyond - blockMaxima(off, factor) / half_step) / kBeyond;
   share = cv::max(cv::min(share, 1.0), 0.0);
-  cv::erode(share, share, cv::Mat::ones(3, 3, CV_8UC1));  // a block is half a sigma
+  // A block is half a sigma: what is off there and in the four beside it counts.
+  cv::erode(share, share, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
   cv::GaussianBlur(share, share, {}, 1.0);
   height += fromBlocks(change.mul(share), factor, height.size());
 }
