@@ -60,13 +60,13 @@ struct Cell {
 /// The pixels around a point `x_px`, `y_px` from the first centre; none of them is outside when
 /// both are kept within 1 and `last`, less than two below the last centre. Without branches; a NaN
 /// counts as 1.
-[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, int stride,
+[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, std::ptrdiff_t stride,
                                           const Vec2& from_first_px, const Vec2& last) {
   const double x = std::min(std::max(1.0, from_first_px.x()), last.x());
   const double y = std::min(std::max(1.0, from_first_px.y()), last.y());
   const int i = static_cast<int>(x);
   const int j = static_cast<int>(y);
-  const float* const row = values.data() + std::ptrdiff_t{j - 1} * stride + (i - 1);
+  const float* const row = values.data() + (j - 1) * stride + (i - 1);
   return {static_cast<float>(x - i),
           static_cast<float>(y - j),
           {load(row), load(row + stride), load(row + 2 * stride), load(row + 3 * stride)}};

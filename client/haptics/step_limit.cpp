@@ -59,8 +59,7 @@ double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
 Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
                         const Explained& hand) const noexcept {
   const Step step = stepOf(force_N, last_N, hand);
-  const Vec3 reached_N =
-      last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
+  Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;
   // The way round would leave what the device can stand; the straight way does not.
   const Vec3 straight_N = force_N - last_N;

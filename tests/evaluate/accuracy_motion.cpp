@@ -93,6 +93,7 @@ std::vector<Case> motionCases(bool quick) {
       {"surface that rises to the hand", plate, stillHand(plate, {2.0, 1.0, 12.0})},
       {"deforming surface", dome, stillHand(dome, {1.37, -0.81, 16.0})}};
   std::vector<Case> out;
+  out.reserve(held.size());
   for (const HeldCase& what : held) out.emplace_back([=] { return measureHeld(what); });
   if (!quick) out.emplace_back([] { return measureSteps(7.3); });
   return out;

@@ -109,6 +109,7 @@ std::vector<Case> smoothCases(bool quick) {
     cases.push_back({spinningEllipsoid(), 10.0, moving, 5.0, 2.0});
   }
   std::vector<Case> out;
+  out.reserve(cases.size());
   for (const SmoothCase& what : cases) out.emplace_back([=] { return measure(what, quick); });
   return out;
 }

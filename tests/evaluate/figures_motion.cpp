@@ -89,7 +89,9 @@ void drawMotion(const MotionFigure& figure, const Options& options, Report& repo
           [=](double t) { return Vec3(-1e-3 * turn * turn * std::sin(turn * t) * amplitude_mm); },
           scene.motion);
       const std::string cursor = accelerates ? "cursor accelerating" : "cursor still";
-      panels.push_back(forcePanel(moments, figure.axis, method + ", " + cursor, true));
+      std::string title = method + ", ";
+      title += cursor;
+      panels.push_back(forcePanel(moments, figure.axis, title, true));
       for (const auto& [stage, is, should] :
            {std::tuple{"static force", &Moment::static_N, &Moment::true_static_N},
             std::tuple{"total force", &Moment::total_N, &Moment::true_total_N}}) {

@@ -36,7 +36,7 @@ cv::Mat inColors(const cv::Mat& values, const cv::Mat& known) {
   return out;
 }
 
-Seen look(server::RgbdSource& source, server::VisionSettings settings, std::uint64_t index) {
+Seen look(server::RgbdSource& source, const server::VisionSettings& settings, std::uint64_t index) {
   server::Vision vision(source.info(), settings);
   Seen out;
   std::optional<server::VisionResult> wanted;

@@ -19,7 +19,8 @@ struct RoomCase {
 
 /// An object of 16 x 16 mm about (0, 0), 10 mm high, 5 mm above where the hand wants to be: flat or
 /// a dome. `change` acts on each frame's object; where that moves it, its relief lies in the frame.
-void usual(RoomScene& s, std::function<void(PlayObject&, double)> change = {}, bool dome = false) {
+void usual(RoomScene& s, const std::function<void(PlayObject&, double)>& change = {},
+           bool dome = false) {
   s.scene = [&s, change, dome](PlayFrame& frame, double t) {
     PlayObject object = makeObject(1, nullptr, {0.0, 0.0, 10.0});
     if (change) change(object, t);

@@ -186,6 +186,7 @@ std::vector<Felt> feelTogether(const Stream& stream, const std::vector<const Var
                                const Hand& hand, const PlayTimes& times, const Look& look) {
   Viewer viewer(stream, *variants.front());
   std::vector<Touch> touches;
+  touches.reserve(variants.size());
   for (const Variant* variant : variants) touches.push_back(variant->make());
   std::vector<Felt> out(variants.size());
   const double last_s = stream.frames[stream.frames.size() - 2].time_s;
