@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/dynamic_force.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "client/haptics/pose.hpp"
+#include "client/haptics/surface_model.hpp"
 
 namespace hapticast::client {
 
@@ -49,21 +49,14 @@ Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
          b * ((1.0 - a) * cell(i, down) + a * cell(right, down));
 }
 
-/// The contact carried back into a frame, in px.
-Vec2 imageIn(const PlayObject& frame, const ObjectNow& now, const Vec3& contact_mm,
-             const Workspace& workspace) noexcept {
-  const Eigen::Rotation2Dd back(frame.motion.angle_rad - now.angle_rad);
-  const Vec2 offset_mm = (contact_mm - now.position_mm).head<2>();
-  return workspace.toImage(frame.motion.position_mm.head<2>() + back * offset_mm);
-}
-
 /// Acceleration of the object's material at the contact, nominal mm/s².
 Vec3 accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
                     const Workspace& workspace) noexcept {
   Vec3 sum = object.acceleration_mm_s2;
   const auto addGrid = [&](const PlayObject& frame, double weight) noexcept {
     if (frame.grid == nullptr) return;
-    sum += weight * gridAcceleration(frame, imageIn(frame, object, contact_mm, workspace));
+    const Carried at(frame, object, contact_mm.head<2>(), workspace, workspace.pixelsPerMm());
+    sum += weight * gridAcceleration(frame, at.image_px);
   };
   const PlayObject& before = *object.before;
   const double turn = object.angular_velocity_rad_s;

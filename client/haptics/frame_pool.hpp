@@ -4,6 +4,7 @@
 // receiver allocates or frees what a slot points to.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -52,6 +53,15 @@ struct PlayFrame {
   std::array<PlayObject, kMaxObjects> objects{};
   std::size_t object_count = 0;
 };
+
+/// The frame's object of this key; null where it (or the frame) is not there.
+inline const PlayObject* findObject(const PlayFrame* frame, std::uint64_t key) noexcept {
+  if (frame == nullptr) return nullptr;
+  for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
+    if (keyOf(frame->objects[i]) == key) return &frame->objects[i];
+  }
+  return nullptr;
+}
 
 class FramePool {
  public:

@@ -29,13 +29,6 @@ std::size_t objectCount(const PlayFrame& frame) noexcept {
   return std::min(frame.object_count, kMaxObjects);
 }
 
-const PlayObject* find(const PlayFrame& frame, std::uint64_t key) noexcept {
-  for (std::size_t i = 0; i < objectCount(frame); ++i) {
-    if (keyOf(frame.objects[i]) == key) return &frame.objects[i];
-  }
-  return nullptr;
-}
-
 void setPose(ObjectNow& object, const Pose& pose) noexcept {
   object.position_mm = pose.position_mm;
   object.velocity_mm_s = pose.velocity_mm_s;
@@ -185,7 +178,7 @@ void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double int
   pair_.rate_1_s = next != nullptr ? 1.0 / interval_s : 0.0;
   for (std::size_t i = 0; i < objectCount(now); ++i) {
     const PlayObject& object = now.objects[i];
-    pair_.after[i] = next != nullptr ? find(*next, keyOf(object)) : nullptr;
+    pair_.after[i] = findObject(next, keyOf(object));
     if (pair_.after[i] == nullptr) continue;
     pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
   }

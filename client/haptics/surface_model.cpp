@@ -10,36 +10,6 @@ namespace {
 
 constexpr double kDefaultTextureK_mm = 30.0;
 
-/// A point that was carried back into a frame.
-struct Carried {
-  const PlayObject& frame;
-  bool turns;  // from the frame's angle to the present one, with this cosine and sine
-  double c = 1.0;
-  double s = 0.0;
-  Vec2 image_px;
-
-  Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
-          const Workspace& workspace, const Vec2& px_per_mm) noexcept
-      : frame(in), turns(now.angle_rad != in.motion.angle_rad) {
-    Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
-    if (turns) {
-      c = std::cos(now.angle_rad - in.motion.angle_rad);
-      s = std::sin(now.angle_rad - in.motion.angle_rad);
-      offset_mm =
-          Vec2(c * offset_mm.x() + s * offset_mm.y(), c * offset_mm.y() - s * offset_mm.x());
-    }
-    image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm, px_per_mm);
-  }
-  [[nodiscard]] bool inside() const noexcept { return frame.field->inside(image_px); }
-  /// Height above the reference point; the gradient at the object's present angle.
-  [[nodiscard]] SurfaceSample shape() const noexcept {
-    const SurfaceSample at = frame.field->bilinear(image_px);
-    const Vec2& g = at.gradient;
-    return {at.height_mm - frame.motion.position_mm.z(),
-            turns ? Vec2(c * g.x() - s * g.y(), s * g.x() + c * g.y()) : g};
-  }
-};
-
 /// v + omega x r, and the change of shape along z.
 Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_rate_mm_s) noexcept {
   const Vec2 r = nominal_mm - object.position_mm.head<2>();
@@ -48,6 +18,25 @@ Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_ra
 }
 
 }  // namespace
+
+Carried::Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
+                 const Workspace& workspace, const Vec2& px_per_mm) noexcept
+    : frame(in), turns(now.angle_rad != in.motion.angle_rad) {
+  Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
+  if (turns) {
+    c = std::cos(now.angle_rad - in.motion.angle_rad);
+    s = std::sin(now.angle_rad - in.motion.angle_rad);
+    offset_mm = Vec2(c * offset_mm.x() + s * offset_mm.y(), c * offset_mm.y() - s * offset_mm.x());
+  }
+  image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm, px_per_mm);
+}
+
+SurfaceSample Carried::shape() const noexcept {
+  const SurfaceSample at = frame.field->bilinear(image_px);
+  const Vec2& g = at.gradient;
+  return {at.height_mm - frame.motion.position_mm.z(),
+          turns ? Vec2(c * g.x() - s * g.y(), s * g.x() + c * g.y()) : g};
+}
 
 SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
                        const Workspace& workspace) noexcept {

@@ -28,6 +28,23 @@ struct Contact {
   const ObjectNow* object = nullptr;  ///< the touched one
 };
 
+/// A nominal point (x, y) at play time, carried back with the object into one of its frames.
+struct Carried {
+  const PlayObject& frame;
+  bool turns;  ///< from the frame's angle to the present one, with this cosine and sine
+  double c = 1.0;
+  double s = 0.0;
+  Vec2 image_px;  ///< where it is in that frame
+
+  /// `px_per_mm`: the workspace's pixelsPerMm().
+  Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
+          const Workspace& workspace, const Vec2& px_per_mm) noexcept;
+  /// These require a relief that shows().
+  [[nodiscard]] bool inside() const noexcept { return frame.field->inside(image_px); }
+  /// Height above the reference point; the gradient at the object's present angle.
+  [[nodiscard]] SurfaceSample shape() const noexcept;
+};
+
 /// Height and gradient (nominal frame) of an object under the nominal point (x, y) at play time,
 /// with the relief carried along: (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z) + p(t)_z,
 /// q = rotated back (x, y) - p(t). `inside`: the point is in the mask (of the nearer frame);

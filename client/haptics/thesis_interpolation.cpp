@@ -9,15 +9,6 @@ namespace hapticast::client {
 
 namespace {
 
-const PlayObject* sameObject(const PlayFrame* frame, const PlayObject& object) noexcept {
-  if (frame == nullptr) return nullptr;
-  for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
-    const PlayObject& other = frame->objects[i];
-    if (other.id == object.id && other.layer == object.layer) return &other;
-  }
-  return nullptr;
-}
-
 /// The deepest contact in one frame as it was captured, of the objects that are there `now`: one
 /// that appears later would else grow out of nothing under the tip.
 Contact touchFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip_mm,
@@ -27,7 +18,7 @@ Contact touchFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip
   if (frame == nullptr) return deepest;
   for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
     const PlayObject& object = frame->objects[i];
-    if (sameObject(&now, object) == nullptr) continue;
+    if (findObject(&now, keyOf(object)) == nullptr) continue;
     ObjectNow still;
     still.before = &object;
     still.position_mm = object.motion.position_mm;
@@ -52,8 +43,8 @@ Vec3 catmullRom(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3, 
 ObjectNow objectNow(const PlayObject& touched, const PlayFrame& from, const PlayFrame* to,
                     double s) noexcept {
   ObjectNow now;
-  const PlayObject* const before = sameObject(&from, touched);
-  const PlayObject* const after = sameObject(to, touched);
+  const PlayObject* const before = findObject(&from, keyOf(touched));
+  const PlayObject* const after = findObject(to, keyOf(touched));
   now.before = before != nullptr ? before : &touched;
   now.after = before != nullptr ? after : nullptr;
   now.blend = now.after != nullptr ? s : 0.0;
@@ -109,7 +100,7 @@ Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_
   contact.surface_velocity_mm_s.setZero();
   contact.stiffness_factor = std::max(at[1].stiffness_factor, at[2].stiffness_factor);
   contact.contact = true;
-  contact.jump = new_epoch || (new_interval && sameObject(frames[0], *object) == nullptr);
+  contact.jump = new_epoch || (new_interval && findObject(frames[0], keyOf(*object)) == nullptr);
   object_ = objectNow(*object, *from, frames[2], s);
   contact.object = &object_;
   return contact;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The hands that touch the scenes: where they are, and the exact displacement they should feel.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,8 +11,6 @@ namespace hapticast::evaluate {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-Vec2 turned(const Vec2& v, double angle_rad) { return Eigen::Rotation2Dd(angle_rad) * v; }
 
 /// The tip `depth_mm` below a place of the surface, along its normal (above it where negative).
 HandPoint below(const HeightAt& height_mm, const Vec2& at_mm, double time_s, double depth_mm) {

@@ -135,6 +135,8 @@ TouchScene reliefScene(const ReliefBody& body) {
   return out;
 }
 
+Vec2 turned(const Vec2& v, double angle_rad) { return Eigen::Rotation2Dd(angle_rad) * v; }
+
 Vec2 gradientOf(const HeightAt& height_mm, const Vec2& at, double time_s) {
   constexpr double kStep_mm = 1e-4;
   const Vec2 x(kStep_mm, 0.0);

@@ -48,6 +48,8 @@ struct ReliefBody {
 /// The body as a scene, 640 x 480, 25 frames per second.
 TouchScene reliefScene(const ReliefBody& body);
 
+Vec2 turned(const Vec2& v, double angle_rad);
+
 /// Gradient (mm/mm) of a height by central differences: exact enough for any smooth formula.
 Vec2 gradientOf(const HeightAt& height_mm, const Vec2& nominal_mm, double time_s);
 

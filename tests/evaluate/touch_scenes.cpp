@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/evaluate/touch_scenes.hpp"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,8 +10,6 @@
 namespace hapticast::evaluate {
 
 namespace {
-
-Vec2 turned(const Vec2& v, double angle_rad) { return Eigen::Rotation2Dd(angle_rad) * v; }
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
