@@ -15,7 +15,7 @@
 #include "client/net/receiver.hpp"
 #include "client/settings.hpp"
 #include "client/summary.hpp"
-#include "common/asio.hpp"
+#include "common/wire/asio.hpp"
 #ifdef HAPTICAST_VIEWER
 #include "client/view/viewer.hpp"
 #endif

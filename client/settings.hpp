@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "client/haptics/surface_model.hpp"
-#include "common/command_line.hpp"
+#include "client/haptics/surface/surface_model.hpp"
+#include "common/cli/command_line.hpp"
 
 namespace hapticast::client {
 

@@ -20,6 +20,8 @@ inline constexpr std::size_t kMaxObjects = 16;  ///< objects and layers in one f
 inline constexpr std::size_t kMaxImpacts = 4;   ///< impacts an object carries in one frame
 inline constexpr int kMaxWidth_px = 1920;
 inline constexpr int kMaxHeight_px = 1080;
+/// Summed rectangles of all reliefs of a frame: bounds what a receiver has to prepare.
+inline constexpr std::size_t kMaxReliefPixels = std::size_t{2} * 1920 * 1080;
 inline constexpr int kGridCell_px = 16;  ///< cell of a MotionGrid
 
 /// Heights over a rectangle of the image, valid where the mask says so.

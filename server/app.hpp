@@ -12,8 +12,8 @@
 #include <mutex>
 #include <optional>
 
-#include "common/asio.hpp"
 #include "common/time.hpp"
+#include "common/wire/asio.hpp"
 #include "server/settings.hpp"
 #include "server/source/pacer.hpp"
 #include "server/stream/broadcaster.hpp"

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "common/command_line.hpp"
+#include "common/cli/command_line.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {

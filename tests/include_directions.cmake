@@ -6,7 +6,10 @@ set(failures "")
 
 # Which folder may include which (regular expressions over the included path).
 set(rules
-  "common/.*"          "^common/"
+  "common/[^/]*"       "^common/[^/]*$"
+  "common/relief/.*"   "^common/([^/]*$|relief/)"
+  "common/wire/.*"     "^common/([^/]*$|wire/)"
+  "common/cli/.*"      "^common/([^/]*$|cli/)"
   "server/source/.*"   "^(common|server/source)/"
   "server/vision/.*"   "^(common|server/source|server/vision)/"
   "server/stream/.*"   "^(common|server/stream)/"
@@ -19,13 +22,13 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^common/asio\\.hpp$"
-  "^common/asio\\.hpp$"              "^((server/stream|client/net|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^common/wire(_encode)?\\.cpp$"
-  "^google/protobuf"                 "^common/wire(_encode)?\\.cpp$"
+  "^boost/"                          "^common/wire/asio\\.hpp$"
+  "^common/wire/asio\\.hpp$"              "^((server/stream|client/net|tests)/|(server|client)/[^/]*$)"
+  "\\.pb\\.h$"                       "^common/wire/(decode|encode)\\.cpp$"
+  "^google/protobuf"                 "^common/wire/(decode|encode)\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
-  "^common/(wire|framing)\\.hpp$"    "^(common/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
+  "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "client/haptics/pose.hpp"
-#include "client/haptics/surface_model.hpp"
+#include "client/haptics/surface/surface_model.hpp"
+#include "client/haptics/time/pose.hpp"
 
 namespace hapticast::client {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/lookup.hpp"
+#include "client/haptics/time/lookup.hpp"
 
 namespace hapticast::client {
 

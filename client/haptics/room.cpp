@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/haptics/pose.hpp"
+#include "client/haptics/time/pose.hpp"
 
 namespace hapticast::client {
 

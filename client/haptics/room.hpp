@@ -10,12 +10,12 @@
 #include "client/haptics/dynamic_force.hpp"
 #include "client/haptics/flight_recorder.hpp"
 #include "client/haptics/hip_motion.hpp"
-#include "client/haptics/lookup.hpp"
-#include "client/haptics/playout.hpp"
-#include "client/haptics/proxy_surface.hpp"
-#include "client/haptics/safety.hpp"
-#include "client/haptics/surface_model.hpp"
-#include "client/haptics/thesis_interpolation.hpp"
+#include "client/haptics/safety/chain.hpp"
+#include "client/haptics/surface/proxy_surface.hpp"
+#include "client/haptics/surface/surface_model.hpp"
+#include "client/haptics/time/lookup.hpp"
+#include "client/haptics/time/playout.hpp"
+#include "client/haptics/time/thesis_interpolation.hpp"
 #include "common/latest_value.hpp"
 
 namespace hapticast::client {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/haptics/energy_ports.hpp"
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/safety/energy_ports.hpp"
 #include "common/geometry.hpp"
 #include "common/haptic_frame.hpp"
 #include "common/time.hpp"

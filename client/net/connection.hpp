@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "client/net/receiver.hpp"
-#include "common/asio.hpp"
-#include "common/framing.hpp"
 #include "common/result.hpp"
-#include "common/wire.hpp"
+#include "common/wire/asio.hpp"
+#include "common/wire/framing.hpp"
+#include "common/wire/messages.hpp"
 
 namespace hapticast::client {
 

@@ -7,14 +7,14 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/haptics/frame_pool.hpp"
 #include "client/haptics/tick_report.hpp"
+#include "client/haptics/time/frame_pool.hpp"
 #include "client/net/jitter_estimator.hpp"
 #include "client/net/relief_cache.hpp"
-#include "common/clock_sync.hpp"
 #include "common/haptic_frame.hpp"
 #include "common/latest_value.hpp"
-#include "common/wire.hpp"
+#include "common/wire/clock_sync.hpp"
+#include "common/wire/messages.hpp"
 
 namespace hapticast::client {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/haptic_frame.hpp"
-#include "common/height_field.hpp"
+#include "common/relief/height_field.hpp"
 
 namespace hapticast::client {
 

@@ -16,7 +16,7 @@
 
 #include "common/geometry.hpp"
 #include "common/haptic_frame.hpp"
-#include "common/height_field.hpp"
+#include "common/relief/height_field.hpp"
 #include "server/source/camera_model.hpp"
 
 namespace hapticast::server {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <set>
 
-#include "common/asio.hpp"
-#include "common/wire.hpp"
+#include "common/wire/asio.hpp"
+#include "common/wire/messages.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/log_limit.hpp"
 #include "server/stream/session.hpp"

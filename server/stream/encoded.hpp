@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/framing.hpp"
 #include "common/haptic_frame.hpp"
-#include "common/wire.hpp"
+#include "common/wire/framing.hpp"
+#include "common/wire/messages.hpp"
 
 namespace hapticast::server {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/asio.hpp"
+#include "common/wire/asio.hpp"
 #include "server/stream/broadcaster.hpp"
 
 namespace hapticast::server {

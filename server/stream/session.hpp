@@ -10,8 +10,8 @@
 #include <span>
 #include <string>
 
-#include "common/asio.hpp"
-#include "common/wire.hpp"
+#include "common/wire/asio.hpp"
+#include "common/wire/messages.hpp"
 #include "server/stream/send_queue.hpp"
 
 namespace hapticast::server {

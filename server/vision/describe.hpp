@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "server/vision/impact.hpp"
-#include "server/vision/layers.hpp"
-#include "server/vision/motion_window.hpp"
+#include "server/vision/motion/impact.hpp"
+#include "server/vision/motion/window.hpp"
+#include "server/vision/surface/layers.hpp"
 #include "server/vision/tracker.hpp"
 
 namespace hapticast::server {

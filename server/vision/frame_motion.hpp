@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "server/vision/clip_motion.hpp"
 #include "server/vision/describe.hpp"
-#include "server/vision/impact.hpp"
+#include "server/vision/motion/clip.hpp"
+#include "server/vision/motion/impact.hpp"
 
 namespace hapticast::server {
 

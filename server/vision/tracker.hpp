@@ -8,13 +8,13 @@
 #include <memory>
 #include <vector>
 
-#include "server/vision/enhance.hpp"
-#include "server/vision/hold.hpp"
-#include "server/vision/motion.hpp"
-#include "server/vision/motion_grid.hpp"
-#include "server/vision/scene_cut.hpp"
+#include "server/vision/base/scene_cut.hpp"
+#include "server/vision/motion/grid.hpp"
+#include "server/vision/motion/pose_tracker.hpp"
 #include "server/vision/scene_plan.hpp"
-#include "server/vision/segment.hpp"
+#include "server/vision/segment/segment.hpp"
+#include "server/vision/surface/enhance.hpp"
+#include "server/vision/surface/hold.hpp"
 
 namespace hapticast::server {
 

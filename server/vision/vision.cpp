@@ -6,10 +6,9 @@
 #include <map>
 #include <sstream>
 
-#include "common/wire_limits.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
-#include "server/vision/range.hpp"
+#include "server/vision/surface/range.hpp"
 #include "server/vision/tracker.hpp"
 
 namespace hapticast::server {
@@ -42,7 +41,7 @@ bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
   };
   std::size_t sum = pixels(object);
   for (const HapticObject& other : frame.objects) sum += pixels(other);
-  return frame.objects.size() < kMaxObjects && sum <= limits::kReliefPixels;
+  return frame.objects.size() < kMaxObjects && sum <= kMaxReliefPixels;
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 // (see its --help); quote ratios from one run, medians over --benchmark_repetitions.
 #include <benchmark/benchmark.h>
 
-#include "common/wire.hpp"
+#include "common/wire/messages.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/picture.hpp"

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/framing.hpp"
+#include "common/wire/framing.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "client/settings.hpp"
-#include "common/command_line.hpp"
+#include "common/cli/command_line.hpp"
 #include "server/settings.hpp"
 
 namespace {

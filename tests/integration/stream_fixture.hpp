@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "client/net/connection.hpp"
-#include "common/asio.hpp"
+#include "common/wire/asio.hpp"
 #include "server/stream/listener.hpp"
 
 namespace hapticast::testing {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire.hpp"
+#include "common/wire/messages.hpp"
 
 namespace hapticast::testing {
 

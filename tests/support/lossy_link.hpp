@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "common/asio.hpp"
 #include "common/time.hpp"
+#include "common/wire/asio.hpp"
 
 namespace hapticast::testing {
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/command_line.hpp"
+#include "common/cli/command_line.hpp"
 
 namespace hapticast::testing_support {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The meters at the ports, the observer, its insurance and the tank, by hand-made ticks.
-#include "client/haptics/energy_ports.hpp"
+#include "client/haptics/safety/energy_ports.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "client/haptics/wall_law.hpp"
+#include "client/haptics/safety/wall_law.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <memory>
 
-#include "client/haptics/frame_pool.hpp"
-#include "client/haptics/lookup.hpp"
+#include "client/haptics/time/frame_pool.hpp"
+#include "client/haptics/time/lookup.hpp"
 
 namespace hapticast::client {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/lookup.hpp"
+#include "client/haptics/time/lookup.hpp"
 
 #include <gtest/gtest.h>
 

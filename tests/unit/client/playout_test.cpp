@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/playout.hpp"
+#include "client/haptics/time/playout.hpp"
 
 #include <gtest/gtest.h>
 

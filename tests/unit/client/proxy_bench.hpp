@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/haptics/proxy_surface.hpp"
+#include "client/haptics/surface/proxy_surface.hpp"
 #include "tests/unit/client/frame_builder.hpp"
 
 namespace hapticast::client {

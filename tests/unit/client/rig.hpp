@@ -9,7 +9,7 @@
 
 #include "client/device/virtual_device.hpp"
 #include "client/haptics/hip_motion.hpp"
-#include "client/haptics/safety.hpp"
+#include "client/haptics/safety/chain.hpp"
 
 namespace hapticast::client {
 

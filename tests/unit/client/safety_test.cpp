@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/safety.hpp"
+#include "client/haptics/safety/chain.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "client/haptics/safety.hpp"
+#include "client/haptics/safety/chain.hpp"
 
 namespace hapticast::client {
 namespace {

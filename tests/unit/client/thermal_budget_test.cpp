@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The motors' heat: the sequence of a long press, and what rest gives back.
-#include "client/haptics/thermal_budget.hpp"
+#include "client/haptics/safety/thermal_budget.hpp"
 
 #include <gtest/gtest.h>
 

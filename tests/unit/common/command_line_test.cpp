@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/command_line.hpp"
+#include "common/cli/command_line.hpp"
 
 #include <gtest/gtest.h>
 

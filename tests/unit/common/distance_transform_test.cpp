@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/distance_transform.hpp"
+#include "common/relief/distance_transform.hpp"
 
 #include <gtest/gtest.h>
 

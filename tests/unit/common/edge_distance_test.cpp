@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where the proxy feels the edge of a mask, against the shape the mask was drawn from.
-#include "common/edge_distance.hpp"
+#include "common/relief/edge_distance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "common/height_field.hpp"
+#include "common/relief/height_field.hpp"
 
 namespace hapticast {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/framing.hpp"
+#include "common/wire/framing.hpp"
 
 #include <gtest/gtest.h>
 

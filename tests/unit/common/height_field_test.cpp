@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/height_field.hpp"
+#include "common/relief/height_field.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/wire.hpp"
+#include "common/wire/messages.hpp"
 
 namespace hapticast::testing {
 

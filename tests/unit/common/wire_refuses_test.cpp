@@ -3,8 +3,8 @@
 #include <functional>
 #include <limits>
 
-#include "common/framing.hpp"
-#include "common/wire_limits.hpp"
+#include "common/wire/framing.hpp"
+#include "common/wire/limits.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"
 

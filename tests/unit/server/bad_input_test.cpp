@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "server/vision/enhance.hpp"
+#include "server/vision/surface/enhance.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 

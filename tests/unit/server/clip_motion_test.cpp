@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/clip_motion.hpp"
+#include "server/vision/motion/clip.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/enhance.hpp"
+#include "server/vision/surface/enhance.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "server/vision/range.hpp"
+#include "server/vision/surface/range.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/hold.hpp"
+#include "server/vision/surface/hold.hpp"
 
 #include <gtest/gtest.h>
 

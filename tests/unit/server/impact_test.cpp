@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/impact.hpp"
+#include "server/vision/motion/impact.hpp"
 
 #include <gtest/gtest.h>
 

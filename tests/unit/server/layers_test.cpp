@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/layers.hpp"
+#include "server/vision/surface/layers.hpp"
 
 #include <gtest/gtest.h>
 
-#include "common/wire_limits.hpp"
+#include "common/wire/limits.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
@@ -180,7 +180,7 @@ TEST(Layers, AFrameHasNoMoreOfThemThanAClientTakes) {
   for (const HapticObject& object : results[0].frame.objects)
     pixels += std::size_t(object.relief->rect.width) * std::size_t(object.relief->rect.height);
   EXPECT_EQ(results[0].frame.objects.size(), 2U);
-  EXPECT_LE(pixels, limits::kReliefPixels);
+  EXPECT_LE(pixels, kMaxReliefPixels);
 }
 
 TEST(Layers, TheThesisHasNone) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/motion.hpp"
+#include "server/vision/motion/pose_tracker.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "server/vision/motion_window.hpp"
+#include "server/vision/motion/window.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {

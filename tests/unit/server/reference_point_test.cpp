@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/reference_point.hpp"
+#include "server/vision/motion/reference_point.hpp"
 
 #include <gtest/gtest.h>
 

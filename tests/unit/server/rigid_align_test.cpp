@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/rigid_align.hpp"
+#include "server/vision/motion/rigid_align.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/vision/reference_point.hpp"
+#include "server/vision/motion/reference_point.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "server/vision/flow.hpp"
-#include "server/vision/segment.hpp"
+#include "server/vision/base/flow.hpp"
+#include "server/vision/segment/segment.hpp"
 
 namespace hapticast::server::test {
 

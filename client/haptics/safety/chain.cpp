@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/safety/chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/haptics/hip_motion.hpp"
+
+namespace hapticast::client {
+
+namespace {
+constexpr double kFadeIn = kTick_s / 0.2;
+constexpr double kFadeOut = kTick_s / 0.1;
+
+double smoothstep(double x) noexcept { return x * x * (3.0 - 2.0 * x); }
+
+/// Energy of a spring whose force ends at limit_N, mJ.
+double springEnergy_mJ(double stiffness_N_mm, double depth_mm, double limit_N) noexcept {
+  const double force_N = stiffness_N_mm * depth_mm;
+  return force_N <= limit_N ? 0.5 * force_N * depth_mm
+                            : limit_N * (depth_mm - 0.5 * limit_N / stiffness_N_mm);
+}
+}  // namespace
+
+SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links) noexcept
+    : links_(links),
+      peak_N_(profile.peak_N),
+      residue_step_N_(profile.residue_N_per_tick),
+      mass_kg_(profile.mass_kg),
+      profile_delay_ticks_(profile.delay_ticks),
+      limit_N_(profile.peak_N),
+      steps_(profile),
+      ports_(profile.delay_ticks, profile.count_mm),
+      tank_(profile),
+      thermal_(profile),
+      watch_(profile.count_mm) {
+  setDelay(profile.delay_ticks);
+}
+
+void SafetyChain::setDelay(int delay_ticks) noexcept {
+  delay_ticks_ = delay_ticks;
+  lead_s_ = wallLead_s(delay_ticks);
+  stiffness_limit_N_mm_ = stiffnessLimit_N_mm(mass_kg_, delay_ticks);
+  damping_limit_Ns_m_ = dampingLimit_Ns_m(mass_kg_, delay_ticks);
+  ports_.setDelay(delay_ticks);
+}
+
+// The numbers of the steps are those of the stability notes. The fade (9) acts on the force before
+// the tank (5), the budget (6) and the slew limit (8): a fade that begins or ends, a residue that
+// joins and a gain that multiplies all of it can step as well, and only limits behind all of them
+// hold for the force that is sent.
+SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
+  SafetyOutput out;
+  if (trust_profile_ && !in.contact && !acts()) {
+    trust_profile_ = false;
+    setDelay(profile_delay_ticks_);
+  }
+  limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
+  const Geometry geometry = plausible(in, out);              // 1
+  const bool halt_now = (in.device_lost || stop_requested_) && !halted_;
+  halted_ = halted_ || halt_now;
+  const bool touchable = in.touchable && !out.not_finite && !halted_;
+  // A world that disappears under the tip leaves nothing to fade: its last force ramps down.
+  const bool vanished = !in.touchable && geometry_.contact && !geometry.contact;
+  const bool jump = halt_now || vanished || jumped(in, geometry);
+  StepState now = stateOf(in, geometry, out.not_finite);
+  meter(now, geometry, in.measurement_jumped, jump, out);  // 5, 10
+
+  out.static_force_N = wallForce(now, geometry, out);     // 3, 5
+  out.dynamic_force_N = dynamicForce(in, geometry, out);  // 4
+  const Vec3 sum_N = out.static_force_N + out.dynamic_force_N;
+  const double clamp = clampFactor(sum_N, out);  // 7
+  fadeAndArm(jump, touchable, geometry, out);    // 9
+  const double gain = clamp * smoothstep(fade_);
+  const Vec3 faded_N = sum_N * gain + residue_N_;
+  const double tank = tankFactor(faded_N, out);  // 5
+  now.force_N = faded_N * tank;
+  const double again = clampFactor(now.force_N, out);
+  now.force_N *= again;
+  const Explained hand = in.measurement_jumped ? Explained{} : explainedByHand(now, last_);
+  out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
+  if (out.step_excess_N > 0.0 && links_.slew) {  // 8
+    now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
+    out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
+    out.interferences |= bit(Interference::kSlew);
+  }
+
+  ports_.sent(now.force_N, out.dynamic_force_N * (gain * tank * again));
+  thermal_.add(now.force_N.squaredNorm());
+  out.force_N = now.force_N;
+  out.contact = geometry.contact;
+  out.penetration_mm = geometry.size_mm;
+  last_ = now;
+  geometry_ = geometry;
+  return out;
+}
+
+void SafetyChain::rearm() noexcept {
+  stop_requested_ = halted_ = false;
+  fade_ = 0.0;
+  check_depth_ = true;
+}
+
+StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
+                               bool not_finite) const noexcept {
+  StepState now{.position_mm = in.position_mm,
+                .velocity_mm_s = in.velocity_mm_s,
+                .contact = geometry.contact};
+  if (not_finite && !(now.position_mm + now.velocity_mm_s).allFinite()) {
+    now.position_mm = last_.position_mm;
+    now.velocity_mm_s = last_.velocity_mm_s;
+  }
+  if (!now.contact) return now;
+  now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
+  now.damping_Ns_m = geometry.damping_Ns_m;
+  now.normal = geometry.normal;
+  now.depth_mm = geometry.displacement_mm.dot(geometry.normal) / geometry.stiffness_factor;
+  return now;
+}
+
+/// The tick that ended with this position, seen by the meters and the latency watch.
+void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool measurement_jumped,
+                        bool jump, SafetyOutput& out) noexcept {
+  PortTick tick{.position_mm = now.position_mm,
+                .connected = !measurement_jumped,
+                .surface_mm = geometry.surface_step_mm,
+                .contact = geometry.contact,
+                .jump = jump};
+  const StepState& wall = now.contact ? now : last_;
+  const double gain = smoothstep(fade_);
+  tick.stored_mJ = gain * springEnergy_mJ(wall.local_stiffness_N_mm, now.depth_mm, limit_N_);
+  tick.stored_before_mJ =
+      gain * springEnergy_mJ(wall.local_stiffness_N_mm, last_.depth_mm, limit_N_);
+  tank_.take(ports_.meter(tick), now.velocity_mm_s);
+
+  if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
+    out.interferences |= bit(Interference::kLatency);
+  }
+  const Vec3& normal = now.contact ? geometry.normal : geometry_.normal;
+  const double moved_mm =
+      measurement_jumped ? 0.0 : normal.dot(now.position_mm - last_.position_mm);
+  const bool alarmed =
+      watch_.alarmed(moved_mm, normal.dot(geometry.surface_step_mm), acts() && !jump);
+  if (!alarmed || !links_.latency_watch || delay_ticks_ != profile_delay_ticks_) return;
+  out.latency_alarm = true;
+  if (delay_ticks_ < kMostDelay_ticks) setDelay(delay_ticks_ + 1);
+}
+
+/// F_s = K_r displacement + B u along the normal, never pulling, and what the contact has generated
+/// damped away.
+Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
+                            SafetyOutput& out) const noexcept {
+  if (!geometry.contact) return Vec3::Zero();
+  const double u_mm_s =
+      std::clamp((geometry.surface_velocity_mm_s - now.velocity_mm_s).dot(geometry.normal),
+                 -kDamperSpeed_mm_s, kDamperSpeed_mm_s);
+  const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
+  const double insurance_Ns_m = links_.passivity ? ports_.damping_Ns_m(u_mm_s) : 0.0;
+  if (insurance_Ns_m > 0.0) out.interferences |= bit(Interference::kPassivity);
+  const double damper_N = (geometry.damping_Ns_m + insurance_Ns_m) * u_mm_s * 1e-3;
+  const double pull_limit_N = -spring_N.dot(geometry.normal);
+  if (damper_N < pull_limit_N) out.interferences |= bit(Interference::kNoPull);
+  return spring_N + std::max(damper_N, pull_limit_N) * geometry.normal;
+}
+
+Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
+                               SafetyOutput& out) noexcept {
+  const bool finite = in.dynamic_N.allFinite();
+  if (!finite) {
+    out.not_finite = true;
+    out.interferences |= bit(Interference::kNotFinite);
+  }
+  const bool valid = finite && in.dynamic_valid;
+  if (valid) dynamic_N_ = in.dynamic_N;
+  dynamic_fade_ = std::clamp(dynamic_fade_ + (valid ? kFadeOut : -kFadeOut), 0.0, 1.0);
+  if (!geometry.contact) dynamic_N_ = Vec3::Zero();
+  return dynamic_N_ * dynamic_fade_;
+}
+
+void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry,
+                             SafetyOutput& out) noexcept {
+  if (jump) {
+    residue_N_ = links_.fade ? last_.force_N : Vec3(Vec3::Zero());
+    fade_ = 0.0;
+    check_depth_ = true;
+    out.interferences |= bit(Interference::kJump);
+  }
+  if (touchable && check_depth_) {
+    blocked_ = links_.arming && geometry.size_mm > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
+    check_depth_ = false;
+  }
+  if (touchable && !geometry.contact) blocked_ = false;
+  const bool armed = touchable && !blocked_;
+  fade_ = !links_.fade ? (armed ? 1.0 : 0.0)
+                       : std::clamp(fade_ + (armed ? kFadeIn : -kFadeOut), 0.0, 1.0);
+  if (!touchable && fade_ == 0.0) check_depth_ = true;
+
+  if (residue_N_ != Vec3::Zero()) {
+    const double residue_N = residue_N_.norm();
+    residue_N_ *= residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
+    if (residue_N_ != Vec3::Zero()) out.interferences |= bit(Interference::kResidue);
+  }
+  if (geometry.contact && blocked_) out.interferences |= bit(Interference::kUnarmed);
+  if (geometry.contact && fade_ < 1.0) out.interferences |= bit(Interference::kFade);
+}
+
+double SafetyChain::clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
+  const double square_N2 = force_N.squaredNorm();
+  if (square_N2 <= limit_N_ * limit_N_) return 1.0;
+  if (square_N2 > peak_N_ * peak_N_) out.interferences |= bit(Interference::kPeak);
+  if (limit_N_ < peak_N_) out.interferences |= bit(Interference::kThermal);
+  return limit_N_ / std::sqrt(square_N2);
+}
+
+double SafetyChain::tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
+  if (!links_.tank) return 1.0;
+  const double factor = tank_.factor(force_N);
+  if (factor < 1.0) out.interferences |= bit(Interference::kTank);
+  return factor;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// The safety chain: from where the tip should be (geometry) and the dynamic force to the force a
+// device may feel. Nothing reaches the device around it. Laws and constants: stability notes,
+// section 5. Real-time room.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "client/haptics/haptic_device.hpp"
+#include "client/haptics/safety/energy_ports.hpp"
+#include "client/haptics/safety/latency_watch.hpp"
+#include "client/haptics/safety/step_limit.hpp"
+#include "client/haptics/safety/thermal_budget.hpp"
+#include "client/haptics/safety/wall_law.hpp"
+
+namespace hapticast::client {
+
+/// A step of the chain that changed the force (or would have), for the report and the summary.
+enum class Interference : std::uint8_t {
+  kNotFinite,     ///< a number was not finite; the last geometry is held and fades
+  kSurfaceSpeed,  ///< the surface moved faster than 1.5 m/s
+  kStiffness,     ///< the stiffness was cut to K_max
+  kNoPull,        ///< the damper would have pulled
+  kPeak,          ///< clamped to the device's peak
+  kSlew,          ///< a step the hand's motion does not explain was slowed
+  kFade,          ///< the force is fading in or out
+  kUnarmed,       ///< too deep after a jump: no force until the hand has left
+  kResidue,       ///< an old force ramps down
+  kJump,          ///< the world or the measurement jumped
+  kDamping,       ///< the author's damping was cut to what the delay allows
+  kPassivity,     ///< the contact gave energy it had not got: more damping
+  kTank,          ///< shortened: too much energy into the hand
+  kThermal,       ///< shortened: the motors are warm
+  kLatency,       ///< the delay is longer than the profile says: a softer, more damped wall
+};
+inline constexpr std::array<const char*, 15> kInterferenceNames = {
+    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",   "unarmed",
+    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency"};
+constexpr std::uint32_t bit(Interference which) noexcept {
+  return std::uint32_t{1} << static_cast<unsigned>(which);
+}
+
+/// The links that can be left out to show what each is there for. Only tests and evaluate do.
+struct SafetyLinks {
+  bool stiffness_limit = true;
+  bool damping = true;
+  bool passivity = true;
+  bool tank = true;
+  bool thermal = true;
+  bool slew = true;
+  bool fade = true;  ///< fade in, fade out, residue
+  bool arming = true;
+  bool latency_watch = true;
+};
+
+/// Device frame, device mm.
+struct SafetyInput {
+  // The tip.
+  Vec3 position_mm = Vec3::Zero();
+  Vec3 velocity_mm_s = Vec3::Zero();
+  bool measurement_jumped =
+      false;                 ///< position and velocity are not connected with the last tick's
+  bool device_lost = false;  ///< latched; only rearm() ends it
+  // What it touches.
+  bool contact = false;
+  Vec3 displacement_mm = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();
+  Vec3 surface_velocity_mm_s = Vec3::Zero();
+  double scene_step_s = 1e-3;     ///< time that the scene lived since the last tick
+  double stiffness_factor = 1.0;  ///< |displacement| over depth along the normal
+  double stiffness_N_mm = 0.5;
+  double damping_Ns_m = 0.0;  ///< the author's, beyond what stability asks for
+  bool world_jumped = false;  ///< epoch, connection, mapping
+  bool touchable = false;     ///< the scene is fresh enough to be felt
+  Vec3 dynamic_N = Vec3::Zero();
+  bool dynamic_valid = false;  ///< else the dynamic force fades out
+};
+
+struct SafetyOutput {
+  Vec3 force_N = Vec3::Zero();          ///< what goes to the device
+  Vec3 static_force_N = Vec3::Zero();   ///< the wall law
+  Vec3 dynamic_force_N = Vec3::Zero();  ///< after its fade
+  double penetration_mm = 0.0;          ///< |displacement| used, device mm
+  bool contact = false;
+  bool not_finite = false;
+  bool latency_alarm = false;  ///< raised in this tick: swings that the profile's delay cannot make
+  double step_excess_N = 0.0;  ///< over StepLimit's: must be 0
+  std::uint32_t interferences = 0;
+};
+
+class SafetyChain {
+ public:
+  /// Copies what it needs of the profile.
+  explicit SafetyChain(const DeviceProfile& profile, const SafetyLinks& links = {}) noexcept;
+
+  SafetyOutput step(const SafetyInput& input) noexcept;
+  /// A force acts on the device (it did at the last tick).
+  [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
+  /// From outside, after a lost device came back or stop(): the force may return, from zero.
+  void rearm() noexcept;
+  /// Ramps the force to zero and keeps it there until rearm().
+  void stop() noexcept { stop_requested_ = true; }
+  /// What the latency watch has learned is forgotten as soon as nothing is touched.
+  void newConnection() noexcept { trust_profile_ = delay_ticks_ != profile_delay_ticks_; }
+  /// Work of the force so far.
+  [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
+
+ private:
+  struct Geometry {
+    bool contact = false;
+    Vec3 displacement_mm = Vec3::Zero();
+    double size_mm = 0.0;  // of the displacement
+    Vec3 normal = Vec3::UnitZ();
+    Vec3 surface_velocity_mm_s = Vec3::Zero();
+    Vec3 surface_step_mm = Vec3::Zero();
+    double stiffness_factor = 1.0;
+    double stiffness_N_mm = 0.0;  // K_r
+    double damping_Ns_m = 0.0;    // along the normal
+  };
+
+  void setDelay(int delay_ticks) noexcept;
+  Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
+  void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
+  Geometry heldGeometry(const Vec3& position_mm) const noexcept;
+  bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
+  StepState stateOf(const SafetyInput& input, const Geometry& geometry,
+                    bool not_finite) const noexcept;
+  void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
+             SafetyOutput& out) noexcept;
+  Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
+  Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
+  void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
+  double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
+  double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
+
+  SafetyLinks links_;
+  double peak_N_, residue_step_N_, mass_kg_;
+  int profile_delay_ticks_;
+  int delay_ticks_ = 0;
+  double limit_N_;  // of the force in this tick: the motors' heat, the peak
+  double lead_s_ = 0.0, stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
+  StepLimit steps_;
+  EnergyPorts ports_;
+  UserTank tank_;
+  ThermalBudget thermal_;
+  LatencyWatch watch_;
+  bool trust_profile_ = false;
+  StepState last_;
+  Geometry geometry_;  // of the last tick
+  bool stop_requested_ = false;
+  bool halted_ = false;  // by a lost device or stop(), until rearm()
+  double fade_ = 0.0;    // 0..1, smoothed before use
+  double dynamic_fade_ = 0.0;
+  Vec3 dynamic_N_ = Vec3::Zero();  // last valid one
+  Vec3 residue_N_ = Vec3::Zero();
+  bool check_depth_ = true;  // the next touchable geometry decides whether we may arm
+  bool blocked_ = false;     // too deep after a jump
+};
+
+}  // namespace hapticast::client

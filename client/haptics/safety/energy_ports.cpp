@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/safety/energy_ports.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/haptics/hip_motion.hpp"
+#include "client/haptics/safety/wall_law.hpp"
+
+namespace hapticast::client {
+
+namespace {
+constexpr double kTolerated_mJ = 3.0;
+constexpr double kDebt_mJ = -2.0;  // what a contact has swallowed is not saved up for long
+constexpr double kForget_s = 1.0;
+constexpr double kMostPassivityDamping_Ns_m = 5.0;
+constexpr double kSlowest_mm_s = 5.0;  // below, the sign of the speed is the count's
+constexpr int kFreeTicks = 20;
+constexpr double kTankSpeed_mm_s = 10.0;
+constexpr double kTankHorizon_s = 0.02;
+constexpr double kTankSmooth_s = 0.005;
+}  // namespace
+
+void EnergyPorts::setDelay(int delay_ticks) noexcept {
+  age_ = static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks));
+}
+
+Vec3 EnergyPorts::wayTo(const PortTick& tick) noexcept {
+  const Vec3 before_mm = at_mm_;
+  const Vec3 half_mm = Vec3::Constant(half_count_mm_);
+  at_mm_ =
+      tick.connected
+          ? Vec3(at_mm_.cwiseMax(tick.position_mm - half_mm).cwiseMin(tick.position_mm + half_mm))
+          : tick.position_mm;
+  return tick.connected ? Vec3(at_mm_ - before_mm) : Vec3(Vec3::Zero());
+}
+
+double EnergyPorts::meter(const PortTick& tick) noexcept {
+  const Sent& acted = sent_[(newest_ + sent_.size() - age_) % sent_.size()];
+  const Vec3 static_N = acted.force_N - acted.dynamic_N;
+  static_sum_N_ += static_N;
+  dynamic_sum_N_ += acted.dynamic_N;
+  ticks_.array() += 1.0;
+  const Vec3 way_mm = wayTo(tick);
+  // By axis, without a branch: counted positions move when they like.
+  const Vec3 per_tick_mm = way_mm.cwiseQuotient(ticks_);
+  const double static_mJ = per_tick_mm.dot(static_sum_N_);
+  const double object_mJ = per_tick_mm.dot(dynamic_sum_N_);
+  const Vec3 rests = (way_mm.array() == 0.0).cast<double>();
+  static_sum_N_ = static_sum_N_.cwiseProduct(rests);
+  dynamic_sum_N_ = dynamic_sum_N_.cwiseProduct(rests);
+  ticks_ = ticks_.cwiseProduct(rests);
+  const double surface_mJ = static_N.dot(tick.surface_mm);
+  const double relative_mJ = static_mJ - surface_mJ;
+  work_.relative_mJ += relative_mJ;
+  work_.surface_mJ += surface_mJ;
+  work_.object_mJ += object_mJ;
+
+  free_ticks_ = tick.contact ? 0 : free_ticks_ + 1;
+  generated_mJ_ = std::max(kDebt_mJ, generated_mJ_ * (1.0 - kTick_s / kForget_s) + relative_mJ +
+                                         tick.stored_mJ - tick.stored_before_mJ);
+  if (tick.jump || free_ticks_ >= kFreeTicks) generated_mJ_ = 0.0;
+  return static_mJ + object_mJ;
+}
+
+void EnergyPorts::sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept {
+  newest_ = (newest_ + 1) % sent_.size();
+  sent_[newest_] = {force_N, dynamic_N};
+}
+
+double EnergyPorts::damping_Ns_m(double u_mm_s) const noexcept {
+  const double excess_mJ = generated_mJ_ - kTolerated_mJ;
+  if (!(excess_mJ > 0.0) || std::abs(u_mm_s) <= kSlowest_mm_s) return 0.0;
+  return std::min(kMostPassivityDamping_Ns_m, 1e3 * excess_mJ / (kTick_s * u_mm_s * u_mm_s));
+}
+
+void UserTank::take(double work_mJ, const Vec3& velocity_mm_s) noexcept {
+  velocity_mm_s_ += kTick_s / kTankSmooth_s * (velocity_mm_s - velocity_mm_s_);
+  const double refill_mJ = refill_W_ * kTick_s * 1e3;
+  content_mJ_ = std::clamp(content_mJ_ + refill_mJ - work_mJ, 0.0, most_mJ_);
+}
+
+double UserTank::factor(const Vec3& force_N) const noexcept {
+  const double power = velocity_mm_s_.dot(force_N);  // mW
+  const double drawn_mJ = power * kTankHorizon_s;
+  if (!(drawn_mJ > content_mJ_)) return 1.0;
+  return power / force_N.norm() > kTankSpeed_mm_s ? content_mJ_ / drawn_mJ : 1.0;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/safety/step_limit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapticast::client {
+
+namespace {
+/// The point nearest to `point` on the way from the origin to `end`.
+Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
+  const double along = point.dot(end);
+  if (!(along > 0.0)) return Vec3::Zero();
+  const double square = end.squaredNorm();
+  return along < square ? Vec3(along / square * end) : end;
+}
+}  // namespace
+
+Explained explainedByHand(const StepState& now, const StepState& last) noexcept {
+  if (!now.contact && !last.contact) return {};
+  const StepState& wall = last.contact ? last : now;
+  const Vec3 moved_mm = now.position_mm - last.position_mm;
+  const double inwards_mm = -moved_mm.dot(wall.normal);
+  const bool entering = !last.contact;
+  if (entering && now.depth_mm > inwards_mm) return {};  // the surface came, not the hand
+  const Vec3 change_mm_s = entering ? now.velocity_mm_s : now.velocity_mm_s - last.velocity_mm_s;
+  // The damper's own limit: full speed when it begins, from one end to the other later.
+  const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
+  const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
+  return {wall.damping_Ns_m * 1e-3 * damped_mm_s * wall.normal,
+          wall.local_stiffness_N_mm * (entering ? now.depth_mm : moved_mm.norm())};
+}
+
+StepLimit::StepLimit(const DeviceProfile& profile) noexcept
+    : rise_N_(profile.slew_rise_N_per_tick),
+      fall_N_(profile.slew_fall_N_per_tick),
+      peak_N_(profile.peak_N) {}
+
+StepLimit::Step StepLimit::stepOf(const Vec3& force_N, const Vec3& last_N,
+                                  const Explained& hand) const noexcept {
+  const Vec3 step_N = force_N - last_N;
+  const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
+  const bool rises = force_N.squaredNorm() > (last_N + explained_N).squaredNorm();
+  return {explained_N, step_N - explained_N, (rises ? rise_N_ : fall_N_) + hand.spring_N};
+}
+
+double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
+                           const Explained& hand) const noexcept {
+  const Step step = stepOf(force_N, last_N, hand);
+  constexpr double kRounding_N = 1e-9;
+  const double most_N = step.allowed_N + kRounding_N;
+  if (step.rest_N.squaredNorm() <= most_N * most_N) return 0.0;
+  const double rest_N = step.rest_N.norm();
+  // A number that is none must not read as "no step".
+  return std::isfinite(rest_N) ? rest_N - step.allowed_N : std::numeric_limits<double>::infinity();
+}
+
+Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
+                        const Explained& hand) const noexcept {
+  const Step step = stepOf(force_N, last_N, hand);
+  Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
+  if (reached_N.norm() <= peak_N_) return reached_N;
+  // The way round would leave what the device can stand; the straight way does not.
+  const Vec3 straight_N = force_N - last_N;
+  return last_N + straight_N * std::min(1.0, std::min(rise_N_, fall_N_) / straight_N.norm());
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/time/lookup.hpp"
+
+#include <algorithm>
+
+#include "client/haptics/time/pose.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kLongestExtrapolation_s = 0.080;
+constexpr double kLongestHold_s = 0.300;
+// Of an interval: from here on a late frame is blended in, however late it is. Faster, its change
+// of shape would be felt as a blow.
+constexpr double kLatestBlend = 0.75;
+// Frames farther apart than this and three intervals are not one motion: what lies between is
+// unknown, and a frame from a far future must not keep an old one alive.
+constexpr double kWidestGap_s = 1.0;
+constexpr double kWidestGap_intervals = 3.0;
+// Slots that are always left to the receiver.
+constexpr std::size_t kSpareSlots = 4;
+
+bool earlier(const PlayFrame& a, const PlayFrame& b) noexcept {
+  return a.epoch != b.epoch ? a.epoch < b.epoch : a.media_time < b.media_time;
+}
+
+std::size_t objectCount(const PlayFrame& frame) noexcept {
+  return std::min(frame.object_count, kMaxObjects);
+}
+
+void setPose(ObjectNow& object, const Pose& pose) noexcept {
+  object.position_mm = pose.position_mm;
+  object.velocity_mm_s = pose.velocity_mm_s;
+  object.acceleration_mm_s2 = pose.acceleration_mm_s2;
+  object.angle_rad = pose.angle_rad;
+  object.angular_velocity_rad_s = pose.angular_velocity_rad_s;
+}
+
+struct Blend {
+  double value;
+  double rate_1_s;
+};
+
+/// `rate_1_s`: 1 / interval. A frame that came late is blended in from there.
+Blend blendAt(double time_s, double interval_s, double rate_1_s, double alone_s) noexcept {
+  const double from_s = std::min(alone_s, kLatestBlend * interval_s);
+  if (from_s > 0.0) rate_1_s = 1.0 / (interval_s - from_s);
+  return {std::clamp((time_s - from_s) * rate_1_s, 0.0, 1.0), rate_1_s};
+}
+
+void standStill(ObjectNow& object) noexcept {
+  object.velocity_mm_s.setZero();
+  object.acceleration_mm_s2.setZero();
+  object.angular_velocity_rad_s = 0.0;
+  object.blend_rate_1_s = 0.0;
+}
+
+double extrapolationLimit_s(const Controls& controls) noexcept {
+  return std::clamp(2.0 * toSeconds(controls.frame_interval), 0.0, kLongestExtrapolation_s);
+}
+
+Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
+  if (time_s <= limit_s) return Lookup::kExtrapolated;
+  return time_s <= kLongestHold_s ? Lookup::kHeld : Lookup::kFaded;
+}
+
+}  // namespace
+
+FrameLookup::FrameLookup(FramePool& pool, Interpolation interpolation) noexcept
+    : pool_(pool), interpolation_(interpolation) {}
+
+const Scene& FrameLookup::at(MediaTime play_time, const Controls& controls) noexcept {
+  takeArrived(play_time, controls.first_epoch);
+  const std::size_t before = releaseUnneeded(play_time);
+  scene_.play_time = play_time;
+  scene_.jumped = false;
+  scene_.object_count = 0;
+  scene_.kind = Lookup::kNone;
+  if (before != kNone) fillScene(before, play_time, controls);
+  return scene_;
+}
+
+std::array<const PlayFrame*, 4> FrameLookup::neighbours(MediaTime play_time) const noexcept {
+  std::array<const PlayFrame*, 4> around{};
+  const std::size_t before = beforeIndex(play_time);
+  if (before == kNone) return around;
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    const std::size_t i = before + k;  // one too many: the first neighbour is before - 1
+    if (i == 0 || i > held_count_) continue;
+    if (frame(i - 1).epoch == frame(before).epoch) around[k] = &frame(i - 1);
+  }
+  return around;
+}
+
+std::size_t FrameLookup::beforeIndex(MediaTime play_time) const noexcept {
+  for (std::size_t i = held_count_; i-- > 0;) {
+    if (frame(i).media_time <= play_time) return i;
+  }
+  return kNone;
+}
+
+void FrameLookup::takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept {
+  while (held_count_ > 0 && frame(0).epoch < first_epoch) release(0);
+  FramePool::Index index = 0;
+  for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) {
+    if (pool_.frame(index).epoch < first_epoch) {
+      pool_.giveBack(index);
+    } else {
+      insert(index, play_time);
+    }
+  }
+}
+
+void FrameLookup::insert(FramePool::Index index, MediaTime play_time) noexcept {
+  const PlayFrame& arrived = pool_.frame(index);
+  std::size_t position = held_count_;
+  for (std::size_t i = 0; i < held_count_; ++i) {
+    const PlayFrame& held = frame(i);
+    if (held.epoch == arrived.epoch &&
+        (held.media_time == arrived.media_time || held.id == arrived.id)) {
+      pool_.giveBack(index);
+      return;
+    }
+    if (position == held_count_ && earlier(arrived, held)) position = i;
+  }
+  if (played_ && arrived.epoch == scene_.epoch && arrived.media_time < play_time) ++late_frames_;
+  for (std::size_t i = held_count_; i > position; --i) held_[i] = held_[i - 1];
+  held_[position] = index;
+  ++held_count_;
+  pair_.now = nullptr;
+}
+
+void FrameLookup::release(std::size_t i) noexcept {
+  pool_.giveBack(held_[i]);
+  --held_count_;
+  pair_.now = nullptr;
+  for (; i < held_count_; ++i) held_[i] = held_[i + 1];
+}
+
+std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
+  std::size_t before = beforeIndex(play_time);
+  for (; before != kNone && before > 1; --before) release(0);
+  // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
+  // and the newest, so that what is left still spans the whole time evenly.
+  const std::size_t first = before == kNone ? 2 : before + 3;
+  while (held_count_ > FramePool::kSlots - kSpareSlots) {
+    std::size_t densest = first;
+    double smallest_s = secondsBetween(frame(first - 1).media_time, frame(first + 1).media_time);
+    for (std::size_t i = first + 1; i + 1 < held_count_; ++i) {
+      const double gap_s = secondsBetween(frame(i - 1).media_time, frame(i + 1).media_time);
+      if (gap_s < smallest_s) {
+        smallest_s = gap_s;
+        densest = i;
+      }
+    }
+    release(densest);
+  }
+  return before;
+}
+
+const PlayFrame* FrameLookup::nextOf(std::size_t before, const Controls& controls) const noexcept {
+  if (before + 1 >= held_count_) return nullptr;
+  const PlayFrame& now = frame(before);
+  const PlayFrame& next = frame(before + 1);
+  const double widest_s =
+      std::max(kWidestGap_s, kWidestGap_intervals * toSeconds(controls.frame_interval));
+  const bool connected =
+      next.epoch == now.epoch && secondsBetween(now.media_time, next.media_time) <= widest_s;
+  return connected ? &next : nullptr;
+}
+
+void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double interval_s) noexcept {
+  if (pair_.now == &now && pair_.next == next && pair_.interval_s == interval_s) return;
+  pair_.now = &now;
+  pair_.next = next;
+  pair_.interval_s = interval_s;
+  pair_.rate_1_s = next != nullptr ? 1.0 / interval_s : 0.0;
+  for (std::size_t i = 0; i < objectCount(now); ++i) {
+    const PlayObject& object = now.objects[i];
+    pair_.after[i] = findObject(next, keyOf(object));
+    if (pair_.after[i] == nullptr) continue;
+    pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
+  }
+}
+
+void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
+                            const Controls& controls) noexcept {
+  const PlayFrame& now = frame(before);
+  const PlayFrame* const next = nextOf(before, controls);
+  const bool has_next = next != nullptr;
+  const double time_s = secondsBetween(now.media_time, play_time);
+  // Times beyond 2^53 ns are rounded: the interval must not become zero.
+  const double interval_s =
+      has_next ? std::max({secondsBetween(now.media_time, next->media_time), time_s, 1e-9}) : 0.0;
+  const double limit_s = extrapolationLimit_s(controls);
+  if (now.epoch != scene_.epoch || now.id != alone_id_) alone_s_ = 0.0;
+  alone_id_ = now.id;
+  if (!has_next) alone_s_ = std::max(time_s, 0.0);
+
+  scene_.kind = has_next ? Lookup::kInterpolated : kindWithoutNext(time_s, limit_s);
+  scene_.jumped = !played_ || now.epoch != scene_.epoch;
+  scene_.epoch = now.epoch;
+  scene_.object_count = objectCount(now);
+  played_ = true;
+  pairUp(now, next, interval_s);
+  const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
+  for (std::size_t i = 0; i < scene_.object_count; ++i) {
+    const PlayObject& object = now.objects[i];
+    ObjectNow& out = scene_.objects[i];
+    out.before = &object;
+    out.after = nullptr;
+    out.blend = out.blend_rate_1_s = 0.0;
+    const PlayObject* const after = pair_.after[i];
+    if (interpolation_ == Interpolation::kHold) {
+      setPose(out, standingPose(object.motion));
+    } else if (after == nullptr) {
+      setPose(out, carriedPose(object, now.media_time, limit_s, time_s));
+    } else {
+      out.after = after;
+      out.blend = blend.value;
+      out.blend_rate_1_s = blend.rate_1_s;
+      setPose(out, interpolation_ == Interpolation::kLinear
+                       ? linearPose(object.motion, after->motion, interval_s, time_s)
+                       : pair_.path[i].at(time_s));
+    }
+    if (controls.paused) standStill(out);
+    const std::uint64_t* const first = known_.data();
+    const std::uint64_t* const last = first + known_count_;
+    out.appeared = scene_.jumped || std::find(first, last, keyOf(object)) == last;
+  }
+  known_count_ = scene_.object_count;
+  for (std::size_t i = 0; i < known_count_; ++i) known_[i] = keyOf(now.objects[i]);
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include "common/wire/framing.hpp"
+
+#include <string>
+
+namespace hapticast {
+
+SharedBytes framed(std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(kPrefixBytes + payload.size());
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    bytes.push_back(static_cast<std::uint8_t>(payload.size() >> shift));
+  }
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+}
+
+void FrameReader::feed(std::span<const std::uint8_t> chunk) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
+  begin_ = 0;
+  buffer_.insert(buffer_.end(), chunk.begin(), chunk.end());
+}
+
+Result<std::optional<std::span<const std::uint8_t>>> FrameReader::next() {
+  const std::span<const std::uint8_t> rest = std::span(buffer_).subspan(begin_);
+  std::optional<std::span<const std::uint8_t>> message;
+  if (rest.size() < kPrefixBytes) return message;
+  std::size_t length = 0;
+  for (std::size_t i = 0; i < kPrefixBytes; ++i) length |= std::size_t{rest[i]} << (8 * i);
+  if (length == 0) return Error{ErrorCode::kMalformed, "a message of length 0"};
+  if (length > limit_bytes_) {
+    return Error{ErrorCode::kTooLarge, "a message of " + std::to_string(length) +
+                                           " bytes, at most " + std::to_string(limit_bytes_) +
+                                           " are allowed here"};
+  }
+  if (rest.size() - kPrefixBytes < length) return message;
+  begin_ += kPrefixBytes + length;
+  message = rest.subspan(kPrefixBytes, length);
+  return message;
+}
+
+}  // namespace hapticast

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// What the protocol allows (the table in proto/README.md). Everything read is checked against it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hapticast::limits {
+
+inline constexpr double kPosition_mm = 1e4;
+inline constexpr double kVelocity_mm_s = 1e6;
+inline constexpr double kAcceleration_mm_s2 = 1e8;
+inline constexpr double kAngle_rad = 1e4;
+inline constexpr double kAngularVelocity_rad_s = 1e4;
+inline constexpr double kStiffness_N_mm = 1e3;
+inline constexpr double kDamping_Ns_m = 1e3;
+inline constexpr double kFriction = 10.0;
+inline constexpr double kWorkspace_mm = 1000.0;  ///< each side, and K of Eq. 3
+inline constexpr double kMinMass_kg = 1e-6;
+inline constexpr double kMass_kg = 1000.0;
+inline constexpr double kMinFps = 1.0;
+inline constexpr double kMaxFps = 240.0;
+inline constexpr std::int64_t kTime_ns = 1'000'000'000'000'000'000;  ///< 31 years, both signs
+inline constexpr std::int64_t kLatency_ns = 10'000'000'000;
+inline constexpr std::size_t kClientName = 64;  ///< bytes of UTF-8, as all texts
+inline constexpr std::size_t kStreamName = 256;
+inline constexpr std::size_t kErrorText = 512;
+inline constexpr std::size_t kJpeg = 4U << 20U;
+
+}  // namespace hapticast::limits

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/motion/grid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/flow.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kSampleStep_px = 8;
+
+struct Cell {
+  std::array<std::vector<double>, 3> steps;
+};
+
+void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
+               const Surface& now, CellFlow& out, std::vector<Cell>& cells) {
+  std::vector<cv::Point2f> points;
+  for (int v = kSampleStep_px / 2; v < last_mask.rows; v += kSampleStep_px) {
+    for (int u = kSampleStep_px / 2; u < last_mask.cols; u += kSampleStep_px) {
+      if (last_mask.at<unsigned char>(v, u) != 0) points.emplace_back(float(u), float(v));
+    }
+  }
+  std::vector<cv::Point2f> from;
+  std::vector<cv::Point2f> to;
+  trackPoints(last_gray, gray, points, {0, 0}, from, to);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const int column = (static_cast<int>(to[i].x) - now.box.x) / kGridCell_px;
+    const int row = (static_cast<int>(to[i].y) - now.box.y) / kGridCell_px;
+    if (column < 0 || row < 0 || column >= out.columns || row >= out.rows) continue;
+    Cell& cell = cells[static_cast<std::size_t>(row * out.columns + column)];
+    cell.steps[0].push_back(double(to[i].x - from[i].x));
+    cell.steps[1].push_back(double(to[i].y - from[i].y));
+  }
+}
+
+// Depth differences at the same pixel: the thesis's z-only case has no motion in the plane.
+void addDepths(const Surface& before, const Surface& now, CellFlow& out, std::vector<Cell>& cells) {
+  const cv::Rect common = before.box & now.box;
+  for (int v = common.y; v < common.br().y; ++v) {
+    for (int u = common.x; u < common.br().x; ++u) {
+      const cv::Point there = cv::Point(u, v) - before.box.tl();
+      const cv::Point here = cv::Point(u, v) - now.box.tl();
+      if (before.measured.at<unsigned char>(there) == 0 ||
+          now.measured.at<unsigned char>(here) == 0)
+        continue;
+      const int index = here.y / kGridCell_px * out.columns + here.x / kGridCell_px;
+      cells[static_cast<std::size_t>(index)].steps[2].push_back(
+          double(now.depth.at<float>(here)) - double(before.depth.at<float>(there)));
+    }
+  }
+}
+
+CellFlow cellsOver(const cv::Rect& box) {
+  CellFlow out;
+  out.columns = (box.width + kGridCell_px - 1) / kGridCell_px;
+  out.rows = (box.height + kGridCell_px - 1) / kGridCell_px;
+  return out;
+}
+
+// A cell without a measurement gets 0 where that is what is `known` of it, else the median of all.
+cv::Mat mediansOf(std::vector<Cell>& cells, const CellFlow& size, bool known) {
+  std::array<cv::Mat, 3> axes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> all;
+    for (const Cell& cell : cells)
+      all.insert(all.end(), cell.steps[axis].begin(), cell.steps[axis].end());
+    axes[axis].create(size.rows, size.columns, CV_32F);
+    axes[axis].setTo(known ? 0.0 : medianOf(all));
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i].steps[axis].empty()) continue;
+      const int index = static_cast<int>(i);
+      axes[axis].at<float>(index / size.columns, index % size.columns) =
+          static_cast<float>(medianOf(cells[i].steps[axis]));
+    }
+    cv::medianBlur(axes[axis], axes[axis], 3);
+  }
+  cv::Mat out;
+  cv::merge(axes.data(), 3, out);
+  return out;
+}
+
+cv::Vec3f sampled(const CellFlow& flow, double x, double y) {
+  const int column = std::clamp(static_cast<int>(x * flow.columns), 0, flow.columns - 1);
+  const int row = std::clamp(static_cast<int>(y * flow.rows), 0, flow.rows - 1);
+  return flow.step.at<cv::Vec3f>(row, column);
+}
+
+// Mean velocity, per second, over flows first .. last at a place in the box.
+cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t first,
+                       std::size_t last, double x, double y) {
+  cv::Vec3d sum(0, 0, 0);
+  double time_s = 0;
+  for (std::size_t i = first; i <= last; ++i) {
+    if (flows[i]->columns == 0) continue;
+    sum += cv::Vec3d(sampled(*flows[i], x, y));
+    time_s += flows[i]->interval_s;
+  }
+  return time_s > 0 ? sum / time_s : cv::Vec3d(0, 0, 0);
+}
+
+}  // namespace
+
+CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
+                  const Surface& before, const Surface& now, MotionMode mode) {
+  CellFlow out = cellsOver(now.box);
+  std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
+  if (mode != MotionMode::kDepth) addTracks(last_gray, gray, last_mask, now, out, cells);
+  if (mode != MotionMode::kLk) addDepths(before, now, out, cells);
+  out.step = mediansOf(cells, out, /*known=*/false);
+  return out;
+}
+
+CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
+                      const Surface& now, const Explained& explained) {
+  CellFlow out = cellsOver(now.box);
+  std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
+  const cv::Rect area = grown(before.box | now.box, 16, gray.size());
+  const cv::Point2f corner(static_cast<float>(area.x), static_cast<float>(area.y));
+  std::vector<cv::Point2f> points;
+  std::vector<cv::Point2f> guesses;
+  for (int v = kSampleStep_px / 2; v < before.mask.rows; v += kSampleStep_px) {
+    for (int u = kSampleStep_px / 2; u < before.mask.cols; u += kSampleStep_px) {
+      if (before.mask.at<unsigned char>(v, u) == 0) continue;
+      const cv::Point2f at(static_cast<float>(before.box.x + u),
+                           static_cast<float>(before.box.y + v));
+      const cv::Vec3d step = explained(at, double(before.depth.at<float>(v, u)));
+      points.push_back(at - corner);
+      guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])));
+    }
+  }
+  std::vector<cv::Point2f> from;
+  std::vector<cv::Point2f> to;
+  trackPoints(last_gray(area), gray(area), points, guesses, from, to);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const cv::Point2f was = from[i] + corner;
+    const cv::Point there = cv::Point(was) - before.box.tl();
+    const cv::Point here = cv::Point(cvRound(to[i].x), cvRound(to[i].y)) + area.tl() - now.box.tl();
+    if (!cv::Rect({0, 0}, now.box.size()).contains(here) || now.mask.at<unsigned char>(here) == 0)
+      continue;
+    const auto depth_mm = double(before.depth.at<float>(there));
+    const cv::Vec3d step = explained(was, depth_mm);
+    Cell& cell = cells[static_cast<std::size_t>(here.y / kGridCell_px * out.columns +
+                                                here.x / kGridCell_px)];
+    cell.steps[0].push_back(double(to[i].x - from[i].x) - step[0]);
+    cell.steps[1].push_back(double(to[i].y - from[i].y) - step[1]);
+    cell.steps[2].push_back(double(now.depth.at<float>(here)) - depth_mm - step[2]);
+  }
+  out.step = mediansOf(cells, out, /*known=*/true);
+  return out;
+}
+
+std::shared_ptr<const MotionGrid> gridFrom(const std::vector<const CellFlow*>& flows,
+                                           std::size_t at, const Vec3& mm_per_step) {
+  const CellFlow& here = *flows[at];
+  if (here.columns == 0) return nullptr;
+  auto grid = std::make_shared<MotionGrid>();
+  grid->columns = here.columns;
+  grid->rows = here.rows;
+  const std::size_t reach = std::min(at + 1, flows.size() - 1 - at);
+  const std::size_t after = std::min(at + 1, flows.size() - 1);
+  for (int row = 0; row < here.rows; ++row) {
+    for (int column = 0; column < here.columns; ++column) {
+      const double x = (column + 0.5) / here.columns;
+      const double y = (row + 0.5) / here.rows;
+      cv::Vec3d velocity = meanVelocity(flows, at, after, x, y);
+      cv::Vec3d acceleration(0, 0, 0);
+      if (reach > 0) {
+        const cv::Vec3d early = meanVelocity(flows, at + 1 - reach, at, x, y);
+        const cv::Vec3d late = meanVelocity(flows, at + 1, at + reach, x, y);
+        const double apart_s = double(reach) * flows[at + 1]->interval_s;
+        if (apart_s > 0) acceleration = (late - early) / apart_s;
+      }
+      const auto nominal = [&](const cv::Vec3d& step) {
+        return Eigen::Vector3f(float(step[0] * mm_per_step.x()), float(step[1] * mm_per_step.y()),
+                               float(step[2] * mm_per_step.z()));
+      };
+      grid->velocity_mm_s.push_back(nominal(velocity));
+      grid->acceleration_mm_s2.push_back(nominal(acceleration));
+    }
+  }
+  return grid;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/motion/pose_tracker.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/motion/reference_point.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kPull = 0.035;
+// The strongest pull in a frame, px and share of the motion: an outline that changes is no motion,
+// but a centre that is off its true place has an error that grows with the motion.
+constexpr double kStrongestPull_px = 0.1;
+constexpr double kStrongestShare = 0.07;
+constexpr double kSpherePull = 0.03;  // its centre is known well
+constexpr double kStill_px = 0.03;    // below: at rest, not noise to be followed
+constexpr double kStill_rad = 0.0015;
+constexpr double kStill_mm = 0.05;
+constexpr double kTrimFloor_mm = 3.0;   // at least an 8-bit level: MAD is 0 on whole numbers
+constexpr double kInnerMask = 0.15;     // of the largest distance to the rim: the inner mask
+constexpr double kWhole = 0.93;         // visible fraction below which the outline misleads
+constexpr double kVisibleEnough = 0.5;  // below: no measurement of the motion
+
+double trimmedMean(std::vector<double>& values, double floor_mm) {
+  const double median = medianOf(values);
+  std::vector<double> off;
+  off.reserve(values.size());
+  for (const double value : values) off.push_back(std::abs(value - median));
+  const double limit = std::max(floor_mm, 3 * 1.48 * medianOf(off));
+  double sum = 0;
+  int count = 0;
+  for (const double value : values) {
+    if (std::abs(value - median) > limit) continue;
+    sum += value;
+    ++count;
+  }
+  return count > 0 ? sum / count : median;
+}
+
+// Means over large objects are as good from every second pixel and row.
+int latticeStep(const cv::Size& size) { return size.area() > kDense_px ? 2 : 1; }
+
+// Neither of the thesis's special cases alone.
+bool bothWays(MotionMode mode) { return mode == MotionMode::kAuto || mode == MotionMode::kRgbd; }
+
+cv::Matx33d squareOf(const cv::Matx23d& m) {
+  return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), 0, 0, 1};
+}
+
+// Mean working depth of the inner mask: its rim is the sensor's worst.
+double depthOf_mm(const Surface& surface) {
+  cv::Mat mask = surface.mask;
+  cv::Mat depth = surface.depth;
+  if (const int step = latticeStep(mask.size()); step > 1) {
+    const cv::Size smaller(mask.cols / step, mask.rows / step);
+    cv::resize(mask, mask, smaller, 0, 0, cv::INTER_NEAREST);
+    cv::resize(depth, depth, smaller, 0, 0, cv::INTER_NEAREST);
+  }
+  cv::Mat inside;
+  cv::copyMakeBorder(mask, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::distanceTransform(inside, inside, cv::DIST_L2, 3);
+  double deepest = 0.0;
+  cv::minMaxLoc(inside, nullptr, &deepest);
+  const cv::Mat inner = inside(cv::Rect({1, 1}, mask.size())) > kInnerMask * deepest;
+  return cv::mean(depth, inner & (depth > 0))[0];
+}
+
+}  // namespace
+
+std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
+                                         const cv::Matx23d& similarity, double floor_mm) {
+  cv::Mat valid = erodedBy(before.mask, 3) & before.measured;
+  valid = carryImage(valid, before.box, now.box, similarity, cv::INTER_NEAREST);
+  const cv::Mat depth = carryImage(before.depth, before.box, now.box, similarity, cv::INTER_LINEAR);
+  valid &= erodedBy(now.mask, 3) & now.measured;
+  std::vector<double> differences;
+  const int step = latticeStep(valid.size());
+  for (int v = 0; v < valid.rows; v += step) {
+    for (int u = 0; u < valid.cols; u += step) {
+      if (valid.at<unsigned char>(v, u) == 0) continue;
+      differences.push_back(double(now.depth.at<float>(v, u)) - double(depth.at<float>(v, u)));
+    }
+  }
+  if (differences.size() < 20) return std::nullopt;
+  return trimmedMean(differences, floor_mm);
+}
+
+PoseTracker::PoseTracker(const PoseSettings& settings, const View& view, const Surface& first)
+    : settings_(settings), last_(shapeOf(first)), fresh_(first) {
+  pose_.u_px = last_.centroid.x;
+  pose_.v_px = last_.centroid.y;
+  pose_.depth_mm = depthOf_mm(first);
+  if (!settings_.rigid) return;
+  const BodyCentre centre = centreOf(first, settings_.camera);
+  if (centre.position_mm.z() > 0) setPosition(centre.position_mm);
+  look(view, first);
+}
+
+Vec3 PoseTracker::position_mm() const {
+  const CameraModel& camera = settings_.camera;
+  const double z = pose_.depth_mm;
+  return {(pose_.u_px - camera.cx_px) / camera.fx_px * z,
+          (pose_.v_px - camera.cy_px) / camera.fy_px * z, z};
+}
+
+void PoseTracker::setPosition(const Vec3& position_mm) {
+  const CameraModel& camera = settings_.camera;
+  const double z = std::max(1.0, position_mm.z());
+  pose_.u_px = camera.fx_px * position_mm.x() / z + camera.cx_px;
+  pose_.v_px = camera.fy_px * position_mm.y() / z + camera.cy_px;
+  pose_.depth_mm = z;
+}
+
+void PoseTracker::look(const View& view, const Surface& surface) {
+  if (settings_.rigid) template_ = RigidTemplate(view.gray, surface, settings_.camera);
+}
+
+bool PoseTracker::find(const View& view, ObjectFlow& flow) {
+  step_ = {};
+  if (!settings_.rigid || template_.empty()) return false;
+  step_ = template_.find(view, position_mm(), last_step_);
+  if (!step_.reliable) return false;
+  flow.similarity = step_.similarity;
+  flow.reliable = flow.rotation_reliable = true;
+  return true;
+}
+
+void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
+  const Eigen::AngleAxisd turn(step_.rotation);
+  const Vec3 turn_rad = turn.angle() * turn.axis();
+  const Vec3 before = position_mm();
+  const double per_px_mm = before.z() / settings_.camera.fx_px;
+  Vec3 shift = step_.shift_mm;
+  if (shift.head<2>().norm() < kStill_px * per_px_mm && std::abs(shift.z()) < kStill_mm) {
+    shift.setZero();
+  } else if (trusted) {
+    const BodyCentre centre = centreOf(seen.surface, settings_.camera);
+    if (centre.position_mm.z() > 0) {
+      const Vec3 pull =
+          (centre.sphere ? kSpherePull : kPull) * (centre.position_mm - before - shift);
+      const double most = kStrongestPull_px * per_px_mm + kStrongestShare * shift.norm();
+      shift += pull * std::min(1.0, most / std::max(1e-9, pull.norm()));
+    }
+    pose_.point = centre.sphere ? ReferencePoint::kCentreOfMass : ReferencePoint::kVisibleCentroid;
+  }
+  setPosition(before + shift);
+  if (std::abs(turn_rad.z()) >= kStill_rad) pose_.angle_rad -= turn_rad.z();
+  last_step_ = step_;
+  aligned_ = true;
+  aligned_about_mm_ = before;
+}
+
+cv::Vec3d PoseTracker::explained(const cv::Point2f& at_px, double depth_mm) const {
+  const CameraModel& camera = settings_.camera;
+  const double u = double(at_px.x) + 0.5;
+  const double v = double(at_px.y) + 0.5;
+  const Vec3 from((u - camera.cx_px) / camera.fx_px * depth_mm,
+                  (v - camera.cy_px) / camera.fy_px * depth_mm, depth_mm);
+  const Vec3 to =
+      last_step_.rotation * (from - aligned_about_mm_) + aligned_about_mm_ + last_step_.shift_mm;
+  if (depth_mm <= 0 || to.z() <= 1.0) return {0, 0, 0};
+  return {camera.fx_px * to.x() / to.z() + camera.cx_px - u,
+          camera.fy_px * to.y() / to.z() + camera.cy_px - v, to.z() - depth_mm};
+}
+
+PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
+  Shape out;
+  const cv::Moments moments = cv::moments(surface.mask, true);
+  out.area_px = moments.m00;
+  if (moments.m00 > 0) {
+    out.centroid = {surface.box.x + moments.m10 / moments.m00 + 0.5,
+                    surface.box.y + moments.m01 / moments.m00 + 0.5};
+  }
+  const cv::Point end = surface.box.br();
+  out.entire = surface.box.x > 0 && surface.box.y > 0 && end.x < settings_.picture.width &&
+               end.y < settings_.picture.height;
+  return out;
+}
+
+void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool trusted) {
+  if (settings_.mode == MotionMode::kDepth) return;
+  const cv::Point2d before(pose_.u_px, pose_.v_px);
+  const cv::Point2d half(0.5, 0.5);
+  cv::Point2d step = seen.flow.carry(before - half) + half - before;
+  const bool follow_centroid =
+      trusted && bothWays(settings_.mode) && (settings_.exact_masks || !seen.flow.reliable);
+  if (follow_centroid) step = now.centroid - last_.centroid;
+  const bool at_rest = seen.flow.reliable && !settings_.exact_masks && cv::norm(step) < kStill_px;
+  if (at_rest) step = {0, 0};
+  if (trusted && !follow_centroid && !at_rest) step += kPull * (now.centroid - before - step);
+  pose_.u_px += step.x;
+  pose_.v_px += step.y;
+  const double turn = seen.flow.rotation_reliable ? seen.flow.rotation_rad() : 0.0;
+  if (std::abs(turn) >= kStill_rad) pose_.angle_rad -= turn;
+}
+
+void PoseTracker::advanceInDepth(const Observation& seen, bool trusted) {
+  since_fresh_ = squareOf(seen.flow.similarity) * since_fresh_;
+  pose_.depth_seen = !seen.repeated;
+  if (settings_.mode == MotionMode::kLk || seen.repeated) return;
+  if (settings_.exact_masks && trusted && bothWays(settings_.mode)) {
+    pose_.depth_mm += depthOf_mm(seen.surface) - depthOf_mm(fresh_);
+  } else {
+    const cv::Matx23d carry = since_fresh_.get_minor<2, 3>(0, 0);
+    const double step =
+        depthDifference_mm(fresh_, seen.surface, carry, kTrimFloor_mm).value_or(0.0);
+    if (std::abs(step) >= kStill_mm) {
+      pose_.depth_mm += step;
+      // Of an aligned body the middle is followed, not what is seen of it.
+      if (trusted && !settings_.rigid)
+        pose_.depth_mm += kPull * (depthOf_mm(seen.surface) - pose_.depth_mm);
+    }
+  }
+  fresh_ = seen.surface;
+  since_fresh_ = cv::Matx33d::eye();
+}
+
+Pose PoseTracker::advance(const Observation& seen) {
+  pose_.depth_seen = pose_.seen = pose_.sure = true;
+  aligned_ = false;
+  // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
+  if (settings_.mode == MotionMode::kNone || seen.identical || seen.at_rest) {
+    step_ = last_step_ = {};
+    return pose_;
+  }
+  const Shape now = shapeOf(seen.surface);
+  const double growth = now.area_px / std::max(1.0, last_.area_px);
+  const bool trusted =
+      now.entire && last_.entire && growth > 0.8 && growth < 1.25 && seen.visible_fraction > kWhole;
+  pose_.seen = seen.visible_fraction >= kVisibleEnough;
+  if (step_.reliable) {
+    advanceRigidly(seen, trusted);
+    fresh_ = seen.surface;
+    since_fresh_ = cv::Matx33d::eye();
+  } else {
+    const Vec3 before = position_mm();
+    advanceInPlane(seen, now, trusted);
+    advanceInDepth(seen, trusted);
+    last_step_ = {};
+    last_step_.shift_mm = position_mm() - before;
+    pose_.sure = !settings_.rigid;
+  }
+  step_ = {};
+  last_ = now;
+  look(seen.view, seen.surface);
+  return pose_;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/motion/reference_point.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
+
+namespace hapticast::server {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRoundest = 0.93;      // shorter over longer axis of the outline, at least
+constexpr double kFitResidual = 0.03;   // of the radius
+constexpr double kRadiusAgrees = 0.08;  // fitted against that of the outline
+constexpr std::size_t kFitPoints = 1000;
+constexpr double kDomeResidual = 0.03;  // of an ellipsoid's depth
+// Of what is neither ball nor ellipsoid: from the mean depth to the centre, against the spread (5
+// to 95 %) of the depths. A box has 0.6 edge on, 1.1 corner on.
+constexpr double kBehindPerSpread = 0.89;
+
+struct Outline {
+  double u_px = 0, v_px = 0;  // centroid, pixel centres at +0.5
+  double radius_px = 0;       // of the disc of this area
+  double roundness = 0;
+  Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();  // 1 on the ellipse of the same moments
+};
+
+Outline outlineOf(const Surface& surface) {
+  const cv::Moments m = cv::moments(surface.mask, true);
+  Outline out;
+  if (m.m00 <= 0) return out;
+  out.u_px = surface.box.x + m.m10 / m.m00 + 0.5;
+  out.v_px = surface.box.y + m.m01 / m.m00 + 0.5;
+  out.radius_px = std::sqrt(m.m00 / CV_PI);
+  const double mean = 0.5 * (m.mu20 + m.mu02);
+  const double off = std::hypot(0.5 * (m.mu20 - m.mu02), m.mu11);
+  Eigen::Matrix2d spread;
+  spread << m.mu20 / m.m00, m.mu11 / m.m00, m.mu11 / m.m00, m.mu02 / m.m00;
+  if (spread.determinant() > 1.0) out.shape = (4.0 * spread).inverse();
+  out.roundness = mean + off > 0 ? std::sqrt(std::max(0.0, mean - off) / (mean + off)) : 0.0;
+  return out;
+}
+
+// The inner part of the surface: its rim is the sensor's worst.
+std::vector<Vector3d> innerPoints(const Surface& surface, const CameraModel& camera,
+                                  double radius_px) {
+  const int margin = std::clamp(static_cast<int>(0.12 * radius_px), 1, 12);
+  const cv::Mat inner = erodedBy(surface.mask, margin) & (surface.depth > 0);
+  cv::Mat smooth;  // a sensor's noise is no sign of another shape
+  const int window = 2 * (2 * margin / 3) + 1;
+  cv::blur(surface.depth, smooth, {window, window});
+  const double count = cv::countNonZero(inner);
+  const int step = std::max(1, static_cast<int>(std::sqrt(count / kFitPoints)));
+  std::vector<Vector3d> out;
+  for (int v = 0; v < inner.rows; v += step) {
+    for (int u = 0; u < inner.cols; u += step) {
+      if (inner.at<uchar>(v, u) == 0) continue;
+      const auto z = static_cast<double>(smooth.at<float>(v, u));
+      out.emplace_back((surface.box.x + u + 0.5 - camera.cx_px) / camera.fx_px * z,
+                       (surface.box.y + v + 0.5 - camera.cy_px) / camera.fy_px * z, z);
+    }
+  }
+  return out;
+}
+
+// |X|² = 2 X.C + k, least squares; then how far the points are off it.
+struct SphereFit {
+  Vector3d centre;
+  double radius_mm = 0;
+  double residual_mm = 0;
+};
+SphereFit fitSphere(const std::vector<Vector3d>& points) {
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (const Vector3d& p : points) {
+    Eigen::Vector4d row;
+    row << 2 * (p - mean), 1;
+    matrix += row * row.transpose();
+    right += row * (p - mean).squaredNorm();
+  }
+  const Eigen::Vector4d c = matrix.ldlt().solve(right);
+  SphereFit out;
+  out.centre = c.head<3>() + mean;
+  out.radius_mm = std::sqrt(std::max(0.0, c[3] + c.head<3>().squaredNorm()));
+  double square = 0;
+  for (const Vector3d& p : points) square += std::pow((p - out.centre).norm() - out.radius_mm, 2);
+  out.residual_mm = std::sqrt(square / static_cast<double>(points.size()));
+  return out;
+}
+
+// Of an ellipsoid, however it is turned. It touches the cone over its outline M, X.MX = 0, along a
+// plane m.X = w, so that X.MX + (m.X - w)² = 0 on it: the inverse depth is linear in the picture
+// and in a dome over the outline, 1 / z = p.(x, y, 1) + d sqrt(1 - x.shape.x). The centre solves
+// (d² M + p p^T) C = p. nullopt where that does not fit. x: from the outline's middle, in its
+// radii.
+std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
+                                           const Outline& outline, const CameraModel& camera) {
+  const Eigen::Matrix2d shape = outline.shape * outline.radius_px * outline.radius_px;
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  std::vector<Eigen::Vector4d> rows;
+  for (const Vector3d& p : points) {
+    const Eigen::Vector2d at =
+        Eigen::Vector2d(camera.fx_px * p.x() / p.z() + camera.cx_px - outline.u_px,
+                        camera.fy_px * p.y() / p.z() + camera.cy_px - outline.v_px) /
+        outline.radius_px;
+    const double dome = std::sqrt(std::max(0.0, 1.0 - at.dot(shape * at)));
+    rows.emplace_back(at.x(), at.y(), 1.0, dome);
+    matrix += rows.back() * rows.back().transpose();
+    right += rows.back() / p.z();
+  }
+  const Eigen::Vector4d fit = matrix.ldlt().solve(right);
+  const Vector3d plane = fit.head<3>();
+  const double dome = fit[3];
+  if (!fit.allFinite() || !(dome > 0)) return std::nullopt;
+  double square = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    square += std::pow(rows[i].dot(fit) - 1.0 / points[i].z(), 2);
+  if (std::sqrt(square / static_cast<double>(points.size())) >= kDomeResidual * dome)
+    return std::nullopt;
+  Eigen::Matrix3d body = plane * plane.transpose();
+  body.topLeftCorner<2, 2>() += dome * dome * shape;
+  body(2, 2) -= dome * dome;
+  if (!(body.determinant() > 0)) return std::nullopt;
+  const Vector3d centre = body.ldlt().solve(plane);
+  const double z = centre.z();
+  return Vector3d(
+      (centre.x() * outline.radius_px + (outline.u_px - camera.cx_px) * z) / camera.fx_px,
+      (centre.y() * outline.radius_px + (outline.v_px - camera.cy_px) * z) / camera.fy_px, z);
+}
+
+}  // namespace
+
+BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
+  const Outline outline = outlineOf(surface);
+  const std::vector<Vector3d> points = innerPoints(surface, camera, outline.radius_px);
+  if (points.size() < 8) return {};
+  std::vector<double> depths;
+  double mean = 0;
+  for (const Vector3d& p : points) {
+    depths.push_back(p.z());
+    mean += p.z() / static_cast<double>(points.size());
+  }
+  std::sort(depths.begin(), depths.end());
+  const double spread = depths[depths.size() * 95 / 100] - depths[depths.size() * 5 / 100];
+  const double focal_px = 0.5 * (camera.fx_px + camera.fy_px);
+  if (outline.roundness > kRoundest && points.size() >= 40) {
+    const SphereFit fit = fitSphere(points);
+    const double seen_mm = outline.radius_px / focal_px * fit.centre.z();
+    const bool sphere = fit.centre.allFinite() && fit.radius_mm > 0 &&
+                        fit.residual_mm < kFitResidual * fit.radius_mm &&
+                        std::abs(fit.radius_mm - seen_mm) < kRadiusAgrees * seen_mm &&
+                        fit.centre.z() > mean;
+    if (sphere) return {fit.centre, true};
+  }
+  const double z = mean + kBehindPerSpread * spread;
+  const Vector3d blob((outline.u_px - camera.cx_px) / camera.fx_px * z,
+                      (outline.v_px - camera.cy_px) / camera.fy_px * z, z);
+  return {ellipsoidCentre_mm(points, outline, camera).value_or(blob)};
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/motion/rigid_align.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::server {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kFinestSide_px = 220;  // objects that are larger are looked at in fewer pixels
+constexpr int kCoarsestSide_px = 24;
+constexpr std::size_t kTemplatePoints = 1500;
+constexpr std::size_t kFewestPoints = 40;
+constexpr std::size_t kOutlinePoints = 100;
+constexpr std::size_t kFewestOutline = 8;
+constexpr float kNearEdge_px = 2.0F;
+constexpr float kDeeper_px = 8.0F;
+constexpr double kOnward = 1.2;     // of the step between these two, measured on a ball
+constexpr double kWellFound = 0.6;  // share of inliers: no search needed
+constexpr double kFound = 0.5;
+
+}  // namespace
+
+RigidTemplate::RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera)
+    : camera_(camera), box_(surface.box) {
+  const int side = std::max(box_.width, box_.height);
+  const int finest = std::max(1, (side + kFinestSide_px - 1) / kFinestSide_px);
+  const cv::Mat known = surface.mask & (surface.depth > 0);
+  if (cv::countNonZero(known) < static_cast<int>(kFewestPoints)) return;
+  double near_mm = 0;
+  double far_mm = 0;
+  cv::minMaxLoc(surface.depth, &near_mm, &far_mm, nullptr, nullptr, known);
+  depth_ = {near_mm, far_mm};
+  addLevel(gray, surface, finest);
+  addLevel(gray, surface, 2 * finest);
+  if (levels_[0].points.size() < kFewestPoints) levels_.clear();
+  if (!levels_.empty() && outline_mm_.size() < kFewestOutline) {
+    for (const RigidPoint& point : levels_[0].points) outline_mm_.push_back(point.position_mm);
+  }
+  coarse_.factor = std::max(1, (side + kCoarsestSide_px - 1) / kCoarsestSide_px);
+  const int f = coarse_.factor;
+  coarse_.box_px = {box_.x / f, box_.y / f, box_.width / f, box_.height / f};
+  const cv::Size size = coarse_.box_px.size();
+  if (size.empty()) return;
+  cv::resize(gray(box_), coarse_.gray, size, 0, 0, cv::INTER_AREA);
+  cv::resize(surface.mask, coarse_.mask, size, 0, 0, cv::INTER_AREA);
+  cv::resize(surface.depth, coarse_.depth, size, 0, 0, cv::INTER_NEAREST);
+}
+
+void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int factor) {
+  Level level;
+  level.factor = factor;
+  const cv::Size size(box_.width / factor * factor, box_.height / factor * factor);
+  if (size.width >= 3 * factor && size.height >= 3 * factor) {
+    const cv::Rect part({0, 0}, size);
+    const cv::Mat smooth_gray = smoothedGray(gray(cv::Rect(box_.tl(), size)), factor);
+    const cv::Mat known = surface.mask(part) & (surface.depth(part) > 0);
+    const cv::Mat depth = smoothedDepth(surface.depth(part), known, factor);
+    cv::Mat inside = shrunk(known, factor) > 250;
+    if (levels_.empty()) addOutline(inside, depth, factor);
+    inside = erodedBy(inside, 2);
+    const auto count = static_cast<std::size_t>(cv::countNonZero(inside));
+    const int step =
+        std::max(1, static_cast<int>(std::sqrt(double(count) / kTemplatePoints) + 0.7));
+    for (int v = 1; v < inside.rows - 1; v += step) {
+      for (int u = 1; u < inside.cols - 1; u += step) {
+        if (inside.at<uchar>(v, u) == 0) continue;
+        const auto z = static_cast<double>(depth.at<float>(v, u));
+        if (z <= 0) continue;
+        level.points.push_back({positionOf(u, v, z, factor), smooth_gray.at<float>(v, u)});
+      }
+    }
+  }
+  levels_.push_back(std::move(level));
+}
+
+Vector3d RigidTemplate::positionOf(int u, int v, double depth_mm, int factor) const {
+  const double u_px = box_.x + factor * (u + 0.5);
+  const double v_px = box_.y + factor * (v + 0.5);
+  return {(u_px - camera_.cx_px) / camera_.fx_px * depth_mm,
+          (v_px - camera_.cy_px) / camera_.fy_px * depth_mm, depth_mm};
+}
+
+// A body curves away towards its outline, where depth cannot be read any more: it goes on as the
+// square root of the distance to the outline, as a ball's does.
+void RigidTemplate::addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(inside, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat distance;
+  cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
+  const cv::Rect whole(1, 1, inside.cols - 2, inside.rows - 2);
+  std::size_t total = 0;
+  for (const auto& contour : contours) total += contour.size();
+  const std::size_t step = std::max<std::size_t>(1, total / kOutlinePoints);
+  for (const auto& contour : contours) {
+    for (std::size_t i = 0; i < contour.size(); i += step) {
+      const cv::Point& edge = contour[i];
+      if (!whole.contains(edge)) continue;
+      const cv::Point2f inward(
+          distance.at<float>(edge.y, edge.x + 1) - distance.at<float>(edge.y, edge.x - 1),
+          distance.at<float>(edge.y + 1, edge.x) - distance.at<float>(edge.y - 1, edge.x));
+      const double length = cv::norm(inward);
+      if (length < 0.1) continue;
+      const auto depthAt = [&](float px) {
+        const cv::Point at(cv::Point2f(edge) + inward * (px / static_cast<float>(length)));
+        return whole.contains(at) ? static_cast<double>(depth.at<float>(at)) : 0.0;
+      };
+      const double near_edge = depthAt(kNearEdge_px);
+      const double deeper = depthAt(kDeeper_px);
+      if (near_edge <= 0 || deeper <= 0) continue;
+      const double at_edge = near_edge + kOnward * (near_edge - deeper);
+      outline_mm_.push_back(positionOf(edge.x, edge.y, at_edge, factor));
+    }
+  }
+}
+
+cv::Rect RigidTemplate::whereWith(const Vector3d& pivot_mm, const RigidStep& step,
+                                  const cv::Size& picture) const {
+  const Vector3d to = pivot_mm + step.shift_mm;
+  const double scale = std::clamp(pivot_mm.z() / std::max(1.0, to.z()), 0.5, 2.0);
+  const double du = camera_.fx_px * (to.x() / to.z() - pivot_mm.x() / pivot_mm.z());
+  const double dv = camera_.fy_px * (to.y() / to.z() - pivot_mm.y() / pivot_mm.z());
+  const int factor = levels_.back().factor;
+  const int margin = 8 * factor + static_cast<int>((std::abs(scale - 1.0) + 0.08) *
+                                                   std::max(box_.width, box_.height));
+  const double reach = 4.0 * picture.width;
+  cv::Rect moved = box_ + cv::Point(static_cast<int>(std::lround(std::clamp(du, -reach, reach))),
+                                    static_cast<int>(std::lround(std::clamp(dv, -reach, reach))));
+  moved = cv::Rect(moved.x - margin, moved.y - margin, moved.width + 2 * margin,
+                   moved.height + 2 * margin);
+  return moved & cv::Rect({0, 0}, picture);
+}
+
+RigidStep RigidTemplate::align(const View& view, const Vector3d& pivot_mm,
+                               const RigidStep& guess) const {
+  RigidStep now = guess;
+  now.inliers = 0.0;
+  const cv::Rect area = whereWith(pivot_mm, guess, view.gray.size());
+  const Eigen::AngleAxisd turn(guess.rotation);
+  const DepthRange depths{depth_.near_mm + std::min(0.0, guess.shift_mm.z()),
+                          depth_.far_mm + std::max(0.0, guess.shift_mm.z())};
+  for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
+    const Window window = windowOf(view, area, level->factor, depths);
+    if (window.texels.empty() || level->points.size() < kFewestPoints / 2) continue;
+    RigidFit fit(camera_, window, level->points, pivot_mm, turn.angle() * turn.axis());
+    if (!fit.improve(now)) return guess;
+  }
+  return now;
+}
+
+RigidStep RigidTemplate::searched(const View& view, const Vector3d& pivot_mm) const {
+  RigidStep out;
+  const cv::Size size = coarse_.box_px.size();
+  if (size.empty() || coarse_.gray.empty()) return out;
+  const int f = coarse_.factor;
+  const int reach = 5 * std::max(size.width, size.height) / 2;
+  const cv::Rect all(0, 0, view.gray.cols / f, view.gray.rows / f);
+  const cv::Rect area = cv::Rect(coarse_.box_px.x - reach, coarse_.box_px.y - reach,
+                                 size.width + 2 * reach, size.height + 2 * reach) &
+                        all;
+  if (area.width < size.width || area.height < size.height) return out;
+  const cv::Rect fine(area.x * f, area.y * f, area.width * f, area.height * f);
+  cv::Mat gray;
+  cv::Mat depth;
+  cv::resize(view.gray(fine), gray, area.size(), 0, 0, cv::INTER_AREA);
+  cv::resize(view.depth(fine), depth, area.size(), 0, 0, cv::INTER_NEAREST);
+  double best = 0.0;
+  cv::Point at;
+  for (int v = 0; v + size.height <= area.height; ++v) {
+    for (int u = 0; u + size.width <= area.width; ++u) {
+      double sum = 0;
+      for (int j = 0; j < size.height; j += 2) {
+        for (int i = 0; i < size.width; i += 2) {
+          if (coarse_.mask.at<uchar>(j, i) < 200) continue;
+          const int off = std::abs(gray.at<uchar>(v + j, u + i) - coarse_.gray.at<uchar>(j, i));
+          const float z = depth.at<float>(v + j, u + i);
+          const float off_depth = z > 0 ? std::abs(z - coarse_.depth.at<float>(j, i)) : 60.0F;
+          // What is alike counts for it; what is not counts nothing.
+          sum += std::max(0.0, 1.0 - off / 40.0) * std::max(0.0, 1.0 - double(off_depth) / 60.0);
+        }
+      }
+      if (sum <= best) continue;
+      best = sum;
+      at = {u + area.x, v + area.y};
+    }
+  }
+  if (best <= 0) return out;
+  out.shift_mm = {(at.x - coarse_.box_px.x) * f * pivot_mm.z() / camera_.fx_px,
+                  (at.y - coarse_.box_px.y) * f * pivot_mm.z() / camera_.fy_px, 0.0};
+  return out;
+}
+
+RigidStep RigidTemplate::find(const View& view, const Vector3d& pivot_mm,
+                              const RigidStep& guess) const {
+  RigidStep best = guess;
+  if (levels_.empty()) return best;
+  best = align(view, pivot_mm, guess);
+  if (best.inliers < kWellFound) {
+    RigidStep start = searched(view, pivot_mm);
+    start.rotation = guess.rotation;
+    const RigidStep other = align(view, pivot_mm, start);
+    if (other.inliers > best.inliers) best = other;
+  }
+  best.reliable = best.inliers >= kFound;
+  // The similarity nearest to what the outline did.
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (const Vector3d& x : outline_mm_) {
+    const Vector3d y = best.rotation * (x - pivot_mm) + pivot_mm + best.shift_mm;
+    const double u = camera_.fx_px * x.x() / x.z() + camera_.cx_px - 0.5;
+    const double v = camera_.fy_px * x.y() / x.z() + camera_.cy_px - 0.5;
+    const Eigen::Vector4d ru(u, -v, 1, 0);
+    const Eigen::Vector4d rv(v, u, 0, 1);
+    matrix += ru * ru.transpose() + rv * rv.transpose();
+    right += ru * (camera_.fx_px * y.x() / y.z() + camera_.cx_px - 0.5) +
+             rv * (camera_.fy_px * y.y() / y.z() + camera_.cy_px - 0.5);
+  }
+  const Eigen::Vector4d s = matrix.ldlt().solve(right);
+  if (s.allFinite()) best.similarity = {s[0], -s[1], s[2], s[1], s[0], s[3]};
+  return best;
+}
+
+}  // namespace hapticast::server

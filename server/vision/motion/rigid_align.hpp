@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// How a rigid object moved in space from one frame to the next: direct alignment of its colour and
+// depth, robust, on two levels (motion notes, section 2: "GN RGB-D tracked"). Thread: any; values.
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "server/source/camera_model.hpp"
+#include "server/vision/base/view.hpp"
+#include "server/vision/motion/rigid_fit.hpp"
+#include "server/vision/surface/enhance.hpp"
+
+namespace hapticast::server {
+
+/// One object as it looks in a frame: the points that are looked for in the next one.
+class RigidTemplate {
+ public:
+  RigidTemplate() = default;
+  /// Costs one blur of the object's box. `surface` is the object's, cleaned.
+  RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
+
+  [[nodiscard]] bool empty() const { return levels_.empty(); }
+  /// Finds the object again in `view`, near where `guess` says, else within about its own size. Not
+  /// reliable: fewer than half of the points agree, or there were too few.
+  [[nodiscard]] RigidStep find(const View& view, const Eigen::Vector3d& pivot_mm,
+                               const RigidStep& guess) const;
+
+ private:
+  struct Level {
+    int factor = 1;  // px of the picture per px of this level, each way
+    std::vector<RigidPoint> points;
+  };
+  struct Coarse {  // for the search where the guess is of no use
+    int factor = 1;
+    cv::Rect box_px;  // whole pixels of the coarse picture
+    cv::Mat gray, depth, mask;
+  };
+  void addLevel(const cv::Mat& gray, const Surface& surface, int factor);
+  void addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor);
+  [[nodiscard]] Eigen::Vector3d positionOf(int u, int v, double depth_mm, int factor) const;
+  [[nodiscard]] RigidStep align(const View& view, const Eigen::Vector3d& pivot_mm,
+                                const RigidStep& guess) const;
+  [[nodiscard]] RigidStep searched(const View& view, const Eigen::Vector3d& pivot_mm) const;
+  [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
+                                   const cv::Size& picture) const;
+
+  CameraModel camera_;
+  cv::Rect box_;
+  DepthRange depth_;                         // of the points
+  std::vector<Level> levels_;                // fine, coarse
+  std::vector<Eigen::Vector3d> outline_mm_;  // of the surface just inside the mask's edge
+  Coarse coarse_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// The thesis's segmentation: Canny edges of colour and depth fused, closed, and the region they
+// enclose. Kept as the thesis's own row; real scenes need segment_band.
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/segment/segment.hpp"
+#include "server/vision/segment/start.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kDepthNear_mm = 300.0;
+constexpr double kDepthFar_mm = 2500.0;
+
+// 1 where no edge runs: the picture falls apart into regions.
+cv::Mat regionsOf(const View& view) {
+  cv::Mat smooth;
+  cv::GaussianBlur(view.gray, smooth, {}, 1.2);
+  cv::Mat color_edges;
+  cv::Canny(smooth, color_edges, 50, 120);
+  cv::Mat depth;
+  const double gain = -255.0 / (kDepthFar_mm - kDepthNear_mm);
+  view.depth.convertTo(depth, CV_8U, gain, -gain * kDepthFar_mm);
+  depth.setTo(0, view.depth <= 0.0);
+  cv::medianBlur(depth, depth, 5);
+  cv::Mat depth_edges;
+  cv::Canny(depth, depth_edges, 8, 20);
+  cv::Mat edges = color_edges | depth_edges;
+  cv::morphologyEx(edges, edges, cv::MORPH_CLOSE,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
+  return edges == 0;
+}
+
+class EdgeSegmenter final : public Segmenter {
+ public:
+  EdgeSegmenter(const VisionSettings& settings, std::uint32_t& next_id)
+      : points_(settings.object_points_px), next_id_(next_id) {}
+
+  std::vector<Segment> next(const View& view, const Flows& flows) override {
+    const int count = cv::connectedComponents(regionsOf(view), labels_, 4, CV_32S);
+    if (!started_) {
+      start(view);
+    } else {
+      for (Segment& segment : objects_) follow(segment, flows, count);
+      std::erase_if(objects_, [](const Segment& s) { return s.quality <= 0.0; });
+      if (objects_.empty()) started_ = !points_.empty();
+    }
+    std::vector<Segment> out;
+    for (const Segment& s : objects_) out.push_back({s.id, s.mask.clone(), s.quality});
+    return out;
+  }
+
+  void sceneCut() override {
+    objects_.clear();
+    started_ = started_ && !points_.empty();
+  }
+
+ private:
+  cv::Mat regionOf(int label) const {
+    cv::Mat mask = labels_ == label;
+    mask = dilatedBy(mask, 2);  // half the width of the closed edge
+    fillHoles(mask, mask.rows * mask.cols / 4);
+    return mask;
+  }
+
+  void start(const View& view) {
+    for (const Vec2& point : points_) {
+      const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
+      if (label == 0) throwNothingAt(point, "only edges there");
+      objects_.push_back({next_id_++, regionOf(label), 1.0});
+    }
+    if (points_.empty()) {
+      const cv::Mat compact = nearestCompact(view, labels_);
+      if (!compact.empty()) objects_.push_back({next_id_++, regionOf(labelUnder(compact)), 1.0});
+    }
+    started_ = !objects_.empty();
+  }
+
+  int nearestLabel(const cv::Point& point) const {
+    for (int radius = 0; radius <= 12; ++radius) {
+      for (int v = point.y - radius; v <= point.y + radius; ++v) {
+        for (int u = point.x - radius; u <= point.x + radius; ++u) {
+          if (!cv::Rect({0, 0}, labels_.size()).contains({u, v})) continue;
+          if (labels_.at<int>(v, u) != 0) return labels_.at<int>(v, u);
+        }
+      }
+    }
+    return 0;
+  }
+
+  int labelUnder(const cv::Mat& mask) const {
+    double largest = 0;
+    cv::Mat inside;
+    labels_.copyTo(inside, mask);
+    cv::minMaxLoc(inside, nullptr, &largest);
+    return static_cast<int>(largest);
+  }
+
+  // The region that shares most pixels with the carried mask.
+  void follow(Segment& segment, const Flows& flows, int count) {
+    cv::Mat carried = segment.mask;
+    if (const auto flow = flows.find(segment.id); flow != flows.end()) {
+      const cv::Rect whole({0, 0}, carried.size());
+      carried = carryImage(segment.mask, whole, whole, flow->second.similarity, cv::INTER_NEAREST);
+    }
+    std::vector<int> shared(static_cast<std::size_t>(count), 0);
+    for (int v = 0; v < carried.rows; ++v) {
+      for (int u = 0; u < carried.cols; ++u) {
+        if (carried.at<unsigned char>(v, u) != 0)
+          ++shared[static_cast<std::size_t>(labels_.at<int>(v, u))];
+      }
+    }
+    shared[0] = 0;
+    const auto best = std::max_element(shared.begin(), shared.end());
+    if (*best >= kSmallestObject_px) {
+      segment.mask = regionOf(static_cast<int>(best - shared.begin()));
+      segment.quality = 1.0;
+    } else {
+      segment.mask = carried;
+      segment.quality -= 0.2;
+    }
+    if (cv::countNonZero(segment.mask) < kSmallestObject_px) segment.quality = 0.0;
+  }
+
+  std::vector<Vec2> points_;
+  std::uint32_t& next_id_;
+  std::vector<Segment> objects_;
+  cv::Mat labels_;
+  bool started_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
+                                             std::uint32_t& next_id) {
+  return std::make_unique<EdgeSegmenter>(settings, next_id);
+}
+
+}  // namespace hapticast::server

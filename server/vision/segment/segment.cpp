@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/segment.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace hapticast::server {
+
+namespace {
+
+// Pixels of each value. Four counts side by side: neighbours are alike, and one counter would wait
+// for itself.
+std::array<int, 256> areasOf(const cv::Mat& mask) {
+  std::array<std::array<int, 256>, 4> counts{};
+  for (int v = 0; v < mask.rows; ++v) {
+    const auto* row = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < mask.cols; ++u) ++counts[static_cast<std::size_t>(u) % 4][row[u]];
+  }
+  for (std::size_t value = 0; value < 256; ++value)
+    counts[0][value] += counts[1][value] + counts[2][value] + counts[3][value];
+  return counts[0];
+}
+
+// The source's masks, taken as they are: all objects, or those under the author's points in the
+// first frame.
+class SourceSegmenter final : public Segmenter {
+ public:
+  SourceSegmenter(const std::vector<Vec2>& points, std::uint32_t& next_id)
+      : points_(points), next_id_(next_id) {}
+
+  std::vector<Segment> next(const View& view, const Flows& /*flows*/) override {
+    if (view.mask.empty())
+      throw SourceError("--segment source: the source brings no mask; use --segment auto");
+    if (!points_.empty()) choose(view);
+    const std::array<int, 256> area = areasOf(view.mask);
+    std::vector<Segment> segments;
+    for (std::size_t n = 1; n < area.size(); ++n) {
+      if (area[n] < kSmallestObject_px) {
+        ids_.erase(n);
+      } else if (segments.size() < kMaxObjects && (chosen_.empty() || chosen_.contains(n))) {
+        const auto [known, is_new] = ids_.try_emplace(n, next_id_);
+        if (is_new) ++next_id_;
+        segments.push_back({known->second, view.mask == static_cast<double>(n), 1.0});
+      }
+    }
+    return segments;
+  }
+
+  void sceneCut() override { ids_.clear(); }
+
+ private:
+  void choose(const View& view) {
+    for (const Vec2& point : points_) {
+      const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
+      const auto value = view.mask.at<unsigned char>(at);
+      if (value == 0) throwNothingAt(point, "the source's mask has no object there");
+      if (cv::countNonZero((view.mask == double(value)) & (view.depth > 0)) == 0)
+        throwNothingAt(point, "no depth was measured on that object");
+      chosen_.insert(value);
+    }
+    points_.clear();
+  }
+
+  std::vector<Vec2> points_;      // until the first frame has been seen
+  std::set<std::size_t> chosen_;  // values of the mask; empty: all
+  std::uint32_t& next_id_;
+  std::map<std::size_t, std::uint32_t> ids_;  // of the objects present
+};
+
+}  // namespace
+
+std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
+                                         std::uint32_t& next_id, RememberedStart* remembered) {
+  switch (settings.segment) {
+    case SegmentMode::kSource:
+      return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
+    case SegmentMode::kEdges:
+      return makeEdgeSegmenter(settings, next_id);
+    case SegmentMode::kBand:
+      return makeBandSegmenter(settings, next_id, remembered);
+    case SegmentMode::kAuto:
+      break;
+  }
+  if (has_mask) return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
+  return settings.method == Method::kThesis ? makeEdgeSegmenter(settings, next_id)
+                                            : makeBandSegmenter(settings, next_id, remembered);
+}
+
+void throwNothingAt(const Vec2& point_px, const std::string& why) {
+  throw SourceError("--object " + std::to_string(static_cast<int>(point_px.x())) + "," +
+                    std::to_string(static_cast<int>(point_px.y())) + ": " + why +
+                    "; give a point well inside the object in the first frame");
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Which pixels belong to which object, frame by frame. One interface; a kind per file: the source's
+// own masks, the thesis's edge fusion (segment_edges), the careful start and carried band
+// (segment_band).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "server/vision/base/flow.hpp"
+#include "server/vision/base/view.hpp"
+#include "server/vision/vision.hpp"
+
+namespace hapticast::server {
+
+struct Segment {
+  std::uint32_t id = 0;  ///< a re-found object has a new one
+  cv::Mat mask;          ///< CV_8UC1, 0 / 255, size of the picture; not shared with later frames
+  double quality = 1.0;  ///< 1: decided from this frame; less: carried on
+};
+
+class Segmenter {
+ public:
+  virtual ~Segmenter() = default;
+  /// The objects present in this frame; one that is lost is not in the list. `flows`: how the
+  /// objects of the last frame moved. Throws SourceError where an object point names nothing.
+  virtual std::vector<Segment> next(const View& view, const Flows& flows) = 0;
+  /// The next frame shows another scene: all objects are lost.
+  virtual void sceneCut() = 0;
+};
+
+/// Below this many pixels an object is lost.
+inline constexpr int kSmallestObject_px = 40;
+
+/// The careful start of a clip, kept by who plays the clip again and again: it costs as much as ten
+/// frames. Null until there is one.
+struct BandStart;  // segment_band.cpp
+using RememberedStart = std::shared_ptr<const BandStart>;
+
+/// Which segmenter `settings` ask for, given whether the source brings masks. `next_id` is counted
+/// up; it and `remembered` (may be null) must outlive the segmenter.
+std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
+                                         std::uint32_t& next_id,
+                                         RememberedStart* remembered = nullptr);
+std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
+                                             std::uint32_t& next_id);
+std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
+                                             RememberedStart* remembered);
+
+/// Throws the SourceError of an object point with nothing under it; `why` says what is there
+/// instead.
+[[noreturn]] void throwNothingAt(const Vec2& point_px, const std::string& why);
+
+}  // namespace hapticast::server

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+// The local quadratic fit: one fixed kernel where the whole window lies in the mask, a 6 x 6 solve
+// at the rim, both from separable Gaussian moments.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "server/vision/surface/enhance.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kFewestSigma_px = 2.0;  // smoothed over fewer pixels it would show them
+constexpr double kBeyond = 0.1;          // of half a step, that a wider fit may be off
+constexpr int kOrders = 5;               // moments x^0 .. x^4
+// Basis 1, x, y, x², xy, y² as exponents of x and y.
+constexpr std::array<std::array<int, 2>, 6> kBasis{
+    {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+// A little pull to zero of slopes and curvatures, for slivers of mask that do not determine them.
+constexpr std::array<double, 6> kRidge{0, 1e-7, 1e-7, 1e-4, 1e-4, 1e-4};
+
+struct Kernels {
+  std::array<cv::Mat, kOrders> x;  // g(k) (k / sigma)^j
+  int radius_px = 0;
+};
+
+Kernels kernelsOf(double sigma_px) {
+  Kernels out;
+  out.radius_px = static_cast<int>(std::ceil(2.5 * sigma_px));
+  double sum = 0;
+  for (int k = -out.radius_px; k <= out.radius_px; ++k)
+    sum += std::exp(-0.5 * k * k / (sigma_px * sigma_px));
+  for (int j = 0; j < kOrders; ++j) {
+    cv::Mat& kernel = out.x[static_cast<std::size_t>(j)];
+    kernel.create(2 * out.radius_px + 1, 1, CV_32F);
+    for (int k = -out.radius_px; k <= out.radius_px; ++k) {
+      const double weight = std::exp(-0.5 * k * k / (sigma_px * sigma_px)) / sum;
+      kernel.at<float>(k + out.radius_px) = static_cast<float>(weight * std::pow(k / sigma_px, j));
+    }
+  }
+  return out;
+}
+
+cv::Mat moment(const cv::Mat& image, const Kernels& kernels, int i, int j) {
+  cv::Mat out;
+  cv::sepFilter2D(image, out, CV_32F, kernels.x[static_cast<std::size_t>(i)],
+                  kernels.x[static_cast<std::size_t>(j)], {-1, -1}, 0, cv::BORDER_CONSTANT);
+  return out;
+}
+
+// K = g(x) g(y) (a + b (x² + y²)) with sum K = 1 and sum K x² = sum K y² = 0.
+cv::Mat interiorFit(const cv::Mat& values, const Kernels& kernels) {
+  const double m2 = cv::sum(kernels.x[2])[0];
+  const double m4 = cv::sum(kernels.x[4])[0];
+  const double a = 1 / (1 - 2 * m2 * m2 / (m4 + m2 * m2));
+  const double b = -a * m2 / (m4 + m2 * m2);
+  return a * moment(values, kernels, 0, 0) +
+         b * (moment(values, kernels, 2, 0) + moment(values, kernels, 0, 2));
+}
+
+// What the fit needs of one row of pixels: moments along x of the mask (x^0 .. x^4) and of the
+// values (x^0 .. x^2). Eight of them, so that they are added up together.
+constexpr int kAlongX = 8;
+using AlongX = cv::Vec<float, kAlongX>;
+
+// Only where `needed`.
+cv::Mat momentsAlongX(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& needed,
+                      const Kernels& kernels) {
+  const int radius = kernels.radius_px;
+  std::vector<AlongX> taps;
+  for (int k = 0; k <= 2 * radius; ++k) {
+    AlongX tap;
+    for (int i = 0; i < kAlongX; ++i)
+      tap[i] = kernels.x[std::size_t(i < kOrders ? i : i - kOrders)].at<float>(k);
+    taps.push_back(tap);
+  }
+  cv::Mat out(values.size(), CV_MAKETYPE(CV_32F, kAlongX));
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* is_needed = needed.ptr<unsigned char>(v);
+    const auto* value = values.ptr<float>(v);
+    const auto* inside = weight.ptr<float>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if (is_needed[u] == 0) continue;
+      AlongX sum{};
+      for (int at = std::max(0, u - radius); at <= std::min(out.cols - 1, u + radius); ++at) {
+        const AlongX& tap = taps[std::size_t(at - u + radius)];
+        for (int i = 0; i < kOrders; ++i) sum[i] += tap[i] * inside[at];
+        for (int i = kOrders; i < kAlongX; ++i) sum[i] += tap[i] * value[at];
+      }
+      out.at<AlongX>(v, u) = sum;
+    }
+  }
+  return out;
+}
+
+// All moments at one pixel: moments[j][i] is of x^i y^j of the mask, and of the values behind them.
+using Moments = std::array<AlongX, kOrders>;
+
+Moments momentsAt(const cv::Mat& along_x, const Kernels& kernels, int v, int u) {
+  Moments out{};
+  const int radius = kernels.radius_px;
+  for (int k = -std::min(radius, v); k <= std::min(radius, along_x.rows - 1 - v); ++k) {
+    const auto& row = along_x.at<AlongX>(v + k, u);
+    for (std::size_t j = 0; j < kOrders; ++j) {
+      const float weight = kernels.x[j].at<float>(k + radius);
+      for (int i = 0; i < kAlongX; ++i) out[j][i] += weight * row[i];
+    }
+  }
+  return out;
+}
+
+// The constant of the fitted quadratic: LDL^T, and of the solution only what it needs. With the
+// basis backwards the constant is the last unknown, so nothing has to be substituted back.
+double constantOf(const Moments& moments) {
+  constexpr std::size_t n = kBasis.size();
+  std::array<std::array<double, n>, n> lower;
+  std::array<double, n> diagonal;
+  std::array<double, n> right;
+  const double whole = double(moments[0][0]);
+  for (std::size_t r = 0; r < n; ++r) {
+    const auto [xr, yr] = kBasis[n - 1 - r];
+    right[r] = double(moments[static_cast<std::size_t>(yr)][kOrders + xr]);
+    for (std::size_t c = 0; c <= r; ++c) {
+      const auto [xc, yc] = kBasis[n - 1 - c];
+      double sum = double(moments[static_cast<std::size_t>(yr + yc)][xr + xc]);
+      if (c == r) sum += kRidge[n - 1 - r] * whole;
+      for (std::size_t k = 0; k < c; ++k) sum -= lower[r][k] * lower[c][k] * diagonal[k];
+      if (c == r) {
+        diagonal[r] = sum;
+      } else {
+        lower[r][c] = sum / diagonal[c];
+      }
+    }
+    for (std::size_t k = 0; k < r; ++k) right[r] -= lower[r][k] * right[k];
+  }
+  return right[n - 1] / diagonal[n - 1];
+}
+
+void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
+            const Kernels& kernels, cv::Mat& out) {
+  cv::Mat needed;
+  cv::dilate(rim, needed, cv::Mat::ones(2 * kernels.radius_px + 1, 1, CV_8UC1));
+  const cv::Mat along_x = momentsAlongX(values, weight, needed, kernels);
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* at_rim = rim.ptr<unsigned char>(v);
+    auto* to = out.ptr<float>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if (at_rim[u] == 0) continue;
+      const double value = constantOf(momentsAt(along_x, kernels, v, u));
+      to[u] = std::isfinite(value) ? static_cast<float>(value) : 0.0F;
+    }
+  }
+}
+
+// `weight`: 0..1, how much of a pixel is known. At the pixels of `wanted` (0 / 255), also outside.
+cv::Mat fitAt(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wanted,
+              double sigma_px) {
+  const Kernels kernels = kernelsOf(sigma_px);
+  cv::Mat out = interiorFit(values, kernels);
+  cv::Mat window_inside;
+  const int size = 2 * kernels.radius_px + 1;
+  cv::erode(weight > 0.999, window_inside, cv::Mat::ones(size, size, CV_8UC1), {-1, -1}, 1,
+            cv::BORDER_CONSTANT, cv::Scalar(0));
+  fitRim(values, weight, wanted & (window_inside == 0), kernels, out);
+  return out;
+}
+
+// Means of blocks of `factor` x `factor` pixels; what a block has beyond the image is zero.
+cv::Mat blockMeans(const cv::Mat& image, int factor) {
+  const int right = (factor - image.cols % factor) % factor;
+  const int below = (factor - image.rows % factor) % factor;
+  cv::Mat out;
+  cv::copyMakeBorder(image, out, 0, below, 0, right, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::resize(out, out, {out.cols / factor, out.rows / factor}, 0, 0, cv::INTER_AREA);
+  return out;
+}
+
+// The largest values of the same blocks; values >= 0.
+cv::Mat blockMaxima(const cv::Mat& image, int factor) {
+  cv::Mat out = cv::Mat::zeros((image.rows + factor - 1) / factor,
+                               (image.cols + factor - 1) / factor, CV_32FC1);
+  for (int v = 0; v < image.rows; ++v) {
+    const auto* from = image.ptr<float>(v);
+    auto* to = out.ptr<float>(v / factor);
+    for (int u = 0; u < image.cols; ++u) to[u / factor] = std::max(to[u / factor], from[u]);
+  }
+  return out;
+}
+
+cv::Mat fromBlocks(const cv::Mat& image, int factor, const cv::Size& size) {
+  cv::Mat out;
+  cv::resize(image, out, image.size() * factor, 0, 0, cv::INTER_CUBIC);
+  return out(cv::Rect({0, 0}, size));
+}
+
+// What is smoothed over many pixels is as well told by every second or third one.
+cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double sigma_px,
+                         int factor) {
+  const cv::Mat small_weight = blockMeans(weight, factor);
+  const cv::Mat wanted = dilatedBy(small_weight > 0, 2);  // cubic interpolation reads as far
+  const cv::Mat out = fitAt(blockMeans(values, factor), small_weight, wanted, sigma_px / factor);
+  return fromBlocks(out, factor, values.size());
+}
+
+// About the mean, so that float moments do not lose the small differences that matter; zero outside
+// the mask.
+struct Centred {
+  double mean;
+  cv::Mat weight;
+  cv::Mat values;
+
+  Centred(const cv::Mat& of, const cv::Mat& mask) : mean(cv::mean(of, mask)[0]) {
+    mask.convertTo(weight, CV_32F, 1.0 / 255.0);
+    values = (of - mean).mul(weight);
+  }
+};
+
+}  // namespace
+
+cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px) {
+  const Centred in(values, mask);
+  const int factor = std::min(4, static_cast<int>(sigma_px / kFewestSigma_px));
+  return in.mean + (factor > 1 ? fitInFewerPixels(in.values, in.weight, sigma_px, factor)
+                               : fitAt(in.values, in.weight, mask, sigma_px));
+}
+
+void widenFit(cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask, const cv::Mat& measured,
+              double half_step, double sigma_px) {
+  const Centred in(rounded, mask);
+  const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
+  // What a block's part inside the mask would tell does not lie at the block's centre.
+  const cv::Mat whole = blockMeans(in.weight, factor) > 0.999;
+  const Centred blocks(blockMeans(in.values, factor), whole);
+  const cv::Mat wide = blocks.mean + fitAt(blocks.values, blocks.weight, whole, sigma_px / factor);
+  cv::Mat change = wide - blockMeans(height - in.mean, factor);
+  change.setTo(0, whole == 0);
+  cv::Mat off;
+  cv::absdiff(height + fromBlocks(change, factor, height.size()), rounded, off);
+  off.setTo(0, measured == 0);
+  cv::Mat share = (1 + kBeyond - blockMaxima(off, factor) / half_step) / kBeyond;
+  share = cv::max(cv::min(share, 1.0), 0.0);
+  // A block is half a sigma: what is off there and in the four beside it counts.
+  cv::erode(share, share, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
+  cv::GaussianBlur(share, share, {}, 1.0);
+  height += fromBlocks(change.mul(share), factor, height.size());
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/surface/hold_tiles.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/vision/base/view.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kCore_px = 3;  // inside the held mask
+constexpr double kSmallestColorNoise = 0.1;
+constexpr double kForget = 1.05;  // per frame: noise is tracked by its minimum
+constexpr float kDark = 8.0F;     // beyond these levels noise is cut off
+constexpr float kBright = 247.0F;
+constexpr int kFewestPixels = 24;  // of the object; with less the whole tile is compared
+constexpr int kFewestCore = 32;    // for a mean depth
+constexpr std::size_t kFewestTiles = 4;
+constexpr std::size_t kFewestForGain = 8;
+constexpr int kGainStep_px = 4;   // every fourth pixel and row are enough for a mean
+constexpr double kTexture = 3.0;  // levels; below, colour cannot see motion
+// Evidence of another depth is (off / limit)² a frame: a little off has to last, far off is at
+// once.
+constexpr double kEnough = 12;
+constexpr double kEnoughUntextured = 3;
+constexpr double kEnoughOfAll = 4;  // of all tiles alike
+
+double evidenceOf(double off_mm, double limit_mm) {
+  const double share = std::abs(off_mm) / limit_mm;
+  return share > 1 ? share * share : 0.0;
+}
+
+}  // namespace
+
+// What one tile shows in this frame.
+struct HoldTiles::Look {
+  bool known = false;        // it was there in the frame before
+  int pixels = 0;            // of the held object
+  int flipped = 0;           // of which the new mask thinks otherwise
+  int compared = 0;          // pixels whose colour was compared
+  double color_change = -1;  // mean since the last frame; < 0: too dark or too bright to tell
+  double color_off = 0;      // mean against the reference
+  double texture = 0;        // standard deviation of the reference
+  int core = 0;              // pixels well inside the held object
+  int core_lost = 0;         // of these not in the new mask
+  int core_measured = 0;
+  double depth_off_mm = 0;  // mean over core_measured
+};
+
+cv::Rect HoldTiles::rectOf(int column, int row) const {
+  const cv::Rect tile(column * Tile::kSize_px, row * Tile::kSize_px, Tile::kSize_px,
+                      Tile::kSize_px);
+  return tile & cv::Rect(cv::Point(), box_.size());
+}
+
+void HoldTiles::moveTo(const cv::Rect& box) {
+  if (box == box_) return;
+  const int columns = (box.width + Tile::kSize_px - 1) / Tile::kSize_px;
+  const int rows = (box.height + Tile::kSize_px - 1) / Tile::kSize_px;
+  std::vector<Tile> tiles(static_cast<std::size_t>(columns * rows));
+  const int right = (box.x - box_.x) / Tile::kSize_px;
+  const int down = (box.y - box_.y) / Tile::kSize_px;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int from_column = column + right;
+      const int from_row = row + down;
+      if (from_column < 0 || from_column >= columns_ || from_row < 0 || from_row >= rows_) continue;
+      tiles[static_cast<std::size_t>(row * columns + column)] = tileAt(from_column, from_row);
+    }
+  }
+  box_ = box;
+  columns_ = columns;
+  rows_ = rows;
+  tiles_ = std::move(tiles);
+}
+
+// Exposure and mains flicker change all tiles alike: the median of their gains is divided out.
+double HoldTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
+  std::vector<double> gains;
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      if (tileAt(column, row).frames == 0) continue;
+      const cv::Rect rect = rectOf(column, row);
+      float before = 0;
+      float after = 0;
+      for (int v = rect.y; v < rect.br().y; v += kGainStep_px) {
+        for (int u = rect.x; u < rect.br().x; u += kGainStep_px) {
+          before += held.gray.at<float>(v, u);
+          after += now.gray.at<float>(v, u);
+        }
+      }
+      if (before > 0) gains.push_back(double(after / before));
+    }
+  }
+  return gains.size() < kFewestForGain ? 1.0 : std::clamp(medianOf(gains), 0.5, 2.0);
+}
+
+HoldTiles::Look HoldTiles::lookAt(int column, int row, const HoldImages& held,
+                                  const cv::Mat& last_gray, const HoldImages& now,
+                                  const cv::Mat& core) const {
+  Look out;
+  out.known = tileAt(column, row).frames > 0;
+  const cv::Rect rect = rectOf(column, row);
+  out.pixels = cv::countNonZero(held.mask(rect));
+  if (!out.known) return out;
+  const bool whole = out.pixels < kFewestPixels;
+  double change = 0, off = 0, sum = 0, square = 0, depth_off = 0;
+  int changed = 0;
+  for (int v = rect.y; v < rect.br().y; ++v) {
+    const auto* gray = now.gray.ptr<float>(v);
+    const auto* reference = held.gray.ptr<float>(v);
+    const auto* last = last_gray.ptr<float>(v);
+    const auto* was_inside = held.mask.ptr<unsigned char>(v);
+    const auto* is_inside = now.mask.ptr<unsigned char>(v);
+    const auto* is_core = core.ptr<unsigned char>(v);
+    const auto* is_measured = now.measured.ptr<unsigned char>(v);
+    const auto* depth = now.depth.ptr<float>(v);
+    const auto* held_depth = held.depth.ptr<float>(v);
+    for (int u = rect.x; u < rect.br().x; ++u) {
+      if (gray[u] >= kDark && gray[u] <= kBright) {
+        change += double(std::abs(gray[u] - last[u]));
+        ++changed;
+      }
+      out.flipped += was_inside[u] != is_inside[u] ? 1 : 0;
+      if (whole || was_inside[u] != 0) {
+        off += double(std::abs(gray[u] - reference[u]));
+        sum += double(reference[u]);
+        square += double(reference[u]) * double(reference[u]);
+        ++out.compared;
+      }
+      if (is_core[u] == 0) continue;
+      ++out.core;
+      out.core_lost += is_inside[u] == 0 ? 1 : 0;
+      if (is_measured[u] == 0) continue;
+      depth_off += double(depth[u] - held_depth[u]);
+      ++out.core_measured;
+    }
+  }
+  if (changed >= 64) out.color_change = change / changed;
+  const double count = std::max(1, out.compared);
+  out.color_off = off / count;
+  out.texture = std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)));
+  out.depth_off_mm = depth_off / std::max(1, out.core_measured);
+  return out;
+}
+
+void HoldTiles::learnNoise(const std::vector<Look>& looks, double sigma_mm) {
+  std::vector<double> changes;
+  std::vector<double> offs;
+  for (const Look& look : looks) {
+    if (look.color_change >= 0) changes.push_back(look.color_change);
+    if (look.core_measured >= kFewestCore) offs.push_back(look.depth_off_mm);
+  }
+  color_noise_ *= kForget;
+  if (!changes.empty()) {
+    const auto quartile = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 4);
+    std::nth_element(changes.begin(), quartile, changes.end());
+    color_noise_ = std::min(color_noise_, *quartile);
+  }
+  color_noise_ = std::clamp(color_noise_, kSmallestColorNoise, kLargestColorNoise);
+  const double largest_mm = std::max(0.3, sigma_mm);
+  depth_noise_mm_ = depth_noise_mm_ < 0 ? largest_mm : depth_noise_mm_ * kForget;
+  if (offs.size() >= kFewestTiles) {
+    const double median = medianOf(offs);
+    for (double& off : offs) off = std::abs(off - median);
+    depth_noise_mm_ = std::min(depth_noise_mm_, 1.48 * medianOf(offs));
+  }
+  depth_noise_mm_ = std::clamp(depth_noise_mm_, 0.02, largest_mm);
+}
+
+bool HoldTiles::moved(Tile& tile, const Look& look, double drift_mm, bool repeated) const {
+  // The mean over few pixels of a tile scatters more.
+  const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, look.compared)));
+  if (look.color_off > spread * color_noise_ + 0.5) return true;
+  if (2 * look.core_lost > look.core) return true;
+  double evidence = 2 * look.flipped > std::max(kFewestPixels, look.pixels) ? 1.0 : 0.0;
+  if (!repeated && look.core_measured >= kFewestCore)
+    evidence += evidenceOf(look.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
+  if (evidence > 0 || !repeated) tile.evidence = evidence > 0 ? tile.evidence + evidence : 0.0;
+  return tile.evidence >= (look.texture < kTexture ? kEnoughUntextured : kEnough);
+}
+
+// The whole object drifts in depth: seen sooner and by less than in any one tile.
+bool HoldTiles::allMoved(const std::vector<Look>& looks, double drift_mm, bool repeated) {
+  if (repeated) return false;
+  std::vector<double> offs;
+  for (const Look& look : looks) {
+    if (look.core_measured >= kFewestCore) offs.push_back(look.depth_off_mm);
+  }
+  const double evidence =
+      offs.size() < kFewestTiles ? 0.0 : evidenceOf(medianOf(offs), 2 * depth_noise_mm_ + drift_mm);
+  evidence_of_all_ = evidence > 0 ? evidence_of_all_ + evidence : 0.0;
+  return evidence_of_all_ >= kEnoughOfAll;
+}
+
+void HoldTiles::weigh(const std::vector<Look>& looks, bool repeated) {
+  const auto at = [&](int column, int row) -> Tile& {
+    return tiles_[static_cast<std::size_t>(row * columns_ + column)];
+  };
+  for (Tile& tile : tiles_) {
+    const bool averaging = tile.frames < Tile::kFrames && !repeated;
+    tile.weight = tile.released ? 1.0 : averaging ? 1.0 / (tile.frames + 1) : 0.0;
+    tile.mask_held = !tile.released && tile.frames >= Tile::kMaskFrames;
+  }
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      const auto index = static_cast<std::size_t>(row * columns_ + column);
+      // What moves in the background does not concern the object beside it.
+      if (!tiles_[index].released || !looks[index].known) continue;
+      if (looks[index].pixels == 0 && looks[index].flipped == 0) continue;
+      for (int v = std::max(0, row - 1); v <= std::min(rows_ - 1, row + 1); ++v) {
+        for (int u = std::max(0, column - 1); u <= std::min(columns_ - 1, column + 1); ++u) {
+          at(u, v).weight = std::max(at(u, v).weight, Tile::kNeighbour);
+          at(u, v).mask_held = false;
+        }
+      }
+    }
+  }
+}
+
+void HoldTiles::look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now,
+                     const RestNoise& noise, bool repeated) {
+  now.gray /= gainOf(held, now);
+  const cv::Mat core = erodedBy(held.mask, kCore_px);
+  std::vector<Look> looks;
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column)
+      looks.push_back(lookAt(column, row, held, last_gray, now, core));
+  }
+  learnNoise(looks, noise.sigma_mm);
+  const bool all = allMoved(looks, noise.drift_mm, repeated);
+  if (all) evidence_of_all_ = 0;
+  for (std::size_t i = 0; i < tiles_.size(); ++i)
+    tiles_[i].released =
+        !looks[i].known || moved(tiles_[i], looks[i], noise.drift_mm, repeated) || all;
+  weigh(looks, repeated);
+  for (Tile& tile : tiles_) {
+    if (tile.released) {
+      tile.frames = 1;
+      tile.evidence = 0;
+    } else if (!repeated) {
+      tile.frames = std::min(tile.frames + 1, Tile::kFrames);
+    }
+  }
+}
+
+}  // namespace hapticast::server

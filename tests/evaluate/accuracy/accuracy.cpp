@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// The force against exact truth: displacement x stiffness of the surface model, before damping and
+// chain, along scripted paths (DESIGN section 4, proxy notes section 5).
+#include <algorithm>
+#include <mutex>
+#include <optional>
+
+#include "tests/evaluate/accuracy/accuracy_parts.hpp"
+#include "tests/evaluate/all_cores.hpp"
+#include "tests/evaluate/topics.hpp"
+
+namespace hapticast::evaluate {
+
+namespace {
+
+constexpr double kThesisLong_s = 8.0;  // its server takes its time, and it needs no more to be off
+
+// All cores; what they find is reported in the cases' order, as soon as it can be.
+class Work {
+ public:
+  Work(const std::vector<Case>& cases, Report& report)
+      : cases_(cases), report_(report), outcomes_(cases.size()) {}
+
+  void run() {
+    onAllCores(cases_.size(), [this](std::size_t i) { tell(i, cases_[i]()); });
+  }
+
+ private:
+  void tell(std::size_t i, Outcome outcome) {
+    const std::lock_guard lock(mutex_);
+    outcomes_[i] = std::move(outcome);
+    for (; told_ < cases_.size() && outcomes_[told_]; ++told_) {
+      for (const Row& row : outcomes_[told_]->rows) report_.add(row);
+      for (const Goal& goal : outcomes_[told_]->goals) report_.add(goal);
+    }
+  }
+
+  const std::vector<Case>& cases_;
+  Report& report_;
+  std::mutex mutex_;  // guards what follows
+  std::vector<std::optional<Outcome>> outcomes_;
+  std::size_t told_ = 0;
+};
+
+}  // namespace
+
+Streams makeStreams(const TouchScene& scene, StreamKind kind) {
+  Streams out;
+  kind.method = Method::kHapticast;
+  out.ours = makeStream(scene, kind);
+  kind.method = Method::kThesis;
+  kind.longest_s = std::min(kind.longest_s, kThesisLong_s);
+  out.theirs = makeStream(scene, kind);
+  return out;
+}
+
+std::vector<Felt> feelAll(const Streams& streams, const std::vector<Variant>& variants,
+                          const Hand& hand, const PlayTimes& times) {
+  const auto of = [&](Method method) -> const Stream& { return streams.of(method); };
+  return feelAll(of, variants, hand, times);
+}
+
+Row rowOf(const std::string& scene, const std::string& stage, const Variant& variant, double error,
+          const std::string& unit, double tick_us) {
+  return {scene, stage, variant.name, error, unit, tick_us, variant.is_default, variant.is_thesis};
+}
+
+void evaluateAccuracy(const Options& options) {
+  Report report("accuracy", options);
+  report.timesAreOfTicks();
+  report.say(
+      "Displacement of the surface model (x stiffness: the force) along scripted paths, against "
+      "the "
+      "exact one: relative RMS over the ticks in which the truth is in contact. 8-bit depth (255 "
+      "levels over 30 mm), 25 fps, through the server's enhancement and motion and through the "
+      "wire, with the source's exact mask; `own mask`: segmented by the server, its error beside "
+      "it. Times: look-up and surface of a tick. Where a force stands, it is at 0.5 N/mm.");
+  std::vector<Case> cases;
+  for (const auto& part :
+       {smoothCases(options.quick), wallCases(options.quick), motionCases(options.quick),
+        frictionCases(options.quick), dynamicCases(options.quick)})
+    cases.insert(cases.end(), part.begin(), part.end());
+  Work(cases, report).run();
+  report.write();
+}
+
+}  // namespace hapticast::evaluate

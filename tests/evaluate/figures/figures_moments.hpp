@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Static and total force of a scripted hand over time, for the thesis's figures.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/evaluate/curves.hpp"
+#include "tests/evaluate/touch/touch_player.hpp"
+#include "tests/evaluate/touch/touch_scene.hpp"
+
+namespace hapticast::evaluate {
+
+struct Moment {
+  double time_s = 0.0;
+  Vec3 static_N = Vec3::Zero(), total_N = Vec3::Zero();
+  Vec3 true_static_N = Vec3::Zero(), true_total_N = Vec3::Zero();
+};
+
+/// Acceleration of the scripted hand, m/s².
+using HandAcceleration = std::function<Vec3(double time_s)>;
+
+/// A hand whose positions come in the device's counts. `body`: exact motion of what it touches, for
+/// the truth of the total force; null: not known.
+std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const Hand& hand,
+                             const HandAcceleration& hand_m_s2, const MotionAt& body);
+
+/// Rms of the error over rms of the truth, %.
+double errorOf(const std::vector<Moment>& moments, Vec3 Moment::*what, Vec3 Moment::*truth);
+
+/// Static and total force in one direction over time.
+CurvePanel forcePanel(const std::vector<Moment>& moments, int axis, const std::string& title,
+                      bool with_truth);
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+// Why each link of the chain is there: the case it is for with it and without it, and what looks
+// like a remedy and makes it worse.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/evaluate/stability/stability_parts.hpp"
+
+namespace hapticast::evaluate {
+
+namespace {
+
+using namespace client;
+
+/// Of a case: what a link is judged by.
+struct Seen {
+  double step_N = 0.0;      ///< largest change of the force in a tick
+  double excess_N = 0.0;    ///< beyond what the hand explains
+  double speed_mm_s = 0.0;  ///< away from the surface
+  double energy_mJ = 0.0;   ///< most that went into the hand
+  double rms_N = 0.0;
+};
+
+/// A light hand rests 2 mm in a wall of K 1; then `event` acts for `ticks`.
+Seen watch(const SafetyLinks& links, double target_mm, int ticks,
+           const std::function<void(Rig&, int)>& event) {
+  const DeviceProfile profile = omni(1.0, 1, 0.05);
+  Rig rig(profile, profile, Hand::light(), links);
+  rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
+  rig.run(300);
+  for (int i = 0; i < 1600; ++i) {
+    rig.device.setTarget({0.0, 0.0, 10.0 + (target_mm - 10.0) * std::min(1.0, i / 300.0)});
+    rig.step();
+  }
+  rig.clear();
+  Seen seen;
+  const double before_mJ = rig.true_work_mJ;
+  double square = 0.0;
+  for (int i = 0; i < ticks; ++i) {
+    event(rig, i);
+    rig.step();
+    seen.speed_mm_s = std::max(seen.speed_mm_s, rig.device.trueVelocity_mm_s().z());
+    seen.energy_mJ = std::max(seen.energy_mJ, rig.true_work_mJ - before_mJ);
+    square += rig.out.force_N.squaredNorm() / ticks;
+  }
+  seen.step_N = rig.max_step_N;
+  seen.excess_N = rig.max_excess_N;
+  seen.rms_N = std::sqrt(square);
+  return seen;
+}
+
+double counts(const SafetyLinks& links, double stiffness_N_mm, int told, int real, const Hand& hand,
+              const std::function<void(Rig&)>& change = {}) {
+  Rig rig(batteryProfile(stiffness_N_mm, told), batteryProfile(stiffness_N_mm, real), hand, links);
+  if (change) change(rig);
+  return battery(rig, hand, true).counts(0.055);
+}
+
+void withAndWithout(const StabilityReport& to) {
+  std::vector<std::vector<std::string>> lines{{"link", "case", "measure", "with", "without"}};
+  const auto line = [&](const char* link, const char* what, const char* unit, double with,
+                        double without, bool better) {
+    lines.push_back({link, what, unit, text("%.3g", with), text("%.3g", without)});
+    to.report.add({link, "link", "with", with, unit, 0.0, true});
+    to.report.add({link, "link", "without", without, unit});
+    to.claims.add(text("%s: %s", link, what), "better with it",
+                  text("%.3g with, %.3g without (%s)", with, without, unit), better);
+  };
+  const Hand none = Hand::none();
+  double with = counts({}, 10.0, 2, 2, none);
+  double without = counts({.stiffness_limit = false}, 10.0, 2, 2, none);
+  line("K_max", "10 N/mm asked at d 2 without a hand: residual", "counts", with, without,
+       with <= 2.0 && without > 10.0);
+  with = counts({}, 2.0, 1, 1, none);
+  without = counts({.damping = false}, 2.0, 1, 1, none);
+  line("damping B = K tau + 1", "2 N/mm at d 1 without a hand: residual", "counts", with, without,
+       with <= 2.0 && without > 10.0);
+  with = counts({.damping = false, .latency_watch = false}, 1.9, 2, 2, Hand::lightGrip());
+  without = counts({.damping = false, .passivity = false, .latency_watch = false}, 1.9, 2, 2,
+                   Hand::lightGrip());
+  line("passivity controller", "the damper missing, 1.9 N/mm at d 2, light grip: residual",
+       "counts", with, without, with < without);
+  with = counts({}, 5.0, 1, 3, Hand::lightGrip());
+  without = counts({.latency_watch = false}, 5.0, 1, 3, Hand::lightGrip());
+  line("latency watch", "5 N/mm told d 1, really 3, light grip: residual", "counts", with, without,
+       with < without);
+
+  const auto rise = [](Rig& rig, int i) {
+    rig.wall_velocity_mm_s = i < 40 ? 750.0 : 0.0;
+    if (i < 40) rig.wall_mm += 0.75;
+  };
+  with = watch({}, -5.0, 1000, rise).speed_mm_s;
+  without = watch({.tank = false}, -5.0, 1000, rise).speed_mm_s;
+  line("tank", "surface rises 30 mm in 40 ms: hand thrown at", "mm/s", with, without,
+       with < without);
+  const auto press = [](Rig& rig, int) { rig.device.setTarget({0.0, 0.0, -30.0}); };
+  with = watch({}, -5.0, 60'000, press).rms_N;
+  without = watch({.thermal = false}, -5.0, 60'000, press).rms_N;
+  line("thermal budget", "pressed hard for 60 s: force rms", "N", with, without,
+       with < 1.1 && without > 3.0);
+  const auto gain = [](Rig& rig, int i) { rig.stiffness_N_mm = i / 100 % 2 == 0 ? 3.0 : 0.5; };
+  with = watch({}, -5.0, 1000, gain).excess_N;
+  without = watch({.slew = false}, -5.0, 1000, gain).excess_N;
+  line("slew", "the stream's stiffness changes under the hand: unexplained step", "N", with,
+       without, with == 0.0 && without > 0.2);
+  const auto stall = [](Rig& rig, int i) { rig.touchable = i < 100 || i > 600; };
+  with = watch({.slew = false}, -5.0, 1000, stall).step_N;
+  without = watch({.slew = false, .fade = false}, -5.0, 1000, stall).step_N;
+  line("fade", "a stall of 0.5 s, slew limit off: step", "N", with, without, with < without);
+  const auto appear = [](Rig& rig, int i) {
+    if (i == 100) rig.wall_mm = 35.0;
+  };
+  with = watch({}, 5.0, 1000, appear).speed_mm_s;
+  without = watch({.arming = false}, 5.0, 1000, appear).speed_mm_s;
+  line("arming", "a surface appears 30 mm above the tip: hand thrown at", "mm/s", with, without,
+       with < 1.0 && without > 20.0);
+  to.report.say(
+      "### Why each link is there\n\nThe case a link is for, with it and without it.\n\n" +
+      markdown(lines));
+}
+
+/// The chain's force put through something that looks like a remedy.
+struct Remedy {
+  const char* name;
+  std::function<void(Rig&)> put;
+};
+
+void plainSlew(Rig& rig, double step_N) {
+  rig.law = [&rig, step_N](const SafetyInput& in) {
+    const Vec3 last_N = rig.out.force_N;
+    SafetyOutput out = rig.chain.step(in);
+    const Vec3 change_N = out.force_N - last_N;
+    if (change_N.norm() > step_N) out.force_N = last_N + change_N.normalized() * step_N;
+    return out;
+  };
+}
+
+void lowPass(Rig& rig, double cut_Hz) {
+  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * cut_Hz * 1e-3);
+  rig.law = [&rig, share](const SafetyInput& in) {
+    const Vec3 last_N = rig.out.force_N;
+    SafetyOutput out = rig.chain.step(in);
+    out.force_N = last_N + share * (out.force_N - last_N);
+    return out;
+  };
+}
+
+/// Halves the stiffness at each reversal of the velocity, lets it recover within a second.
+void adaptation(Rig& rig) {
+  rig.law = [&rig, gain = 1.0, last_mm_s = 0.0](const SafetyInput& in) mutable {
+    const double v_mm_s = in.velocity_mm_s.z();
+    if (in.contact && v_mm_s * last_mm_s < 0.0 && std::abs(v_mm_s - last_mm_s) > 10.0) gain *= 0.5;
+    last_mm_s = v_mm_s;
+    gain = std::min(1.0, std::max(gain, 0.02) + 1e-3);
+    SafetyInput changed = in;
+    changed.stiffness_N_mm *= gain;
+    return rig.chain.step(changed);
+  };
+}
+
+void remedies(const StabilityReport& to) {
+  const std::vector<Remedy> all = {
+      {"the chain", [](Rig&) {}},
+      {"plain slew limit 0.2 N/ms", [](Rig& rig) { plainSlew(rig, 0.2); }},
+      {"plain slew limit 0.5 N/ms", [](Rig& rig) { plainSlew(rig, 0.5); }},
+      {"plain slew limit 1 N/ms", [](Rig& rig) { plainSlew(rig, 1.0); }},
+      {"force low-pass 100 Hz", [](Rig& rig) { lowPass(rig, 100.0); }},
+      {"force low-pass 30 Hz", [](Rig& rig) { lowPass(rig, 30.0); }},
+      {"stiffness adaptation", adaptation},
+      {"B = 5 for every K", [](Rig& rig) { rig.law = bareLaw(5.0, 8.0); }},
+      {"spring alone", [](Rig& rig) { rig.law = bareLaw(0.0, 8.0); }}};
+  struct Cell {
+    const Remedy* remedy;
+    double stiffness_N_mm;
+    const NamedHand* hand;
+    BatteryResult result{};
+  };
+  std::vector<Cell> cells;
+  for (const Remedy& remedy : all) {
+    for (const double k : {1.0, 2.0, 5.0}) {
+      for (const NamedHand& hand : kHands) cells.push_back({&remedy, k, &hand});
+    }
+  }
+  onAllCores(cells.size(), [&](std::size_t i) {
+    Cell& c = cells[i];
+    const DeviceProfile profile = batteryProfile(c.stiffness_N_mm, 1);
+    Rig rig(profile, profile, c.hand->hand);
+    c.remedy->put(rig);
+    c.result = battery(rig, c.hand->hand, to.options.quick);
+  });
+  std::vector<std::vector<std::string>> lines{
+      {"law", "K 1: hand / none", "K 2", "K 5", "K 5: most work into the hand, mJ"}};
+  for (const Remedy& remedy : all) {
+    std::vector<std::string> line{remedy.name};
+    double work_mJ = -1e9;
+    for (const double k : {1.0, 2.0, 5.0}) {
+      double held = 0.0;
+      double none = 0.0;
+      for (const Cell& c : cells) {
+        if (c.remedy != &remedy || c.stiffness_N_mm != k) continue;
+        double& worst = c.hand->hand.stiffness_N_m > 0.0 ? held : none;
+        worst = std::max(worst, c.result.counts(0.055));
+        if (k == 5.0) work_mJ = std::max(work_mJ, c.result.work_mJ);
+      }
+      line.push_back(text("%.1f / %.3g", held, none));
+      to.report.add({text("K %g hand", k), "remedy_residual", remedy.name, held, "counts", 0.0,
+                     &remedy == &all.front()});
+      to.report.add({text("K %g none", k), "remedy_residual", remedy.name, none, "counts", 0.0,
+                     &remedy == &all.front()});
+    }
+    line.push_back(text("%.3g", work_mJ));
+    lines.push_back(line);
+  }
+  to.report.say(
+      "### What looks like a remedy\n\nThe battery at d 1 without friction, clamp 8 N; "
+      "residual in counts, worst of four hands / without a hand.\n\n" +
+      markdown(lines));
+}
+
+}  // namespace
+
+void stabilityLinks(const StabilityReport& to) {
+  withAndWithout(to);
+  remedies(to);
+}
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// What is touched to tell how exact the force is, and the hands that touch it (proxy notes,
+// section 5). Nominal mm.
+#pragma once
+
+#include "server/source/synthetic_scene.hpp"
+#include "tests/evaluate/touch/touch_player.hpp"
+#include "tests/evaluate/touch/touch_scene.hpp"
+
+namespace hapticast::evaluate {
+
+// --- bodies
+// ---------------------------------------------------------------------------------------
+TouchScene stillSphere();     ///< R 20, seen down to its equator
+TouchScene stillEllipsoid();  ///< semi-axes 26, 18, 15
+TouchScene stillSinusoid();   ///< 1 mm high, 16 mm long, on a disc
+/// R 15, to and fro in x, at most this fast; as far as the picture allows.
+TouchScene movingSphere(double px_per_frame);
+/// An ellipsoid that turns about the viewing axis.
+TouchScene spinningEllipsoid();
+/// R 20, in x at one speed, or (0) a plate.
+TouchScene steadySphere(double px_per_frame);
+/// A flat disc, up and down by 5 mm, once a second.
+TouchScene swingingPlate();
+/// A dome whose height swings by 2 mm, once a second.
+TouchScene breathingDome();
+/// A box that comes to a place and goes again, 10 px/frame where it touches.
+TouchScene drivenBox();
+/// A flat disc at rest.
+TouchScene stillPlate();
+/// A ball that bounces on a floor: `gravity` down in y, from floor to floor in `flight_s`.
+TouchScene bouncingBall(double gravity_mm_s2, double flight_s, double first_s);
+std::vector<double> impactsOf(double flight_s, double first_s, double duration_s);
+
+/// The server's own scene before a pinhole camera, its depth in 8 bits (or not).
+TouchScene syntheticScene(server::SceneKind kind);
+
+/// A side wall, from above: where it is and which way is out.
+struct Wall {
+  TouchScene scene;
+  struct Point {
+    Vec2 at_mm;
+    Vec2 outward;
+  };
+  std::function<Point(double along_mm)> at;
+  double push_z_mm = 0.0;  ///< height at which the hand pushes: between the floor and the top
+  double reach_mm = 6.0;   ///< the hand goes this far along it, to and fro
+  HeightAt top_mm;         ///< of what is pushed, continued beyond its edge
+};
+Wall boxWall(double top_slope = 0.0);  ///< turned by 17 degrees
+Wall cylinderWall();                   ///< R 15
+Wall stepWall();                       ///< 10 mm inside an object, turned by 17 degrees
+
+// --- hands
+// ----------------------------------------------------------------------------------------
+/// Lissajous over the body, up to `reach_mm` from its reference point, 0..1.5 mm deep along the
+/// normal, with lift-offs. Exact while depth is below the radius of curvature.
+Hand slidingHand(const TouchScene& scene, double reach_mm);
+/// Comes from above to a place of the body (turned with it), then stays there, this deep.
+Hand holdingHand(const TouchScene& scene, const Vec2& in_body_mm, double depth_mm);
+/// Comes from above, then stands still; what it should feel is the height over it: for surfaces
+/// that are level there.
+Hand stillHand(const TouchScene& scene, const Vec3& hip_mm);
+
+/// From the side into the wall, `push_mm` deep, along it to and fro and away again.
+Hand pushingHand(const Wall& wall, double push_mm);
+PlayTimes pushTimes(const Wall& wall);
+/// From above, `inside_mm` from the wall's edge, 1 mm deep (until leaveStart_s), then out over it.
+Hand rimHand(const Wall& wall, double inside_mm);
+PlayTimes rimPressTimes();
+PlayTimes rimLeaveTimes();
+
+}  // namespace hapticast::evaluate
