@@ -56,8 +56,7 @@ HandScript handScript(const Settings& settings, const DeviceProfile& profile) {
 
 ConnectionSettings connectionSettings(const Settings& settings) {
   ConnectionSettings connection;
-  connection.host = settings.server.host;
-  connection.port = settings.server.port;
+  connection.server = settings.server;
   connection.wants_video = !settings.screenshot_file.empty();
   return connection;
 }

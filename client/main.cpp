@@ -7,6 +7,7 @@
 
 #include "client/app.hpp"
 #include "client/settings.hpp"
+#include "common/cli/parse.hpp"
 
 namespace {
 

@@ -3,6 +3,9 @@
 
 #include <map>
 
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+
 namespace hapticast::client {
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// hapticast-client's settings: defaults, flags and config keys (the command line is a contract,
-// DESIGN section 9).
+// hapticast-client's settings: defaults, flags and config keys. The command line is a contract:
+// --help tells it whole.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "client/haptics/surface/surface_model.hpp"
-#include "common/cli/command_line.hpp"
+#include "common/endpoint.hpp"
 
 namespace hapticast::client {
 

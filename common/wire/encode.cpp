@@ -159,7 +159,7 @@ void write(const Report& from, proto::Message& message) {
   to.set_in_contact(from.in_contact);
 }
 
-void write(const Error& from, proto::Message& message) {
+void write(const WireError& from, proto::Message& message) {
   message.mutable_error()->set_code(static_cast<std::uint32_t>(from.code));
   message.mutable_error()->set_message(printable(from.message, limits::kErrorText));
 }
