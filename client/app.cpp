@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "client/device/device_profile.hpp"
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 

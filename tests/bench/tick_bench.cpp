@@ -8,7 +8,7 @@
 #include <chrono>
 #include <vector>
 
-#include "tests/unit/client/stage.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {

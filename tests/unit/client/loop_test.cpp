@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/tick.hpp"
-#include "tests/unit/client/stage.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {

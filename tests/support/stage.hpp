@@ -9,7 +9,7 @@
 
 #include "client/haptics/room.hpp"
 #include "common/tick.hpp"
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 

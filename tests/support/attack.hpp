@@ -18,8 +18,8 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/haptics/room.hpp"
-#include "tests/unit/client/frame_builder.hpp"
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/frame_builder.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 
