@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "client/device/device_profile.hpp"
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 
@@ -80,8 +80,9 @@ App::App(Settings settings, const Clock& clock)
       room_settings_(roomSettings(settings_)),
       hand_(handScript(settings_, room_settings_.profile)),
       device_(room_settings_.profile, Hand::light(), clock, &hand_),
-      room_(std::make_unique<Room>(room_settings_, pool_, controls_, latest_report_, &log_ring_)),
-      receiver_(pool_, controls_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
+      room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, latest_report_,
+                                   &log_ring_)),
+      receiver_(pool_, stream_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
       connection_(io_, clock, connectionSettings(settings_), receiver_,
                   {.welcomed =
                        [this](const auto& stream) {
@@ -150,9 +151,14 @@ void App::wait() {
          (settings_.seconds == 0.0 || clock_.now() - begin < fromSeconds(settings_.seconds))) {
     drain();
     dumpFault();
-    if (const bool contact = latest_report_.load().contact; contact != told_contact_) {
-      told_contact_ = contact;
-      asio::post(io_, [this, contact] { connection_.setInContact(contact); });
+    const TickReport& report = latest_report_.load();
+    if (report.contact != told_contact_) {
+      told_contact_ = report.contact;
+      asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
+    }
+    if (settings_.rearm && deviceIsBack(report)) {
+      ++user_.rearm;
+      user_controls_.store(user_);
     }
     std::this_thread::sleep_for(kDrainInterval);
   }
@@ -181,12 +187,11 @@ void App::dumpFault() {
 }
 
 RunResult App::result() const {
-  const Controls& controls = receiver_.controls();
   return {.loop = stats_,
           .frames = receiver_.counts(),
           .bytes_received = connection_.bytesReceived(),
           .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
-          .clock_offset_us = toSeconds(controls.clock_offset) * 1e6,
+          .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
           .realtime = realtime_};
 }
@@ -211,7 +216,7 @@ void App::finish() {
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
 #ifdef HAPTICAST_VIEWER
   if (!settings_.screenshot_file.empty())
-    viewer_.write(settings_.screenshot_file, receiver_.controls().workspace);
+    viewer_.write(settings_.screenshot_file, receiver_.stream().workspace);
 #endif
   if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
 }

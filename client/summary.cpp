@@ -6,7 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 

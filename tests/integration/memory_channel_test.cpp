@@ -32,7 +32,7 @@ TEST_F(MemoryChannelTest, CarriesTheWholeProtocol) {
     settings.dial = dialTo(server.broadcaster);
     settings.wants_video = true;
   });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 10; ++id) server.publish(id, 8, false);
   server.broadcaster.publish(server::encodeVideo({0, 10, server.media.now(), {0xFF, 0xD8, 1}}));
   ASSERT_TRUE(runUntil([&] {
