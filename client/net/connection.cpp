@@ -202,7 +202,7 @@ void Connection::handlePong(Conversation& talk, const Pong& pong) {
   receiver_.pong(pong, clock_.now());
 }
 
-Report Connection::report() const {
+ReceiverReport Connection::report() const {
   const ReceiverCounts& counts = receiver_.counts();
   const auto milliseconds = [](Duration time) { return 1e3 * toSeconds(time); };
   return {counts.received,

@@ -76,7 +76,7 @@ class Connection {
   [[nodiscard]] std::optional<WireError> handle(Conversation& talk, Message message);
   [[nodiscard]] std::optional<WireError> handleWelcome(Conversation& talk, const Message& message);
   void handlePong(Conversation& talk, const Pong& pong);
-  [[nodiscard]] Report report() const;
+  [[nodiscard]] ReceiverReport report() const;
 
   asio::io_context& io_;
   const Clock& clock_;

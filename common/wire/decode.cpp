@@ -216,7 +216,7 @@ VideoFrame read(const proto::VideoFrame& from, Check& check) {
   return to;
 }
 
-Report read(const proto::Report& from, Check& check) {
+ReceiverReport read(const proto::Report& from, Check& check) {
   constexpr double kLargest = 1e9;
   return {from.frames_received(),
           from.frames_lost(),

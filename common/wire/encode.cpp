@@ -149,7 +149,7 @@ void write(const VideoFrame& from, proto::Message& message) {
   to.set_jpeg(from.jpeg.data(), from.jpeg.size());
 }
 
-void write(const Report& from, proto::Message& message) {
+void write(const ReceiverReport& from, proto::Message& message) {
   auto& to = *message.mutable_report();
   to.set_frames_received(from.frames_received);
   to.set_frames_lost(from.frames_lost);

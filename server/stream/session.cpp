@@ -154,7 +154,7 @@ void Session::handle(const Ping& ping) {
   wake_.cancel();
 }
 
-void Session::handle(const Report& report) {
+void Session::handle(const ReceiverReport& report) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a report before the hello"});
   spdlog::debug("{}: {} frames, {} lost, {} late, delay {:.1f} ms", label(), report.frames_received,
                 report.frames_lost, report.frames_late, report.playout_delay_ms);

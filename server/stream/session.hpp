@@ -69,7 +69,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void take(Payload payload);
   void handle(const Hello& hello);
   void handle(const Ping& ping);
-  void handle(const Report& report);
+  void handle(const ReceiverReport& report);
   template <class Other>
   void handle(const Other& other);
   [[nodiscard]] bool withinRate();

@@ -130,7 +130,8 @@ TEST_F(ServerTest, RefusesTooLongAndEmptyMessages) {
 
 TEST_F(ServerTest, RefusesMessagesAtTheWrongMoment) {
   TestServer server(io, clock);
-  for (const Message& early : {Message(Ping{}), Message(Report{}), Message(HapticFrame{})}) {
+  for (const Message& early :
+       {Message(Ping{}), Message(ReceiverReport{}), Message(HapticFrame{})}) {
     RawPeer peer(io, server.port());
     peer.send(early);
     EXPECT_EQ(farewell(peer).code, ErrorCode::kUnexpected);
@@ -145,7 +146,7 @@ TEST_F(ServerTest, RefusesMessagesAtTheWrongMoment) {
 TEST_F(ServerTest, RefusesAFloodOfMessages) {
   TestServer server(io, clock);
   const auto peer = viewer(server);
-  for (int i = 0; i < 400; ++i) peer->send(Report{});
+  for (int i = 0; i < 400; ++i) peer->send(ReceiverReport{});
   EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
 }
 

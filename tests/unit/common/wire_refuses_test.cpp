@@ -254,8 +254,8 @@ TEST(WireRefuses, BadVideoReportsAndErrors) {
   EXPECT_NO_THROW(roundTrip(video));
   video.jpeg.push_back(0);
   EXPECT_EQ(refusal(video), ErrorCode::kTooLarge);
-  EXPECT_EQ(refusal(Report{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Report{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(8), "x"}), ErrorCode::kMalformed);
 }

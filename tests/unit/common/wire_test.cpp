@@ -99,7 +99,7 @@ TEST(Wire, CarriesDescriptionsReportsVideoAndErrors) {
   EXPECT_EQ(roundTrip(goldenDescription()), goldenDescription());
   StreamDescription plain;
   EXPECT_EQ(roundTrip(plain), plain) << "no mass stays no mass";
-  const auto report = roundTrip(Report{1, 2, 3, 4.5, 5.5, true});
+  const auto report = roundTrip(ReceiverReport{1, 2, 3, 4.5, 5.5, true});
   EXPECT_EQ(report.frames_received, 1U);
   EXPECT_EQ(report.frames_lost, 2U);
   EXPECT_EQ(report.frames_late, 3U);
