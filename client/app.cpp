@@ -74,8 +74,9 @@ App::App(Settings settings, const Clock& clock, Views views)
       room_settings_(roomSettings(settings_)),
       hand_(handScript(settings_, room_settings_.profile)),
       device_(room_settings_.profile, Hand::light(), clock, &hand_),
-      room_(std::make_unique<Room>(room_settings_, pool_, controls_, latest_report_, &log_ring_)),
-      receiver_(pool_, controls_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
+      room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, latest_report_,
+                                   &log_ring_)),
+      receiver_(pool_, stream_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
       connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
                   {.welcomed =
                        [this](const auto& stream) {
@@ -99,7 +100,7 @@ App::App(Settings settings, const Clock& clock, Views views)
 }
 
 void App::show(VideoFrame picture) {
-  const Workspace workspace = receiver_.controls().workspace;
+  const Workspace workspace = receiver_.stream().workspace;
   for (const auto& view : views_) view->takePicture(picture, workspace);
 }
 
@@ -142,9 +143,14 @@ void App::wait() {
          (settings_.seconds == 0.0 || clock_.now() - begin < fromSeconds(settings_.seconds))) {
     drain();
     dumpFault();
-    if (const bool contact = latest_report_.load().contact; contact != told_contact_) {
-      told_contact_ = contact;
-      asio::post(io_, [this, contact] { connection_.setInContact(contact); });
+    const TickReport& report = latest_report_.load();
+    if (report.contact != told_contact_) {
+      told_contact_ = report.contact;
+      asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
+    }
+    if (settings_.rearm && deviceIsBack(report)) {
+      ++user_.rearm;
+      user_controls_.store(user_);
     }
     for (const auto& view : views_) {
       if (!view->turn()) stop();
@@ -174,12 +180,11 @@ void App::dumpFault() {
 }
 
 RunResult App::result() const {
-  const Controls& controls = receiver_.controls();
   return {.loop = stats_,
           .frames = receiver_.counts(),
           .bytes_received = connection_.bytesReceived(),
           .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
-          .clock_offset_us = toSeconds(controls.clock_offset) * 1e6,
+          .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
           .realtime = realtime_};
 }

@@ -48,7 +48,9 @@ class App {
   HandScript hand_;
   VirtualDevice device_;
   FramePool pool_;
-  LatestValue<Controls> controls_;
+  LatestValue<StreamState> stream_;
+  LatestValue<UserControls> user_controls_;
+  UserControls user_;
   LatestValue<TickReport> latest_report_;
   Room::Log log_ring_;
   std::unique_ptr<Room> room_;  // large: holds the flight recorder

@@ -32,6 +32,9 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
          "the object, 1 mm "
          "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
       ->type_name("press|slide|follow|FILE.csv");
+  app.add_flag("--rearm", settings.rearm,
+               "After a lost device has come back the force returns by itself, faded in; without "
+               "it, only at the next start");
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {

@@ -22,6 +22,7 @@ struct Settings {
   std::string screenshot_file;
   std::string log_file;
   std::string summary_file;
+  bool rearm = false;    ///< after a lost device came back the force returns by itself
   double seconds = 0.0;  ///< 0: until Ctrl-C
   Method method = Method::kHapticast;
   bool quiet = false;

@@ -261,7 +261,7 @@ Report Connection::report() const {
   return {counts.received,
           counts.lost,
           counts.late,
-          milliseconds(receiver_.controls().playout_delay_target),
+          milliseconds(receiver_.stream().playout_delay_target),
           1e3 * milliseconds(receiver_.clockErrorBound()),
           in_contact_};
 }

@@ -30,7 +30,7 @@ struct FakeServer {
 TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
   TestServer server(io, clock);
   TestClient client(io, clock, server.listener.port(), [](auto& s) { s.wants_video = true; });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 20; ++id) {
     server.publish(id, 8, false);
     ASSERT_TRUE(runUntil([&] {
@@ -45,7 +45,7 @@ TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
   EXPECT_EQ(client.receiver.counts().lost, 0U);
   // Both clocks are one here, so the true offset is known.
   const Duration truth = -server.media.zero.time_since_epoch();
-  EXPECT_LE(std::chrono::abs(client.controls.load().clock_offset - truth),
+  EXPECT_LE(std::chrono::abs(client.stream.load().clock_offset - truth),
             client.receiver.clockErrorBound() + std::chrono::microseconds(1));
   EXPECT_GT(client.connection.bytesReceived(), 0U);
 }
@@ -57,7 +57,7 @@ TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
   server.broadcaster.describe(quick);
   LossyLink link(io, server.listener.port(), {milliseconds(3), milliseconds(10), 5});
   TestClient client(io, clock, link.port(), [](auto& s) { s.ping_interval = milliseconds(10); });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 40; ++id) {
     server.publish(id);
     ASSERT_TRUE(runUntil([&] {
@@ -72,12 +72,12 @@ TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
   const Duration truth = -server.media.zero.time_since_epoch();
   EXPECT_GE(client.receiver.clockErrorBound(), milliseconds(3)) << "the delay of the link is real";
   const Duration error = client.receiver.clockErrorBound();
-  EXPECT_LE(std::chrono::abs(client.controls.load().clock_offset - truth),
+  EXPECT_LE(std::chrono::abs(client.stream.load().clock_offset - truth),
             error + std::chrono::microseconds(1));
   for (std::size_t i = 0; i < client.frames.size(); ++i) EXPECT_EQ(client.frames[i].second, i + 1);
   // One frame in twenty takes far longer than 3 + 5 ms (of 10 ms jitter, with 40 frames); how late
   // it seems is as sure as the clock. A slow machine only adds to it.
-  EXPECT_GE(client.controls.load().playout_delay_target,
+  EXPECT_GE(client.stream.load().playout_delay_target,
             milliseconds(8) + client::JitterEstimator::kMargin - error);
 }
 
@@ -93,7 +93,7 @@ TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
   server->stop();
   ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; })) << "goodbye, then nobody there";
   EXPECT_NE(client.lost[0].find("the server ends"), std::string::npos) << client.lost[0];
-  EXPECT_FALSE(client.controls.load().connected);
+  EXPECT_FALSE(client.stream.load().connected);
   TestServer second(io, clock, {}, port);
   second.publish(1);  // ids start over
   ASSERT_TRUE(runUntil([&] {
@@ -102,8 +102,8 @@ TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
   }));
   EXPECT_EQ(client.welcomes, 2);
   EXPECT_GT(client.frames[1].first, client.frames[0].first) << "a new epoch";
-  EXPECT_EQ(client.controls.load().first_epoch, client.frames[1].first);
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  EXPECT_EQ(client.stream.load().first_epoch, client.frames[1].first);
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   EXPECT_TRUE(client.failure.empty());
 }
 
@@ -111,7 +111,7 @@ TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
   TestServer server(io, clock);
   LossyLink link(io, server.listener.port(), {});
   TestClient client(io, clock, link.port(), [](auto& s) { s.silence_limit = milliseconds(250); });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   link.cut();
   ASSERT_TRUE(runUntil([&] { return client.welcomes == 2; }));
   ASSERT_EQ(client.lost.size(), 1U);
@@ -119,7 +119,7 @@ TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
   ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; }));
   EXPECT_NE(client.lost[1].find("silent"), std::string::npos) << client.lost[1];
   link.stall(false);
-  ASSERT_TRUE(runUntil([&] { return client.welcomes >= 3 && client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.welcomes >= 3 && client.stream.load().connected; }));
 }
 
 TEST_F(ConnectionTest, SaysAtOnceThatNobodyIsThere) {
@@ -207,7 +207,7 @@ TEST_F(ConnectionTest, IgnoresPongsItDidNotAskFor) {
     client.drain();
     return client.frames.size() == 1;
   }));
-  EXPECT_FALSE(client.controls.load().connected) << "the clock is not known";
+  EXPECT_FALSE(client.stream.load().connected) << "the clock is not known";
 }
 
 TEST_F(ConnectionTest, StopsCleanlyInEveryState) {

@@ -143,8 +143,8 @@ struct TestClient {
   }
 
   std::unique_ptr<client::FramePool> pool = std::make_unique<client::FramePool>();
-  LatestValue<client::Controls> controls;
-  client::Receiver receiver{*pool, controls, {}};
+  LatestValue<client::StreamState> stream;
+  client::Receiver receiver{*pool, stream, {}};
   std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
   bool last_has_field = false;
   std::vector<VideoFrame> videos;

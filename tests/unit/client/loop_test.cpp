@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "common/tick.hpp"
 #include "tests/unit/client/stage.hpp"
 
 namespace hapticast::client {
