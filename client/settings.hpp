@@ -28,6 +28,13 @@ struct Settings {
   bool quiet = false;
 };
 
+/// Whether this build can show or draw pictures (CMake option HAPTICAST_VIEWER).
+[[nodiscard]] bool hasViewer();
+
+/// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
+/// it. Throws std::runtime_error, one line that names `flag` and `file`.
+void requireWritable(const char* flag, const std::string& file);
+
 /// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
 std::unique_ptr<CLI::App> commandLine(Settings& settings);
 

@@ -27,6 +27,8 @@ set(doors
   "\\.pb\\.h$"                       "^common/wire/(decode|encode)\\.cpp$"
   "^google/protobuf"                 "^common/wire/(decode|encode|scan)\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
+  "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
+  "^nlohmann/"                       "^(server/source|tests)/|^client/summary\\.cpp$"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )
