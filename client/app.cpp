@@ -76,7 +76,11 @@ App::App(Settings settings, const Clock& clock, Views views)
       device_(room_settings_.profile, Hand::light(), clock, &hand_),
       room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, latest_report_,
                                    &log_ring_)),
-      receiver_(pool_, stream_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
+      preparer_(pool_, clock, settings_.method,
+                [this](const PreparedFrame& frame) {
+                  asio::post(io_, [this, frame] { receiver_.prepared(frame); });
+                }),
+      receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
       connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
                   {.welcomed =
                        [this](const auto& stream) {
@@ -118,6 +122,7 @@ bool App::run() {
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();
   });
+  preparer_.start();
   connection_.start();
   std::jthread network([this] { io_.run(); });
   std::atomic<bool> loop_stop{false};
@@ -130,6 +135,7 @@ bool App::run() {
   loop_stop = true;
   loop.join();
   drain();
+  preparer_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
   connection_.stop();
   network.join();

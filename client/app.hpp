@@ -57,6 +57,7 @@ class App {
   LoopStats stats_;
   RealtimeGrant realtime_;
   asio::io_context io_;
+  Preparer preparer_;
   Receiver receiver_;
   Connection connection_;
   std::ofstream log_;

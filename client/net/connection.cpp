@@ -232,7 +232,7 @@ std::optional<Error> Connection::handle(Link& link, Message message) {
   if (!link.welcomed) {
     failure = handleWelcome(link, message);
   } else if (auto* const frame = std::get_if<HapticFrame>(&message)) {
-    receiver_.frame(std::move(*frame), clock_);
+    receiver_.frame(std::move(*frame));
   } else if (const auto* const pong = std::get_if<Pong>(&message)) {
     handlePong(link, *pong);
   } else if (auto* const video = std::get_if<VideoFrame>(&message)) {

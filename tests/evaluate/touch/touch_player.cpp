@@ -36,7 +36,9 @@ class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        receiver_(pool_, state_, {variant.method, 2}),
+        preparer_(pool_, clock_, variant.method,
+                  [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        receiver_(preparer_, state_, 2),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());
   }
@@ -50,7 +52,8 @@ class Viewer {
       auto message = decode(std::span(bytes).subspan(kPrefixBytes));
       if (!message.ok())
         throw std::runtime_error("a frame cannot be read: " + stream_.description.name);
-      receiver_.frame(std::get<HapticFrame>(std::move(message.value())), clock_);
+      receiver_.frame(std::get<HapticFrame>(std::move(message.value())));
+      (void)preparer_.step();
     }
     return next_ > first;
   }
@@ -71,6 +74,7 @@ class Viewer {
   StandingClock clock_;
   client::FramePool pool_;
   LatestValue<client::StreamState> state_;
+  client::Preparer preparer_;
   client::Receiver receiver_;
   FrameLookup lookup_;
   std::size_t next_ = 0;

@@ -53,7 +53,8 @@ class ReceiverTest : public ::testing::Test {
   void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
     clock.time = LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
                            fromSeconds(kLatency_s + lateness_s));
-    receiver.frame(frame, clock);
+    receiver.frame(frame);
+    (void)preparer.step();
   }
   /// What the loop gets next; null when nothing came.
   const PlayFrame* take() {
@@ -70,7 +71,9 @@ class ReceiverTest : public ::testing::Test {
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamState> stream;
   SetClock clock;
-  Receiver receiver{*pool, stream, {}};
+  Preparer preparer{*pool, clock, Method::kHapticast,
+                    [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+  Receiver receiver{preparer, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;
 };
