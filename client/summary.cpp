@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 

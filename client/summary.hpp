@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "client/device/realtime_thread.hpp"
+#include "client/haptics/realtime_thread.hpp"
 #include "client/haptics/loop.hpp"
 #include "client/net/receiver.hpp"
 

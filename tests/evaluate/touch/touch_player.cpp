@@ -11,6 +11,7 @@
 #include "client/haptics/surface/proxy_surface.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::evaluate {
 
@@ -25,11 +26,6 @@ using client::SurfaceKind;
 // Frames and ticks that fall together in decimal do so in spite of rounding.
 constexpr double kInstant_s = 1e-8;
 constexpr double kAllThere_s = -0.08;
-
-class StandingClock final : public Clock {
- public:
-  [[nodiscard]] LocalTime now() const noexcept override { return localTime(0.0); }
-};
 
 // The receiver's side: whole frames into the pool when they are due.
 class Viewer {
@@ -71,7 +67,7 @@ class Viewer {
 
  private:
   const Stream& stream_;
-  StandingClock clock_;
+  const ManualClock clock_{localTime(0.0)};  // stands: a frame is ready when it comes
   client::FramePool pool_;
   LatestValue<client::StreamState> state_;
   client::Preparer preparer_;

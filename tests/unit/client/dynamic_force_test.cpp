@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {

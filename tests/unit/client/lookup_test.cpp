@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {

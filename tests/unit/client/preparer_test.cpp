@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/manual_clock.hpp"
+
 namespace hapticast::client {
 namespace {
 
@@ -32,11 +34,6 @@ AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief
   return assembled;
 }
 
-struct StandingClock final : Clock {
-  [[nodiscard]] LocalTime now() const noexcept override { return time; }
-  LocalTime time;
-};
-
 class PreparerTest : public ::testing::Test {
  protected:
   PreparerTest() { preparer.reset(Workspace{}); }
@@ -52,7 +49,7 @@ class PreparerTest : public ::testing::Test {
   }
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
-  StandingClock clock;
+  ManualClock clock;
   std::vector<PreparedFrame> done;
   Preparer preparer{*pool, clock, Method::kHapticast,
                     [this](const PreparedFrame& frame) { done.push_back(frame); }};
@@ -63,7 +60,7 @@ TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
   EXPECT_FALSE(preparer.step());
   (void)preparer.push(frameOf(1, 1, true));
   EXPECT_EQ(take(), 0U) << "pushing does not wait for the preparation";
-  clock.time = localTime(3.0);
+  clock.set(localTime(3.0));
   EXPECT_TRUE(preparer.step());
   EXPECT_EQ(take(), 1U);
   EXPECT_NE(field, nullptr);

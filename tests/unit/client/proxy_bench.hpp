@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "client/haptics/surface/proxy_surface.hpp"
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 

@@ -10,7 +10,7 @@
 #include <functional>
 #include <memory>
 
-#include "tests/unit/client/stage.hpp"
+#include "tests/support/stage.hpp"
 
 namespace {
 thread_local bool heap_forbidden = false;

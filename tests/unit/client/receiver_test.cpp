@@ -21,11 +21,6 @@ std::shared_ptr<Relief> relief(PixelRect rect, float height_mm = 5.0F) {
   return relief;
 }
 
-struct SetClock final : Clock {
-  [[nodiscard]] LocalTime now() const noexcept override { return time; }
-  LocalTime time;
-};
-
 class ReceiverTest : public ::testing::Test {
  protected:
   ReceiverTest() {
@@ -51,8 +46,8 @@ class ReceiverTest : public ::testing::Test {
   }
   /// Arrives `lateness_s` after it was complete.
   void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
-    clock.time = LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
-                           fromSeconds(kLatency_s + lateness_s));
+    clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
+                        fromSeconds(kLatency_s + lateness_s)));
     receiver.frame(frame);
     (void)preparer.step();
   }
@@ -70,7 +65,7 @@ class ReceiverTest : public ::testing::Test {
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamState> stream;
-  SetClock clock;
+  ManualClock clock;
   Preparer preparer{*pool, clock, Method::kHapticast,
                     [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
   Receiver receiver{preparer, stream, 1};

@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "tests/unit/client/attack.hpp"
+#include "tests/support/attack.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -7,7 +7,7 @@
 #include <bit>
 #include <cstdio>
 
-#include "tests/unit/client/stage.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {

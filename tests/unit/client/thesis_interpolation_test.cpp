@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {
