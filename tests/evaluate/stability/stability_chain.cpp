@@ -25,9 +25,9 @@ struct Cell {
 void runAll(std::vector<Cell>& cells, bool quick) {
   onAllCores(cells.size(), [&](std::size_t i) {
     Cell& c = cells[i];
-    DeviceProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
+    PlantProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
     told.count_mm = c.count_mm;
-    DeviceProfile real = told;
+    PlantProfile real = told;
     real.delay_ticks = c.real;
     Rig rig(told, real, c.hand->hand);
     rig.damping_Ns_m = c.damping_Ns_m;

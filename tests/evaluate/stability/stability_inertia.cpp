@@ -150,7 +150,7 @@ std::vector<Named> estimators() {
 /// Linear loop as in the notes: bilateral recommended wall, no counts, no clamp; does it shrink?
 bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int delay,
             const Hand& hand) {
-  DeviceProfile profile = omni(stiffness_N_mm, delay);
+  PlantProfile profile = omni(stiffness_N_mm, delay);
   AxisPlant plant(profile, hand);
   HipMotion motion(0.055);
   const auto estimator = what.make();
