@@ -18,13 +18,6 @@ namespace {
 constexpr auto kDrainInterval = std::chrono::milliseconds(10);
 constexpr int kMaxFaultFiles = 10;
 
-/// Said now and not after the session.
-void requireWritable(const char* flag, const std::string& file) {
-  if (file.empty() || std::ofstream(file, std::ios::app)) return;
-  throw std::runtime_error(std::string(flag) + " " + file +
-                           ": cannot be written; is its folder there and writable?");
-}
-
 RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile) {
   RoomSettings room;
   room.profile = profile;
@@ -33,11 +26,10 @@ RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile
   return room;
 }
 
-ConnectionSettings connectionSettings(const Settings& settings) {
+ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   ConnectionSettings connection;
-  connection.host = settings.server.host;
-  connection.port = settings.server.port;
-  connection.wants_video = !settings.screenshot_file.empty();
+  connection.server = settings.server;
+  connection.wants_video = wants_video;
   return connection;
 }
 
@@ -47,7 +39,7 @@ struct StopOnExit {
   ~StopOnExit() { io.stop(); }
 };
 
-std::string describe(const StreamDescription& stream, Method method) {
+std::string greeting(const StreamDescription& stream, Method method) {
   std::string text = fmt::format("connected: {}, {} x {}, {:g} frames/s", stream.name,
                                  stream.workspace.width_px, stream.workspace.height_px, stream.fps);
   if (method == Method::kThesis && stream.method != Method::kThesis) {
@@ -60,7 +52,7 @@ std::string describe(const StreamDescription& stream, Method method) {
 
 }  // namespace
 
-App::App(Settings settings, const Clock& clock)
+App::App(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
       device_(openDevice(settings_.device, {.profile = settings_.profile,
@@ -71,33 +63,31 @@ App::App(Settings settings, const Clock& clock)
       room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, published_,
                                    &log_ring_)),
       receiver_(pool_, stream_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
-      connection_(io_, clock, connectionSettings(settings_), receiver_,
+      connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
                   {.welcomed =
                        [this](const auto& stream) {
-                         spdlog::info("{}", describe(stream, settings_.method));
+                         spdlog::info("{}", greeting(stream, settings_.method));
                          told_why_.clear();
                        },
-#ifdef HAPTICAST_VIEWER
-                   .video = [this](VideoFrame video) { viewer_.take(std::move(video)); },
-#else
-                   .video = {},
-#endif
+                   .video = [this](VideoFrame video) { show(std::move(video)); },
                    .disconnected = [this](const std::string& why) { sayOnce(why); },
                    .failed =
                        [this](const std::string& why) {
                          spdlog::error("{}", why);
                          failed_ = true;
                          stop();
-                       }}) {
+                       }}),
+      views_(std::move(views)) {
   requireWritable("--log", settings_.log_file);
   requireWritable("--summary", settings_.summary_file);
-#ifdef HAPTICAST_VIEWER
-  if (!settings_.screenshot_file.empty()) Viewer::requirePictureName(settings_.screenshot_file);
-#endif
-  requireWritable("--screenshot", settings_.screenshot_file);
   if (settings_.log_file.empty()) return;
   log_.open(settings_.log_file);
   writeReportHeading(log_);
+}
+
+void App::show(VideoFrame picture) {
+  const Workspace workspace = receiver_.stream().workspace;
+  for (const auto& view : views_) view->takePicture(picture, workspace);
 }
 
 void App::sayOnce(const std::string& why) {
@@ -142,6 +132,9 @@ void App::wait() {
       ++user_.rearm;
       user_controls_.store(user_);
     }
+    for (const auto& view : views_) {
+      if (!view->turn()) stop();
+    }
     std::this_thread::sleep_for(kDrainInterval);
   }
 }
@@ -150,9 +143,7 @@ void App::drain() {
   TickReport& report = last_report_;
   while (log_ring_.tryPop(report)) {
     if (log_.is_open()) writeReport(log_, report);
-#ifdef HAPTICAST_VIEWER
-    if (!settings_.screenshot_file.empty()) viewer_.add(report);
-#endif
+    for (const auto& view : views_) view->takeReport(report);
   }
 }
 
@@ -197,10 +188,7 @@ void App::finish(const LoopThread& loop) {
   }
   const RunResult run = result(loop);
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
-#ifdef HAPTICAST_VIEWER
-  if (!settings_.screenshot_file.empty())
-    viewer_.write(settings_.screenshot_file, receiver_.stream().workspace);
-#endif
+  for (const auto& view : views_) view->finish();
   if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
 }
 

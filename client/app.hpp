@@ -15,21 +15,19 @@
 #include "client/net/receiver.hpp"
 #include "client/settings.hpp"
 #include "client/summary.hpp"
+#include "client/view/view.hpp"
 #include "common/wire/asio.hpp"
-#ifdef HAPTICAST_VIEWER
-#include "client/view/viewer.hpp"
-#endif
 
 namespace hapticast::client {
 
 class App {
  public:
-  /// Opens the device. Throws std::runtime_error, one line.
-  App(Settings settings, const Clock& clock);
+  /// Opens the device; `views` are shown what happens. Throws std::runtime_error, one line.
+  App(Settings settings, const Clock& clock, Views views);
 
-  /// Touches until --seconds are over, Ctrl-C, or stop(). Returns false when the server could never
-  /// be reached or speaks another protocol (said in the log). Throws std::runtime_error when a file
-  /// cannot be written.
+  /// Touches until --seconds are over, Ctrl-C, a view wants to end, or stop(). Returns false when
+  /// the server could never be reached or speaks another protocol (said in the log). Throws
+  /// std::runtime_error when a file cannot be written.
   bool run();
   /// Thread: any.
   void stop() noexcept { stop_ = true; }
@@ -38,6 +36,7 @@ class App {
   void wait();
   void drain();
   void dumpFault();
+  void show(VideoFrame picture);
   void sayOnce(const std::string& why);
   [[nodiscard]] RunResult result(const LoopThread& loop) const;
   void finish(const LoopThread& loop);
@@ -57,9 +56,7 @@ class App {
   Receiver receiver_;
   Connection connection_;
   std::ofstream log_;
-#ifdef HAPTICAST_VIEWER
-  Viewer viewer_;
-#endif
+  Views views_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
   TickReport last_report_;  // of those drained from log_ring_
