@@ -22,8 +22,7 @@ namespace hapticast::client {
 
 class App {
  public:
-  /// Opens the device; `views` are shown what happens. Throws std::runtime_error, one
-  /// line.
+  /// Opens the device; `views` are shown what happens. Throws std::runtime_error, one line.
   App(Settings settings, const Clock& clock, Views views);
 
   /// Touches until --seconds are over, Ctrl-C, a view wants to end, or stop(). Returns false when
