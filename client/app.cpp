@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "client/device/device_profile.hpp"
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 
@@ -27,13 +27,6 @@ auto loadFor(const char* flag, Load load) {
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string(flag) + " " + error.what());
   }
-}
-
-/// Said now and not after the session.
-void requireWritable(const char* flag, const std::string& file) {
-  if (file.empty() || std::ofstream(file, std::ios::app)) return;
-  throw std::runtime_error(std::string(flag) + " " + file +
-                           ": cannot be written; is its folder there and writable?");
 }
 
 RoomSettings roomSettings(const Settings& settings) {
@@ -54,15 +47,14 @@ HandScript handScript(const Settings& settings, const DeviceProfile& profile) {
           loadFor("--hand", [&] { return loadHandTargets(settings.hand); })};
 }
 
-ConnectionSettings connectionSettings(const Settings& settings) {
+ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   ConnectionSettings connection;
-  connection.host = settings.server.host;
-  connection.port = settings.server.port;
-  connection.wants_video = !settings.screenshot_file.empty();
+  connection.server = settings.server;
+  connection.wants_video = wants_video;
   return connection;
 }
 
-std::string describe(const StreamDescription& stream, Method method) {
+std::string greeting(const StreamDescription& stream, Method method) {
   std::string text = fmt::format("connected: {}, {} x {}, {:g} frames/s", stream.name,
                                  stream.workspace.width_px, stream.workspace.height_px, stream.fps);
   if (method == Method::kThesis && stream.method != Method::kThesis) {
@@ -75,41 +67,40 @@ std::string describe(const StreamDescription& stream, Method method) {
 
 }  // namespace
 
-App::App(Settings settings, const Clock& clock)
+App::App(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
       room_settings_(roomSettings(settings_)),
       hand_(handScript(settings_, room_settings_.profile)),
       device_(room_settings_.profile, Hand::light(), clock, &hand_),
-      room_(std::make_unique<Room>(room_settings_, pool_, controls_, latest_report_, &log_ring_)),
-      receiver_(pool_, controls_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
-      connection_(io_, clock, connectionSettings(settings_), receiver_,
+      room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, latest_report_,
+                                   &log_ring_)),
+      receiver_(pool_, stream_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
+      connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
                   {.welcomed =
                        [this](const auto& stream) {
-                         spdlog::info("{}", describe(stream, settings_.method));
+                         spdlog::info("{}", greeting(stream, settings_.method));
                          told_why_.clear();
                        },
-#ifdef HAPTICAST_VIEWER
-                   .video = [this](VideoFrame video) { viewer_.take(std::move(video)); },
-#else
-                   .video = {},
-#endif
+                   .video = [this](VideoFrame video) { show(std::move(video)); },
                    .disconnected = [this](const std::string& why) { sayOnce(why); },
                    .failed =
                        [this](const std::string& why) {
                          spdlog::error("{}", why);
                          failed_ = true;
                          stop();
-                       }}) {
+                       }}),
+      views_(std::move(views)) {
   requireWritable("--log", settings_.log_file);
   requireWritable("--summary", settings_.summary_file);
-#ifdef HAPTICAST_VIEWER
-  if (!settings_.screenshot_file.empty()) Viewer::requirePictureName(settings_.screenshot_file);
-#endif
-  requireWritable("--screenshot", settings_.screenshot_file);
   if (settings_.log_file.empty()) return;
   log_.open(settings_.log_file);
   writeReportHeading(log_);
+}
+
+void App::show(VideoFrame picture) {
+  const Workspace workspace = receiver_.stream().workspace;
+  for (const auto& view : views_) view->takePicture(picture, workspace);
 }
 
 void App::sayOnce(const std::string& why) {
@@ -151,9 +142,17 @@ void App::wait() {
          (settings_.seconds == 0.0 || clock_.now() - begin < fromSeconds(settings_.seconds))) {
     drain();
     dumpFault();
-    if (const bool contact = latest_report_.load().contact; contact != told_contact_) {
-      told_contact_ = contact;
-      asio::post(io_, [this, contact] { connection_.setInContact(contact); });
+    const TickReport& report = latest_report_.load();
+    if (report.contact != told_contact_) {
+      told_contact_ = report.contact;
+      asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
+    }
+    if (settings_.rearm && deviceIsBack(report)) {
+      ++user_.rearm;
+      user_controls_.store(user_);
+    }
+    for (const auto& view : views_) {
+      if (!view->turn()) stop();
     }
     std::this_thread::sleep_for(kDrainInterval);
   }
@@ -163,9 +162,7 @@ void App::drain() {
   TickReport report;
   while (log_ring_.tryPop(report)) {
     if (log_.is_open()) writeReport(log_, report);
-#ifdef HAPTICAST_VIEWER
-    if (!settings_.screenshot_file.empty()) viewer_.add(report);
-#endif
+    for (const auto& view : views_) view->takeReport(report);
   }
 }
 
@@ -182,12 +179,11 @@ void App::dumpFault() {
 }
 
 RunResult App::result() const {
-  const Controls& controls = receiver_.controls();
   return {.loop = stats_,
           .frames = receiver_.counts(),
           .bytes_received = connection_.bytesReceived(),
           .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
-          .clock_offset_us = toSeconds(controls.clock_offset) * 1e6,
+          .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
           .realtime = realtime_};
 }
@@ -210,10 +206,7 @@ void App::finish() {
   }
   const RunResult run = result();
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
-#ifdef HAPTICAST_VIEWER
-  if (!settings_.screenshot_file.empty())
-    viewer_.write(settings_.screenshot_file, receiver_.controls().workspace);
-#endif
+  for (const auto& view : views_) view->finish();
   if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
 }
 

@@ -15,21 +15,20 @@
 #include "client/net/receiver.hpp"
 #include "client/settings.hpp"
 #include "client/summary.hpp"
+#include "client/view/view.hpp"
 #include "common/wire/asio.hpp"
-#ifdef HAPTICAST_VIEWER
-#include "client/view/viewer.hpp"
-#endif
 
 namespace hapticast::client {
 
 class App {
  public:
-  /// Loads profile and hand script. Throws std::runtime_error, one line.
-  App(Settings settings, const Clock& clock);
+  /// Loads profile and hand script; `views` are shown what happens. Throws std::runtime_error, one
+  /// line.
+  App(Settings settings, const Clock& clock, Views views);
 
-  /// Touches until --seconds are over, Ctrl-C, or stop(). Returns false when the server could never
-  /// be reached or speaks another protocol (said in the log). Throws std::runtime_error when a file
-  /// cannot be written.
+  /// Touches until --seconds are over, Ctrl-C, a view wants to end, or stop(). Returns false when
+  /// the server could never be reached or speaks another protocol (said in the log). Throws
+  /// std::runtime_error when a file cannot be written.
   bool run();
   /// Thread: any.
   void stop() noexcept { stop_ = true; }
@@ -38,6 +37,7 @@ class App {
   void wait();
   void drain();
   void dumpFault();
+  void show(VideoFrame picture);
   void sayOnce(const std::string& why);
   [[nodiscard]] RunResult result() const;
   void finish();
@@ -48,7 +48,9 @@ class App {
   HandScript hand_;
   VirtualDevice device_;
   FramePool pool_;
-  LatestValue<Controls> controls_;
+  LatestValue<StreamState> stream_;
+  LatestValue<UserControls> user_controls_;
+  UserControls user_;
   LatestValue<TickReport> latest_report_;
   Room::Log log_ring_;
   std::unique_ptr<Room> room_;  // large: holds the flight recorder
@@ -58,9 +60,7 @@ class App {
   Receiver receiver_;
   Connection connection_;
   std::ofstream log_;
-#ifdef HAPTICAST_VIEWER
-  Viewer viewer_;
-#endif
+  Views views_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
   int faults_dumped_ = 0;

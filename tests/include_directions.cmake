@@ -23,10 +23,12 @@ set(rules
 # One door per library: who may include it.
 set(doors
   "^boost/"                          "^common/wire/asio\\.hpp$"
-  "^common/wire/asio\\.hpp$"              "^((server/stream|client/net|tests)/|(server|client)/[^/]*$)"
+  "^common/wire/asio\\.hpp$"              "^((common/wire|server/stream|client/net|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/wire/(decode|encode)\\.cpp$"
-  "^google/protobuf"                 "^common/wire/(decode|encode)\\.cpp$"
+  "^google/protobuf"                 "^common/wire/(decode|encode|scan)\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
+  "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
+  "^nlohmann/"                       "^(server/source|tests)/|^client/summary\\.cpp$"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )

@@ -7,11 +7,11 @@
 
 #include "client/haptics/hip_motion.hpp"
 #include "client/haptics/tick_report.hpp"
+#include "common/tick.hpp"
 
 namespace hapticast::client {
 
 namespace {
-constexpr Duration kTick{1'000'000};
 constexpr int kLongestCatchUp_ticks = 1000;
 
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -181,14 +181,14 @@ int VirtualDevice::ticksSinceLast() noexcept {
   const LocalTime now = clock_.now();
   if (!running_) {
     running_ = true;
-    time_ = now - kTick;
+    time_ = now - kTickPeriod;
   }
-  const auto ticks = std::max<std::int64_t>((now - time_) / kTick, 1);
+  const auto ticks = std::max<std::int64_t>((now - time_) / kTickPeriod, 1);
   if (ticks > kLongestCatchUp_ticks) {
     time_ = now;
     return kLongestCatchUp_ticks;
   }
-  time_ += ticks * kTick;
+  time_ += ticks * kTickPeriod;
   return static_cast<int>(ticks);
 }
 

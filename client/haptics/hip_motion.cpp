@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "common/tick.hpp"
+
 namespace hapticast::client {
 
 namespace {

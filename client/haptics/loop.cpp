@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/tick.hpp"
+
 namespace hapticast::client {
 
 namespace {

@@ -11,8 +11,6 @@
 
 namespace hapticast::client {
 
-inline constexpr Duration kTickPeriod{1'000'000};
-
 /// Everything of the summary that the loop knows. Thread: the loop's; read it after runLoop() has
 /// returned.
 struct LoopStats {

@@ -11,8 +11,8 @@ namespace {
 constexpr Duration kLargestGap = std::chrono::seconds(1);
 }  // namespace
 
-Receiver::Receiver(FramePool& pool, LatestValue<Controls>& controls, ReceiverSettings settings)
-    : pool_(pool), controls_(controls), settings_(settings) {}
+Receiver::Receiver(FramePool& pool, LatestValue<StreamState>& stream, ReceiverSettings settings)
+    : pool_(pool), stream_(stream), settings_(settings) {}
 
 void Receiver::startEpoch() {
   ++epoch_;
@@ -37,7 +37,6 @@ void Receiver::describe(const StreamDescription& description, LocalTime now) {
   latest_.pipeline_latency = description.pipeline_latency;
   latest_.frame_interval = fromSeconds(1.0 / description.fps);
   latest_.workspace = description.workspace;
-  latest_.stream_method = description.method;
   latest_.largest_acceleration_mm_s2 = description.largest_acceleration_mm_s2;
   latest_.author_mass_kg = description.mass_kg.value_or(0.0);
   publish(now);
@@ -45,15 +44,6 @@ void Receiver::describe(const StreamDescription& description, LocalTime now) {
 
 void Receiver::disconnected(LocalTime now) {
   described_ = false;
-  publish(now);
-}
-
-void Receiver::setPaused(bool paused, LocalTime now) {
-  if (latest_.paused && !paused) {
-    startEpoch();
-    latest_.first_epoch = epoch_;
-  }
-  latest_.paused = paused;
   publish(now);
 }
 
@@ -66,7 +56,7 @@ void Receiver::publish(LocalTime now) {
   latest_.connected = described_ && clock_.ready();
   if (latest_.connected) latest_.clock_offset = clock_.offset(now);
   latest_.playout_delay_target = jitter_.delay(latest_.frame_interval * settings_.lookahead_frames);
-  controls_.store(latest_);
+  stream_.store(latest_);
 }
 
 Duration Receiver::clockErrorBound() const {
@@ -79,7 +69,7 @@ void Receiver::frame(HapticFrame frame, const Clock& clock) {
     return;
   }
   if (server_epoch_ != frame.epoch) {
-    // The first frame after a welcome or a resume belongs to the epoch that was announced to the
+    // The first frame after a welcome belongs to the epoch that was announced to the
     // loop.
     if (server_epoch_) ++epoch_;
     server_epoch_ = frame.epoch;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Makes what arrives ready for the loop: drops duplicates, counts losses, prepares reliefs, keeps
-// the clock and the playout delay, fills the frame pool and publishes the controls. Thread:
-// network; never waits.
+// the clock and the playout delay, fills the frame pool and publishes what is known of the stream.
+// Thread: network; never waits.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "client/haptics/tick_report.hpp"
+#include "client/haptics/stream_state.hpp"
 #include "client/haptics/time/frame_pool.hpp"
 #include "client/net/jitter_estimator.hpp"
 #include "client/net/relief_cache.hpp"
@@ -36,8 +36,8 @@ struct ReceiverCounts {
 
 class Receiver {
  public:
-  /// The receiver is the one producer of `pool` and the one writer of `controls`; both outlive it.
-  Receiver(FramePool& pool, LatestValue<Controls>& controls, ReceiverSettings settings);
+  /// The receiver is the one producer of `pool` and the one writer of `stream`; both outlive it.
+  Receiver(FramePool& pool, LatestValue<StreamState>& stream, ReceiverSettings settings);
 
   /// A connection is made: new clock, new epochs, everything before is void.
   void connected(const StreamDescription& description, LocalTime now);
@@ -48,11 +48,9 @@ class Receiver {
   /// A frame that has come. Its lateness is measured by `clock` when it is ready for the loop.
   void frame(HapticFrame frame, const Clock& clock);
   void disconnected(LocalTime now);
-  /// Pause and resume by the viewer; a resume starts a new epoch.
-  void setPaused(bool paused, LocalTime now);
 
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
-  [[nodiscard]] const Controls& controls() const { return latest_; }  ///< as last published
+  [[nodiscard]] const StreamState& stream() const { return latest_; }  ///< as last published
   [[nodiscard]] Duration clockErrorBound() const;  ///< 0 when the clock is not known
 
  private:
@@ -64,12 +62,12 @@ class Receiver {
                   std::uint64_t frame_id);
 
   FramePool& pool_;
-  LatestValue<Controls>& controls_;
+  LatestValue<StreamState>& stream_;
   ReceiverSettings settings_;
   ClockSync clock_;
   JitterEstimator jitter_;
   ReliefCache reliefs_;
-  Controls latest_;
+  StreamState latest_;
   ReceiverCounts counts_;
   bool described_ = false;
   std::uint32_t epoch_ = 0;                    // client-side, never repeats

@@ -4,7 +4,7 @@
 
 #include "client/device/device_profile.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
-#include "tests/unit/client/life.hpp"
+#include "tests/support/life.hpp"
 
 namespace hapticast::evaluate {
 

@@ -10,7 +10,7 @@
 #include "tests/evaluate/all_cores.hpp"
 #include "tests/evaluate/gnuplot.hpp"
 #include "tests/evaluate/report.hpp"
-#include "tests/unit/client/battery.hpp"
+#include "tests/support/battery.hpp"
 
 namespace hapticast::evaluate {
 

@@ -12,7 +12,7 @@
 #include "client/haptics/room.hpp"
 #include "tests/evaluate/stability/stability_cases.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::evaluate {
 
@@ -50,12 +50,13 @@ class RoomScene {
   static constexpr double kBegin_s = 1.0;  // of the stream
 
   RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_(settings()) {
-    room = std::make_unique<client::Room>(settings_, pool, controls, reports, nullptr);
+    room =
+        std::make_unique<client::Room>(settings_, pool, stream_door, user_door, reports, nullptr);
     device = std::make_unique<client::VirtualDevice>(settings_.profile, client::Hand::light(),
                                                      clock, nullptr);
-    control.connected = true;
-    control.first_epoch = epoch;
-    control.playout_delay_target = Duration(60'000'000);
+    stream.connected = true;
+    stream.first_epoch = epoch;
+    stream.playout_delay_target = Duration(60'000'000);
   }
   static client::RoomSettings settings() {
     client::RoomSettings settings;
@@ -73,8 +74,9 @@ class RoomScene {
       t_s = tick * 1e-3 - kEvent_s;
       if (at_tick) at_tick(*this);
       clock.advance(Duration(1'000'000));
-      stream();
-      controls.store(control);
+      sendDue();
+      stream_door.store(stream);
+      user_door.store(user);
       device->setTarget(mapping.toDevice(handAt(t_s)));
       step();
       if (tick == static_cast<int>(kEvent_s * 1e3) - 1) begin_mJ = work_mJ_;
@@ -98,12 +100,14 @@ class RoomScene {
 
   RoomReliefs& reliefs;
   client::FramePool pool;
-  LatestValue<client::Controls> controls;
+  LatestValue<client::StreamState> stream_door;
+  LatestValue<client::UserControls> user_door;
   LatestValue<client::TickReport> reports;
   std::unique_ptr<client::Room> room;
   std::unique_ptr<client::VirtualDevice> device;
   client::ManualClock clock;
-  client::Controls control;
+  client::StreamState stream;
+  client::UserControls user;
   std::uint32_t epoch = 1;
   std::uint64_t id = 0;
   double fps = 25.0;
@@ -120,7 +124,7 @@ class RoomScene {
     const double s = std::clamp((t + 1.6) / 0.6, 0.0, 1.0);
     return target_mm(t) + Vec3(0.0, 0.0, (1.0 - s) * 20.0);
   }
-  void stream() {
+  void sendDue() {
     const double now_s = toSeconds(clock.now().time_since_epoch());
     while (next_frame_s_ <= now_s) {
       if (streaming) send(next_frame_s_);

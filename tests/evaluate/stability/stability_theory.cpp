@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/tick.hpp"
+
 #include "tests/evaluate/stability/stability_parts.hpp"
 
 namespace hapticast::evaluate {
@@ -15,7 +17,6 @@ using client::AxisPlant;
 using client::DeviceProfile;
 using client::Hand;
 
-constexpr double kTick_s = 1e-3;
 constexpr double kSmallPhase = 0.55;
 
 DeviceProfile device(double damping_Ns_m, double friction_N) {

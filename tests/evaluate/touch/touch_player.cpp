@@ -36,7 +36,7 @@ class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        receiver_(pool_, controls_, {variant.method, 2}),
+        receiver_(pool_, state_, {variant.method, 2}),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());
   }
@@ -57,20 +57,20 @@ class Viewer {
 
   // Within an interval of frames in any order.
   void touch(const Touch& surface, Tick& tick, const Look& look) {
-    const client::Controls& controls = receiver_.controls();
-    const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), controls);
-    const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, controls.workspace);
+    const client::StreamState& stream = receiver_.stream();
+    const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), stream);
+    const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, stream.workspace);
     tick.contact = contact.contact;
     tick.normal = contact.normal;
     if (contact.contact) tick.displacement_mm = contact.displacement_mm;
-    if (look) look(scene, controls, contact, tick);
+    if (look) look(scene, stream, contact, tick);
   }
 
  private:
   const Stream& stream_;
   StandingClock clock_;
   client::FramePool pool_;
-  LatestValue<client::Controls> controls_;
+  LatestValue<client::StreamState> state_;
   client::Receiver receiver_;
   FrameLookup lookup_;
   std::size_t next_ = 0;

@@ -5,7 +5,8 @@
 
 #include <vector>
 
-#include "tests/unit/client/stage.hpp"
+#include "common/tick.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "tests/unit/client/battery.hpp"
+#include "tests/support/battery.hpp"
 
 namespace hapticast::client {
 namespace {

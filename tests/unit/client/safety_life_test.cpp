@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "client/device/device_profile.hpp"
-#include "tests/unit/client/life.hpp"
+#include "tests/support/life.hpp"
 
 namespace hapticast::client {
 namespace {

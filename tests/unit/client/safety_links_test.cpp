@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "client/device/device_profile.hpp"
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 namespace {

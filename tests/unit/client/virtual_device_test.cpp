@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 namespace {

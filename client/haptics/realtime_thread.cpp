@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/realtime_thread.hpp"
+#include "client/haptics/realtime_thread.hpp"
 
 #include <pthread.h>
 #include <sched.h>

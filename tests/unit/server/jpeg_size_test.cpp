@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "common/jpeg_size.hpp"
+#include "server/source/jpeg_size.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-namespace hapticast {
+namespace hapticast::server {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -45,4 +45,4 @@ TEST(JpegSize, IsNotMadeUp) {
 }
 
 }  // namespace
-}  // namespace hapticast
+}  // namespace hapticast::server

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "client/haptics/room.hpp"
-#include "tests/unit/client/rig.hpp"
+#include "common/tick.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 
@@ -35,12 +36,12 @@ class Stage {
                  Room::Log* log = nullptr)
       : settings(room_settings),
         device(settings.profile, Hand::light(), clock, script),
-        room(std::make_unique<Room>(settings, pool, controls, published, log)),
+        room(std::make_unique<Room>(settings, pool, stream, user, published, log)),
         bounce_mm_(bounce_mm) {
     state.connected = true;
     state.first_epoch = epoch;
     state.playout_delay_target = Duration(60'000'000);
-    controls.store(state);
+    stream.store(state);
     for (int i = 0; i < kFps; ++i) {
       fields_.push_back(dome(height_mm(i / static_cast<double>(kFps)), state.workspace));
     }
@@ -56,7 +57,7 @@ class Stage {
     if (!streaming) next_frame_ = clock.now().time_since_epoch().count() / frame_ns + 1;
   }
   const TickReport& step() {
-    clock.advance(kTickPeriod_);
+    clock.advance(kTickPeriod);
     receive();
     const Vec3 force_N = room->report().force_N;
     DeviceState reading = device.exchange(force_N);
@@ -77,17 +78,27 @@ class Stage {
   void newEpoch() {
     ++epoch;
     state.first_epoch = epoch;
-    controls.store(state);
+    stream.store(state);
+  }
+  void pause(bool paused) {
+    wishes.paused = paused;
+    user.store(wishes);
+  }
+  void rearm() {
+    ++wishes.rearm;
+    user.store(wishes);
   }
 
   ManualClock clock;
   RoomSettings settings;
   FramePool pool;
-  LatestValue<Controls> controls;
+  LatestValue<StreamState> stream;
+  LatestValue<UserControls> user;
   LatestValue<TickReport> published;
   VirtualDevice device;
   std::unique_ptr<Room> room;
-  Controls state;
+  StreamState state;
+  UserControls wishes;
   Material material;
   std::uint32_t epoch = 1;
   bool streaming = true;
@@ -100,7 +111,6 @@ class Stage {
 
  private:
   static constexpr int kFps = 25;
-  static constexpr Duration kTickPeriod_{1'000'000};
 
   [[nodiscard]] double height_mm(double t_s) const {
     return 12.0 + bounce_mm_ * std::sin(2.0 * M_PI * t_s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 #include <array>
 #include <ostream>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-namespace hapticast {
+namespace hapticast::server {
 
 struct PictureSize {
   std::uint32_t width_px = 0;
@@ -17,4 +17,4 @@ struct PictureSize {
 /// The size in the frame header (ITU T.81 annex B), without decoding; nullopt when there is none.
 [[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
-}  // namespace hapticast
+}  // namespace hapticast::server

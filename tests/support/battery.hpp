@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 

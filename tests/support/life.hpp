@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 

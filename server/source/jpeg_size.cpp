@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "common/jpeg_size.hpp"
+#include "server/source/jpeg_size.hpp"
 
 #include <cstddef>
 
-namespace hapticast {
+namespace hapticast::server {
 
 std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg) {
   const auto word = [&](std::size_t at) -> std::uint32_t {
@@ -30,4 +30,4 @@ std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg) {
   return std::nullopt;
 }
 
-}  // namespace hapticast
+}  // namespace hapticast::server

@@ -80,11 +80,11 @@ inline bool send(FramePool& pool, const PlayFrame& frame) {
 
 /// How many slots the receiver could fill now. Gives them back by way of frames of a void epoch 0.
 inline std::size_t freeSlots(FramePool& pool, FrameLookup& lookup, MediaTime play_time,
-                             Controls controls) {
+                             StreamState stream) {
   std::size_t count = 0;
   while (send(pool, makeFrame(0, 0, 0.0, {}))) ++count;
-  controls.first_epoch = std::max(controls.first_epoch, 1U);
-  (void)lookup.at(play_time, controls);
+  stream.first_epoch = std::max(stream.first_epoch, 1U);
+  (void)lookup.at(play_time, stream);
   return count;
 }
 

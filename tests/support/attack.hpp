@@ -18,8 +18,8 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/haptics/room.hpp"
-#include "tests/unit/client/frame_builder.hpp"
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/frame_builder.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 
@@ -45,7 +45,7 @@ class Attack {
  public:
   explicit Attack(const RoomSettings& room_settings, double tip_height_mm = 8.0)
       : settings(room_settings),
-        room(std::make_unique<Room>(settings, pool, controls, reports, nullptr)) {
+        room(std::make_unique<Room>(settings, pool, stream, user, reports, nullptr)) {
     const DeviceMapping mapping = DeviceMapping::fit(Workspace{}, settings.profile.workspace_mm);
     state.position_mm = mapping.toDevice({0.1, 0.1, tip_height_mm});
     control.connected = true;
@@ -62,7 +62,8 @@ class Attack {
       if (streaming) publish(next_s);
       next_s += 0.04;
     }
-    controls.store(control);
+    stream.store(control);
+    user.store(wishes);
     if (device) state.position_mm = device->exchange(room->report().force_N).position_mm;
     state.time = clock.now();
     const Vec3 before_N = room->report().force_N;
@@ -91,10 +92,12 @@ class Attack {
   ManualClock clock;
   RoomSettings settings;
   FramePool pool;
-  LatestValue<Controls> controls;
+  LatestValue<StreamState> stream;
+  LatestValue<UserControls> user;
   LatestValue<TickReport> reports;
   std::unique_ptr<Room> room;
-  Controls control;
+  StreamState control;
+  UserControls wishes;
   DeviceState state;
   std::optional<VirtualDevice> device;
   std::function<void(PlayFrame&, double)> scene = [](PlayFrame&, double) {};
