@@ -141,6 +141,13 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
       "Force that leaving stages out may cost; default: 0.007, a tenth of what a hand can tell "
       "apart at 1 N");
   addPlan(app, vision.plan);
+  addChoice(app, "--method", vision.method, kMethods,
+            "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
+            "dense grid, stretched");
+}
+
+/// The author's say on what is touched.
+void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");
   addFriction(app, vision.material);
@@ -150,9 +157,6 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "K of the thesis's Eq. 3 (viewers with --surface perturbed); default: 30");
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
             "The object's mass for the dynamic force; default: each viewer's choice");
-  addChoice(app, "--method", vision.method, kMethods,
-            "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
-            "dense grid, stretched");
 }
 
 }  // namespace
@@ -170,6 +174,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N", "More are turned away with a message; default: 64");
   addVisionOptions(*app, settings.vision);
+  addMaterialOptions(*app, settings.vision);
   app->add_flag("--explain", settings.explain,
                 "Say what is left out of each object, why, what it saves and costs");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");

@@ -35,6 +35,9 @@ struct StabilityReport {
   const Options& options;
 };
 
+/// Of the Phantom Omni at its tip, as its data sheet has it.
+inline constexpr double kOmniMass_kg = 0.045;
+
 /// A table in Markdown: the first line is the heading.
 std::string markdown(const std::vector<std::vector<std::string>>& lines);
 /// printf to a string.
