@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reports of the loop as rows of text, for --log and for the flight recorder's dump. Outside the
-// loop.
+// Reports of the loop as rows of text, for --log and for the flight recorder's dump. Thread: any
+// but the loop's.
 #pragma once
 
 #include <iosfwd>

@@ -5,6 +5,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "client/device/open_device.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 
@@ -17,13 +18,28 @@ const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kP
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
-const std::map<std::string, std::string> kDevices{{"virtual", "virtual"}};
 const std::map<std::string, std::string> kTransports{{"tcp", "tcp"}};
 
+/// The kinds of this build, by name.
+const std::map<std::string, std::string>& devices() {
+  static const auto kDevices = [] {
+    std::map<std::string, std::string> names;
+    for (const DeviceKind& kind : deviceKinds()) names.emplace(kind.name, kind.name);
+    return names;
+  }();
+  return kDevices;
+}
+
+std::string deviceHelp() {
+  std::string help = "The haptic device";
+  for (const DeviceKind& kind : deviceKinds()) {
+    help += std::string("; ") + kind.name + ": " + kind.description;
+  }
+  return help;
+}
+
 void addDeviceOptions(CLI::App& app, Settings& settings) {
-  addChoice(app, "--device", settings.device, kDevices,
-            "The haptic device; virtual: a simulated one in a simulated hand")
-      ->required();
+  addChoice(app, "--device", settings.device, devices(), deviceHelp())->required();
   app.add_option(
          "--profile", settings.profile,
          "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines (keys: "

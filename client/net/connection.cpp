@@ -179,7 +179,7 @@ std::optional<WireError> Connection::handle(Conversation& talk, Message message)
   if (!talk.welcomed) {
     failure = handleWelcome(talk, message);
   } else if (auto* const frame = std::get_if<HapticFrame>(&message)) {
-    receiver_.frame(std::move(*frame), clock_);
+    receiver_.frame(std::move(*frame));
   } else if (const auto* const pong = std::get_if<Pong>(&message)) {
     handlePong(talk, *pong);
   } else if (auto* const video = std::get_if<VideoFrame>(&message)) {

@@ -112,7 +112,9 @@ class RawPeer {
 struct TestClient {
   TestClient(asio::io_context& io, const Clock& clock, std::uint16_t port,
              const std::function<void(client::ConnectionSettings&)>& change = {})
-      : connection(io, clock, settings(port, change), receiver, events()) {
+      : preparer(*pool, clock, Method::kHapticast,
+                 [this](const client::PreparedFrame& frame) { receiver.prepared(frame); }),
+        connection(io, clock, settings(port, change), receiver, events()) {
     connection.start();
   }
 
@@ -136,6 +138,8 @@ struct TestClient {
   }
   /// What the loop would do: takes every frame and gives it back.
   void drain() {
+    while (preparer.step()) {
+    }
     client::FramePool::Index index = 0;
     while (pool->take(index)) {
       frames.push_back({pool->frame(index).epoch, pool->frame(index).id});
@@ -147,7 +151,8 @@ struct TestClient {
 
   std::unique_ptr<client::FramePool> pool = std::make_unique<client::FramePool>();
   LatestValue<client::StreamState> stream;
-  client::Receiver receiver{*pool, stream, {}};
+  client::Preparer preparer;  // its steps are the test's
+  client::Receiver receiver{preparer, stream, 1};
   std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
   bool last_has_field = false;
   std::vector<VideoFrame> videos;

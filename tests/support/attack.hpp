@@ -76,7 +76,11 @@ class Attack {
     return step();
   }
   /// From now on a hand holds a virtual device instead of standing still.
-  void hold(const Hand& hand) { device.emplace(settings.profile, hand, clock, nullptr); }
+  void hold(const Hand& hand) {
+    PlantProfile plant = loadDeviceProfile(settings.profile.name);  // for its losses
+    static_cast<DeviceProfile&>(plant) = settings.profile;
+    device.emplace(plant, hand, clock);
+  }
   void publish(double media_s) {
     PlayFrame frame;
     frame.epoch = epoch;

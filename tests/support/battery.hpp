@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The battery of the stability notes (section 3): approach at 0.2 m/s, an impact, hold 1 N, press
+// The battery that every wall has to stand: approach at 0.2 m/s, an impact, hold 1 N, press
 // slowly to 2.5 N, hold, release. What a hand, or none, feels at rest after it.
 #pragma once
 
@@ -21,10 +21,11 @@ inline constexpr std::array<NamedHand, 5> kHands = {{{"light", Hand::light()},
                                                      {"firm-grip", Hand::firmGrip()},
                                                      {"none", Hand::none()}}};
 
-/// The battery's device: Omni class with the clamp of the notes, 8 N, and motors that stay cold.
-inline DeviceProfile batteryProfile(double stiffness_N_mm, int delay_ticks,
-                                    double friction_N = 0.0) {
-  DeviceProfile profile = omni(stiffness_N_mm, delay_ticks, friction_N);
+/// The battery's device: Omni class with a clamp of 8 N (a stronger device's, so that it does not
+/// hide swings) and motors that stay cold.
+inline PlantProfile batteryProfile(double stiffness_N_mm, int delay_ticks,
+                                   double friction_N = 0.0) {
+  PlantProfile profile = omni(stiffness_N_mm, delay_ticks, friction_N);
   profile.peak_N = profile.continuous_N = 8.0;
   return profile;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Minutes of random life in front of a wall (stability notes, section 8): reaches and jabs, tremor,
+// Minutes of random life in front of a wall: reaches and jabs, tremor,
 // a drifting and bouncing surface at 25 frames/s, lost frames, seeks, stalls, clock jumps, late
 // ticks, NaN bursts, an object of 100 g with pulses. Seeded.
 #pragma once

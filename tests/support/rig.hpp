@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A virtual clock and a bench for the chain: virtual device, HIP motion and safety chain against a
-// flat wall.
+// A bench for the chain under a virtual clock: virtual device, HIP motion and safety chain against
+// a flat wall.
 #pragma once
 
 #include <array>
@@ -10,37 +10,29 @@
 #include "client/device/virtual_device.hpp"
 #include "client/haptics/hip_motion.hpp"
 #include "client/haptics/safety/chain.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::client {
 
-inline DeviceProfile omni(double stiffness_N_mm, int delay_ticks, double friction_N = 0.0) {
-  DeviceProfile profile;
+inline PlantProfile omni(double stiffness_N_mm, int delay_ticks, double friction_N = 0.0) {
+  PlantProfile profile;
   profile.stiffness_N_mm = stiffness_N_mm;
   profile.delay_ticks = delay_ticks;
   profile.friction_N = friction_N;
   return profile;
 }
 
-class ManualClock final : public Clock {
- public:
-  [[nodiscard]] LocalTime now() const noexcept override { return now_; }
-  void advance(Duration by) noexcept { now_ += by; }
-
- private:
-  LocalTime now_ = localTime(1.0);
-};
-
 /// A wall facing +z at `wall_mm` (device frame). One step() is one tick: device, motion, chain (or
 /// another law in its place).
 class Rig {
  public:
-  Rig(const DeviceProfile& told, const DeviceProfile& real, const Hand& hand,
+  Rig(const DeviceProfile& told, const PlantProfile& real, const Hand& hand,
       const SafetyLinks& links = {})
-      : device(real, hand, clock, nullptr),
+      : device(real, hand, clock),
         motion(told.count_mm),
         chain(told, links),
         told_(told),
-        real_(real) {
+        real_delay_ticks_(real.delay_ticks) {
     stiffness_N_mm = told.stiffness_N_mm;
   }
 
@@ -122,7 +114,7 @@ class Rig {
       for (std::size_t i = sent_N_.size() - 1; i > 0; --i) sent_N_[i] = sent_N_[i - 1];
       sent_N_[0] = out.force_N;
     }
-    const Vec3& acted_N = sent_N_[static_cast<std::size_t>(real_.delay_ticks)];
+    const Vec3& acted_N = sent_N_[static_cast<std::size_t>(real_delay_ticks_)];
     true_work_mJ += acted_N.dot(device.truePosition_mm() - from_mm);
   }
   /// The same bound as the chain's meter, from what goes in and out only: K |dx| in any direction,
@@ -169,7 +161,7 @@ class Rig {
   }
 
   DeviceProfile told_;
-  DeviceProfile real_;
+  int real_delay_ticks_;
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_ = zeros();
   bool was_contact_ = false;
   double last_stiffness_N_mm_ = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A stage for the room under a virtual clock: a stream of a bouncing or still dome, a virtual
-// device, a scripted hand.
+// device, a scripted hand. It has no thread of its own.
 #pragma once
 
 #include <cmath>
@@ -32,12 +32,14 @@ inline std::shared_ptr<const HeightField> dome(double base_mm, const Workspace& 
 
 class Stage {
  public:
-  explicit Stage(const RoomSettings& room_settings, HandScript* script, double bounce_mm = 0.0,
-                 Room::Log* log = nullptr)
+  /// `script` is copied; null: the hand is led by device.setTarget().
+  explicit Stage(const RoomSettings& room_settings, const HandScript* script,
+                 double bounce_mm = 0.0, Room::Log* log = nullptr)
       : settings(room_settings),
-        device(settings.profile, Hand::light(), clock, script),
+        device({settings.profile}, Hand::light(), clock),
         room(std::make_unique<Room>(settings, pool, stream, user, published, log)),
         bounce_mm_(bounce_mm) {
+    if (script != nullptr) device.lead(*script, published, "a script");
     state.connected = true;
     state.first_epoch = epoch;
     state.playout_delay_target = Duration(60'000'000);
@@ -66,7 +68,6 @@ class Stage {
     before_tick();
     const TickReport& report = room->tick(clock.now(), reading);
     after_tick();
-    device.observe(report);
     max_excess_N = std::max(max_excess_N, report.step_excess_N);
     max_force_N = std::max(max_force_N, report.force_N.norm());
     return report;

@@ -27,7 +27,7 @@ Curve curveOf(const std::vector<Moment>& moments, Vec3 Moment::*what, int axis, 
 
 std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const Hand& hand,
                              const HandAcceleration& hand_m_s2, const MotionAt& body) {
-  static const client::DeviceProfile profile = client::loadDeviceProfile("omni");
+  static const client::PlantProfile profile = client::loadDeviceProfile("omni");
   client::DynamicForce dynamic(profile);
   client::HipMotion motion(profile.count_mm);
   std::vector<Moment> out;

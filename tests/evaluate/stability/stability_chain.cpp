@@ -25,9 +25,9 @@ struct ChainCell {
 void runAll(std::vector<ChainCell>& cells, bool quick) {
   onAllCores(cells.size(), [&](std::size_t i) {
     ChainCell& c = cells[i];
-    DeviceProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
+    PlantProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
     told.count_mm = c.count_mm;
-    DeviceProfile real = told;
+    PlantProfile real = told;
     real.delay_ticks = c.real;
     Rig rig(told, real, c.hand->hand);
     rig.damping_Ns_m = c.damping_Ns_m;
@@ -94,7 +94,7 @@ void residuals(const StabilityReport& to) {
   to.claims.add("the same: step beyond what the hand explains", "0 N", text("%g N", excess_N),
                 excess_N == 0.0);
   const double percent = 100.0 * double(alarmed) / double(cells.size());
-  to.claims.add("the same: runs with a false alarm of the latency watch", "<= 1.3 % (the notes')",
+  to.claims.add("the same: runs with a false alarm of the latency watch", "<= 1.3 %",
                 text("%zu of %zu", alarmed, cells.size()), percent <= 1.3);
   to.report.say(
       text("The passivity controller acted in %zu of these %zu runs.", insured, cells.size()));

@@ -145,10 +145,11 @@ std::vector<Named> estimators() {
           {"Kalman 1e6", maker<Kalman>(1e6)}};
 }
 
-/// Linear loop as in the notes: bilateral recommended wall, no counts, no clamp; does it shrink?
+/// The linear loop that theory speaks of: a wall on both sides, no counts, no clamp. Does its
+/// motion shrink?
 bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int delay,
             const Hand& hand) {
-  DeviceProfile profile = omni(stiffness_N_mm, delay);
+  PlantProfile profile = omni(stiffness_N_mm, delay);
   AxisPlant plant(profile, hand);
   HipMotion motion(0.055);
   const auto estimator = what.make();

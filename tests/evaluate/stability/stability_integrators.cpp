@@ -57,7 +57,7 @@ using Step = State (*)(const State&, double, double, double);
 class Plant {
  public:
   explicit Plant(Step step, double friction_N) : step_(step), friction_N_(friction_N) {
-    DeviceProfile profile;
+    client::PlantProfile profile;
     profile.mass_kg = kOmniMass_kg;
     profile.damping_Ns_m = kDamping_Ns_m;
     profile.friction_N = friction_N;

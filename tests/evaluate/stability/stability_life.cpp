@@ -26,7 +26,7 @@ struct Run {
 };
 
 void live(Run& run, int seconds) {
-  DeviceProfile profile = loadDeviceProfile(run.profile);
+  PlantProfile profile = loadDeviceProfile(run.profile);
   profile.stiffness_N_mm = run.stiffness_N_mm;
   Rig rig(profile, profile, run.hand->hand, {.tank = run.variant != "no tank"});
   if (run.variant == "naive") rig.law = bareLaw(0.0, profile.peak_N);
@@ -113,7 +113,7 @@ void stabilityLife(const StabilityReport& to) {
                 text("%.0f mJ at most", omni_mJ), omni_mJ <= 0.0);
   to.claims.add("the same: Falcon, K <= 2", "<= 30 mJ", text("%.0f mJ at most", falcon_mJ),
                 falcon_mJ <= 30.0);
-  to.claims.add("the same: most energy into the hand above 0.2 W (Omni)", "<= 23 mJ (the notes')",
+  to.claims.add("the same: most energy into the hand above 0.2 W (Omni)", "<= 23 mJ",
                 text("%.1f mJ; naive loop at least %.1f", burst_mJ, naive_burst_mJ),
                 burst_mJ <= 23.0);
   to.claims.add("the same: alarms of the latency watch", "0", text("%d", alarms), alarms == 0);

@@ -54,7 +54,7 @@ Axes axesOf(bool quick) {
 }
 
 void run(MapCell& c) {
-  DeviceProfile profile = batteryProfile(c.stiffness_N_mm, c.delay);
+  PlantProfile profile = batteryProfile(c.stiffness_N_mm, c.delay);
   profile.damping_Ns_m = kPhysicalDamping_Ns_m;
   DeviceProfile told = profile;  // a filter needs some count; without them a fine one
   told.count_mm = c.count_mm > 0.0 ? c.count_mm : 0.001;

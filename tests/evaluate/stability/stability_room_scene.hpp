@@ -13,6 +13,7 @@
 #include "tests/evaluate/stability/stability_cases.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
 #include "tests/support/frame_builder.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::evaluate {
 
@@ -47,21 +48,17 @@ class RoomScene {
  public:
   static constexpr double kEvent_s = 2.5;
   static constexpr double kEnd_s = 5.0;
-  static constexpr double kBegin_s = 1.0;  // of the stream
+  static constexpr double kFriction_N = 0.05;  // as in the profile of an Omni
+  static constexpr double kBegin_s = 1.0;      // of the stream
 
-  RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_(settings()) {
+  RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_() {
     room =
         std::make_unique<client::Room>(settings_, pool, stream_door, user_door, reports, nullptr);
-    device = std::make_unique<client::VirtualDevice>(settings_.profile, client::Hand::light(),
-                                                     clock, nullptr);
+    device = std::make_unique<client::VirtualDevice>(
+        client::PlantProfile{settings_.profile, kFriction_N}, client::Hand::light(), clock);
     stream.connected = true;
     stream.first_epoch = epoch;
     stream.playout_delay_target = Duration(60'000'000);
-  }
-  static client::RoomSettings settings() {
-    client::RoomSettings settings;
-    settings.profile.friction_N = 0.05;
-    return settings;
   }
 
   CaseOutcome run() {
@@ -105,7 +102,7 @@ class RoomScene {
   LatestValue<client::TickReport> reports;
   std::unique_ptr<client::Room> room;
   std::unique_ptr<client::VirtualDevice> device;
-  client::ManualClock clock;
+  ManualClock clock;
   client::StreamState stream;
   client::UserControls user;
   std::uint32_t epoch = 1;

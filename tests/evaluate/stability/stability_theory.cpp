@@ -14,13 +14,13 @@ namespace hapticast::evaluate {
 namespace {
 
 using client::AxisPlant;
-using client::DeviceProfile;
 using client::Hand;
+using client::PlantProfile;
 
 constexpr double kSmallPhase = 0.55;
 
-DeviceProfile device(double damping_Ns_m, double friction_N) {
-  DeviceProfile profile;
+PlantProfile device(double damping_Ns_m, double friction_N) {
+  PlantProfile profile;
   profile.damping_Ns_m = damping_Ns_m;
   profile.friction_N = friction_N;
   return profile;

@@ -21,11 +21,6 @@ std::shared_ptr<Relief> relief(PixelRect rect, float height_mm = 5.0F) {
   return relief;
 }
 
-struct SetClock final : Clock {
-  [[nodiscard]] LocalTime now() const noexcept override { return time; }
-  LocalTime time;
-};
-
 class ReceiverTest : public ::testing::Test {
  protected:
   ReceiverTest() {
@@ -51,9 +46,10 @@ class ReceiverTest : public ::testing::Test {
   }
   /// Arrives `lateness_s` after it was complete.
   void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
-    clock.time = LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
-                           fromSeconds(kLatency_s + lateness_s));
-    receiver.frame(frame, clock);
+    clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
+                        fromSeconds(kLatency_s + lateness_s)));
+    receiver.frame(frame);
+    (void)preparer.step();
   }
   /// What the loop gets next; null when nothing came.
   const PlayFrame* take() {
@@ -69,8 +65,10 @@ class ReceiverTest : public ::testing::Test {
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamState> stream;
-  SetClock clock;
-  Receiver receiver{*pool, stream, {}};
+  ManualClock clock;
+  Preparer preparer{*pool, clock, Method::kHapticast,
+                    [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+  Receiver receiver{preparer, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;
 };

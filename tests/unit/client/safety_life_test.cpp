@@ -13,7 +13,7 @@ namespace {
 
 /// Minutes of everything at once; returns where it ends, so that two lives can be compared.
 Vec3 life(const char* name, double stiffness_N_mm, unsigned seed, const Hand& hand, int seconds) {
-  DeviceProfile profile = loadDeviceProfile(name);
+  PlantProfile profile = loadDeviceProfile(name);
   profile.stiffness_N_mm = stiffness_N_mm;
   Rig rig(profile, profile, hand);
   const LifeResult result = Life(rig, seed).live(seconds);
