@@ -10,7 +10,7 @@
 
 namespace hapticast::evaluate {
 
-/// One measurement (DESIGN section 9).
+/// One measurement; a line of the CSV (README.md).
 struct Row {
   std::string scene;
   std::string stage;    ///< mask, relief, velocity, acceleration, impact, force, ...

@@ -33,7 +33,8 @@ struct Body {
   cv::Vec3f dark{30, 60, 140}, light{130, 215, 250};  ///< BGR of its texture
 };
 
-/// What the sensor makes of the exact picture (segmentation notes, section 2).
+/// What the sensor makes of the exact picture. Its noise is that of common depth cameras
+/// (README.md).
 struct Sensor {
   enum class Depth : std::uint8_t {
     kExact,         ///< mm as float
@@ -122,7 +123,7 @@ class TestSource final : public server::RgbdSource {
   std::uint32_t epoch_ = 0;
 };
 
-/// The scenes of the motion notes (section 1) and of the segmentation notes (section 2).
+/// What motion is measured on, and what masks and reliefs are measured on.
 std::vector<TestScene> motionScenes();
 std::vector<TestScene> segmentationScenes();
 

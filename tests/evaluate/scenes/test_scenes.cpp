@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The scenes themselves: what the motion notes (section 1) and the segmentation notes (section 2)
-// were measured on, with the same names.
+// The scenes themselves. Their names are those in the reports.
 #include <Eigen/Geometry>
 #include <cmath>
 
