@@ -21,11 +21,6 @@ constexpr std::size_t kMostOutgoing = 2;  // frames between vision and bytes; th
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 
-VisionSettings withClock(VisionSettings settings, const Clock& clock) {
-  settings.clock = &clock;
-  return settings;
-}
-
 std::string listenAddress(const Endpoint& endpoint) {
   const bool v6 = endpoint.host.find(':') != std::string::npos;
   return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
@@ -37,7 +32,7 @@ App::App(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_{clock, clock.now()},
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(source_->info(), withClock(settings_.vision, clock)),
+      vision_(source_->info(), settings_.vision, &clock),
       broadcaster_(io_, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = settings_.max_clients}),
       listener_(io_, listenAddress(settings_.listen), broadcaster_) {}
@@ -73,20 +68,15 @@ void App::run() {
 }
 
 void App::scan() {
-  struct Stopped {};
   MediaTime told = media_clock_.now();
   const auto progress = [&](std::uint64_t done, std::uint64_t total) {
-    if (stop_) throw Stopped();
-    if (media_clock_.now() - told < std::chrono::seconds(1)) return;
+    if (stop_ || media_clock_.now() - told < std::chrono::seconds(1)) return !stop_;
     told = media_clock_.now();
     spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done,
                  total);
+    return true;
   };
-  try {
-    if (!source_->info().live) vision_.scan(*source_, progress);
-  } catch (const Stopped&) {
-    return;
-  }
+  if (!vision_.scan(*source_, progress)) return;
   announced_ = vision_.description();
   broadcaster_.describe(announced_);
 }

@@ -1,4 +1,4 @@
-# Checks the include table of DESIGN section 2. Run: cmake -DROOT=. -P tests/include_directions.cmake
+# Checks who may include whom. Run: cmake -DROOT=. -P tests/include_directions.cmake
 # Each rule: files that match -> the only project includes and library includes they may have.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")
@@ -11,7 +11,12 @@ set(rules
   "common/wire/.*"     "^common/([^/]*$|wire/)"
   "common/cli/.*"      "^common/([^/]*$|cli/)"
   "server/source/.*"   "^(common|server/source)/"
-  "server/vision/.*"   "^(common|server/source|server/vision)/"
+  "server/vision/vision_settings\\.hpp" "^(common/|server/source/camera_model\\.hpp$)"
+  "server/vision/base/.*"    "^(common/|server/source/|server/vision/(vision_settings\\.hpp$|base/))"
+  "server/vision/segment/.*" "^(common/|server/source/|server/vision/(vision_settings\\.hpp$|base/|segment/))"
+  "server/vision/surface/.*" "^(common/|server/source/|server/vision/(vision_settings\\.hpp$|base/|surface/))"
+  "server/vision/motion/.*"  "^(common/|server/source/|server/vision/(vision_settings\\.hpp$|base/|surface/|motion/))"
+  "server/vision/.*"         "^(common|server/source|server/vision)/"
   "server/stream/.*"   "^(common|server/stream)/"
   "server/[^/]*"       "^(common|server)/"
   "client/haptics/.*"  "^(common|client/haptics)/"
@@ -27,6 +32,7 @@ set(doors
   "\\.pb\\.h$"                       "^common/wire/(decode|encode)\\.cpp$"
   "^google/protobuf"                 "^common/wire/(decode|encode)\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
+  "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/|tests/)"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )
