@@ -23,6 +23,8 @@ inline constexpr int kMaxHeight_px = 1080;
 /// Summed rectangles of all reliefs of a frame: bounds what a receiver has to prepare.
 inline constexpr std::size_t kMaxReliefPixels = std::size_t{2} * 1920 * 1080;
 inline constexpr int kGridCell_px = 16;  ///< cell of a MotionGrid
+/// Cells of a MotionGrid along so many pixels; the last one may reach beyond them.
+constexpr int gridCells(int px) { return (px + kGridCell_px - 1) / kGridCell_px; }
 
 /// Heights over a rectangle of the image, valid where the mask says so.
 struct Relief {

@@ -17,18 +17,13 @@ namespace {
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 
-VisionSettings withClock(VisionSettings settings, const Clock& clock) {
-  settings.clock = &clock;
-  return settings;
-}
-
 }  // namespace
 
 App::App(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(source_->info(), withClock(settings_.vision, clock)),
+      vision_(source_->info(), settings_.vision, &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = settings_.max_clients}),
       listener_(io_, settings_.listen, broadcaster_) {}
@@ -57,20 +52,15 @@ void App::run() {
 }
 
 void App::scan() {
-  struct Stopped {};
   MediaTime told = media_clock_.now();
   const auto progress = [&](std::uint64_t done, std::uint64_t total) {
-    if (stop_) throw Stopped();
-    if (media_clock_.now() - told < std::chrono::seconds(1)) return;
+    if (stop_ || media_clock_.now() - told < std::chrono::seconds(1)) return !stop_;
     told = media_clock_.now();
     spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done,
                  total);
+    return true;
   };
-  try {
-    if (!source_->info().live) vision_.scan(*source_, progress);
-  } catch (const Stopped&) {
-    return;
-  }
+  if (!vision_.scan(*source_, progress)) return;
   broadcaster_.describe(vision_.description());
 }
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "common/endpoint.hpp"
-#include "server/vision/vision.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
 

@@ -3,6 +3,8 @@
 // of the synthetic scenes can be used anywhere. Thread: any.
 #pragma once
 
+#include "common/geometry.hpp"
+
 namespace hapticast::server {
 
 /// Depths that are mapped to heights: far to 0, near to the workspace's depth (30 mm).
@@ -16,6 +18,15 @@ struct DepthRange {
 /// pixel larger than in OpenCV's convention.
 struct CameraModel {
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
+
+  /// Where a point of the camera's frame, mm, is seen: px. Z must not be 0.
+  [[nodiscard]] Vec2 project(const Vec3& at_mm) const {
+    return {fx_px * at_mm.x() / at_mm.z() + cx_px, fy_px * at_mm.y() / at_mm.z() + cy_px};
+  }
+  /// The ray through a place of the picture, scaled to Z = 1: times the depth it is the point.
+  [[nodiscard]] Vec3 ray(double u_px, double v_px) const {
+    return {(u_px - cx_px) / fx_px, (v_px - cy_px) / fy_px, 1.0};
+  }
 };
 
 }  // namespace hapticast::server

@@ -2,9 +2,7 @@
 #include "server/source/clip_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -12,7 +10,7 @@
 #include <string_view>
 
 #include "common/text.hpp"
-#include "server/source/json_scalars.hpp"
+#include "server/source/clip_meta.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -173,67 +171,12 @@ ClipFiles findTum(const fs::path& folder) {
   return clip;
 }
 
-/// The values of meta.json, checked.
-class Meta {
- public:
-  explicit Meta(fs::path file) : file_(std::move(file)) {
-    auto scalars = readJsonScalars(readText(file_));
-    if (!scalars) throw SourceError(file_.string() + ": is not a JSON object; mend or remove it");
-    scalars_ = std::move(*scalars);
-  }
-
-  [[nodiscard]] std::string text(const std::string& key) const {
-    const auto found = scalars_.find(key);
-    return found == scalars_.end() ? "" : found->second;
-  }
-  [[nodiscard]] std::optional<double> number(const std::string& key, double low,
-                                             double high) const {
-    const auto found = scalars_.find(key);
-    if (found == scalars_.end() || found->second == "null") return std::nullopt;
-    const auto value = parseNumber(found->second);
-    if (!value || *value < low || *value > high) {
-      throw SourceError(file_.string() + ": \"" + key + "\" is " + inQuotes(found->second) +
-                        ", where a number from " + trimmed(low) + " to " + trimmed(high) +
-                        " is expected");
-    }
-    return value;
-  }
-
- private:
-  static std::string trimmed(double value) {
-    std::array<char, 32> buffer{};
-    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-    return {buffer.data(), end};
-  }
-
-  fs::path file_;
-  std::map<std::string, std::string> scalars_;
-};
-
 void applyMeta(const fs::path& file, ClipFiles& clip) {
-  const Meta meta(file);
-  clip.fps = meta.number("fps", 1.0, 240.0).value_or(clip.fps);
-  if (const auto scale = meta.number("depth_scale_m_per_unit", 1e-6, 1.0)) {
-    clip.mm_per_unit = 1000.0 * *scale;
-    clip.declared_depth_bits = 16;
-  }
-  const std::string words = meta.text("depth");
-  const auto says = [&](const char* a, const char* b) {
-    return words.find(a) != std::string::npos || words.find(b) != std::string::npos;
-  };
-  if (says("16-bit", "16 bit")) {
-    clip.declared_depth_bits = 16;
-  } else if (says("8-bit", "8 bit")) {
-    clip.declared_depth_bits = 8;
-  }
-  if (const auto bits = meta.number("depth_bits", 8.0, 16.0)) {
-    clip.declared_depth_bits = *bits > 8.0 ? 16 : 8;
-  }
-  const auto fx = meta.number("intrinsics.fx", 1.0, 1e5);
-  const auto fy = meta.number("intrinsics.fy", 1.0, 1e5);
-  const auto cx = meta.number("intrinsics.cx", -1e5, 1e5);
-  const auto cy = meta.number("intrinsics.cy", -1e5, 1e5);
-  if (fx && fy && cx && cy) clip.camera = CameraModel{*fx, *fy, *cx + 0.5, *cy + 0.5};
+  const ClipMeta meta = parseClipMeta(readText(file), file.string());
+  clip.fps = meta.fps.value_or(clip.fps);
+  clip.mm_per_unit = meta.mm_per_unit.value_or(clip.mm_per_unit);
+  if (meta.depth_bits) clip.declared_depth_bits = meta.depth_bits;
+  clip.camera = meta.camera;
 }
 
 }  // namespace

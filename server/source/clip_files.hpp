@@ -33,8 +33,7 @@ struct ClipFiles {
 /// * otherwise rgb/ or color/, depth/ and perhaps mask/, each with the same number of PNG or JPEG
 /// files, paired
 ///   in order of their names (numbers in names by value).
-/// meta.json may say fps, depth_bits (or "depth" with the words 8-bit or 16-bit),
-/// depth_scale_m_per_unit, intrinsics {fx, fy, cx, cy} in OpenCV's convention. Throws SourceError.
+/// A meta.json may say more; see clip_meta.hpp. Throws SourceError.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 
 /// Order of file names in which runs of digits count by value: frame2 < frame10.

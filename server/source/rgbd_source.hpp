@@ -32,6 +32,8 @@ struct SourceInfo {
   std::optional<CameraModel> camera;
 };
 
+/// The pictures belong to whoever has the frame: a source makes new ones for each and never writes
+/// into them again, and nobody else does either. So they are kept and handed on without copies.
 struct RgbdFrame {
   std::uint64_t index = 0;   ///< frame number within the clip; skipped frames count
   std::uint32_t epoch = 0;   ///< +1 at every loop wrap

@@ -158,8 +158,7 @@ Motion SceneView::project(const Vec3& p, const Vec3& v, const Vec3& a) const noe
   const Vec2 mm_per_px = workspace.mmPerPixel();
   const Vec2 scale(camera.fx_px * mm_per_px.x(), -camera.fy_px * mm_per_px.y());
   const double depth_scale = -workspace.depth_mm / (range.far_mm - range.near_mm);
-  const Vec2 image(camera.fx_px * q.x() + camera.cx_px, camera.fy_px * q.y() + camera.cy_px);
-  const Vec2 position = workspace.toNominal(image);
+  const Vec2 position = workspace.toNominal(camera.project(p));
   const Vec2 velocity = scale.cwiseProduct(q1);
   const Vec2 acceleration = scale.cwiseProduct(q2);
   Motion motion;
@@ -182,9 +181,7 @@ SceneInstant::SceneInstant(const SceneView& view, const BodyState& body, const V
 }
 
 std::optional<SceneInstant::Hit> SceneInstant::hit(const Vec2& image_px) const noexcept {
-  const CameraModel& camera = view_.camera;
-  const Vec3 ray((image_px.x() - camera.cx_px) / camera.fx_px,
-                 (image_px.y() - camera.cy_px) / camera.fy_px, 1.0);
+  const Vec3 ray = view_.camera.ray(image_px.x(), image_px.y());
   const Vec3 shape_ray = shape_ * ray;
   const double a = ray.dot(shape_ray);
   const double b = ray.dot(shape_centre_);

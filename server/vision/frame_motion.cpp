@@ -9,22 +9,24 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::size_t kLiveFrames = 600;     // that the running bound looks back on
+constexpr double kHighQuantile = 0.99;
+constexpr std::size_t kLiveFrames = 600;     // chosen: the running bound goes back 20 s at 30 fps
 constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
-constexpr double kUsualMass_kg = 0.5;
-constexpr double kFastest_mm_s = 1e4;  // of a grid's cells: beyond, they were lost
+constexpr std::uint64_t kRestsLost = 10;     // frames; twice as long as a lost object is told of
+constexpr double kUsualMass_kg = 0.5;        // chosen: a thing that one hand lifts easily
+constexpr double kFastest_mm_s = 1e4;        // of a grid's cells: beyond, they were lost
 constexpr double kHardest_mm_s2 = 1e6;
 
 // Of an object in layers it is no layer's; a viewer would refuse it.
 bool covers(const MotionGrid& grid, const Relief& relief) {
-  const auto cells = [](int px) { return (px + kGridCell_px - 1) / kGridCell_px; };
   const auto sane = [](const std::vector<Eigen::Vector3f>& values, double limit) {
     return std::all_of(values.begin(), values.end(), [&](const Eigen::Vector3f& v) {
       return v.allFinite() && double(v.cwiseAbs().maxCoeff()) < limit;
     });
   };
-  return grid.columns == cells(relief.rect.width) && grid.rows == cells(relief.rect.height) &&
-         sane(grid.velocity_mm_s, kFastest_mm_s) && sane(grid.acceleration_mm_s2, kHardest_mm_s2);
+  return grid.columns == gridCells(relief.rect.width) &&
+         grid.rows == gridCells(relief.rect.height) && sane(grid.velocity_mm_s, kFastest_mm_s) &&
+         sane(grid.acceleration_mm_s2, kHardest_mm_s2);
 }
 
 // A viewer adds the two: of a whole flow the grid is what the object's own motion leaves over.
@@ -37,15 +39,24 @@ std::shared_ptr<const MotionGrid> lessRigid(const MotionGrid& flow, const Motion
 
 }  // namespace
 
+double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2) {
+  if (accelerations_mm_s2.empty()) return 0.0;
+  const auto last = static_cast<double>(accelerations_mm_s2.size() - 1);
+  const auto high = accelerations_mm_s2.begin() + std::lround(kHighQuantile * last);
+  std::nth_element(accelerations_mm_s2.begin(), high, accelerations_mm_s2.end());
+  return *high;
+}
+
 FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead)
     : info_(info), settings_(settings), lookahead_(lookahead) {}
 
-void FrameMotion::see(std::uint64_t frame_id, double time_s,
+void FrameMotion::add(std::uint64_t frame_id, double time_s,
                       const std::vector<TrackedObject>& objects) {
-  history_.add(frame_id, time_s, objects);
-  std::map<std::uint32_t, std::shared_ptr<ScenePlan>> plans;
-  for (const TrackedObject& object : objects) plans[object.id] = object.plan;
-  plans_ = std::move(plans);
+  plans_.clear();
+  for (const TrackedObject& object : objects) {
+    if (object.seen) history_.add(object.id, {frame_id, time_s, object.pose, object.cells});
+    plans_[object.id] = object.plan;
+  }
 }
 
 void FrameMotion::forget() {
@@ -65,7 +76,7 @@ void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
       continue;
     }
     nearer = &object;
-    const MotionHistory::Window around = history_.window(object.id, frame.id, lookahead_, nominal);
+    const MotionWindow around = history_.window(object.id, frame.id, lookahead_, nominal);
     Motion motion = history_.motion(object.id, around, lookahead_, nominal);
     motion.quality = object.motion.quality;
     motion.visible_fraction = object.motion.visible_fraction;
@@ -79,15 +90,15 @@ void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
   }
   std::erase_if(impacts_, [&](const auto& item) { return !present.contains(item.first); });
   const auto reach = static_cast<std::uint64_t>(lookahead_);
-  if (frame.id > reach) history_.dropBefore(frame.id - reach);
+  if (frame.id > reach) history_.dropBefore(frame.id - reach, kRestsLost);
 }
 
 // An impact between this frame and the next is known now; those of the frames before are repeated
 // for a viewer who has missed them.
 void FrameMotion::findImpacts(HapticObject& object, const HapticFrame& frame,
-                              const MotionHistory::Window& around) {
+                              const MotionWindow& around) {
   ImpactFinder& finder = impacts_[object.id];
-  finder.look(around.samples, *around.at);
+  finder.test(around.samples, *around.at);
   object.impacts = finder.around(toSeconds(frame.media_time), reach_s());
 }
 
@@ -137,7 +148,7 @@ void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
 }
 
 void FrameMotion::boundAcceleration(const HapticObject& object) {
-  if (object.motion.quality < kGoodQuality || !object.impacts.empty()) return;
+  if (object.motion.quality < TrackedObject::kGoodQuality || !object.impacts.empty()) return;
   live_accelerations_mm_s2_.push_back(object.motion.acceleration_mm_s2.norm());
   if (live_accelerations_mm_s2_.size() < kFewestForBound) return;
   if (live_accelerations_mm_s2_.size() > kLiveFrames) live_accelerations_mm_s2_.pop_front();

@@ -9,11 +9,17 @@
 #include <memory>
 #include <vector>
 
-#include "server/vision/describe.hpp"
+#include "server/source/rgbd_source.hpp"
 #include "server/vision/motion/clip.hpp"
+#include "server/vision/motion/history.hpp"
 #include "server/vision/motion/impact.hpp"
+#include "server/vision/tracked_object.hpp"
 
 namespace hapticast::server {
+
+/// What a clip's largest acceleration is announced as: the 0.99 quantile, because the one largest
+/// of hundreds of measured values is the worst of their noise. 0 when empty. Reorders.
+double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 
 class FrameMotion {
  public:
@@ -27,14 +33,14 @@ class FrameMotion {
   void beginClip(std::uint32_t first_object_id) { first_object_id_ = first_object_id; }
 
   /// The next frame's objects.
-  void see(std::uint64_t frame_id, double time_s, const std::vector<TrackedObject>& objects);
-  /// Fills in the motion, impacts and grids of a frame that was seen, when the lookahead's frames
+  void add(std::uint64_t frame_id, double time_s, const std::vector<TrackedObject>& objects);
+  /// Fills in the motion, impacts and grids of a frame that was added, when the lookahead's frames
   /// after it have been, too (or never will be). In order. `clip_frame`: its number in the clip.
   void complete(HapticFrame& frame, std::uint64_t clip_frame, const NominalFrame& nominal);
   /// A new epoch: nothing reaches across.
   void forget();
 
-  /// Plans of the objects of the last frame that was seen, by object id.
+  /// Plans of the objects of the last frame that was added, by object id.
   [[nodiscard]] const std::map<std::uint32_t, std::shared_ptr<ScenePlan>>& plans() const {
     return plans_;
   }
@@ -42,8 +48,7 @@ class FrameMotion {
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
 
  private:
-  void findImpacts(HapticObject& object, const HapticFrame& frame,
-                   const MotionHistory::Window& around);
+  void findImpacts(HapticObject& object, const HapticFrame& frame, const MotionWindow& around);
   void takeFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
                     std::uint64_t clip_frame) const;
   void addGrid(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);

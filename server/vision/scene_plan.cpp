@@ -10,9 +10,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kNew = 0.2;    // of a new measurement in what is remembered of a stage's time
-constexpr double kFade = 0.95;  // of what a grid cost, a frame
-constexpr double kFinger_mm = 1.0;
+constexpr double kNew = 0.2;        // chosen: of a new measurement in what is remembered of a time
+constexpr double kFade = 0.95;      // chosen: of what a grid cost, a frame; half a second at 25 fps
+constexpr double kFinger_mm = 1.0;  // chosen: as deep as a light touch goes in
 
 std::size_t indexOf(Stage stage) { return static_cast<std::size_t>(stage); }
 

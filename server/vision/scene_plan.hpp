@@ -8,33 +8,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/haptic_frame.hpp"
 #include "common/time.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
-
-enum class Stage : std::uint8_t {
-  kSegment,  ///< which pixels are the object's
-  kClean,    ///< background depth rejected at the rim, holes filled
-  kSmooth,   ///< local quadratic fit of the heights
-  kMotion,   ///< alignment with the last frame
-  kGrid,     ///< motion in cells of what the alignment leaves over
-  kHeights,  ///< heights sent (when off: only once a second, and to who joins)
-};
-inline constexpr std::array<std::string_view, 6> kStageNames{"segment", "clean", "smooth",
-                                                             "motion",  "grid",  "heights"};
-inline constexpr std::size_t kStages = kStageNames.size();
-
-struct PlanSettings {
-  bool everything = false;                            ///< nothing is left out
-  std::array<std::optional<bool>, kStages> forced{};  ///< the author's word, by stage
-  /// A tenth of what a hand can tell apart: 7 % (Pang, Tan and Durlach 1991, discrimination of
-  /// force by the fingers) of a touch of 1 N.
-  double error_budget_N = 0.007;
-};
 
 struct PlanLine {
   Stage stage = Stage::kSegment;
@@ -70,10 +50,11 @@ class ScenePlan {
   /// All stages, in order, for --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
 
+  // Chosen: once a second at 25 fps; the grid is dear, so it is measured every four seconds, over
+  // as many frames as a window of it needs.
   static constexpr int kMeasureEvery = 25;  ///< frames
-  static constexpr int kGridEvery =
-      100;  ///< frames between two looks at the grid, which is dear ...
-  static constexpr int kGridFrames = 12;  ///< ... and takes that many
+  static constexpr int kGridEvery = 100;    ///< frames from one measurement of the grid to the next
+  static constexpr int kGridFrames = 12;    ///< that one takes
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;

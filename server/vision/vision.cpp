@@ -15,10 +15,10 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::uint64_t kLongestScan =
-    600;  // frames; of a longer clip only its beginning is looked through
-constexpr double kClipMargin = 0.05;  // of the objects' span in depth, on either side
-constexpr double kLiveMargin = 0.5;   // they have more to show than what the first frame holds
+// Chosen, frames: of a longer clip only its beginning is scanned, which takes some seconds.
+constexpr std::uint64_t kLongestScan = 600;
+constexpr double kClipMargin = 0.05;  // chosen, of the objects' span in depth, on either side
+constexpr double kLiveMargin = 0.5;   // chosen: there is more to come than the first frame shows
 
 void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const char* flag) {
   for (const Vec2& point : points) {
@@ -48,9 +48,10 @@ bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
 
 class Vision::Impl {
  public:
-  Impl(const SourceInfo& info, VisionSettings settings)
+  Impl(const SourceInfo& info, VisionSettings settings, const Clock* clock)
       : info_(info),
         settings_(std::move(settings)),
+        clock_(clock),
         lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)),
         motion_(info_, settings_, lookahead_) {
     checkPoints(info_, settings_.object_points_px, "--object");
@@ -70,10 +71,10 @@ class Vision::Impl {
     }
   }
 
-  void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-    if (info_.live) return;
+  bool scan(RgbdSource& source, const Progress& progress) {
+    if (info_.live) return true;
     std::uint32_t ids = 1;
-    Tracker tracker(info_, settings_, ids, start_);
+    Tracker tracker(info_, settings_, nullptr, ids, start_);
     ClipMotion clip;
     RangeFinder finder;
     const std::uint64_t total = std::min(kLongestScan, info_.frame_count.value_or(kLongestScan));
@@ -82,45 +83,32 @@ class Vision::Impl {
       const std::optional<RgbdFrame> frame = source.read();
       if (!frame) break;
       const double time_s = double(done) / info_.fps;
-      const std::vector<TrackedObject> objects = tracker.next(*frame, time_s);
-      clip.see(frame->index, time_s, objects);
-      for (const TrackedObject& object : objects) finder.add(object.surface, tracker.noise());
-      if (progress) progress(done + 1, std::max(total, done + 1));
+      for (const TrackedObject& object : tracker.next(*frame, time_s)) {
+        if (object.seen)
+          clip.add(object.id, frame->index, time_s, object.pose, object.followedWell());
+        finder.add(object.surface, tracker.noise());
+      }
+      if (progress && !progress(done + 1, std::max(total, done + 1))) return false;
     }
     source.rewind();
-    if (!range_) range_ = finder.range(kClipMargin);
-    if (!range_) return;  // no object in the clip
-    clip.smooth(nominal(), lookahead_, done < kLongestScan);
-    std::vector<double> accelerations = clip.accelerations_mm_s2(lookahead_ / info_.fps);
-    description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
-    if (settings_.method != Method::kThesis) motion_.knowClip(std::move(clip));
+    learnClip(std::move(clip), finder, done < kLongestScan);
+    return true;
   }
 
   std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time) {
     if (!tracker_ || frame.epoch != source_epoch_) restart(frame.epoch);
     const double time_s = toSeconds(media_time);
-    std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
+    const std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
     if (tracker_->sceneCut()) startEpoch();
     if (!range_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
     Pending pending{{}, frame.index};
-    VisionResult& result = pending.result;
-    result.frame.epoch = epoch_;
-    result.frame.id = id;
-    result.frame.media_time = media_time;
-    result.color = frame.color.clone();  // the source may use its buffer again
-    for (const TrackedObject& object : objects) {
-      for (HapticObject& layer : describeLayers(object, id, last_objects_, tracker_->noise(),
-                                                nominal(), settings_, cutters_[object.id])) {
-        if (hasRoomFor(layer, result.frame)) result.frame.objects.push_back(std::move(layer));
-      }
-    }
-    last_objects_ = result.frame.objects;
-    std::erase_if(cutters_, [this](const auto& cutter) {
-      return std::none_of(last_objects_.begin(), last_objects_.end(),
-                          [&](const HapticObject& o) { return o.id == cutter.first; });
-    });
-    motion_.see(id, time_s, objects);
+    pending.result.frame.epoch = epoch_;
+    pending.result.frame.id = id;
+    pending.result.frame.media_time = media_time;
+    pending.result.color = frame.color;
+    describe(objects, pending.result.frame);
+    motion_.add(id, time_s, objects);
     pending_.push_back(std::move(pending));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
     return takeReady();
@@ -141,6 +129,32 @@ class Vision::Impl {
   }
 
  private:
+  // What the scan of a clip has collected: its range, motion and largest acceleration.
+  void learnClip(ClipMotion clip, const RangeFinder& finder, bool ended) {
+    if (!range_) range_ = finder.range(kClipMargin);
+    if (!range_) return;  // no object in the clip
+    clip.smooth(nominal(), lookahead_, ended);
+    std::vector<double> accelerations = clip.accelerations_mm_s2(lookahead_ / info_.fps);
+    description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
+    if (settings_.method != Method::kThesis) motion_.knowClip(std::move(clip));
+  }
+
+  // Into the frame go the reliefs of the objects, as many as a client takes.
+  void describe(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
+    for (const TrackedObject& object : objects) {
+      for (HapticObject& layer :
+           describeLayers(object, frame.id, last_objects_, tracker_->noise(), nominal(), settings_,
+                          clock_, cutters_[object.id])) {
+        if (hasRoomFor(layer, frame)) frame.objects.push_back(std::move(layer));
+      }
+    }
+    last_objects_ = frame.objects;
+    std::erase_if(cutters_, [this](const auto& cutter) {
+      return std::none_of(last_objects_.begin(), last_objects_.end(),
+                          [&](const HapticObject& o) { return o.id == cutter.first; });
+    });
+  }
+
   [[nodiscard]] NominalFrame nominal() const {
     return {description_.workspace, range_.value_or(kHeightRange)};
   }
@@ -157,7 +171,7 @@ class Vision::Impl {
   void restart(std::uint32_t source_epoch) {
     startEpoch();
     motion_.beginClip(next_object_id_);
-    tracker_ = std::make_unique<Tracker>(info_, settings_, next_object_id_, start_);
+    tracker_ = std::make_unique<Tracker>(info_, settings_, clock_, next_object_id_, start_);
     source_epoch_ = source_epoch;
   }
 
@@ -190,6 +204,7 @@ class Vision::Impl {
 
   SourceInfo info_;
   VisionSettings settings_;
+  const Clock* clock_;
   int lookahead_;
   StreamDescription description_;
   std::optional<DepthRange> range_;
@@ -206,12 +221,11 @@ class Vision::Impl {
   std::deque<VisionResult> ready_;
 };
 
-Vision::Vision(const SourceInfo& info, VisionSettings settings)
-    : impl_(std::make_unique<Impl>(info, std::move(settings))) {}
+Vision::Vision(const SourceInfo& info, VisionSettings settings, const Clock* clock)
+    : impl_(std::make_unique<Impl>(info, std::move(settings), clock)) {}
 Vision::~Vision() = default;
-void Vision::scan(RgbdSource& source,
-                  const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  impl_->scan(source, progress);
+bool Vision::scan(RgbdSource& source, const Progress& progress) {
+  return impl_->scan(source, progress);
 }
 std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media_time) {
   return impl_->push(frame, media_time);

@@ -9,35 +9,14 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/haptic_frame.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/vision/scene_plan.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
-
-enum class SegmentMode : std::uint8_t { kAuto, kBand, kEdges, kSource };
-enum class MotionMode : std::uint8_t { kAuto, kRgbd, kLk, kDepth, kNone };
-
-struct VisionSettings {
-  Method method = Method::kHapticast;
-  SegmentMode segment = SegmentMode::kAuto;
-  MotionMode motion = MotionMode::kAuto;
-  std::vector<Vec2> object_points_px;     ///< --object; empty: the nearest compact object
-  std::vector<Vec2> not_points_px;        ///< --not
-  std::optional<DepthRange> depth_range;  ///< --depth-range
-  bool stretch = false;
-  Material material;              ///< --stiffness, --friction
-  std::optional<double> mass_kg;  ///< --mass
-  PlanSettings plan;              ///< --plan, --error-budget
-  /// --low-latency: one frame of lookahead; impacts only in a clip that was scanned.
-  bool low_latency = false;
-  /// --compensate-pan: accelerations and impacts against the background instead of the picture.
-  bool compensate_pan = false;
-  const Clock* clock = nullptr;  ///< to tell how long stages take; null: nobody asks
-};
 
 /// One frame out of vision, `lookahead` frames after it went in.
 struct VisionResult {
@@ -47,14 +26,17 @@ struct VisionResult {
 
 class Vision {
  public:
-  /// Throws SourceError (an object point outside the picture, ...).
-  Vision(const SourceInfo& info, VisionSettings settings);
+  /// Throws SourceError (an object point outside the picture, ...). `clock` tells how long stages
+  /// take, for plan(), and must outlive vision; null: nobody asks.
+  Vision(const SourceInfo& info, VisionSettings settings, const Clock* clock = nullptr);
   ~Vision();
 
-  /// Looks through a recorded clip once for its clip-wide depth range and largest acceleration,
-  /// then rewinds it. Does nothing where both are known. `progress(done, total)` is called now and
-  /// then.
-  void scan(RgbdSource& source, const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+  /// Told after each frame of a scan; returns whether to go on.
+  using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
+  /// Goes through a recorded clip once for its clip-wide depth range and largest acceleration, then
+  /// rewinds it; does nothing with a live source. False where `progress` (may be null) broke it
+  /// off: nothing is known then.
+  bool scan(RgbdSource& source, const Progress& progress);
 
   /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`
   /// increases by frames. A frame of a new source epoch, a cut to another scene or a change of

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: MIT
-// readJsonScalars(): any text is read or refused; what is read is no larger than what was there.
+// parseClipMeta(): any text is read or refused with a SourceError, and what is read is in its
+// range.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
-#include "server/source/json_scalars.hpp"
+#include "server/source/clip_meta.hpp"
+#include "server/source/rgbd_source.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto scalars =
-      hapticast::server::readJsonScalars({reinterpret_cast<const char*>(data), size});
-  if (!scalars) return 0;
-  std::size_t values = 0;
-  for (const auto& [path, value] : *scalars) {
-    if (path.size() > 256) std::abort();
-    values += value.size();
+  using namespace hapticast::server;
+  try {
+    const ClipMeta meta = parseClipMeta({reinterpret_cast<const char*>(data), size}, "meta.json");
+    if (meta.fps && !(*meta.fps >= 1.0 && *meta.fps <= 240.0)) std::abort();
+    if (meta.mm_per_unit && !(*meta.mm_per_unit > 0.0 && *meta.mm_per_unit < 1001.0)) std::abort();
+    if (meta.depth_bits && *meta.depth_bits != 8 && *meta.depth_bits != 16) std::abort();
+    if (meta.camera && !(meta.camera->fx_px >= 1.0 && meta.camera->fy_px >= 1.0)) std::abort();
+  } catch (const SourceError& error) {
+    if (std::string_view(error.what()).substr(0, 10) != "meta.json:") std::abort();
   }
-  if (values > size) std::abort();
   return 0;
 }

@@ -7,56 +7,67 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kCorners = 120;
+constexpr int kCorners = 120;  // chosen: a prototype's 90 and some to lose
 constexpr int kFewestTracks = 5;
-constexpr int kFewestForRotation = 12;
+constexpr int kFewestForRotation = 12;    // chosen: three times what a similarity needs
+constexpr int kWindow_px = 15;            // chosen, of Lucas-Kanade
+constexpr double kThereAndBack_px = 1.0;  // chosen, these three, with a prototype on real clips
+constexpr double kInlier_px = 2.0;
+constexpr std::size_t kRansacRounds = 500;
+// Chosen: what scales by more from one frame to the next has slipped.
+constexpr double kSmallestScale = 0.85;
+constexpr double kLargestScale = 1.18;
 
-cv::Vec2d medianShift(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to) {
+std::vector<cv::Point2f> movedBy(std::vector<cv::Point2f> points, const cv::Point2f& by) {
+  for (cv::Point2f& point : points) point += by;
+  return points;
+}
+
+cv::Vec2d medianShift(const PointTracks& tracks) {
   std::vector<double> u;
   std::vector<double> v;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    u.push_back(static_cast<double>(to[i].x - from[i].x));
-    v.push_back(static_cast<double>(to[i].y - from[i].y));
+  for (std::size_t i = 0; i < tracks.from.size(); ++i) {
+    u.push_back(static_cast<double>(tracks.to[i].x - tracks.from[i].x));
+    v.push_back(static_cast<double>(tracks.to[i].y - tracks.from[i].y));
   }
   return {medianOf(u), medianOf(v)};
 }
 
-void keepInliers(ObjectFlow& flow, const cv::Mat& inliers) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < flow.from.size(); ++i) {
+PointTracks inliersOf(const PointTracks& tracks, const cv::Mat& inliers) {
+  PointTracks out;
+  for (std::size_t i = 0; i < tracks.from.size(); ++i) {
     if (inliers.at<unsigned char>(static_cast<int>(i)) == 0) continue;
-    flow.from[kept] = flow.from[i];
-    flow.to[kept] = flow.to[i];
-    ++kept;
+    out.from.push_back(tracks.from[i]);
+    out.to.push_back(tracks.to[i]);
   }
-  flow.from.resize(kept);
-  flow.to.resize(kept);
+  return out;
 }
 
 void fitMotion(ObjectFlow& flow) {
-  const std::size_t found = flow.from.size();
+  const std::size_t found = flow.tracks.from.size();
   if (found < 3) return;
-  const cv::Vec2d shift = medianShift(flow.from, flow.to);
+  const cv::Vec2d shift = medianShift(flow.tracks);
   flow.similarity = {1, 0, shift[0], 0, 1, shift[1]};
   flow.reliable = found >= kFewestTracks;
   if (!flow.reliable) return;
   cv::Mat inliers;
-  const cv::Mat fit =
-      cv::estimateAffinePartial2D(flow.from, flow.to, inliers, cv::RANSAC, 2.0, 500, 0.99, 10);
+  const cv::Mat fit = cv::estimateAffinePartial2D(flow.tracks.from, flow.tracks.to, inliers,
+                                                  cv::RANSAC, kInlier_px, kRansacRounds, 0.99, 10);
   if (fit.empty()) return;
   const int agree = cv::countNonZero(inliers);
   const cv::Matx23d matrix(fit);
   const double scale = std::hypot(matrix(0, 0), matrix(1, 0));
-  if (scale < 0.85 || scale > 1.18 || agree < kFewestTracks) return;
+  if (scale < kSmallestScale || scale > kLargestScale || agree < kFewestTracks) return;
   flow.similarity = matrix;
   flow.rotation_reliable = agree >= kFewestForRotation && 2 * agree > static_cast<int>(found);
-  keepInliers(flow, inliers);
+  flow.tracks = inliersOf(flow.tracks, inliers);
 }
 
 std::vector<cv::Point2f> cornersOf(const cv::Mat& gray, const cv::Mat& mask) {
@@ -85,22 +96,11 @@ cv::Point2d ObjectFlow::carry(const cv::Point2d& point) const {
 double ObjectFlow::scale() const { return std::hypot(similarity(0, 0), similarity(1, 0)); }
 double ObjectFlow::rotation_rad() const { return std::atan2(similarity(1, 0), similarity(0, 0)); }
 
-void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
-                 const std::vector<cv::Point2f>& points, const cv::Vec2d& guess_px,
-                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
-  std::vector<cv::Point2f> guesses(points);
-  const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
-  for (cv::Point2f& point : guesses) point += guess;
-  trackPoints(last_gray, gray, points, std::move(guesses), from, to);
-}
-
-void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
-                 const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> forward,
-                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to) {
-  from.clear();
-  to.clear();
-  if (points.empty()) return;
-  const cv::Size window(15, 15);
+PointTracks trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
+                        const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> forward) {
+  PointTracks out;
+  if (points.empty()) return out;
+  const cv::Size window(kWindow_px, kWindow_px);
   const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.005);
   std::vector<cv::Point2f> back(points);
   std::vector<unsigned char> found;
@@ -118,10 +118,11 @@ void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
                           static_cast<float>(gray.rows - 1));
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (found[i] == 0 || found_back[i] == 0 || !inside.contains(forward[i])) continue;
-    if (cv::norm(back[i] - points[i]) >= 1.0) continue;
-    from.push_back(points[i]);
-    to.push_back(forward[i]);
+    if (cv::norm(back[i] - points[i]) >= kThereAndBack_px) continue;
+    out.from.push_back(points[i]);
+    out.to.push_back(forward[i]);
   }
+  return out;
 }
 
 ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& mask,
@@ -133,15 +134,20 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
   if (box.empty()) return flow;
   const std::vector<cv::Point2f> corners = cornersOf(last_gray(box), mask(box));
   if (corners.empty()) return flow;
-  trackPoints(last_gray(box), gray(box), corners, guess_px, flow.from, flow.to);
-  if (2 * flow.from.size() < corners.size() && cv::norm(guess_px) > 1.0) {
-    ObjectFlow still;  // a bounce turns the guess into the wrong one
-    trackPoints(last_gray(box), gray(box), corners, {0.0, 0.0}, still.from, still.to);
-    if (still.from.size() > flow.from.size()) flow = still;
+  const cv::Mat last = last_gray(box);
+  const cv::Mat now = gray(box);
+  const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
+  flow.tracks = trackPoints(last, now, corners, movedBy(corners, guess));
+  if (2 * flow.tracks.from.size() < corners.size() && cv::norm(guess_px) > 1.0) {
+    // A bounce turns the guess into the wrong one.
+    const PointTracks still = trackPoints(last, now, corners, corners);
+    if (still.from.size() > flow.tracks.from.size()) {
+      flow.similarity = {1, 0, 0, 0, 1, 0};
+      flow.tracks = still;
+    }
   }
   const cv::Point2f corner(static_cast<float>(box.x), static_cast<float>(box.y));
-  for (cv::Point2f& point : flow.from) point += corner;
-  for (cv::Point2f& point : flow.to) point += corner;
+  flow.tracks = {movedBy(flow.tracks.from, corner), movedBy(flow.tracks.to, corner)};
   fitMotion(flow);
   return flow;
 }
@@ -157,28 +163,8 @@ cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rec
   return out;
 }
 
-cv::Mat carryMask(const cv::Mat& mask, const cv::Matx23d& similarity) {
-  cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
-  const cv::Rect from = boxAround(mask, 1);
-  if (from.empty()) return out;
-  std::vector<cv::Point2d> corners;
-  for (const cv::Point& at :
-       {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
-    const cv::Vec2d to = similarity * cv::Vec3d(at.x, at.y, 1.0);
-    corners.emplace_back(to[0], to[1]);
-  }
-  const auto [left, right] = std::minmax_element(
-      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-  const auto [top, bottom] = std::minmax_element(
-      corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
-  const cv::Rect whole({0, 0}, mask.size());
-  const cv::Rect to = cv::Rect(cv::Point(cvFloor(left->x) - 1, cvFloor(top->y) - 1),
-                               cv::Point(cvCeil(right->x) + 2, cvCeil(bottom->y) + 2)) &
-                      whole;
-  if (to.empty()) return out;
-  const cv::Mat moved = carryImage(mask(from), from, to, similarity, cv::INTER_LINEAR) > 127;
-  moved.copyTo(out(to));
-  return out;
+cv::Matx33d homogeneous(const cv::Matx23d& m) {
+  return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), 0, 0, 1};
 }
 
 }  // namespace hapticast::server

@@ -11,17 +11,21 @@
 
 namespace hapticast::server {
 
-/// In boxes of more pixels every second one is enough: for corners, for means.
+/// In boxes of more pixels every second one is enough, for corners and for means. Chosen.
 inline constexpr int kDense_px = 40000;
+
+/// Points of one picture and where they were found again in the next one.
+struct PointTracks {
+  std::vector<cv::Point2f> from;
+  std::vector<cv::Point2f> to;
+};
 
 struct ObjectFlow {
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< last px -> this px
   bool reliable = false;                     ///< the shift is measured; else it is the guess
   bool rotation_reliable = false;            ///< scale and rotation are measured too
   bool stays = false;  ///< it is at rest and is not looked at: its mask is the last one
-  std::vector<cv::Point2f>
-      from;  ///< points on the object in the last frame that were found again ...
-  std::vector<cv::Point2f> to;  ///< ... here
+  PointTracks tracks;  ///< on the object, those that agree with the similarity
 
   [[nodiscard]] cv::Point2d carry(const cv::Point2d& point) const;
   [[nodiscard]] double scale() const;
@@ -36,22 +40,17 @@ using Flows = std::map<std::uint32_t, ObjectFlow>;  ///< by object id
 ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& mask,
                        const cv::Vec2d& guess_px);
 
-/// The given points of the last picture followed into this one; those found again are in `from` and
-/// `to`.
-void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
-                 const std::vector<cv::Point2f>& points, const cv::Vec2d& guess_px,
-                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to);
-/// The same with a guess for each point: where it is to be looked for first.
-void trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
-                 const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses,
-                 std::vector<cv::Point2f>& from, std::vector<cv::Point2f>& to);
+/// Follows `points` of the last picture into this one, forward and backward (< 1 px); each is
+/// looked for first where `guesses` (of the same length) says. Those not found again are left out.
+PointTracks trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
+                        const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses);
 
 /// `image`, given over `from_box` of the last picture, carried into `to_box` of this one; 0 where
 /// it was not.
 cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
                    const cv::Matx23d& similarity, int interpolation);
 
-/// `mask` (0 / 255, size of the picture) carried likewise, rounded to whole pixels.
-cv::Mat carryMask(const cv::Mat& mask, const cv::Matx23d& similarity);
+/// A similarity as a 3 x 3 matrix, so that several can be joined by multiplication.
+cv::Matx33d homogeneous(const cv::Matx23d& similarity);
 
 }  // namespace hapticast::server

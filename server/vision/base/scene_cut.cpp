@@ -43,14 +43,14 @@ double changedDepth(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-bool SceneCuts::next(const View& view) {
-  const cv::Size size(std::max(2, view.gray.cols / kLookCell_px),
-                      std::max(2, view.gray.rows / kLookCell_px));
+bool SceneCuts::next(const FrameImages& images) {
+  const cv::Size size(std::max(2, images.gray.cols / kLookCell_px),
+                      std::max(2, images.gray.rows / kLookCell_px));
   cv::Mat gray;
   cv::Mat depth;
-  cv::resize(view.gray, gray, size, 0, 0, cv::INTER_AREA);
+  cv::resize(images.gray, gray, size, 0, 0, cv::INTER_AREA);
   gray.convertTo(gray, CV_32F);
-  cv::resize(view.depth, depth, size, 0, 0, cv::INTER_NEAREST);
+  cv::resize(images.depth, depth, size, 0, 0, cv::INTER_NEAREST);
   bool cut = false;
   if (!gray_.empty()) {
     const double alike = correlation(gray_, gray);

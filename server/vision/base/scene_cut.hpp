@@ -4,16 +4,16 @@
 
 #include <opencv2/core.hpp>
 
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/frame_images.hpp"
 
 namespace hapticast::server {
 
-/// Looks at frames in order, at some 40 x 30 px. A cut is where neither brightness nor depth is
+/// Compares frames in order, at some 40 x 30 px. A cut is where neither brightness nor depth is
 /// like the last frame's: what moves, pans or gets brighter changes one of them, or both a little.
 class SceneCuts {
  public:
   /// Whether there is a cut just before this frame; never before the first.
-  bool next(const View& view);
+  bool next(const FrameImages& images);
 
  private:
   cv::Mat gray_;   // CV_32FC1, small

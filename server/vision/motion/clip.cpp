@@ -12,14 +12,14 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::size_t kFewest = 8;  // samples: of a shorter track the window is as good
-constexpr double kSameOne_mm = 0.25;
-constexpr double kAlways_s = 1e9;
+constexpr std::size_t kFewest = 8;          // samples: of a shorter track the window is as good
+constexpr double kSameOne_mm = 0.25;        // chosen: poses of one frame in two runs are the same
+constexpr double kAlways_s = 1e9;           // longer than any clip
 constexpr double kLeastSquare_mm2 = 1e-12;  // what rounding leaves
 // log10 of process over measurement noise, time in frames: from a polynomial to every wiggle.
 constexpr double kSmoothest = -9.0;
 constexpr double kRoughest = 4.0;
-constexpr double kRatioStep = 0.25;
+constexpr double kRatioStep = 0.25;  // chosen: the likelihood is flat over so much
 
 constexpr double kUnknown = 1e10;  // variance of a first state, and of what an impact changes,
 constexpr double kKick = 1e8;      // in those of a measurement
@@ -29,7 +29,7 @@ using State = Eigen::Matrix<double, kStates, 1>;
 using Square = Eigen::Matrix<double, kStates, kStates>;
 
 /// From one sample to the next.
-struct Link {
+struct Interval {
   Square transition = Square::Identity();
   Square noise = Square::Zero();  ///< covariance, per unit of process noise
   Square kick = Square::Zero();   ///< covariance of an impact on the way
@@ -61,11 +61,6 @@ Square noiseOver(double frames) {
   return out;
 }
 
-struct Smoothed {
-  std::vector<State> states;
-  double log_likelihood = -std::numeric_limits<double>::infinity();
-};
-
 /// One coordinate of a track.
 struct Series {
   std::vector<double> value;   // about the first
@@ -81,18 +76,24 @@ struct Filtered {
   double variance = 1.0;
 };
 
-// Kalman filter and backward pass (de Jong 1989: no covariance is inverted); the noise's size is
-// profiled out of the likelihood.
-Smoothed smoothedAt(double ratio, const Series& series, const std::vector<Link>& links) {
+// What the filter makes of a series, and how likely that is.
+struct Forward {
+  std::vector<Filtered> filtered;
+  double log_likelihood = 0.0;
+};
+
+// Kalman filter; the noise's size is profiled out of the likelihood.
+Forward filtered(double ratio, const Series& series, const std::vector<Interval>& intervals) {
   const std::size_t count = series.value.size();
-  std::vector<Filtered> filtered(count);
+  Forward out;
+  out.filtered.resize(count);
   State state = State::Zero();
   Square covariance = kUnknown * Square::Identity();
   double log_variances = 0.0;
   double squares = 0.0;
   int measurements = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    Filtered& now = filtered[i];
+    Filtered& now = out.filtered[i];
     now = {state, covariance, Square::Identity(), 0.0, covariance(0, 0) + 1.0};
     State gain = State::Zero();
     if (series.measured[i]) {
@@ -106,33 +107,38 @@ Smoothed smoothedAt(double ratio, const Series& series, const std::vector<Link>&
     }
     now.carry.col(0) -= gain;
     if (i + 1 == count) break;
-    now.carry = links[i].transition * now.carry;
-    state = links[i].transition * (state + gain * now.surprise);
-    covariance = links[i].transition * covariance * now.carry.transpose() + ratio * links[i].noise +
-                 links[i].kick;
+    now.carry = intervals[i].transition * now.carry;
+    state = intervals[i].transition * (state + gain * now.surprise);
+    covariance = intervals[i].transition * covariance * now.carry.transpose() +
+                 ratio * intervals[i].noise + intervals[i].kick;
     covariance = (0.5 * (covariance + covariance.transpose())).eval();
   }
   const int freedom = std::max(1, measurements - kStates);
-  Smoothed out;
   out.log_likelihood = -0.5 * (log_variances + freedom * std::log(squares + kLeastSquare_mm2));
-  out.states.resize(count);
+  return out;
+}
+
+// Rauch-Tung-Striebel smoother in the form of de Jong (1989), which inverts no covariance.
+std::vector<State> backward(const std::vector<Filtered>& filtered, const Series& series) {
+  std::vector<State> out(filtered.size());
   State back = State::Zero();
-  for (std::size_t i = count; i-- > 0;) {
+  for (std::size_t i = filtered.size(); i-- > 0;) {
     const Filtered& now = filtered[i];
     back = (now.carry.transpose() * back).eval();
     if (series.measured[i]) back[0] += now.surprise / now.variance;
-    out.states[i] = now.state + now.covariance * back;
+    out[i] = now.state + now.covariance * back;
   }
   return out;
 }
 
-std::vector<State> smoothed(const Series& series, const std::vector<Link>& links) {
-  Smoothed best;
+std::vector<State> smoothed(const Series& series, const std::vector<Interval>& intervals) {
+  Forward best;
+  best.log_likelihood = -std::numeric_limits<double>::infinity();
   for (double exponent = kSmoothest; exponent <= kRoughest; exponent += kRatioStep) {
-    Smoothed now = smoothedAt(std::pow(10.0, exponent), series, links);
+    Forward now = filtered(std::pow(10.0, exponent), series, intervals);
     if (now.log_likelihood > best.log_likelihood) best = std::move(now);
   }
-  return best.states;
+  return backward(best.filtered, series);
 }
 
 template <class Value>
@@ -146,9 +152,9 @@ Series seriesOf(const std::vector<Sample>& samples, bool depth, Value value) {
   return out;
 }
 
-std::vector<Link> linksOf(const std::vector<Sample>& samples, const std::vector<Impact>& impacts,
-                          double interval_s) {
-  std::vector<Link> out;
+std::vector<Interval> intervalsOf(const std::vector<Sample>& samples,
+                                  const std::vector<Impact>& impacts, double interval_s) {
+  std::vector<Interval> out;
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const double from_s = samples[i].time_s;
     const double frames = std::max(1e-3, (samples[i + 1].time_s - from_s) / interval_s);
@@ -158,6 +164,18 @@ std::vector<Link> linksOf(const std::vector<Sample>& samples, const std::vector<
       if (!(at >= 0 && at < frames)) continue;
       const State kick = transitionOver(frames - at).col(1);
       out.back().kick = kKick * kick * kick.transpose();
+    }
+  }
+  return out;
+}
+
+std::vector<Impact> impactsOf(const std::vector<Sample>& samples) {
+  std::vector<Impact> out;
+  ImpactFinder finder;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    finder.test(samples, i);
+    for (const Impact& impact : finder.around(samples[i].time_s, kAlways_s)) {
+      if (out.empty() || impact.time > out.back().time) out.push_back(impact);
     }
   }
   return out;
@@ -185,9 +203,9 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
   }
   const double interval_s =
       (samples.back().time_s - samples.front().time_s) / double(samples.size() - 1);
-  const std::vector<Link> links = linksOf(samples, impacts, interval_s);
+  const std::vector<Interval> intervals = intervalsOf(samples, impacts, interval_s);
   const auto each = [&](const Series& series, const auto& take) {
-    const std::vector<State> states = smoothed(series, links);
+    const std::vector<State> states = smoothed(series, intervals);
     for (std::size_t i = 0; i < states.size(); ++i) take(out[i], states[i]);
   };
   const bool pans = !steadied(samples).empty();
@@ -215,38 +233,28 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
   return out;
 }
 
-void ClipMotion::see(std::uint64_t frame, double time_s,
-                     const std::vector<TrackedObject>& objects) {
-  for (const TrackedObject& object : objects) {
-    if (object.seen)
-      seen_[object.id].push_back({frame, time_s, object.pose, object.quality >= kGoodQuality});
-  }
+void ClipMotion::add(std::uint32_t id, std::uint64_t frame, double time_s, const ObjectPose& pose,
+                     bool well) {
+  entries_[id].push_back({frame, time_s, pose, well});
 }
 
 void ClipMotion::smooth(const NominalFrame& nominal, int lookahead, bool ended) {
-  for (const auto& [id, seen] : seen_) {
+  for (const auto& [id, entries] : entries_) {
     Track& track = tracks_[id];
     std::vector<Sample> samples;
-    for (const Seen& one : seen) {
-      samples.push_back(nominal.sample(one.pose, one.time_s));
-      samples.back().seen = samples.back().seen && one.well;
+    for (const Entry& entry : entries) {
+      samples.push_back(nominal.sample(entry.pose, entry.time_s));
+      samples.back().seen = samples.back().seen && entry.well;
     }
-    ImpactFinder finder;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      finder.look(samples, i);
-      for (const Impact& impact : finder.around(samples[i].time_s, kAlways_s)) {
-        if (track.impacts.empty() || impact.time > track.impacts.back().time)
-          track.impacts.push_back(impact);
-      }
-    }
+    track.impacts = impactsOf(samples);
     const std::vector<Motion> motions = smoothedTrack(samples, track.impacts, lookahead);
     const std::size_t open = ended ? 0 : std::min(samples.size(), std::size_t(lookahead));
     for (std::size_t i = 0; i + open < samples.size(); ++i) {
-      if (seen[i].well)
-        track.moments[seen[i].frame] = {motions[i], samples[i].position_mm, samples[i].time_s};
+      if (entries[i].well)
+        track.moments[entries[i].frame] = {motions[i], samples[i].position_mm, samples[i].time_s};
     }
   }
-  seen_.clear();
+  entries_.clear();
 }
 
 const ClipMotion::Moment* ClipMotion::at(std::uint32_t object, std::uint64_t frame,

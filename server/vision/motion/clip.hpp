@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Motion of a recorded clip, from all of it: what was looked through once may be smoothed with the
-// whole clip as the window (fixed-interval smoothing; motion notes, section 3). Thread: vision's.
+// whole clip as the window (fixed-interval smoothing). Thread: vision's.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,18 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
-#include "server/vision/describe.hpp"
+#include "server/vision/motion/nominal_frame.hpp"
 #include "server/vision/motion/window.hpp"
 
 namespace hapticast::server {
 
 /// Motion at every sample of a track: per coordinate the states {p, v, a, jerk, snap} that are
-/// likeliest for white noise on the derivative of snap and on the measurements (what Kalman filter
-/// and Rauch-Tung-Striebel smoother find, here solved at once); the ratio of the two noises is the
-/// likeliest for this track. At an impact the velocity is set free. What stands still over a window
-/// of `lookahead` samples on either side comes out as exactly that. `samples` in order of time.
-/// Only position, velocity, acceleration (against the background) and angles are set.
+/// likeliest for white noise on the derivative of snap and on the measurements (what a Kalman
+/// filter and Rauch-Tung-Striebel smoother find, in de Jong's form of it); the ratio of the two
+/// noises is the likeliest for this track. At an impact the velocity is set free. What stands still
+/// over a window of `lookahead` samples on either side comes out as exactly that. `samples` in
+/// order of time. Only position, velocity, acceleration (against the background) and angles are
+/// set.
 std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
                                   const std::vector<Impact>& impacts, int lookahead);
 
@@ -31,9 +32,10 @@ class ClipMotion {
     double time_s = 0.0;              ///< in the clip
   };
 
-  /// One frame of the clip, in order.
-  void see(std::uint64_t frame, double time_s, const std::vector<TrackedObject>& objects);
-  /// When all have been seen. `ended`: that was all of the clip; else the last `lookahead` frames
+  /// Where an object was in one frame of the clip, in order. `well`: it was seen and followed well
+  /// enough to tell its motion.
+  void add(std::uint32_t id, std::uint64_t frame, double time_s, const ObjectPose& pose, bool well);
+  /// When all have been added. `ended`: that was all of the clip; else the last `lookahead` frames
   /// stay unknown, because what follows them would tell more.
   void smooth(const NominalFrame& nominal, int lookahead, bool ended);
 
@@ -48,17 +50,17 @@ class ClipMotion {
   [[nodiscard]] std::vector<double> accelerations_mm_s2(double reach_s) const;
 
  private:
-  struct Seen {
+  struct Entry {
     std::uint64_t frame = 0;
     double time_s = 0.0;
-    Pose pose;
+    ObjectPose pose;
     bool well = true;
   };
   struct Track {
     std::map<std::uint64_t, Moment> moments;  // by frame
     std::vector<Impact> impacts;
   };
-  std::map<std::uint32_t, std::vector<Seen>> seen_;
+  std::map<std::uint32_t, std::vector<Entry>> entries_;
   std::map<std::uint32_t, Track> tracks_;
 };
 

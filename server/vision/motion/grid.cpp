@@ -6,40 +6,56 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/flow.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kSampleStep_px = 8;
+constexpr int kSampleStep_px = 8;  // chosen: four points a cell
+constexpr int kMargin_px = 16;     // chosen: of the windows that points are followed with
 
 struct Cell {
   std::array<std::vector<double>, 3> steps;
 };
 
-void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
-               const Surface& now, CellFlow& out, std::vector<Cell>& cells) {
-  std::vector<cv::Point2f> points;
-  for (int v = kSampleStep_px / 2; v < last_mask.rows; v += kSampleStep_px) {
-    for (int u = kSampleStep_px / 2; u < last_mask.cols; u += kSampleStep_px) {
-      if (last_mask.at<unsigned char>(v, u) != 0) points.emplace_back(float(u), float(v));
+// The places of `mask` that are followed.
+std::vector<cv::Point> latticeOver(const cv::Mat& mask) {
+  std::vector<cv::Point> out;
+  for (int v = kSampleStep_px / 2; v < mask.rows; v += kSampleStep_px) {
+    for (int u = kSampleStep_px / 2; u < mask.cols; u += kSampleStep_px) {
+      if (mask.at<unsigned char>(v, u) != 0) out.emplace_back(u, v);
     }
   }
-  std::vector<cv::Point2f> from;
-  std::vector<cv::Point2f> to;
-  trackPoints(last_gray, gray, points, {0, 0}, from, to);
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const int column = (static_cast<int>(to[i].x) - now.box.x) / kGridCell_px;
-    const int row = (static_cast<int>(to[i].y) - now.box.y) / kGridCell_px;
-    if (column < 0 || row < 0 || column >= out.columns || row >= out.rows) continue;
-    Cell& cell = cells[static_cast<std::size_t>(row * out.columns + column)];
-    cell.steps[0].push_back(double(to[i].x - from[i].x));
-    cell.steps[1].push_back(double(to[i].y - from[i].y));
+  return out;
+}
+
+// The cell that holds a pixel of the box.
+std::size_t cellOf(const cv::Point& in_box, const CellFlow& flow) {
+  return static_cast<std::size_t>(in_box.y / kGridCell_px * flow.columns + in_box.x / kGridCell_px);
+}
+
+void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
+               const Surface& now, const CellFlow& flow, std::vector<Cell>& cells) {
+  std::vector<cv::Point2f> points;
+  for (const cv::Point& at : latticeOver(last_mask)) points.emplace_back(at);
+  const PointTracks tracks = trackPoints(last_gray, gray, points, points);
+  for (std::size_t i = 0; i < tracks.from.size(); ++i) {
+    const cv::Point2f& from = tracks.from[i];
+    const cv::Point2f& to = tracks.to[i];
+    const int column = (static_cast<int>(to.x) - now.box.x) / kGridCell_px;
+    const int row = (static_cast<int>(to.y) - now.box.y) / kGridCell_px;
+    if (column < 0 || row < 0 || column >= flow.columns || row >= flow.rows) continue;
+    Cell& cell = cells[static_cast<std::size_t>(row * flow.columns + column)];
+    cell.steps[0].push_back(double(to.x - from.x));
+    cell.steps[1].push_back(double(to.y - from.y));
   }
 }
 
 // Depth differences at the same pixel: the thesis's z-only case has no motion in the plane.
-void addDepths(const Surface& before, const Surface& now, CellFlow& out, std::vector<Cell>& cells) {
+void addDepths(const Surface& before, const Surface& now, const CellFlow& flow,
+               std::vector<Cell>& cells) {
   const cv::Rect common = before.box & now.box;
   for (int v = common.y; v < common.br().y; ++v) {
     for (int u = common.x; u < common.br().x; ++u) {
@@ -48,17 +64,16 @@ void addDepths(const Surface& before, const Surface& now, CellFlow& out, std::ve
       if (before.measured.at<unsigned char>(there) == 0 ||
           now.measured.at<unsigned char>(here) == 0)
         continue;
-      const int index = here.y / kGridCell_px * out.columns + here.x / kGridCell_px;
-      cells[static_cast<std::size_t>(index)].steps[2].push_back(
-          double(now.depth.at<float>(here)) - double(before.depth.at<float>(there)));
+      cells[cellOf(here, flow)].steps[2].push_back(double(now.depth.at<float>(here)) -
+                                                   double(before.depth.at<float>(there)));
     }
   }
 }
 
 CellFlow cellsOver(const cv::Rect& box) {
   CellFlow out;
-  out.columns = (box.width + kGridCell_px - 1) / kGridCell_px;
-  out.rows = (box.height + kGridCell_px - 1) / kGridCell_px;
+  out.columns = gridCells(box.width);
+  out.rows = gridCells(box.height);
   return out;
 }
 
@@ -105,6 +120,12 @@ cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t fi
 
 }  // namespace
 
+CellFlow CellFlow::standing() const {
+  CellFlow out = *this;
+  if (!step.empty()) out.step = cv::Mat::zeros(step.size(), step.type());
+  return out;
+}
+
 CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                   const Surface& before, const Surface& now, MotionMode mode) {
   CellFlow out = cellsOver(now.box);
@@ -119,35 +140,29 @@ CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surfa
                       const Surface& now, const Explained& explained) {
   CellFlow out = cellsOver(now.box);
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
-  const cv::Rect area = grown(before.box | now.box, 16, gray.size());
+  const cv::Rect area = grown(before.box | now.box, kMargin_px, last_gray.size());
   const cv::Point2f corner(static_cast<float>(area.x), static_cast<float>(area.y));
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> guesses;
-  for (int v = kSampleStep_px / 2; v < before.mask.rows; v += kSampleStep_px) {
-    for (int u = kSampleStep_px / 2; u < before.mask.cols; u += kSampleStep_px) {
-      if (before.mask.at<unsigned char>(v, u) == 0) continue;
-      const cv::Point2f at(static_cast<float>(before.box.x + u),
-                           static_cast<float>(before.box.y + v));
-      const cv::Vec3d step = explained(at, double(before.depth.at<float>(v, u)));
-      points.push_back(at - corner);
-      guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])));
-    }
+  for (const cv::Point& in_box : latticeOver(before.mask)) {
+    const cv::Point2f at = cv::Point2f(before.box.tl() + in_box);
+    const cv::Vec3d step = explained(at, double(before.depth.at<float>(in_box)));
+    points.push_back(at - corner);
+    guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])));
   }
-  std::vector<cv::Point2f> from;
-  std::vector<cv::Point2f> to;
-  trackPoints(last_gray(area), gray(area), points, guesses, from, to);
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const cv::Point2f was = from[i] + corner;
-    const cv::Point there = cv::Point(was) - before.box.tl();
-    const cv::Point here = cv::Point(cvRound(to[i].x), cvRound(to[i].y)) + area.tl() - now.box.tl();
+  const PointTracks tracks = trackPoints(last_gray(area), gray(area), points, guesses);
+  for (std::size_t i = 0; i < tracks.from.size(); ++i) {
+    const cv::Point2f& from = tracks.from[i];
+    const cv::Point2f& to = tracks.to[i];
+    const cv::Point2f was = from + corner;
+    const cv::Point here = cv::Point(cvRound(to.x), cvRound(to.y)) + area.tl() - now.box.tl();
     if (!cv::Rect({0, 0}, now.box.size()).contains(here) || now.mask.at<unsigned char>(here) == 0)
       continue;
-    const auto depth_mm = double(before.depth.at<float>(there));
+    const auto depth_mm = double(before.depth.at<float>(cv::Point(was) - before.box.tl()));
     const cv::Vec3d step = explained(was, depth_mm);
-    Cell& cell = cells[static_cast<std::size_t>(here.y / kGridCell_px * out.columns +
-                                                here.x / kGridCell_px)];
-    cell.steps[0].push_back(double(to[i].x - from[i].x) - step[0]);
-    cell.steps[1].push_back(double(to[i].y - from[i].y) - step[1]);
+    Cell& cell = cells[cellOf(here, out)];
+    cell.steps[0].push_back(double(to.x - from.x) - step[0]);
+    cell.steps[1].push_back(double(to.y - from.y) - step[1]);
     cell.steps[2].push_back(double(now.depth.at<float>(here)) - depth_mm - step[2]);
   }
   out.step = mediansOf(cells, out, /*known=*/true);

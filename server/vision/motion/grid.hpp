@@ -10,7 +10,7 @@
 
 #include "common/haptic_frame.hpp"
 #include "server/vision/surface/enhance.hpp"
-#include "server/vision/vision.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
 
@@ -19,9 +19,11 @@ namespace hapticast::server {
 struct CellFlow {
   int columns = 0;
   int rows = 0;
-  double time_s = 0.0;      ///< of this frame
   double interval_s = 0.0;  ///< since the last one
-  cv::Mat step;             ///< CV_32FC3, rows x columns
+  cv::Mat step;             ///< CV_32FC3, rows x columns; shared with copies, never written to
+
+  /// Cells as many, in which nothing moves; none stay none.
+  [[nodiscard]] CellFlow standing() const;
 };
 
 /// `kLk`: x-y only; `kDepth`: z only; `kAuto`: both. `last_mask`, `before`: the object in the last

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bounces as events: where two parabolas, through three frames before and three after, meet with
-// different velocities (motion notes, section 3.1). One finder per object. Thread: vision's.
+// different velocities. One finder per object. Thread: vision's.
 #pragma once
 
 #include <deque>
@@ -16,10 +16,10 @@ class ImpactFinder {
  public:
   static constexpr std::size_t kSide = 3;  ///< frames on either side, within the lookahead
 
-  /// Looks between samples[at] and the next one. Call once per frame in order of time, with the
-  /// samples around it (media time in s); without kSide samples up to `at` and kSide after it
-  /// nothing is found.
-  void look(const std::vector<Sample>& samples, std::size_t at);
+  /// Tests the interval from samples[at] to the next one. Call once per frame in order of time,
+  /// with the samples around it (media time in s); without kSide samples up to `at` and kSide after
+  /// it nothing is found.
+  void test(const std::vector<Sample>& samples, std::size_t at);
 
   /// The newest impacts found at most `reach_s` before or after `time_s`, oldest first.
   [[nodiscard]] std::vector<Impact> around(double time_s, double reach_s) const;
@@ -38,7 +38,7 @@ class ImpactFinder {
   void accept(const Jump& jump);
 
   std::deque<double> usual_mm_s_;  // of the last frames
-  std::optional<Jump> waiting_;    // so close to its second frame that the next look decides
+  std::optional<Jump> waiting_;    // so close to its second frame that the next interval decides
   std::deque<Impact> found_;
 };
 

@@ -1,41 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Where an object is: a body-fixed reference point followed from frame to frame, by rigid alignment
 // of colour and depth, or by the thesis's two special cases: Lucas-Kanade in x-y, depth differences
-// in z (motion notes, section 2).
+// in z. README.md of server/vision compares them.
 #pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
 
 #include "server/vision/base/flow.hpp"
+#include "server/vision/motion/object_pose.hpp"
 #include "server/vision/motion/rigid_align.hpp"
 #include "server/vision/surface/enhance.hpp"
-#include "server/vision/vision.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
-
-/// The reference point in the picture (px, pixel centres at +0.5) and in depth, and the turn about
-/// the viewing axis.
-struct Pose {
-  double u_px = 0.0;
-  double v_px = 0.0;
-  double depth_mm = 0.0;   ///< working depth
-  double angle_rad = 0.0;  ///< about +z (towards the viewer), right-handed
-  bool seen = true;        ///< false: too little of it was seen, the position is a prediction
-  bool depth_seen = true;  ///< false: this frame's depth was a repeat of the last one's
-  bool sure = true;  ///< false: alignment failed and another method took over; it may be off by
-                     ///< a jump
-  ReferencePoint point = ReferencePoint::kVisibleCentroid;
-  cv::Vec2d background_px{0, 0};  ///< how far the background has moved here since the track began;
-                                  ///< set by who compensates the camera's pan
-};
 
 /// What is new of one object in a frame.
 struct Observation {
   const ObjectFlow& flow;  ///< from the last frame
-  const View& view;
+  const cv::Mat& gray;     ///< of the whole picture, CV_8UC1
   const Surface& surface;
-  bool identical = false;         ///< the frame equals the last one
   bool repeated = false;          ///< its depth is the last frame's, its colour is not
   bool at_rest = false;           ///< all of the surface is held: the pose stays exactly as it is
   double visible_fraction = 1.0;  ///< of the whole object, 0..1
@@ -57,14 +41,14 @@ struct PoseSettings {
 /// over the carried, eroded mask.
 class PoseTracker {
  public:
-  PoseTracker(const PoseSettings& settings, const View& view, const Surface& first);
+  PoseTracker(const PoseSettings& settings, const cv::Mat& gray, const Surface& first);
 
-  /// Where the object went since the last frame, before its mask in this one is known; false: not
-  /// found, nothing is changed. To be called at most once before advance().
-  bool find(const View& view, ObjectFlow& flow);
+  /// Where the object went since the last frame, before its mask in this one is known; nullopt: not
+  /// found. To be called at most once before advance().
+  std::optional<ObjectFlow> find(const FrameImages& images);
   /// The pose in the next frame.
-  Pose advance(const Observation& seen);
-  [[nodiscard]] const Pose& pose() const { return pose_; }
+  ObjectPose advance(const Observation& seen);
+  [[nodiscard]] const ObjectPose& pose() const { return pose_; }
   /// Whether the last advance() was a rigid alignment; then where it says that a point of the last
   /// frame's surface went: px, px (centres at whole numbers) and mm.
   [[nodiscard]] bool aligned() const { return aligned_; }
@@ -82,15 +66,16 @@ class PoseTracker {
   void advanceRigidly(const Observation& seen, bool trusted);
   void advanceInPlane(const Observation& seen, const Shape& now, bool trusted);
   void advanceInDepth(const Observation& seen, bool trusted);
-  void look(const View& view, const Surface& surface);
+  /// Makes the template that the next frame is searched for.
+  void remember(const cv::Mat& gray, const Surface& surface);
 
   PoseSettings settings_;
-  Pose pose_;
+  ObjectPose pose_;
   Shape last_;
   Surface fresh_;                                 // the last one whose depth was no repeat
   cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // its px -> the last frame's
   RigidTemplate template_;                        // the object in the last frame
-  RigidStep step_;                                // to this frame, since find()
+  RigidStep step_;                                // from that one to this, since find()
   RigidStep last_step_;
   bool aligned_ = false;
   Vec3 aligned_about_mm_ = Vec3::Zero();  // the pivot of last_step_

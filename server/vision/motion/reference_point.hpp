@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Where the middle of a body is, from what is seen of its surface: the point that its motion is
 // told of, because the visible surface of a body that turns or nears moves otherwise than the body
-// does (motion notes, sections 2.1 and 2.2). Thread: any.
+// does. Thread: any.
 #pragma once
 
 #include <Eigen/Core>

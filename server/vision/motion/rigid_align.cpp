@@ -2,30 +2,34 @@
 #include "server/vision/motion/rigid_align.hpp"
 
 #include <Eigen/Dense>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
+
 namespace hapticast::server {
 
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kFinestSide_px = 220;  // objects that are larger are looked at in fewer pixels
-constexpr int kCoarsestSide_px = 24;
-constexpr std::size_t kTemplatePoints = 1500;
+constexpr int kFinestSide_px = 220;   // chosen for time: larger objects are aligned in fewer pixels
+constexpr int kCoarsestSide_px = 24;  // chosen: the search by places costs its fourth power
+constexpr std::size_t kTemplatePoints = 1500;  // chosen: prototypes took 1000 to 2500
 constexpr std::size_t kFewestPoints = 40;
 constexpr std::size_t kOutlinePoints = 100;
 constexpr std::size_t kFewestOutline = 8;
 constexpr float kNearEdge_px = 2.0F;
 constexpr float kDeeper_px = 8.0F;
 constexpr double kOnward = 1.2;     // of the step between these two, measured on a ball
-constexpr double kWellFound = 0.6;  // share of inliers: no search needed
-constexpr double kFound = 0.5;
+constexpr double kWellFound = 0.6;  // share of inliers: no search needed; chosen
+constexpr double kFound = 0.5;      // measured: with fewer it may be off by several px
+// Of the coarse comparison, chosen: what is off by as much is as unlike as anything.
+constexpr double kUnlikeLevels = 40.0;
+constexpr float kUnlike_mm = 60.0F;
+constexpr int kCoveredLevel = 200;  // of 255: a coarse pixel that is mostly the object's
 
 }  // namespace
 
@@ -83,10 +87,7 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
 }
 
 Vector3d RigidTemplate::positionOf(int u, int v, double depth_mm, int factor) const {
-  const double u_px = box_.x + factor * (u + 0.5);
-  const double v_px = box_.y + factor * (v + 0.5);
-  return {(u_px - camera_.cx_px) / camera_.fx_px * depth_mm,
-          (v_px - camera_.cy_px) / camera_.fy_px * depth_mm, depth_mm};
+  return depth_mm * camera_.ray(box_.x + factor * (u + 0.5), box_.y + factor * (v + 0.5));
 }
 
 // A body curves away towards its outline, where depth cannot be read any more: it goes on as the
@@ -126,106 +127,115 @@ cv::Rect RigidTemplate::whereWith(const Vector3d& pivot_mm, const RigidStep& ste
                                   const cv::Size& picture) const {
   const Vector3d to = pivot_mm + step.shift_mm;
   const double scale = std::clamp(pivot_mm.z() / std::max(1.0, to.z()), 0.5, 2.0);
-  const double du = camera_.fx_px * (to.x() / to.z() - pivot_mm.x() / pivot_mm.z());
-  const double dv = camera_.fy_px * (to.y() / to.z() - pivot_mm.y() / pivot_mm.z());
+  const Vec2 moved_px = camera_.project(to) - camera_.project(pivot_mm);
   const int factor = levels_.back().factor;
   const int margin = 8 * factor + static_cast<int>((std::abs(scale - 1.0) + 0.08) *
                                                    std::max(box_.width, box_.height));
   const double reach = 4.0 * picture.width;
-  cv::Rect moved = box_ + cv::Point(static_cast<int>(std::lround(std::clamp(du, -reach, reach))),
-                                    static_cast<int>(std::lround(std::clamp(dv, -reach, reach))));
-  moved = cv::Rect(moved.x - margin, moved.y - margin, moved.width + 2 * margin,
-                   moved.height + 2 * margin);
-  return moved & cv::Rect({0, 0}, picture);
+  const auto whole = [&](double px) {
+    return static_cast<int>(std::lround(std::clamp(px, -reach, reach)));
+  };
+  const cv::Rect moved = box_ + cv::Point(whole(moved_px.x()), whole(moved_px.y()));
+  return cv::Rect(moved.x - margin, moved.y - margin, moved.width + 2 * margin,
+                  moved.height + 2 * margin) &
+         cv::Rect({0, 0}, picture);
 }
 
-RigidStep RigidTemplate::align(const View& view, const Vector3d& pivot_mm,
+RigidStep RigidTemplate::align(const FrameImages& images, const Vector3d& pivot_mm,
                                const RigidStep& guess) const {
   RigidStep now = guess;
   now.inliers = 0.0;
-  const cv::Rect area = whereWith(pivot_mm, guess, view.gray.size());
-  const Eigen::AngleAxisd turn(guess.rotation);
+  const cv::Rect area = whereWith(pivot_mm, guess, images.gray.size());
+  const Vector3d expected_turn_rad = rotationVector(guess.rotation);
   const DepthRange depths{depth_.near_mm + std::min(0.0, guess.shift_mm.z()),
                           depth_.far_mm + std::max(0.0, guess.shift_mm.z())};
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
-    const Window window = windowOf(view, area, level->factor, depths);
-    if (window.texels.empty() || level->points.size() < kFewestPoints / 2) continue;
-    RigidFit fit(camera_, window, level->points, pivot_mm, turn.angle() * turn.axis());
+    const RigidCrop crop = cropOf(images, area, level->factor, depths);
+    if (crop.texels.empty() || level->points.size() < kFewestPoints / 2) continue;
+    RigidFit fit(camera_, crop, level->points, pivot_mm, expected_turn_rad);
     if (!fit.improve(now)) return guess;
   }
   return now;
 }
 
-RigidStep RigidTemplate::searched(const View& view, const Vector3d& pivot_mm) const {
+double RigidTemplate::Coarse::likeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
+                                       const cv::Point& at) const {
+  double sum = 0;
+  for (int j = 0; j < box_px.height; j += 2) {
+    for (int i = 0; i < box_px.width; i += 2) {
+      if (mask.at<uchar>(j, i) < kCoveredLevel) continue;
+      const int off = std::abs(other_gray.at<uchar>(at.y + j, at.x + i) - gray.at<uchar>(j, i));
+      const float z = other_depth.at<float>(at.y + j, at.x + i);
+      const float off_depth = z > 0 ? std::abs(z - depth.at<float>(j, i)) : kUnlike_mm;
+      // What is alike counts for it; what is not counts nothing.
+      sum += std::max(0.0, 1.0 - off / kUnlikeLevels) *
+             std::max(0.0, 1.0 - double(off_depth) / double(kUnlike_mm));
+    }
+  }
+  return sum;
+}
+
+RigidStep RigidTemplate::searched(const FrameImages& images, const Vector3d& pivot_mm) const {
   RigidStep out;
   const cv::Size size = coarse_.box_px.size();
   if (size.empty() || coarse_.gray.empty()) return out;
   const int f = coarse_.factor;
-  const int reach = 5 * std::max(size.width, size.height) / 2;
-  const cv::Rect all(0, 0, view.gray.cols / f, view.gray.rows / f);
-  const cv::Rect area = cv::Rect(coarse_.box_px.x - reach, coarse_.box_px.y - reach,
-                                 size.width + 2 * reach, size.height + 2 * reach) &
-                        all;
+  const cv::Rect all(0, 0, images.gray.cols / f, images.gray.rows / f);
+  const cv::Rect area =
+      grown(coarse_.box_px, 5 * std::max(size.width, size.height) / 2, all.size());
   if (area.width < size.width || area.height < size.height) return out;
   const cv::Rect fine(area.x * f, area.y * f, area.width * f, area.height * f);
   cv::Mat gray;
   cv::Mat depth;
-  cv::resize(view.gray(fine), gray, area.size(), 0, 0, cv::INTER_AREA);
-  cv::resize(view.depth(fine), depth, area.size(), 0, 0, cv::INTER_NEAREST);
+  cv::resize(images.gray(fine), gray, area.size(), 0, 0, cv::INTER_AREA);
+  cv::resize(images.depth(fine), depth, area.size(), 0, 0, cv::INTER_NEAREST);
   double best = 0.0;
-  cv::Point at;
+  cv::Point moved_px;
   for (int v = 0; v + size.height <= area.height; ++v) {
     for (int u = 0; u + size.width <= area.width; ++u) {
-      double sum = 0;
-      for (int j = 0; j < size.height; j += 2) {
-        for (int i = 0; i < size.width; i += 2) {
-          if (coarse_.mask.at<uchar>(j, i) < 200) continue;
-          const int off = std::abs(gray.at<uchar>(v + j, u + i) - coarse_.gray.at<uchar>(j, i));
-          const float z = depth.at<float>(v + j, u + i);
-          const float off_depth = z > 0 ? std::abs(z - coarse_.depth.at<float>(j, i)) : 60.0F;
-          // What is alike counts for it; what is not counts nothing.
-          sum += std::max(0.0, 1.0 - off / 40.0) * std::max(0.0, 1.0 - double(off_depth) / 60.0);
-        }
-      }
-      if (sum <= best) continue;
-      best = sum;
-      at = {u + area.x, v + area.y};
+      const double likeness = coarse_.likeness(gray, depth, {u, v});
+      if (likeness <= best) continue;
+      best = likeness;
+      moved_px = f * (cv::Point(u, v) + area.tl() - coarse_.box_px.tl());
     }
   }
   if (best <= 0) return out;
-  out.shift_mm = {(at.x - coarse_.box_px.x) * f * pivot_mm.z() / camera_.fx_px,
-                  (at.y - coarse_.box_px.y) * f * pivot_mm.z() / camera_.fy_px, 0.0};
+  out.shift_mm = {moved_px.x * pivot_mm.z() / camera_.fx_px,
+                  moved_px.y * pivot_mm.z() / camera_.fy_px, 0.0};
   return out;
 }
 
-RigidStep RigidTemplate::find(const View& view, const Vector3d& pivot_mm,
+RigidStep RigidTemplate::find(const FrameImages& images, const Vector3d& pivot_mm,
                               const RigidStep& guess) const {
-  RigidStep best = guess;
-  if (levels_.empty()) return best;
-  best = align(view, pivot_mm, guess);
+  if (levels_.empty()) return guess;
+  RigidStep best = align(images, pivot_mm, guess);
   if (best.inliers < kWellFound) {
-    RigidStep start = searched(view, pivot_mm);
+    RigidStep start = searched(images, pivot_mm);
     start.rotation = guess.rotation;
-    const RigidStep other = align(view, pivot_mm, start);
+    const RigidStep other = align(images, pivot_mm, start);
     if (other.inliers > best.inliers) best = other;
   }
   best.reliable = best.inliers >= kFound;
-  // The similarity nearest to what the outline did.
+  best.similarity = similarityOf(pivot_mm, best);
+  return best;
+}
+
+cv::Matx23d RigidTemplate::similarityOf(const Vector3d& pivot_mm, const RigidStep& step) const {
+  // Least squares for (a, b, s, t) of u' = a u - b v + s, v' = b u + a v + t.
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  const Vec2 half(0.5, 0.5);  // to pixel centres at whole numbers
   for (const Vector3d& x : outline_mm_) {
-    const Vector3d y = best.rotation * (x - pivot_mm) + pivot_mm + best.shift_mm;
-    const double u = camera_.fx_px * x.x() / x.z() + camera_.cx_px - 0.5;
-    const double v = camera_.fy_px * x.y() / x.z() + camera_.cy_px - 0.5;
-    const Eigen::Vector4d ru(u, -v, 1, 0);
-    const Eigen::Vector4d rv(v, u, 0, 1);
+    const Vec2 from = camera_.project(x) - half;
+    const Vec2 to =
+        camera_.project(step.rotation * (x - pivot_mm) + pivot_mm + step.shift_mm) - half;
+    const Eigen::Vector4d ru(from.x(), -from.y(), 1, 0);
+    const Eigen::Vector4d rv(from.y(), from.x(), 0, 1);
     matrix += ru * ru.transpose() + rv * rv.transpose();
-    right += ru * (camera_.fx_px * y.x() / y.z() + camera_.cx_px - 0.5) +
-             rv * (camera_.fy_px * y.y() / y.z() + camera_.cy_px - 0.5);
+    right += ru * to.x() + rv * to.y();
   }
   const Eigen::Vector4d s = matrix.ldlt().solve(right);
-  if (s.allFinite()) best.similarity = {s[0], -s[1], s[2], s[1], s[0], s[3]};
-  return best;
+  return s.allFinite() ? cv::Matx23d(s[0], -s[1], s[2], s[1], s[0], s[3]) : step.similarity;
 }
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How a rigid object moved in space from one frame to the next: direct alignment of its colour and
-// depth, robust, on two levels (motion notes, section 2: "GN RGB-D tracked"). Thread: any; values.
+// depth by Gauss-Newton, robust, on two levels. Thread: any; values.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/source/camera_model.hpp"
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/frame_images.hpp"
 #include "server/vision/motion/rigid_fit.hpp"
 #include "server/vision/surface/enhance.hpp"
 
@@ -22,9 +22,9 @@ class RigidTemplate {
   RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
 
   [[nodiscard]] bool empty() const { return levels_.empty(); }
-  /// Finds the object again in `view`, near where `guess` says, else within about its own size. Not
-  /// reliable: fewer than half of the points agree, or there were too few.
-  [[nodiscard]] RigidStep find(const View& view, const Eigen::Vector3d& pivot_mm,
+  /// Finds the object again in `images`, near where `guess` says, else within about its own size.
+  /// Not reliable: fewer than half of the points agree, or there were too few.
+  [[nodiscard]] RigidStep find(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                const RigidStep& guess) const;
 
  private:
@@ -36,13 +36,22 @@ class RigidTemplate {
     int factor = 1;
     cv::Rect box_px;  // whole pixels of the coarse picture
     cv::Mat gray, depth, mask;
+
+    /// How alike a place (its first pixel) of another picture of this scale is: more is better.
+    [[nodiscard]] double likeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
+                                  const cv::Point& at) const;
   };
   void addLevel(const cv::Mat& gray, const Surface& surface, int factor);
   void addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor);
   [[nodiscard]] Eigen::Vector3d positionOf(int u, int v, double depth_mm, int factor) const;
-  [[nodiscard]] RigidStep align(const View& view, const Eigen::Vector3d& pivot_mm,
+  [[nodiscard]] RigidStep align(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                 const RigidStep& guess) const;
-  [[nodiscard]] RigidStep searched(const View& view, const Eigen::Vector3d& pivot_mm) const;
+  /// A first guess by comparing the coarse picture place by place within about the object's size.
+  [[nodiscard]] RigidStep searched(const FrameImages& images,
+                                   const Eigen::Vector3d& pivot_mm) const;
+  /// The similarity nearest to what the outline does in a step.
+  [[nodiscard]] cv::Matx23d similarityOf(const Eigen::Vector3d& pivot_mm,
+                                         const RigidStep& step) const;
   [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
                                    const cv::Size& picture) const;
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/vision/base/statistics.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -15,21 +17,16 @@ using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kRounds = 8;
-constexpr double kDone_px = 0.002;
+constexpr int kRounds = 8;          // chosen: five are the usual number
+constexpr double kDone_px = 0.002;  // a step of less changes no velocity that can be felt
 constexpr double kGrayFloor = 1.5;  // grey levels: what agrees as well as that is not told apart
-constexpr double kDepthFloor_mm = 0.7;
-constexpr double kTukey = 4.6;        // of a standard deviation
+constexpr double kDepthFloor_mm = 0.7;  // chosen, likewise
+constexpr double kTukey =
+    4.6;  // standard deviations: 95 % efficient (4.685; Huber, Robust Statistics)
+// Chosen: off by more, a point counts as not found again.
 constexpr double kGrayInlier = 30.0;  // grey levels
 constexpr double kDepthInlier_mm = 25.0;
-constexpr double kSpinPrior_rad = 0.05;
-
-double spreadOf(std::vector<float>& absolute, double floor) {
-  if (absolute.empty()) return floor;
-  const auto middle = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-  std::nth_element(absolute.begin(), middle, absolute.end());
-  return std::max(floor, 1.48 * static_cast<double>(*middle));
-}
+constexpr double kSpinPrior_rad = 0.05;  // chosen: weak, it only decides where nothing else does
 
 double tukey(double residual, double sigma) {
   const double x = residual / (kTukey * sigma);
@@ -44,12 +41,12 @@ Matrix3d rotationOf(const Vector3d& turn_rad) {
   return Eigen::AngleAxisd(angle, turn_rad / angle).toRotationMatrix();
 }
 
-Vector3d turnOf(const Matrix3d& rotation) {
+}  // namespace
+
+Vector3d rotationVector(const Matrix3d& rotation) {
   const Eigen::AngleAxisd turn(rotation);
   return turn.angle() * turn.axis();
 }
-
-}  // namespace
 
 struct RigidFit::Normal {
   Matrix6d matrix = Matrix6d::Zero();
@@ -60,26 +57,23 @@ struct RigidFit::Normal {
   }
 };
 
-RigidFit::RigidFit(const CameraModel& camera, const Window& window,
+RigidFit::RigidFit(const CameraModel& camera, const RigidCrop& crop,
                    const std::vector<RigidPoint>& points, const Vector3d& pivot_mm,
                    const Vector3d& expected_turn_rad)
     : camera_(camera),
-      window_(window),
+      crop_(crop),
       points_(points),
       pivot_mm_(pivot_mm),
       expected_turn_rad_(expected_turn_rad),
-      seen_(points.size()) {}
+      residuals_(points.size()) {}
 
-void RigidFit::look(const RigidStep& step) {
+void RigidFit::computeResiduals(const RigidStep& step) {
   const Vector3d pivot = pivot_mm_ + step.shift_mm;
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    Seen& s = seen_[i];
+  for (std::size_t i = 0; i < residuals_.size(); ++i) {
+    Residual& s = residuals_[i];
     s.position_mm = step.rotation * (points_[i].position_mm - pivot_mm_) + pivot;
     const Vector3d& x = s.position_mm;
-    s.valid =
-        x.z() > 1.0 && window_.sample(window_.place(camera_.fx_px * x.x() / x.z() + camera_.cx_px,
-                                                    camera_.fy_px * x.y() / x.z() + camera_.cy_px),
-                                      s.texel);
+    s.valid = x.z() > 1.0 && crop_.sample(crop_.place(camera_.project(x)), s.texel);
     if (!s.valid) continue;
     s.gray_residual = double(s.texel.gray) - double(points_[i].gray);
     s.depth_residual_mm = double(s.texel.depth) - x.z();
@@ -90,31 +84,31 @@ void RigidFit::look(const RigidStep& step) {
 void RigidFit::removeBias() {
   double sum = 0.0;
   std::size_t count = 0;
-  for (const Seen& s : seen_) {
+  for (const Residual& s : residuals_) {
     if (!s.valid || std::abs(s.gray_residual) >= kGrayInlier) continue;
     sum += s.gray_residual;
     ++count;
   }
   if (count == 0) return;
-  for (Seen& s : seen_) s.gray_residual -= sum / double(count);
+  for (Residual& s : residuals_) s.gray_residual -= sum / double(count);
 }
 
 double RigidFit::inliers() const {
-  const auto agrees = [](const Seen& s) {
+  const auto agrees = [](const Residual& s) {
     return s.valid && s.texel.depth > 0 && std::abs(s.gray_residual) < kGrayInlier &&
            std::abs(s.depth_residual_mm) < kDepthInlier_mm;
   };
-  return double(std::count_if(seen_.begin(), seen_.end(), agrees)) /
-         double(std::max<std::size_t>(1, seen_.size()));
+  return double(std::count_if(residuals_.begin(), residuals_.end(), agrees)) /
+         double(std::max<std::size_t>(1, residuals_.size()));
 }
 
 // Rows of the two residuals with respect to (shift, turn about the pivot).
-void RigidFit::addPoint(const Seen& seen, const Vector3d& pivot, double gray_sigma,
+void RigidFit::addPoint(const Residual& at, const Vector3d& pivot, double gray_sigma,
                         double depth_sigma, Normal& normal) const {
-  const Vector3d& x = seen.position_mm;
+  const Vector3d& x = at.position_mm;
   const double inverse = 1.0 / x.z();
-  const double fu = camera_.fx_px * inverse / window_.factor;
-  const double fv = camera_.fy_px * inverse / window_.factor;
+  const double fu = camera_.fx_px * inverse / crop_.factor;
+  const double fv = camera_.fy_px * inverse / crop_.factor;
   const Vector3d du(fu, 0.0, -fu * x.x() * inverse);
   const Vector3d dv(0.0, fv, -fv * x.y() * inverse);
   const Vector3d arm = x - pivot;
@@ -123,46 +117,46 @@ void RigidFit::addPoint(const Seen& seen, const Vector3d& pivot, double gray_sig
     out << gradient, arm.cross(gradient);
     return out;
   };
-  const Texel& texel = seen.texel;
-  const double gray_weight = tukey(seen.gray_residual, gray_sigma);
+  const Texel& texel = at.texel;
+  const double gray_weight = tukey(at.gray_residual, gray_sigma);
   if (gray_weight > 0) {
-    normal.add(row(double(texel.gray_u) * du + double(texel.gray_v) * dv), seen.gray_residual,
+    normal.add(row(double(texel.gray_u) * du + double(texel.gray_v) * dv), at.gray_residual,
                gray_weight);
   }
   if (texel.depth <= 0) return;
-  const double depth_weight = tukey(seen.depth_residual_mm, depth_sigma);
+  const double depth_weight = tukey(at.depth_residual_mm, depth_sigma);
   if (depth_weight <= 0) return;
   normal.add(row(double(texel.depth_u) * du + double(texel.depth_v) * dv - Vector3d::UnitZ()),
-             seen.depth_residual_mm, depth_weight);
+             at.depth_residual_mm, depth_weight);
 }
 
 RigidFit::Normal RigidFit::equations(const RigidStep& step) {
   off_.clear();
-  for (const Seen& s : seen_) {
+  for (const Residual& s : residuals_) {
     if (s.valid) off_.push_back(static_cast<float>(std::abs(s.gray_residual)));
   }
-  const double gray_sigma = spreadOf(off_, kGrayFloor);
+  const double gray_sigma = std::max(kGrayFloor, sigmaByMedian(off_));
   off_.clear();
-  for (const Seen& s : seen_) {
+  for (const Residual& s : residuals_) {
     if (s.valid && s.texel.depth > 0)
       off_.push_back(static_cast<float>(std::abs(s.depth_residual_mm)));
   }
-  const double depth_sigma = spreadOf(off_, kDepthFloor_mm);
+  const double depth_sigma = std::max(kDepthFloor_mm, sigmaByMedian(off_));
   Normal out;
   const Vector3d pivot = pivot_mm_ + step.shift_mm;
-  for (const Seen& s : seen_) {
+  for (const Residual& s : residuals_) {
     if (s.valid) addPoint(s, pivot, gray_sigma, depth_sigma, out);
   }
   const double prior = 1.0 / (kSpinPrior_rad * kSpinPrior_rad);
   out.matrix.diagonal().tail<3>().array() += prior;
-  out.right.tail<3>() -= prior * (turnOf(step.rotation) - expected_turn_rad_);
+  out.right.tail<3>() -= prior * (rotationVector(step.rotation) - expected_turn_rad_);
   out.matrix.diagonal().head<3>().array() += 1e-6;
   return out;
 }
 
 bool RigidFit::improve(RigidStep& step) {
   for (int round = 0; round < kRounds; ++round) {
-    look(step);
+    computeResiduals(step);
     removeBias();
     step.inliers = inliers();
     const Normal normal = equations(step);
@@ -172,7 +166,7 @@ bool RigidFit::improve(RigidStep& step) {
     step.shift_mm += change.head<3>();
     step.rotation = rotationOf(change.tail<3>()) * step.rotation;
     const double moved_px = change.head<3>().norm() * camera_.fx_px / depth_mm;
-    if (moved_px < kDone_px * window_.factor) break;
+    if (moved_px < kDone_px * crop_.factor) break;
   }
   return true;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Gauss-Newton on colour and depth together: how points of a rigid body have to move to agree with
-// a picture (motion notes, section 2). Robust (Tukey), forward compositional. Thread: any.
+// a picture. Robust (Tukey's weights), forward compositional. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "server/vision/motion/rigid_window.hpp"
+#include "server/vision/motion/rigid_crop.hpp"
 
 namespace hapticast::server {
 
@@ -22,6 +22,9 @@ struct RigidStep {
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
 };
 
+/// A rotation as its axis times its angle, rad.
+Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation);
+
 /// A point of the body in the last frame.
 struct RigidPoint {
   Eigen::Vector3d position_mm;
@@ -31,14 +34,14 @@ struct RigidPoint {
 class RigidFit {
  public:
   /// All must outlive it. `expected_turn_rad`: where nothing shows a rotation it is this one.
-  RigidFit(const CameraModel& camera, const Window& window, const std::vector<RigidPoint>& points,
+  RigidFit(const CameraModel& camera, const RigidCrop& crop, const std::vector<RigidPoint>& points,
            const Eigen::Vector3d& pivot_mm, const Eigen::Vector3d& expected_turn_rad);
   /// Improves `step` until it rests, at most eight times, and sets its share of inliers. False: no
   /// solution, `step` is of no use.
   bool improve(RigidStep& step);
 
  private:
-  struct Seen {  // one point with the present estimate
+  struct Residual {  // of one point with the present estimate
     Eigen::Vector3d position_mm;
     Texel texel;
     double gray_residual = 0.0;
@@ -46,19 +49,19 @@ class RigidFit {
     bool valid = false;
   };
   struct Normal;
-  void look(const RigidStep& step);
+  void computeResiduals(const RigidStep& step);
   void removeBias();
   [[nodiscard]] double inliers() const;
   [[nodiscard]] Normal equations(const RigidStep& step);
-  void addPoint(const Seen& seen, const Eigen::Vector3d& pivot, double gray_sigma,
+  void addPoint(const Residual& at, const Eigen::Vector3d& pivot, double gray_sigma,
                 double depth_sigma, Normal& normal) const;
 
   const CameraModel& camera_;
-  const Window& window_;
+  const RigidCrop& crop_;
   const std::vector<RigidPoint>& points_;
   Eigen::Vector3d pivot_mm_;
   Eigen::Vector3d expected_turn_rad_;
-  std::vector<Seen> seen_;
+  std::vector<Residual> residuals_;
   std::vector<float> off_;  // scratch
 };
 

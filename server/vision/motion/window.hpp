@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Velocity and acceleration as the change of position over a short centred window (Savitzky-Golay;
-// motion notes, section 3). One window gives p, v and a, so that they agree with each other.
+// Velocity and acceleration as the change of position over a short centred window (Savitzky-Golay).
+// One window gives p, v and a, so that they agree with each other. Thread: any; values.
 #pragma once
 
 #include <vector>

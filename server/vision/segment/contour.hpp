@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Decides anew, from colour, depth, planes and the last mask, the band of pixels around an object's
-// contour; what lies deeper inside or further out stays (segmentation notes, section 3.3).
+// contour; what lies deeper inside or further out stays. README.md of server/vision gives the sum.
 #pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "server/vision/base/depth_scene.hpp"
 #include "server/vision/segment/color.hpp"
 #include "server/vision/segment/patch.hpp"
+#include "server/vision/segment/planes.hpp"
 
 namespace hapticast::server {
 

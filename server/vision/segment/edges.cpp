@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The thesis's segmentation: Canny edges of colour and depth fused, closed, and the region they
-// enclose. Kept as the thesis's own row; real scenes need segment_band.
+// enclose. It is kept as the thesis's own row of the evaluation: real scenes need the band
+// (band.hpp).
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
 #include "server/vision/segment/segment.hpp"
 #include "server/vision/segment/start.hpp"
 
@@ -11,19 +13,21 @@ namespace hapticast::server {
 
 namespace {
 
+// One setting for all scenes, chosen: the thesis gives none.
 constexpr double kDepthNear_mm = 300.0;
 constexpr double kDepthFar_mm = 2500.0;
+constexpr int kEdge_px = 2;  // half the width of a closed edge
 
 // 1 where no edge runs: the picture falls apart into regions.
-cv::Mat regionsOf(const View& view) {
+cv::Mat regionsOf(const FrameImages& images) {
   cv::Mat smooth;
-  cv::GaussianBlur(view.gray, smooth, {}, 1.2);
+  cv::GaussianBlur(images.gray, smooth, {}, 1.2);
   cv::Mat color_edges;
   cv::Canny(smooth, color_edges, 50, 120);
   cv::Mat depth;
   const double gain = -255.0 / (kDepthFar_mm - kDepthNear_mm);
-  view.depth.convertTo(depth, CV_8U, gain, -gain * kDepthFar_mm);
-  depth.setTo(0, view.depth <= 0.0);
+  images.depth.convertTo(depth, CV_8U, gain, -gain * kDepthFar_mm);
+  depth.setTo(0, images.depth <= 0.0);
   cv::medianBlur(depth, depth, 5);
   cv::Mat depth_edges;
   cv::Canny(depth, depth_edges, 8, 20);
@@ -38,41 +42,39 @@ class EdgeSegmenter final : public Segmenter {
   EdgeSegmenter(const VisionSettings& settings, std::uint32_t& next_id)
       : points_(settings.object_points_px), next_id_(next_id) {}
 
-  std::vector<Segment> next(const View& view, const Flows& flows) override {
-    const int count = cv::connectedComponents(regionsOf(view), labels_, 4, CV_32S);
+  std::vector<Segment> next(const FramePair& frames, const Flows& flows) override {
+    const FrameImages& images = frames.now;
+    if (frames.cut) forgetScene();
+    const int count = cv::connectedComponents(regionsOf(images), labels_, 4, CV_32S);
     if (!started_) {
-      start(view);
+      start(images);
     } else {
       for (Segment& segment : objects_) follow(segment, flows, count);
       std::erase_if(objects_, [](const Segment& s) { return s.quality <= 0.0; });
       if (objects_.empty()) started_ = !points_.empty();
     }
-    std::vector<Segment> out;
-    for (const Segment& s : objects_) out.push_back({s.id, s.mask.clone(), s.quality});
-    return out;
+    return objects_;
   }
 
-  void sceneCut() override {
+ private:
+  void forgetScene() {
     objects_.clear();
     started_ = started_ && !points_.empty();
   }
 
- private:
   cv::Mat regionOf(int label) const {
-    cv::Mat mask = labels_ == label;
-    mask = dilatedBy(mask, 2);  // half the width of the closed edge
-    fillHoles(mask, mask.rows * mask.cols / 4);
-    return mask;
+    const cv::Mat mask = dilatedBy(labels_ == label, kEdge_px);
+    return withoutHoles(mask, mask.rows * mask.cols / 4);
   }
 
-  void start(const View& view) {
+  void start(const FrameImages& images) {
     for (const Vec2& point : points_) {
       const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
       if (label == 0) throwNothingAt(point, "only edges there");
       objects_.push_back({next_id_++, regionOf(label), 1.0});
     }
     if (points_.empty()) {
-      const cv::Mat compact = nearestCompact(view, labels_);
+      const cv::Mat compact = nearestCompact(images, labels_);
       if (!compact.empty()) objects_.push_back({next_id_++, regionOf(labelUnder(compact)), 1.0});
     }
     started_ = !objects_.empty();

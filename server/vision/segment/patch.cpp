@@ -5,11 +5,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/flow.hpp"
+#include "server/vision/base/masks.hpp"
+
 namespace hapticast::server {
 
 namespace {
 
-constexpr double kLargestPatch_px = 90e3;
+constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
 
 // The box that `from` moves into.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
@@ -45,10 +48,6 @@ cv::Rect wholePixels(cv::Rect box, int factor) {
   return box;
 }
 
-cv::Matx33d squareOf(const cv::Matx23d& m) {
-  return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), 0, 0, 1};
-}
-
 void findDistance(Patch& patch) {
   // One transform for both sides: the distance to the outermost pixels inside.
   cv::Mat inner;
@@ -75,7 +74,7 @@ cv::Matx33d Patch::toPicture() const {
   return {f, 0, pictureU(0), 0, f, pictureV(0), 0, 0, 1};
 }
 
-Patch patchAround(const View& view, const cv::Mat& mask, const cv::Matx23d& similarity,
+Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
                   double nearest_mm) {
   Patch out;
   const cv::Rect from = boxAround(mask, 1);
@@ -86,9 +85,9 @@ Patch patchAround(const View& view, const cv::Mat& mask, const cv::Matx23d& simi
   out.box = wholePixels(grown(to, out.factor * (kBand_px + kRing_px), mask.size()), out.factor);
   if (out.box.width < 8 * out.factor || out.box.height < 8 * out.factor) return {};
   const cv::Size size(out.box.width / out.factor, out.box.height / out.factor);
-  out.gray = view.gray(out.box);
-  out.color = view.color(out.box);
-  out.depth = view.depth(out.box);
+  out.gray = images.gray(out.box);
+  out.color = images.color(out.box);
+  out.depth = images.depth(out.box);
   if (out.factor > 1) {
     cv::resize(out.color, out.color, size, 0, 0, cv::INTER_AREA);
     cv::resize(out.depth, out.depth, size, 0, 0, cv::INTER_NEAREST);
@@ -100,13 +99,13 @@ Patch patchAround(const View& view, const cv::Mat& mask, const cv::Matx23d& simi
   return out;
 }
 
-Patch patchAround(const View& view, const cv::Mat& mask) {
-  return patchAround(view, mask, {1, 0, 0, 0, 1, 0}, 0.0);
+Patch patchAround(const FrameImages& images, const cv::Mat& mask) {
+  return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, 0.0);
 }
 
 cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& to,
                    const cv::Matx23d& similarity) {
-  const cv::Matx33d local = to.toPicture().inv() * squareOf(similarity) * from;
+  const cv::Matx33d local = to.toPicture().inv() * homogeneous(similarity) * from;
   const cv::Size size(to.box.width / to.factor, to.box.height / to.factor);
   cv::Mat out;
   cv::warpAffine(image, out, local.get_minor<2, 3>(0, 0), size, cv::INTER_LINEAR,
@@ -128,8 +127,8 @@ cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch) {
   return out > 127;
 }
 
-cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const View& view) {
-  cv::Mat out = cv::Mat::zeros(view.gray.size(), CV_8UC1);
+cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const FrameImages& images) {
+  cv::Mat out = cv::Mat::zeros(images.gray.size(), CV_8UC1);
   mask.copyTo(out(patch.box));
   return out;
 }

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "server/vision/base/depth_scene.hpp"
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/frame_images.hpp"
+#include "server/vision/segment/planes.hpp"
 
 namespace hapticast::server {
 
@@ -37,10 +37,10 @@ struct Patch {
 
 /// The patch around `mask` (of the last picture, 0 / 255) moved by `similarity` (last px -> this
 /// px). What is nearer than `nearest_mm` (0: not known) hides the object.
-Patch patchAround(const View& view, const cv::Mat& mask, const cv::Matx23d& similarity,
+Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
                   double nearest_mm);
 /// Of a mask in this picture.
-Patch patchAround(const View& view, const cv::Mat& mask);
+Patch patchAround(const FrameImages& images, const cv::Mat& mask);
 
 /// `image`, given over `from` of the last picture, carried into patch `to` of this one; 0 where it
 /// was not.
@@ -52,7 +52,7 @@ cv::Mat atFullSize(const cv::Mat& mask, const Patch& patch);
 cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch);
 
 /// A mask over the patch's box at full size, in a picture of its own.
-cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const View& view);
+cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const FrameImages& images);
 
 /// 255 in the band where depth is on a plane or behind a support.
 cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes);

@@ -6,16 +6,17 @@
 
 namespace hapticast::server {
 
-cv::Mat likeliestPlace(const View& view, const ColorHistogram& colors, double depth_mm,
+cv::Mat likeliestPlace(const FrameImages& images, const ColorHistogram& colors, double depth_mm,
                        double area_px) {
-  const std::vector<float> evidence = colorEvidence(colors, colors, ColorHistogram::of(view.color));
-  cv::Mat likely(view.color.size(), CV_32FC1);
+  const std::vector<float> evidence =
+      colorEvidence(colors, colors, ColorHistogram::of(images.color));
+  cv::Mat likely(images.color.size(), CV_32FC1);
   for (int v = 0; v < likely.rows; ++v) {
     for (int u = 0; u < likely.cols; ++u) {
-      const auto z = double(view.depth.at<float>(v, u));
+      const auto z = double(images.depth.at<float>(v, u));
       const bool far_off = z > 0 && (z < 0.6 * depth_mm || z > 1.6 * depth_mm);
       likely.at<float>(v, u) =
-          far_off ? -2.5F : evidence[ColorHistogram::binOf(view.color.at<cv::Vec3b>(v, u))];
+          far_off ? -2.5F : evidence[ColorHistogram::binOf(images.color.at<cv::Vec3b>(v, u))];
     }
   }
   cv::GaussianBlur(likely, likely, {}, 3.0);

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "server/vision/segment/band.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -30,11 +32,13 @@ class SourceSegmenter final : public Segmenter {
   SourceSegmenter(const std::vector<Vec2>& points, std::uint32_t& next_id)
       : points_(points), next_id_(next_id) {}
 
-  std::vector<Segment> next(const View& view, const Flows& /*flows*/) override {
-    if (view.mask.empty())
+  std::vector<Segment> next(const FramePair& frames, const Flows& /*flows*/) override {
+    const FrameImages& images = frames.now;
+    if (frames.cut) ids_.clear();
+    if (images.mask.empty())
       throw SourceError("--segment source: the source brings no mask; use --segment auto");
-    if (!points_.empty()) choose(view);
-    const std::array<int, 256> area = areasOf(view.mask);
+    if (!points_.empty()) choose(images);
+    const std::array<int, 256> area = areasOf(images.mask);
     std::vector<Segment> segments;
     for (std::size_t n = 1; n < area.size(); ++n) {
       if (area[n] < kSmallestObject_px) {
@@ -42,21 +46,19 @@ class SourceSegmenter final : public Segmenter {
       } else if (segments.size() < kMaxObjects && (chosen_.empty() || chosen_.contains(n))) {
         const auto [known, is_new] = ids_.try_emplace(n, next_id_);
         if (is_new) ++next_id_;
-        segments.push_back({known->second, view.mask == static_cast<double>(n), 1.0});
+        segments.push_back({known->second, images.mask == static_cast<double>(n), 1.0});
       }
     }
     return segments;
   }
 
-  void sceneCut() override { ids_.clear(); }
-
  private:
-  void choose(const View& view) {
+  void choose(const FrameImages& images) {
     for (const Vec2& point : points_) {
       const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
-      const auto value = view.mask.at<unsigned char>(at);
+      const auto value = images.mask.at<unsigned char>(at);
       if (value == 0) throwNothingAt(point, "the source's mask has no object there");
-      if (cv::countNonZero((view.mask == double(value)) & (view.depth > 0)) == 0)
+      if (cv::countNonZero((images.mask == double(value)) & (images.depth > 0)) == 0)
         throwNothingAt(point, "no depth was measured on that object");
       chosen_.insert(value);
     }
@@ -79,13 +81,13 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
     case SegmentMode::kEdges:
       return makeEdgeSegmenter(settings, next_id);
     case SegmentMode::kBand:
-      return makeBandSegmenter(settings, next_id, remembered);
+      return std::make_unique<BandSegmenter>(settings, next_id, remembered);
     case SegmentMode::kAuto:
       break;
   }
   if (has_mask) return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
-  return settings.method == Method::kThesis ? makeEdgeSegmenter(settings, next_id)
-                                            : makeBandSegmenter(settings, next_id, remembered);
+  if (settings.method == Method::kThesis) return makeEdgeSegmenter(settings, next_id);
+  return std::make_unique<BandSegmenter>(settings, next_id, remembered);
 }
 
 void throwNothingAt(const Vec2& point_px, const std::string& why) {

@@ -1,42 +1,42 @@
 // SPDX-License-Identifier: MIT
-// Which pixels belong to which object, frame by frame. One interface; a kind per file: the source's
-// own masks, the thesis's edge fusion (segment_edges), the careful start and carried band
-// (segment_band).
+// Which pixels belong to which object, frame by frame. One interface and a file per kind: the
+// source's own masks (segment.cpp), the thesis's edge fusion (edges), the careful start and carried
+// band (band). Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "server/vision/base/flow.hpp"
-#include "server/vision/base/view.hpp"
-#include "server/vision/vision.hpp"
+#include "server/vision/base/frame_pair.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
 
 struct Segment {
   std::uint32_t id = 0;  ///< a re-found object has a new one
-  cv::Mat mask;          ///< CV_8UC1, 0 / 255, size of the picture; not shared with later frames
+  cv::Mat mask;          ///< CV_8UC1, 0 / 255, size of the picture; nobody writes into it
   double quality = 1.0;  ///< 1: decided from this frame; less: carried on
 };
 
 class Segmenter {
  public:
   virtual ~Segmenter() = default;
-  /// The objects present in this frame; one that is lost is not in the list. `flows`: how the
-  /// objects of the last frame moved. Throws SourceError where an object point names nothing.
-  virtual std::vector<Segment> next(const View& view, const Flows& flows) = 0;
-  /// The next frame shows another scene: all objects are lost.
-  virtual void sceneCut() = 0;
+  /// The objects present in this frame; one that is lost is not in the list, and at a cut all are.
+  /// `flows`: how the objects of the last frame moved. Throws SourceError where an object point
+  /// names nothing.
+  virtual std::vector<Segment> next(const FramePair& frames, const Flows& flows) = 0;
 };
 
-/// Below this many pixels an object is lost.
+/// Below this many pixels an object is lost; chosen, in a usual picture 1.5 mm across.
 inline constexpr int kSmallestObject_px = 40;
 
 /// The careful start of a clip, kept by who plays the clip again and again: it costs as much as ten
 /// frames. Null until there is one.
-struct BandStart;  // segment_band.cpp
+struct BandStart;  // band.hpp
 using RememberedStart = std::shared_ptr<const BandStart>;
 
 /// Which segmenter `settings` ask for, given whether the source brings masks. `next_id` is counted
@@ -46,8 +46,6 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
                                          RememberedStart* remembered = nullptr);
 std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
                                              std::uint32_t& next_id);
-std::unique_ptr<Segmenter> makeBandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
-                                             RememberedStart* remembered);
 
 /// Throws the SourceError of an object point with nothing under it; `why` says what is there
 /// instead.

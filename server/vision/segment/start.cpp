@@ -6,13 +6,17 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/segment.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kLongestHole_px = 24;
+constexpr int kLongestHole_px = 24;      // chosen: the sensors' shadows are narrower
+constexpr double kSurelyGround = 0.2;    // chosen, of the picture
+constexpr int kNear_px = 12;             // chosen: as far from the point a component may lie
 constexpr double kLargestCut_px = 25e3;  // GrabCut takes some 0.1 s for this many
 
 // Holes in one line of pixels (stride apart) are bridged linearly where both sides agree.
@@ -43,10 +47,11 @@ int rootOf(std::vector<int>& parent, int i) {
   return i;
 }
 
-double medianDepth(const cv::Mat& depth, const cv::Mat& mask) {
+// Of every `step`-th pixel and row; 0: nothing is known there.
+double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
   std::vector<double> values;
-  for (int v = 0; v < depth.rows; v += 2) {
-    for (int u = 0; u < depth.cols; u += 2) {
+  for (int v = 0; v < depth.rows; v += step) {
+    for (int u = 0; u < depth.cols; u += step) {
       const float z = depth.at<float>(v, u);
       if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
     }
@@ -55,12 +60,13 @@ double medianDepth(const cv::Mat& depth, const cv::Mat& mask) {
 }
 
 // Corners that are well exposed: what can be followed from frame to frame.
-bool hasTexture(const View& view, const cv::Mat& mask) {
+bool hasTexture(const FrameImages& images, const cv::Mat& mask) {
   std::vector<cv::Point2f> corners;
   const cv::Rect box = boxAround(mask, 0);
-  const cv::Mat exposed = erodedBy(mask(box), 2) & (view.gray(box) > 8) & (view.gray(box) < 247);
+  const cv::Mat exposed =
+      erodedBy(mask(box), 2) & (images.gray(box) > 8) & (images.gray(box) < 247);
   if (2 * cv::countNonZero(exposed) < cv::countNonZero(mask)) return false;
-  cv::goodFeaturesToTrack(view.gray(box), corners, 30, 0.03, 4.0, exposed);
+  cv::goodFeaturesToTrack(images.gray(box), corners, 30, 0.03, 4.0, exposed);
   return corners.size() >= 12;
 }
 
@@ -70,8 +76,7 @@ cv::Mat tidy(const cv::Mat& component) {
   const cv::Mat disc1 = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
   cv::morphologyEx(component, mask, cv::MORPH_CLOSE, disc2);
   cv::morphologyEx(mask, mask, cv::MORPH_OPEN, disc1);
-  fillHoles(mask, mask.rows * mask.cols / 100);
-  return mask;
+  return withoutHoles(mask, mask.rows * mask.cols / 100);
 }
 
 // Into the marks for GrabCut (whose corner is at `origin`): what the author does not mean. It may
@@ -95,9 +100,12 @@ void markNot(const cv::Point& object, const std::vector<cv::Point>& not_points,
 
 int labelNear(const cv::Mat& labels, const cv::Point& point) {
   int best = 0;
-  int best_square = 12 * 12 + 1;
-  for (int v = std::max(0, point.y - 12); v <= std::min(labels.rows - 1, point.y + 12); ++v) {
-    for (int u = std::max(0, point.x - 12); u <= std::min(labels.cols - 1, point.x + 12); ++u) {
+  int best_square = kNear_px * kNear_px + 1;
+  const cv::Rect around =
+      cv::Rect(point.x - kNear_px, point.y - kNear_px, 2 * kNear_px + 1, 2 * kNear_px + 1) &
+      cv::Rect({0, 0}, labels.size());
+  for (int v = around.y; v < around.br().y; ++v) {
+    for (int u = around.x; u < around.br().x; ++u) {
       const int square = (u - point.x) * (u - point.x) + (v - point.y) * (v - point.y);
       if (labels.at<int>(v, u) != 0 && square < best_square) {
         best = labels.at<int>(v, u);
@@ -149,8 +157,8 @@ bool clearOfBorder(const cv::Mat& mask) {
   return border <= 0.1 * std::sqrt(double(cv::countNonZero(mask)));
 }
 
-cv::Mat nearestCompact(const View& view, const cv::Mat& labels) {
-  const cv::Mat& depth = view.depth;
+cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
+  const cv::Mat& depth = images.depth;
   struct Region {
     int area = 0, left = 1 << 20, right = 0, top = 1 << 20, bottom = 0;
   };
@@ -170,8 +178,8 @@ cv::Mat nearestCompact(const View& view, const cv::Mat& labels) {
     if (r.area < 0.006 * whole || r.area > 0.3 * whole || r.area < 0.35 * box) continue;
     const cv::Mat mask = labels == static_cast<double>(i);
     if (!clearOfBorder(mask)) continue;
-    const double range = medianDepth(depth, mask);
-    if (range > 0 && range < nearest && hasTexture(view, mask)) {
+    const double range = medianDepth(depth, mask, 2);
+    if (range > 0 && range < nearest && hasTexture(images, mask)) {
       nearest = range;
       best = mask;
     }
@@ -179,45 +187,40 @@ cv::Mat nearestCompact(const View& view, const cv::Mat& labels) {
   return best;
 }
 
-Found objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
-               std::vector<Plane>& planes) {
+ObjectStart objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
+                     std::vector<Plane> planes) {
   const cv::Rect whole({0, 0}, depth.size());
   const cv::Rect around = cv::Rect(point.x - 2, point.y - 2, 5, 5) & whole;
-  std::vector<double> values;
-  for (int v = around.y; v < around.br().y; ++v) {
-    for (int u = around.x; u < around.br().x; ++u) {
-      if (depth.at<float>(v, u) > 0) values.push_back(double(depth.at<float>(v, u)));
-    }
-  }
-  const double range = medianOf(values);
+  const double range = medianDepth(depth(around), depth(around) > 0, 1);
   if (range > 0) {
-    for (const Plane& plane : planes) {
-      const bool through = std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
-      if (through && plane.share > 0.2) return {{}, "that is the plane things stand on"};
-    }
-    std::erase_if(planes, [&](const Plane& plane) {
+    const auto through = [&](const Plane& plane) {
       return std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
-    });
+    };
+    for (const Plane& plane : planes) {
+      if (through(plane) && plane.share > kSurelyGround)
+        return {{}, "that is the plane things stand on", {}};
+    }
+    std::erase_if(planes, through);
   }
   cv::Mat mask;
   for (int round = 0; round < 2; ++round) {  // the second knows the supports
     const cv::Mat labels = depthComponents(depth, onPlanes(depth, whole, planes), noise);
     const int label = labelNear(labels, point);
-    if (label == 0) return {{}, "there is no depth"};
+    if (label == 0) return {{}, "there is no depth", {}};
     mask = tidy(labels == label);
     findSupports(depth, mask, planes);
   }
-  if (cv::countNonZero(mask) < kSmallestObject_px) return {{}, "there is next to nothing"};
-  return {mask, nullptr};
+  if (cv::countNonZero(mask) < kSmallestObject_px) return {{}, "there is next to nothing", {}};
+  return {mask, nullptr, std::move(planes)};
 }
 
-cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plane>& planes,
+cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,
                    const cv::Point& object_point, const std::vector<cv::Point>& not_points) {
   const cv::Rect box = boxAround(mask, 60);
   cv::Mat marks(box.size(), CV_8UC1, cv::Scalar(cv::GC_PR_BGD));
   marks.setTo(cv::GC_PR_FGD, mask(box));
   marks.setTo(cv::GC_BGD, dilatedBy(mask(box), 30) == 0);
-  marks.setTo(cv::GC_BGD, onPlanes(view.depth, box, planes) & (mask(box) == 0));
+  marks.setTo(cv::GC_BGD, onPlanes(images.depth, box, planes) & (mask(box) == 0));
   cv::Mat inner;
   cv::distanceTransform(mask(box), inner, cv::DIST_L2, 3);
   double deepest = 0.0;
@@ -227,7 +230,7 @@ cv::Mat cutByColor(const View& view, const cv::Mat& mask, const std::vector<Plan
   const double shrink = std::min(0.5, std::sqrt(kLargestCut_px / box.area()));
   const cv::Size half(std::max(8, int(box.width * shrink)), std::max(8, int(box.height * shrink)));
   cv::Mat color;
-  cv::resize(view.color(box), color, half, 0, 0, cv::INTER_AREA);
+  cv::resize(images.color(box), color, half, 0, 0, cv::INTER_AREA);
   cv::resize(marks, marks, half, 0, 0, cv::INTER_NEAREST);
   const int sure = cv::countNonZero(marks == cv::GC_FGD);
   const int not_sure = cv::countNonZero((marks == cv::GC_BGD) | (marks == cv::GC_PR_BGD));

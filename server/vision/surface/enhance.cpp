@@ -6,53 +6,23 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/flow.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/surface/fill.hpp"
+#include "server/vision/surface/quadratic_fit.hpp"
+
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kRim_px = 5;
-constexpr int kSweeps = 60;
-constexpr double kSmooth_mm = 0.65;
-constexpr std::array kWider_mm{1.0, 1.6, 2.6};
-constexpr double kFinest_px_mm = 12.0;  // smoothed over no more pixels in finer pictures
-constexpr double kThesisSigma_px = 2.0;
-constexpr double kMixed = 0.1;  // of the pixels at an edge
-
-cv::Mat pushPull(const cv::Mat& weighted, const cv::Mat& weight) {
-  cv::Mat mean;
-  cv::divide(weighted, cv::max(weight, 1e-6), mean);
-  if (weighted.cols <= 2 && weighted.rows <= 2) {
-    const double total = cv::sum(weight)[0];
-    mean.setTo(total > 0 ? cv::sum(weighted)[0] / total : 0.0, weight <= 1e-6);
-    return mean;
-  }
-  cv::Mat half_weighted;
-  cv::Mat half_weight;
-  const cv::Size half((weighted.cols + 1) / 2, (weighted.rows + 1) / 2);
-  cv::resize(weighted, half_weighted, half, 0, 0, cv::INTER_AREA);
-  cv::resize(weight, half_weight, half, 0, 0, cv::INTER_AREA);
-  cv::Mat coarse;
-  cv::resize(pushPull(half_weighted, half_weight), coarse, weighted.size(), 0, 0, cv::INTER_LINEAR);
-  coarse.copyTo(mean, weight <= 1e-6);
-  return mean;
-}
-
-void sweep(cv::Mat& values, const cv::Mat& inside, const std::vector<cv::Point>& holes) {
-  const cv::Rect whole({0, 0}, values.size());
-  const cv::Point steps[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-  for (int round = 0; round < kSweeps; ++round) {
-    for (const cv::Point& at : holes) {
-      float sum = 0;
-      int count = 0;
-      for (const cv::Point& step : steps) {
-        if (!whole.contains(at + step) || inside.at<unsigned char>(at + step) == 0) continue;
-        sum += values.at<float>(at + step);
-        ++count;
-      }
-      if (count > 0) values.at<float>(at) = sum / static_cast<float>(count);
-    }
-  }
-}
+constexpr int kRim_px = 5;           // measured: sensors mix object and background so far in
+constexpr double kSmooth_mm = 0.65;  // measured: 0.6 to 0.75 are equally good
+constexpr std::array kWider_mm{1.0, 1.6, 2.6};  // chosen: each about 1.6 times the one before
+constexpr double kFinest_px_mm = 12.0;   // chosen: smoothed over no more pixels in finer pictures
+constexpr double kThesisSigma_px = 2.0;  // of the thesis
+constexpr double kMixed = 0.1;           // chosen, of the pixels at an edge
+constexpr double kFewestDepth = 0.02;    // chosen, of a mask, to make a surface of
+constexpr int kFewestBeside = 20;        // chosen: pixels that tell what is inside and what around
 
 // Fewer than `wanted` of the eight neighbours are known and hang together with this pixel.
 bool lonely(const cv::Mat& depth, const cv::Mat& known, int u, int v, double sigma, int wanted) {
@@ -97,17 +67,6 @@ bool background(double z, double object, double behind, double sigma, bool sharp
   return std::abs(off) > 60 + 6 * sigma;
 }
 
-// `values` where `known`, halved, and filled everywhere: enough where they are only compared with.
-cv::Mat filledAtHalfSize(const cv::Mat& values, const cv::Mat& known) {
-  cv::Mat weight;
-  known.convertTo(weight, CV_32F, 1.0 / 255.0);
-  cv::Mat weighted = values.mul(weight);
-  const cv::Size half((values.cols + 1) / 2, (values.rows + 1) / 2);
-  cv::resize(weighted, weighted, half, 0, 0, cv::INTER_AREA);
-  cv::resize(weight, weight, half, 0, 0, cv::INTER_AREA);
-  return pushPull(weighted, weight);
-}
-
 // Whether hardly a pixel just outside the mask lies between object and background.
 bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides, double sigma) {
   const cv::Mat ring = dilatedBy(mask, 3) & (mask == 0) & (depth > 0);
@@ -131,7 +90,8 @@ bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides, d
 Sides sidesOf(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
               const DepthNoise& noise) {
   const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
-  if (cv::countNonZero(core_known) < 20 || cv::countNonZero(around) < 20) return {};
+  if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
+    return {};
   Sides out{filledAtHalfSize(depth, core_known), filledAtHalfSize(depth, around)};
   const double depth_mm = cv::mean(depth, core_known)[0];
   const double sigma = noise.at(depth_mm);
@@ -165,28 +125,56 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
 
 // Depth that is only rounded: the truth is within half a step of it. What a fit makes of a rim that
 // bends too much for it is cut to that.
-void smoothTerraces(cv::Mat& height, const cv::Mat& rounded, const Surface& surface, double half_mm,
-                    double px_per_mm) {
+cv::Mat withoutTerraces(const cv::Mat& fitted, const cv::Mat& rounded, const Surface& surface,
+                        double half_mm, double px_per_mm) {
+  cv::Mat out = fitted;
   for (const double sigma_mm : kWider_mm)
-    widenFit(height, rounded, surface.mask, surface.measured, half_mm, sigma_mm * px_per_mm);
+    out = widerFit(out, rounded, surface.mask, surface.measured, half_mm, sigma_mm * px_per_mm);
   cv::Mat kept;
-  cv::max(height, rounded - half_mm, kept);
+  cv::max(out, rounded - half_mm, kept);
   cv::min(kept, rounded + half_mm, kept);
-  kept.copyTo(height, surface.measured);
+  out.copyTo(kept, surface.measured == 0);
+  return kept;
+}
+
+cv::Mat thesisHeight(const cv::Mat& height, const Surface& surface, double depth_mm) {
+  cv::Mat out = cv::max(cv::min(height, depth_mm), 0.0);
+  out.setTo(0, (surface.mask == 0) | (surface.depth <= 0));
+  const int margin = 8;  // the zero outside is part of what is smoothed
+  cv::copyMakeBorder(out, out, margin, margin, margin, margin, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::GaussianBlur(out, out, {}, kThesisSigma_px);
+  return out(cv::Rect({margin, margin}, surface.box.size()));
+}
+
+cv::Mat fittedHeight(const cv::Mat& height, const Surface& surface, double mm_per_depth,
+                     double px_per_mm) {
+  const cv::Mat fitted = quadraticFit(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
+  if (!(surface.quantum_mm > 0)) return fitted;
+  return withoutTerraces(fitted, height, surface, 0.5 * mm_per_depth * surface.quantum_mm,
+                         px_per_mm);
+}
+
+// Heights inside the mask, cut to 0 .. top_mm; 0 outside.
+std::shared_ptr<const Relief> reliefFrom(const cv::Mat& height, const Surface& surface,
+                                         float top_mm) {
+  auto relief = std::make_shared<Relief>();
+  relief->rect = {surface.box.x, surface.box.y, surface.box.width, surface.box.height};
+  relief->height_mm.resize(surface.mask.total());
+  relief->mask.resize(surface.mask.total());
+  std::size_t at = 0;
+  for (int v = 0; v < height.rows; ++v) {
+    const auto* inside = surface.mask.ptr<unsigned char>(v);
+    const auto* h = height.ptr<float>(v);
+    for (int u = 0; u < height.cols; ++u, ++at) {
+      if (inside[u] == 0) continue;
+      relief->mask[at] = 1;
+      relief->height_mm[at] = std::clamp(h[u], 0.0F, top_mm);
+    }
+  }
+  return relief;
 }
 
 }  // namespace
-
-cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted) {
-  std::vector<cv::Point> holes;
-  cv::findNonZero(wanted & (known == 0), holes);
-  if (holes.empty() || cv::countNonZero(known) == 0) return values.clone();
-  cv::Mat out;
-  cv::resize(filledAtHalfSize(values, known), out, values.size(), 0, 0, cv::INTER_LINEAR);
-  values.copyTo(out, known);
-  sweep(out, wanted | known, holes);
-  return out;
-}
 
 Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise) {
   const cv::Rect box = boxAround(mask, 0);
@@ -212,43 +200,37 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
   return out;
 }
 
+Surface carriedSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity) {
+  Surface out;
+  out.box = boxAround(mask, 0);
+  out.mask = mask(out.box).clone();
+  out.measured =
+      carryImage(before.measured, before.box, out.box, similarity, cv::INTER_NEAREST) & out.mask;
+  const cv::Mat depth =
+      carryImage(before.depth, before.box, out.box, similarity, cv::INTER_NEAREST);
+  out.depth = filled(depth, out.measured & (depth > 0), out.mask);
+  out.quantum_mm = before.quantum_mm;
+  return out;
+}
+
+bool hasDepth(const cv::Mat& depth, const cv::Mat& mask) {
+  const cv::Rect box = boxAround(mask, 0);
+  return cv::countNonZero(mask(box) & (depth(box) > 0)) >=
+         kFewestDepth * cv::countNonZero(mask(box));
+}
+
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
                                          const Workspace& workspace, Method method, bool smooth) {
   const double gain = workspace.depth_mm / (range.far_mm - range.near_mm);
+  const auto top_mm = static_cast<float>(workspace.depth_mm);
   cv::Mat height;
   surface.depth.convertTo(height, CV_32F, -gain, gain * range.far_mm);
-  const auto top = static_cast<float>(workspace.depth_mm);
-  if (method == Method::kThesis) {
-    height.setTo(0, (surface.mask == 0) | (surface.depth <= 0));
-    height = cv::max(cv::min(height, workspace.depth_mm), 0.0);
-    const int margin = 8;  // the zero outside is part of what is smoothed
-    cv::copyMakeBorder(height, height, margin, margin, margin, margin, cv::BORDER_CONSTANT,
-                       cv::Scalar(0));
-    cv::GaussianBlur(height, height, {}, kThesisSigma_px);
-    height = height(cv::Rect({margin, margin}, surface.box.size()));
-  } else {
-    height.setTo(0, surface.depth <= 0);
-    const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());
-    const cv::Mat rounded = height;
-    if (smooth) height = quadraticFit(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
-    if (smooth && surface.quantum_mm > 0)
-      smoothTerraces(height, rounded, surface, 0.5 * gain * surface.quantum_mm, px_per_mm);
-  }
-  auto relief = std::make_shared<Relief>();
-  relief->rect = {surface.box.x, surface.box.y, surface.box.width, surface.box.height};
-  relief->height_mm.resize(surface.mask.total());
-  relief->mask.resize(surface.mask.total());
-  std::size_t at = 0;
-  for (int v = 0; v < height.rows; ++v) {
-    const auto* inside = surface.mask.ptr<unsigned char>(v);
-    const auto* h = height.ptr<float>(v);
-    for (int u = 0; u < height.cols; ++u, ++at) {
-      if (inside[u] == 0) continue;
-      relief->mask[at] = 1;
-      relief->height_mm[at] = std::clamp(h[u], 0.0F, top);
-    }
-  }
-  return relief;
+  if (method == Method::kThesis)
+    return reliefFrom(thesisHeight(height, surface, workspace.depth_mm), surface, top_mm);
+  height.setTo(0, surface.depth <= 0);
+  if (!smooth) return reliefFrom(height, surface, top_mm);
+  const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());
+  return reliefFrom(fittedHeight(height, surface, gain, px_per_mm), surface, top_mm);
 }
 
 }  // namespace hapticast::server

@@ -8,15 +8,20 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kMargin_px = 6;  // an outline that flickers stays within tiles that are known
-constexpr double kSoftness_px = 3.0;
-constexpr float kNothing = 0.02F;    // of weight: the tail of the softness
-constexpr float kMostlyHeld = 0.5F;  // of weight
+constexpr int kMargin_px = 6;         // chosen: an outline that flickers stays within known tiles
+constexpr double kSoftness_px = 3.0;  // chosen: no edge between tiles is felt
+constexpr float kNothing = 0.02F;     // of weight: the tail of the softness
+constexpr float kMostlyHeld = 0.5F;   // of weight
+constexpr double kCleanDrift = 0.1;   // chosen: steps of rounded depth
 
+// The whole tiles that hold a box and its margin, cut to the picture.
 cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
+  if (box.empty()) return {};
   const int size = Tile::kSize_px;
-  const cv::Point from(box.x / size * size, box.y / size * size);
-  const cv::Point to((box.br().x + size - 1) / size * size, (box.br().y + size - 1) / size * size);
+  const cv::Point first = box.tl() - cv::Point(kMargin_px, kMargin_px);
+  const cv::Point end = box.br() + cv::Point(kMargin_px + size - 1, kMargin_px + size - 1);
+  const cv::Point from(std::max(0, first.x) / size * size, std::max(0, first.y) / size * size);
+  const cv::Point to(end.x / size * size, end.y / size * size);
   return cv::Rect(from, to) & cv::Rect(cv::Point(), picture);
 }
 
@@ -30,6 +35,14 @@ cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, 
 
 }  // namespace
 
+RestNoise restNoiseOf(const DepthNoise& noise, const Surface& surface) {
+  const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
+  RestNoise out{noise.at(depth_mm)};
+  out.clean = noise.clean(depth_mm);
+  if (out.clean) out.drift_mm = kCleanDrift * noise.quantum_mm;
+  return out;
+}
+
 void Hold::moveTo(const cv::Rect& area) {
   if (area == area_) return;
   held_.gray = movedTo(held_.gray, area_, area, CV_32FC1);
@@ -41,7 +54,7 @@ void Hold::moveTo(const cv::Rect& area) {
   area_ = area;
 }
 
-HoldImages Hold::imagesOf(const cv::Mat& gray, const Surface& now) const {
+HoldImages Hold::imagesIn(const cv::Mat& gray, const Surface& now) const {
   HoldImages out;
   cv::boxFilter(gray(area_), out.gray, CV_32F, {3, 3});
   out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
@@ -174,10 +187,10 @@ Surface Hold::apply(const cv::Mat& gray, const Surface& now, const RestNoise& no
                     bool repeated) {
   cv::Rect box = now.box;
   if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
-  moveTo(tilesAround(grown(box, kMargin_px, gray.size()), gray.size()));
-  HoldImages seen = imagesOf(gray, now);
+  moveTo(tilesAround(box, gray.size()));
+  HoldImages seen = imagesIn(gray, now);
   countPixels();
-  tiles_.look(held_, last_gray_, seen, noise, repeated);
+  seen.gray = tiles_.judge(held_, last_gray_, seen, noise, repeated);
   blend(seen);
   keepReference(seen);
   countShare();
@@ -192,7 +205,7 @@ Hold Hold::copy() const {
   return out;
 }
 
-bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, const RestNoise& noise) {
+bool Hold::stays(const FrameImages& images, const RestNoise& noise) {
   if (share_ < 1.0) return false;
   // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
   // released and looked at in full.
@@ -200,11 +213,11 @@ bool Hold::stays(const cv::Mat& gray, const cv::Mat& depth, const RestNoise& noi
   Surface now;
   now.box = tight + area_.tl();
   now.mask = held_.mask(tight).clone();
-  now.depth = depth(now.box).clone();
+  now.depth = images.depth(now.box).clone();
   now.measured = held_.measured(tight) & (now.depth > 0);
   held_.depth(tight).copyTo(now.depth, now.measured == 0);
   Hold next = copy();
-  (void)next.apply(gray, now, noise, false);
+  (void)next.apply(images.gray, now, noise, false);
   if (next.share_ < 1.0) return false;
   *this = next;
   return true;

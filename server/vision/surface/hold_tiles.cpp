@@ -4,19 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
+// Tuned together on still scenes through noisy sensors and on slow motion, so that what rests is
+// held for good and what moves is released at once (hold_test).
 constexpr int kCore_px = 3;  // inside the held mask
 constexpr double kSmallestColorNoise = 0.1;
 constexpr double kForget = 1.05;  // per frame: noise is tracked by its minimum
 constexpr float kDark = 8.0F;     // beyond these levels noise is cut off
 constexpr float kBright = 247.0F;
-constexpr int kFewestPixels = 24;  // of the object; with less the whole tile is compared
-constexpr int kFewestCore = 32;    // for a mean depth
+constexpr int kFewestChanged = 64;  // pixels that tell a tile's change: a quarter of it
+constexpr int kFewestPixels = 24;   // of the object; with less the whole tile is compared
+constexpr int kFewestCore = 32;     // for a mean depth
 constexpr std::size_t kFewestTiles = 4;
 constexpr std::size_t kFewestForGain = 8;
 constexpr int kGainStep_px = 4;   // every fourth pixel and row are enough for a mean
@@ -35,7 +39,7 @@ double evidenceOf(double off_mm, double limit_mm) {
 }  // namespace
 
 // What one tile shows in this frame.
-struct HoldTiles::Look {
+struct HoldTiles::Reading {
   bool known = false;        // it was there in the frame before
   int pixels = 0;            // of the held object
   int flipped = 0;           // of which the new mask thinks otherwise
@@ -97,21 +101,47 @@ double HoldTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
   return gains.size() < kFewestForGain ? 1.0 : std::clamp(medianOf(gains), 0.5, 2.0);
 }
 
-HoldTiles::Look HoldTiles::lookAt(int column, int row, const HoldImages& held,
-                                  const cv::Mat& last_gray, const HoldImages& now,
-                                  const cv::Mat& core) const {
-  Look out;
+HoldTiles::Reading HoldTiles::readTile(int column, int row, const HoldImages& held,
+                                       const cv::Mat& last_gray, const HoldImages& now,
+                                       const cv::Mat& core) const {
+  Reading out;
   out.known = tileAt(column, row).frames > 0;
   const cv::Rect rect = rectOf(column, row);
   out.pixels = cv::countNonZero(held.mask(rect));
   if (!out.known) return out;
   const bool whole = out.pixels < kFewestPixels;
-  double change = 0, off = 0, sum = 0, square = 0, depth_off = 0;
+  double change = 0, off = 0, sum = 0, square = 0;
   int changed = 0;
   for (int v = rect.y; v < rect.br().y; ++v) {
     const auto* gray = now.gray.ptr<float>(v);
     const auto* reference = held.gray.ptr<float>(v);
     const auto* last = last_gray.ptr<float>(v);
+    const auto* was_inside = held.mask.ptr<unsigned char>(v);
+    for (int u = rect.x; u < rect.br().x; ++u) {
+      if (gray[u] >= kDark && gray[u] <= kBright) {
+        change += double(std::abs(gray[u] - last[u]));
+        ++changed;
+      }
+      if (!whole && was_inside[u] == 0) continue;
+      off += double(std::abs(gray[u] - reference[u]));
+      sum += double(reference[u]);
+      square += double(reference[u]) * double(reference[u]);
+      ++out.compared;
+    }
+  }
+  if (changed >= kFewestChanged) out.color_change = change / changed;
+  const double count = std::max(1, out.compared);
+  out.color_off = off / count;
+  out.texture = std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)));
+  readSurface(rect, held, now, core, out);
+  return out;
+}
+
+// The part of a reading that tells of the outline and of the depth.
+void HoldTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
+                            const cv::Mat& core, Reading& out) {
+  double depth_off = 0;
+  for (int v = rect.y; v < rect.br().y; ++v) {
     const auto* was_inside = held.mask.ptr<unsigned char>(v);
     const auto* is_inside = now.mask.ptr<unsigned char>(v);
     const auto* is_core = core.ptr<unsigned char>(v);
@@ -119,17 +149,7 @@ HoldTiles::Look HoldTiles::lookAt(int column, int row, const HoldImages& held,
     const auto* depth = now.depth.ptr<float>(v);
     const auto* held_depth = held.depth.ptr<float>(v);
     for (int u = rect.x; u < rect.br().x; ++u) {
-      if (gray[u] >= kDark && gray[u] <= kBright) {
-        change += double(std::abs(gray[u] - last[u]));
-        ++changed;
-      }
       out.flipped += was_inside[u] != is_inside[u] ? 1 : 0;
-      if (whole || was_inside[u] != 0) {
-        off += double(std::abs(gray[u] - reference[u]));
-        sum += double(reference[u]);
-        square += double(reference[u]) * double(reference[u]);
-        ++out.compared;
-      }
       if (is_core[u] == 0) continue;
       ++out.core;
       out.core_lost += is_inside[u] == 0 ? 1 : 0;
@@ -138,20 +158,15 @@ HoldTiles::Look HoldTiles::lookAt(int column, int row, const HoldImages& held,
       ++out.core_measured;
     }
   }
-  if (changed >= 64) out.color_change = change / changed;
-  const double count = std::max(1, out.compared);
-  out.color_off = off / count;
-  out.texture = std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)));
   out.depth_off_mm = depth_off / std::max(1, out.core_measured);
-  return out;
 }
 
-void HoldTiles::learnNoise(const std::vector<Look>& looks, double sigma_mm) {
+void HoldTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm) {
   std::vector<double> changes;
   std::vector<double> offs;
-  for (const Look& look : looks) {
-    if (look.color_change >= 0) changes.push_back(look.color_change);
-    if (look.core_measured >= kFewestCore) offs.push_back(look.depth_off_mm);
+  for (const Reading& reading : readings) {
+    if (reading.color_change >= 0) changes.push_back(reading.color_change);
+    if (reading.core_measured >= kFewestCore) offs.push_back(reading.depth_off_mm);
   }
   color_noise_ *= kForget;
   if (!changes.empty()) {
@@ -165,29 +180,29 @@ void HoldTiles::learnNoise(const std::vector<Look>& looks, double sigma_mm) {
   if (offs.size() >= kFewestTiles) {
     const double median = medianOf(offs);
     for (double& off : offs) off = std::abs(off - median);
-    depth_noise_mm_ = std::min(depth_noise_mm_, 1.48 * medianOf(offs));
+    depth_noise_mm_ = std::min(depth_noise_mm_, sigmaByMedian(offs));
   }
   depth_noise_mm_ = std::clamp(depth_noise_mm_, 0.02, largest_mm);
 }
 
-bool HoldTiles::moved(Tile& tile, const Look& look, double drift_mm, bool repeated) const {
+bool HoldTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool repeated) const {
   // The mean over few pixels of a tile scatters more.
-  const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, look.compared)));
-  if (look.color_off > spread * color_noise_ + 0.5) return true;
-  if (2 * look.core_lost > look.core) return true;
-  double evidence = 2 * look.flipped > std::max(kFewestPixels, look.pixels) ? 1.0 : 0.0;
-  if (!repeated && look.core_measured >= kFewestCore)
-    evidence += evidenceOf(look.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
+  const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, reading.compared)));
+  if (reading.color_off > spread * color_noise_ + 0.5) return true;
+  if (2 * reading.core_lost > reading.core) return true;
+  double evidence = 2 * reading.flipped > std::max(kFewestPixels, reading.pixels) ? 1.0 : 0.0;
+  if (!repeated && reading.core_measured >= kFewestCore)
+    evidence += evidenceOf(reading.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
   if (evidence > 0 || !repeated) tile.evidence = evidence > 0 ? tile.evidence + evidence : 0.0;
-  return tile.evidence >= (look.texture < kTexture ? kEnoughUntextured : kEnough);
+  return tile.evidence >= (reading.texture < kTexture ? kEnoughUntextured : kEnough);
 }
 
 // The whole object drifts in depth: seen sooner and by less than in any one tile.
-bool HoldTiles::allMoved(const std::vector<Look>& looks, double drift_mm, bool repeated) {
+bool HoldTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
   if (repeated) return false;
   std::vector<double> offs;
-  for (const Look& look : looks) {
-    if (look.core_measured >= kFewestCore) offs.push_back(look.depth_off_mm);
+  for (const Reading& reading : readings) {
+    if (reading.core_measured >= kFewestCore) offs.push_back(reading.depth_off_mm);
   }
   const double evidence =
       offs.size() < kFewestTiles ? 0.0 : evidenceOf(medianOf(offs), 2 * depth_noise_mm_ + drift_mm);
@@ -195,7 +210,7 @@ bool HoldTiles::allMoved(const std::vector<Look>& looks, double drift_mm, bool r
   return evidence_of_all_ >= kEnoughOfAll;
 }
 
-void HoldTiles::weigh(const std::vector<Look>& looks, bool repeated) {
+void HoldTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
   const auto at = [&](int column, int row) -> Tile& {
     return tiles_[static_cast<std::size_t>(row * columns_ + column)];
   };
@@ -208,8 +223,8 @@ void HoldTiles::weigh(const std::vector<Look>& looks, bool repeated) {
     for (int column = 0; column < columns_; ++column) {
       const auto index = static_cast<std::size_t>(row * columns_ + column);
       // What moves in the background does not concern the object beside it.
-      if (!tiles_[index].released || !looks[index].known) continue;
-      if (looks[index].pixels == 0 && looks[index].flipped == 0) continue;
+      if (!tiles_[index].released || !readings[index].known) continue;
+      if (readings[index].pixels == 0 && readings[index].flipped == 0) continue;
       for (int v = std::max(0, row - 1); v <= std::min(rows_ - 1, row + 1); ++v) {
         for (int u = std::max(0, column - 1); u <= std::min(columns_ - 1, column + 1); ++u) {
           at(u, v).weight = std::max(at(u, v).weight, Tile::kNeighbour);
@@ -220,22 +235,23 @@ void HoldTiles::weigh(const std::vector<Look>& looks, bool repeated) {
   }
 }
 
-void HoldTiles::look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now,
-                     const RestNoise& noise, bool repeated) {
-  now.gray /= gainOf(held, now);
+cv::Mat HoldTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
+                         const RestNoise& noise, bool repeated) {
+  HoldImages now = seen;
+  now.gray = seen.gray / gainOf(held, seen);
   const cv::Mat core = erodedBy(held.mask, kCore_px);
-  std::vector<Look> looks;
+  std::vector<Reading> readings;
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column)
-      looks.push_back(lookAt(column, row, held, last_gray, now, core));
+      readings.push_back(readTile(column, row, held, last_gray, now, core));
   }
-  learnNoise(looks, noise.sigma_mm);
-  const bool all = allMoved(looks, noise.drift_mm, repeated);
+  learnNoise(readings, noise.sigma_mm);
+  const bool all = allMoved(readings, noise.drift_mm, repeated);
   if (all) evidence_of_all_ = 0;
   for (std::size_t i = 0; i < tiles_.size(); ++i)
     tiles_[i].released =
-        !looks[i].known || moved(tiles_[i], looks[i], noise.drift_mm, repeated) || all;
-  weigh(looks, repeated);
+        !readings[i].known || moved(tiles_[i], readings[i], noise.drift_mm, repeated) || all;
+  weigh(readings, repeated);
   for (Tile& tile : tiles_) {
     if (tile.released) {
       tile.frames = 1;
@@ -244,6 +260,7 @@ void HoldTiles::look(const HoldImages& held, const cv::Mat& last_gray, HoldImage
       tile.frames = std::min(tile.frames + 1, Tile::kFrames);
     }
   }
+  return now.gray;
 }
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the tiles of a picture show against what is held of them, and which are at rest
-// (segmentation notes, section 4.3). Used by Hold.
+// What the tiles of a picture show against what is held of them, and which are at rest. Used by
+// Hold.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -18,6 +18,7 @@ struct HoldImages {
 };
 
 struct Tile {
+  // Tried together on noisy still scenes and on slow motion; chosen where no motion was held back.
   static constexpr int kSize_px = 16;
   static constexpr int kFrames = 16;         ///< averaged; from then on nothing changes
   static constexpr int kColorFrames = 3;     ///< averaged in the reference
@@ -34,7 +35,9 @@ struct Tile {
 /// What depth reads of something at rest.
 struct RestNoise {
   double sigma_mm = 0.0;  ///< of a pixel
-  double drift_mm = 1.0;  ///< of a tile's mean: sensors wander; clean depth does not
+  double drift_mm =
+      1.0;             ///< of a tile's mean: sensors wander (1 mm is chosen); clean depth does not
+  bool clean = false;  ///< nothing trembles
 };
 
 /// The tiles of one object and the noise they are judged by. Thread: vision's.
@@ -42,11 +45,12 @@ class HoldTiles {
  public:
   /// Tiles over another box (px, corners on tiles); those of both boxes stay.
   void moveTo(const cv::Rect& box);
-  /// Looks at a frame: `held`, `last_gray` (the frame before) and `now` over the box. `repeated`:
-  /// this depth is no new observation. Decides for every tile whether it is released, its weight
-  /// and whether its mask is held, and counts the frame.
-  void look(const HoldImages& held, const cv::Mat& last_gray, HoldImages& now,
-            const RestNoise& noise, bool repeated);
+  /// Compares a frame with what is held: `held`, `last_gray` (the frame before) and `now` over the
+  /// box. `repeated`: this depth is no new observation. Decides for every tile whether it is
+  /// released, its weight and whether its mask is held, and counts the frame. Returns the grey of
+  /// `now` with changes of exposure divided out.
+  cv::Mat judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& now,
+                const RestNoise& noise, bool repeated);
 
   [[nodiscard]] const Tile& tileAt(int column, int row) const {
     return tiles_[static_cast<std::size_t>(row * columns_ + column)];
@@ -57,14 +61,18 @@ class HoldTiles {
   [[nodiscard]] cv::Rect rectOf(int column, int row) const;
 
  private:
-  struct Look;
+  struct Reading;
   [[nodiscard]] double gainOf(const HoldImages& held, const HoldImages& now) const;
-  [[nodiscard]] Look lookAt(int column, int row, const HoldImages& held, const cv::Mat& last_gray,
-                            const HoldImages& now, const cv::Mat& core) const;
-  void learnNoise(const std::vector<Look>& looks, double sigma_mm);
-  [[nodiscard]] bool moved(Tile& tile, const Look& look, double drift_mm, bool repeated) const;
-  [[nodiscard]] bool allMoved(const std::vector<Look>& looks, double drift_mm, bool repeated);
-  void weigh(const std::vector<Look>& looks, bool repeated);
+  [[nodiscard]] Reading readTile(int column, int row, const HoldImages& held,
+                                 const cv::Mat& last_gray, const HoldImages& now,
+                                 const cv::Mat& core) const;
+  static void readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
+                          const cv::Mat& core, Reading& out);
+  void learnNoise(const std::vector<Reading>& readings, double sigma_mm);
+  [[nodiscard]] bool moved(Tile& tile, const Reading& reading, double drift_mm,
+                           bool repeated) const;
+  [[nodiscard]] bool allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated);
+  void weigh(const std::vector<Reading>& readings, bool repeated);
 
   cv::Rect box_;
   int columns_ = 0;

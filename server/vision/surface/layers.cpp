@@ -6,15 +6,17 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
+
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kSmallest_px = 100;
-constexpr double kSmallestShare = 0.02;
-constexpr int kShortestBorder_px = 8;
-constexpr double kKeptStep = 0.7;
-constexpr int kFramesToChange = 3;
+constexpr int kSmallest_px = 100;  // chosen: what is smaller is not felt as a thing of its own
+constexpr double kSmallestShare = 0.02;  // chosen, likewise, of the object
+constexpr int kShortestBorder_px = 8;    // chosen: a shorter border is a fold, no gap
+constexpr double kKeptStep = 0.7;   // chosen, of the step that made a cut: until it is given up
+constexpr int kFramesToChange = 3;  // chosen, in a row: noise makes one or two
 constexpr float kBeyond_mm = 1e9F;
 
 // Pixels of the mask with a step within their 3x3; empty where there is none.
@@ -77,7 +79,8 @@ uchar nearestLabel(const Surface& surface, const cv::Mat& labels, const cv::Poin
 
 // Every pixel of the mask gets a label: from its neighbours, ring by ring; what touches none by its
 // depth alone.
-void growLabels(const Surface& surface, int count, cv::Mat& labels) {
+cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds) {
+  cv::Mat labels = seeds.clone();
   std::vector<cv::Point> left;
   cv::findNonZero(surface.mask & (labels == 0), left);
   for (std::size_t before = left.size() + 1; !left.empty() && left.size() < before;) {
@@ -92,7 +95,7 @@ void growLabels(const Surface& surface, int count, cv::Mat& labels) {
     }
     left = std::move(still);
   }
-  if (left.empty()) return;
+  if (left.empty()) return labels;
   const std::vector<double> depths_mm = meanDepths(surface, labels, count);
   for (const cv::Point& at : left) {
     const auto off = [&](double mean) {
@@ -102,6 +105,7 @@ void growLabels(const Surface& surface, int count, cv::Mat& labels) {
                                        [&](double a, double b) { return off(a) < off(b); });
     labels.at<uchar>(at) = static_cast<uchar>(best - depths_mm.begin() + 1);
   }
+  return labels;
 }
 
 // Of each pair of pieces: pixels along their border, and how many of these are a step.
@@ -176,12 +180,6 @@ std::vector<int> layersOf(const Borders& borders, const std::vector<double>& dep
   return layer;
 }
 
-cv::Point2d centroidOf(const Surface& surface) {
-  const cv::Moments m = cv::moments(surface.mask, true);
-  const double area = std::max(1.0, m.m00);
-  return {surface.box.x + m.m10 / area, surface.box.y + m.m01 / area};
-}
-
 Surface partOf(const Surface& surface, const cv::Mat& mask) {
   const cv::Rect box = cv::boundingRect(mask);
   return {box + surface.box.tl(), mask(box).clone(), surface.depth(box),
@@ -199,7 +197,7 @@ Layers findLayers(const Surface& surface, double step_mm) {
   Layers out;
   const int pieces = largePieces(surface.mask & ~step, smallest_px, out.labels);
   if (pieces < 2) return {};
-  growLabels(surface, pieces, out.labels);
+  out.labels = grownLabels(surface, pieces, out.labels);
   const std::vector<int> layer = layersOf(bordersOf(surface, out.labels, pieces, step_mm),
                                           meanDepths(surface, out.labels, pieces));
   out.count = *std::max_element(layer.begin(), layer.end()) + 1;
@@ -214,7 +212,8 @@ Layers findLayers(const Surface& surface, double step_mm) {
 // The last frame's cut, moved with the object.
 Layers LayerCutter::carried(const Surface& surface) const {
   if (last_.count < 2) return {};
-  const cv::Point2d moved = centroidOf(surface) - last_centroid_px_;
+  const cv::Point2d moved =
+      centroidOf(cv::moments(surface.mask, true), surface.box.tl()) - last_centroid_px_;
   const cv::Rect from = last_box_ + cv::Point(cvRound(moved.x), cvRound(moved.y));
   Layers out{last_.count, cv::Mat::zeros(surface.box.size(), CV_8UC1)};
   const cv::Rect common = from & surface.box;
@@ -222,7 +221,7 @@ Layers LayerCutter::carried(const Surface& surface) const {
     last_.labels(common - from.tl()).copyTo(out.labels(common - surface.box.tl()));
   out.labels.setTo(0, surface.mask == 0);
   if (cv::countNonZero(out.labels) == 0) return {};
-  growLabels(surface, out.count, out.labels);
+  out.labels = grownLabels(surface, out.count, out.labels);
   return out;
 }
 
@@ -238,7 +237,9 @@ std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm) {
   if (now.count == last_.count || different_frames_ == 0) {
     last_ = now;
     last_box_ = surface.box;
-    last_centroid_px_ = now.count > 1 ? centroidOf(surface) : cv::Point2d();
+    last_centroid_px_ = now.count > 1
+                            ? centroidOf(cv::moments(surface.mask, true), surface.box.tl())
+                            : cv::Point2d();
   }
   if (now.count < 2) return {surface};
   std::vector<Surface> out;

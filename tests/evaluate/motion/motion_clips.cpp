@@ -183,8 +183,7 @@ void evaluateRealClip(Report& report, const RealObject& object, server::MotionMo
   const double z = view.range.far_mm -
                    nominal.z() / view.workspace.depth_mm * (view.range.far_mm - view.range.near_mm);
   const Vec2 image = view.workspace.toImage(nominal.head<2>());
-  const Vec3 first((image.x() - camera.cx_px) / camera.fx_px * z,
-                   (image.y() - camera.cy_px) / camera.fy_px * z, z);
+  const Vec3 first = z * camera.ray(image.x(), image.y());
   const PixelRect box = results[0].frame.objects.at(0).relief->rect;
   const cv::Rect without(box.u - 10, box.v - 10, box.width + 20, box.height + 20);
   const bool usual = mode == server::MotionMode::kRgbd;

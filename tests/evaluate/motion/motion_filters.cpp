@@ -4,9 +4,10 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "server/vision/describe.hpp"
 #include "server/vision/motion/clip.hpp"
+#include "server/vision/motion/nominal_frame.hpp"
 #include "server/vision/motion/window.hpp"
+#include "server/vision/tracker.hpp"
 #include "tests/evaluate/thread_time.hpp"
 
 namespace hapticast::evaluate {
@@ -49,7 +50,7 @@ std::vector<Sample> posesOf(const TestSource& source, const std::vector<server::
   settings.motion = mode;
   std::uint32_t ids = 1;
   server::RememberedStart start;
-  server::Tracker tracker(source.info(), settings, ids, start);
+  server::Tracker tracker(source.info(), settings, nullptr, ids, start);
   const server::NominalFrame nominal{source.view().workspace, source.view().range};
   std::vector<Sample> out;
   for (const server::RgbdFrame& frame : clip) {

@@ -157,8 +157,7 @@ void TestSource::drawBody(const Body& body, std::size_t index, double time_s, bo
       Vec3 position;
       Vec3 normal;
       if (box) {
-        const Vec3 ray((image.x() - view_.camera.cx_px) / view_.camera.fx_px,
-                       (image.y() - view_.camera.cy_px) / view_.camera.fy_px, 1.0);
+        const Vec3 ray = view_.camera.ray(image.x(), image.y());
         const auto hit = hitBox(origin, to_body * ray, body.half_size_mm);
         if (!hit) continue;
         position = hit->z * ray;

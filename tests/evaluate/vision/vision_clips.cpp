@@ -59,7 +59,7 @@ Result follow(const RealObject& object, const Options& options) {
   settings.object_points_px = {object.point_px};
   std::uint32_t next_id = 1;
   server::RememberedStart start;
-  server::Tracker tracker(source->info(), settings, next_id, start);
+  server::Tracker tracker(source->info(), settings, nullptr, next_id, start);
   ContactSheet sheet;
   Result out;
   std::size_t changes = 0;

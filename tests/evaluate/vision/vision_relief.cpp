@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "server/vision/base/masks.hpp"
 #include "server/vision/surface/range.hpp"
 #include "server/vision/tracker.hpp"
 #include "tests/evaluate/thread_time.hpp"
@@ -35,7 +36,7 @@ Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method) {
   settings.object_points_px = {centroidOf_px(clip.truth[0].mask)};
   std::uint32_t next_id = 1;
   server::RememberedStart start;
-  server::Tracker tracker(clip.info, settings, next_id, start);
+  server::Tracker tracker(clip.info, settings, nullptr, next_id, start);
   server::RangeFinder finder;
   std::vector<std::optional<Surface>> surfaces;
   for (std::size_t i = 0; i < clip.frames.size(); ++i) {

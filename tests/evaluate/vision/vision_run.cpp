@@ -13,11 +13,11 @@
 
 namespace hapticast::evaluate {
 
+using server::FramePair;
 using server::ObjectFlow;
 using server::PoseTracker;
 using server::Segment;
 using server::Surface;
-using server::View;
 
 namespace {
 
@@ -38,7 +38,8 @@ class StageClock {
 // The stages of one object, one after the other, each timed.
 class Stages {
  public:
-  Stages(const Clip& clip, server::SegmentMode mode, Method method) : clip_(clip) {
+  Stages(const Clip& clip, server::SegmentMode mode, Method method)
+      : clip_(clip), frames_(clip.info, false) {
     settings_.method = method;
     settings_.segment = mode;
     settings_.object_points_px = {centroidOf_px(clip.truth[0].mask)};
@@ -48,49 +49,47 @@ class Stages {
   // The object's mask in the next frame; empty: none.
   cv::Mat next(const server::RgbdFrame& frame, StageTimes& times) {
     StageClock clock;
-    const View view = makeView(frame, clip_.info);
-    if (!started_) noise_ = server::measureNoise(view.depth);
-    started_ = true;
+    const FramePair frames = frames_.takeIn(frame, frame.clip_time_s);
     clock.end(times.view);
-    const server::Flows flows = follow(view);
+    const server::Flows flows = follow(frames);
     clock.end(times.track);
-    const std::vector<Segment> segments = segmenter_->next(view, flows);
+    const std::vector<Segment> segments = segmenter_->next(frames, flows);
     clock.end(times.segment);
     cv::Mat mask = segments.empty() ? cv::Mat() : segments[0].mask;
     if (segments.empty()) {
       pose_.reset();
     } else {
-      touch(segments[0], view, flows, times);
+      touch(segments[0], frames, flows, times);
     }
-    last_ = view;
     return mask;
   }
 
  private:
-  server::Flows follow(const View& view) {
+  server::Flows follow(const FramePair& frames) {
     server::Flows flows;
     if (!pose_) return flows;
-    ObjectFlow& flow = flows[id_];
-    if (!pose_->find(view, flow))
-      flow = server::trackObject(last_.gray, view.gray, mask_, step_px_);
+    const std::optional<ObjectFlow> found = pose_->find(frames.now);
+    flows[id_] =
+        found ? *found : server::trackObject(frames.last.gray, frames.now.gray, mask_, step_px_);
     return flows;
   }
 
-  void touch(const Segment& segment, const View& view, const server::Flows& flows,
+  void touch(const Segment& segment, const FramePair& frames, const server::Flows& flows,
              StageTimes& times) {
     StageClock clock;
-    const Surface surface = cleanSurface(view.depth, segment.mask, noise_, settings_.method);
+    const Surface surface =
+        cleanSurface(frames.now.depth, segment.mask, frames.noise, settings_.method);
     clock.end(times.clean);
     makeRelief(surface, *clip_.info.depth_range, {}, settings_.method);
     clock.end(times.relief);
     const Vec2 centre = centroidOf_px(segment.mask);
     if (!pose_ || id_ != segment.id) {
       pose_.emplace(server::PoseSettings{settings_.motion, settings_.method == Method::kHapticast,
-                                         false, *clip_.info.camera, view.gray.size()},
-                    view, surface);
+                                         false, *clip_.info.camera, frames.now.gray.size()},
+                    frames.now.gray, surface);
       step_px_ = {0, 0};
     } else {
-      pose_->advance({flows.at(id_), view, surface});
+      pose_->advance({flows.at(id_), frames.now.gray, surface});
       step_px_ = {centre.x() - centre_.x(), centre.y() - centre_.y()};
     }
     id_ = segment.id;
@@ -102,11 +101,9 @@ class Stages {
   server::VisionSettings settings_;
   std::uint32_t next_id_ = 1;
   std::unique_ptr<server::Segmenter> segmenter_;
-  server::DepthNoise noise_;
-  bool started_ = false;
+  server::FramePairs frames_;
   std::optional<PoseTracker> pose_;
   std::uint32_t id_ = 0;
-  View last_;
   cv::Mat mask_;
   Vec2 centre_{0, 0};
   cv::Vec2d step_px_{0, 0};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "server/vision/frame_motion.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
@@ -151,13 +152,10 @@ TEST(ClipMotion, ABounceOrADoubtfulPoseDoesNotCountAsAcceleration) {
   ClipMotion clip;
   const NominalFrame nominal{{}, {600, 900}};
   for (std::uint64_t i = 0; i < 40; ++i) {
-    TrackedObject object;
-    object.id = 5;
     const double s = std::abs(double(i) / 25 - 0.813);
-    object.pose = {300, 300 - (4 * 600 * s - 4 * 500 * s * s), 700, 0.0, true};
-    object.quality = i < 30 ? 1.0 : 0.3;  // not to be trusted
-    if (i >= 34) object.pose.u_px += 40.0 * double(i % 2);
-    clip.see(i, double(i) / 25, {object});
+    ObjectPose pose{300, 300 - (4 * 600 * s - 4 * 500 * s * s), 700, 0.0, true};
+    if (i >= 34) pose.u_px += 40.0 * double(i % 2);
+    clip.add(5, i, double(i) / 25, pose, /*well=*/i < 30);
   }
   clip.smooth(nominal, 3, true);
   std::vector<double> accelerations = clip.accelerations_mm_s2(3.0 / 25);

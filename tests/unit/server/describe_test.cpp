@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/vision/motion/history.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
@@ -43,7 +44,7 @@ TEST(Describe, CarriesReliefMaterialAndQuality) {
   VisionSettings settings;
   settings.material.stiffness_N_mm = 0.7;
   const HapticObject object =
-      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), settings);
+      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), settings, nullptr);
   EXPECT_EQ(object.id, 5U);
   EXPECT_EQ(object.layer, 0U);
   EXPECT_EQ(object.changed_in_frame, 9U);
@@ -56,11 +57,13 @@ TEST(Describe, CarriesReliefMaterialAndQuality) {
 
 TEST(Describe, AnUnchangedReliefIsTheSameRelief) {
   const HapticObject first =
-      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), {});
-  const HapticObject same = describeObject(objectAtPixel(100, 750), 10, &first, nominalFrame(), {});
+      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), {}, nullptr);
+  const HapticObject same =
+      describeObject(objectAtPixel(100, 750), 10, &first, nominalFrame(), {}, nullptr);
   EXPECT_EQ(same.relief, first.relief);
   EXPECT_EQ(same.changed_in_frame, 9U);
-  const HapticObject moved = describeObject(objectAtPixel(101, 750), 11, &same, nominalFrame(), {});
+  const HapticObject moved =
+      describeObject(objectAtPixel(101, 750), 11, &same, nominalFrame(), {}, nullptr);
   EXPECT_NE(moved.relief, first.relief);
   EXPECT_EQ(moved.changed_in_frame, 11U);
 }
@@ -68,8 +71,8 @@ TEST(Describe, AnUnchangedReliefIsTheSameRelief) {
 TEST(Describe, HistoryGivesMotionInNominalUnits) {
   MotionHistory history;
   for (std::uint64_t i = 0; i < 9; ++i) {
-    TrackedObject object = objectAtPixel(100 + static_cast<int>(i), 750 - 10.0 * double(i));
-    history.add(i, double(i) / 25, {object});
+    const TrackedObject object = objectAtPixel(100 + static_cast<int>(i), 750 - 10.0 * double(i));
+    history.add(5, {i, double(i) / 25, object.pose, {}});
   }
   const Motion motion = motionAt(history, 4);
   EXPECT_NEAR(motion.velocity_mm_s.x(), 0.5 * 25, 1e-6);  // 1 px a frame, 0.5 mm a px
@@ -82,12 +85,26 @@ TEST(Describe, HistoryGivesMotionInNominalUnits) {
 TEST(Describe, ALostObjectRestsWhereItWasSeenLast) {
   MotionHistory history;
   for (std::uint64_t i = 0; i < 4; ++i)
-    history.add(i, double(i) / 25, {objectAtPixel(100 + 2 * int(i), 750)});
+    history.add(5, {i, double(i) / 25, objectAtPixel(100 + 2 * int(i), 750).pose, {}});
   const Motion motion = motionAt(history, 6);
   EXPECT_EQ(motion.velocity_mm_s, Vec3::Zero());
   EXPECT_NEAR(motion.position_mm.x(), (126 - 160) * 0.5, 1e-9);
-  history.dropBefore(30);
-  EXPECT_EQ(motionAt(history, 30).position_mm, Vec3::Zero());
+  history.dropBefore(13, 10);
+  EXPECT_NE(motionAt(history, 13).position_mm, Vec3::Zero());
+  history.dropBefore(14, 10);
+  EXPECT_EQ(motionAt(history, 14).position_mm, Vec3::Zero());
+}
+
+TEST(MotionHistory, CellsThatStandAreNewOnesAndThoseOfTheFrameBeforeStay) {
+  CellFlow measured;
+  measured.columns = 2;
+  measured.rows = 1;
+  measured.step = cv::Mat(1, 2, CV_32FC3, cv::Scalar(1, 2, 3));
+  const CellFlow stands = measured.standing();
+  EXPECT_EQ(stands.columns, 2);
+  EXPECT_EQ(stands.step.at<cv::Vec3f>(0, 1), cv::Vec3f(0, 0, 0));
+  EXPECT_EQ(measured.step.at<cv::Vec3f>(0, 1), cv::Vec3f(1, 2, 3));
+  EXPECT_TRUE(CellFlow().standing().step.empty());
 }
 
 }  // namespace

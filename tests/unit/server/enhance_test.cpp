@@ -5,6 +5,9 @@
 
 #include <random>
 
+#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/surface/quadratic_fit.hpp"
 #include "server/vision/surface/range.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
@@ -175,7 +178,7 @@ Rms rmsError(const cv::Mat& heights, const cv::Mat& truth, const cv::Mat& mask) 
   return {rms(inner), rms(mask & ~inner)};
 }
 
-// The same through makeView, cleanSurface and makeRelief.
+// The same through imagesOf, cleanSurface and makeRelief.
 cv::Mat reliefHeights(const cv::Mat& levels, const cv::Mat& mask) {
   SourceInfo info;
   info.width_px = info.height_px = levels.cols;
@@ -183,7 +186,7 @@ cv::Mat reliefHeights(const cv::Mat& levels, const cv::Mat& mask) {
   RgbdFrame frame;
   frame.color = cv::Mat::zeros(levels.size(), CV_8UC3);
   frame.depth = levels;
-  const View view = makeView(frame, info);
+  const FrameImages view = imagesOf(frame, info);
   DepthNoise noise = measureNoise(view.depth);
   noise.eight_bit = true;
   const Surface surface = cleanSurface(view.depth, mask, noise, Method::kHapticast);

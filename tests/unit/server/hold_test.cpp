@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/vision/describe.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/vision.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
@@ -54,7 +55,7 @@ struct Holding {
   std::uint64_t index = 0;
 
   void next(double u, double v = 120, double closer_mm = 0, bool repeated = false) {
-    const View view = makeView(ball.frame(index++, u, v, closer_mm), ball.scene.info());
+    const FrameImages view = imagesOf(ball.frame(index++, u, v, closer_mm), ball.scene.info());
     free = cleanSurface(view.depth, view.mask * 255, noise, Method::kHapticast);
     held = hold.apply(view.gray, free, {kSigma_mm}, repeated);
   }
@@ -176,8 +177,8 @@ TEST(Hold, ABodyAtRestIsHeldBesideAHandThatMoves) {
   Holding run;
   double least = 1.0;
   for (int i = 0; i < 40; ++i) {
-    const View view =
-        makeView(run.ball.frame(std::uint64_t(i), 160, 120, 0), run.ball.scene.info());
+    const FrameImages view =
+        imagesOf(run.ball.frame(std::uint64_t(i), 160, 120, 0), run.ball.scene.info());
     cv::Mat gray = view.gray.clone();
     cv::Mat depth = view.depth.clone();
     const cv::Rect hand(130 + i % 8, 90, 24, 24);
@@ -206,8 +207,8 @@ TEST(Hold, CleanDepthThatTurnsRoundIsFollowed) {
     double worst = 0.0;
     for (std::uint64_t i = 0; i < 60; ++i) {
       const double closer_mm = 40.0 * std::cos(0.1 * double(i));
-      const View view =
-          makeView(run.ball.scene.frame(i, 160, 120, closer_mm), run.ball.scene.info());
+      const FrameImages view =
+          imagesOf(run.ball.scene.frame(i, 160, 120, closer_mm), run.ball.scene.info());
       const Surface now = rawSurface(view.depth, view.mask * 255, {{0.02}, 0.0});
       run.held = run.hold.apply(view.gray, now, noise, false);
       worst = std::max(worst, run.error_mm(run.held, 160, 120, closer_mm));

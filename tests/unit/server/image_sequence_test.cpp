@@ -9,7 +9,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/source/json_scalars.hpp"
+#include "server/source/clip_meta.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {
@@ -320,18 +320,27 @@ TEST(ClipFiles, NaturalOrder) {
   EXPECT_FALSE(naturalLess("a", "a"));
 }
 
-TEST(JsonScalars, FlattensAndRefuses) {
-  const auto scalars =
-      readJsonScalars(R"( {"a": {"b": -1.5e3, "c": [1, 2]}, "d": "x\"\n", "e": true} )");
-  ASSERT_TRUE(scalars);
-  EXPECT_EQ(scalars->at("a.b"), "-1.5e3");
-  EXPECT_EQ(scalars->at("d"), "x\"n");
-  EXPECT_EQ(scalars->at("e"), "true");
-  EXPECT_EQ(scalars->size(), 3U);
-  for (const char* bad :
-       {"", "[]", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}", "{\"a", "{\"a\": \"\\u12"}) {
-    EXPECT_FALSE(readJsonScalars(bad)) << bad;
+TEST(ClipMetaJson, IsReadAndRefused) {
+  const ClipMeta meta = parseClipMeta(
+      R"( {"fps": -1.5e3, "fps": 2.5e1, "depth": "a \"16-bit\"\n", "e": true, "c": [1, {"fps": 0}]} )",
+      "meta.json");
+  EXPECT_EQ(meta.fps, 25.0) << "of two the last one";
+  EXPECT_EQ(meta.depth_bits, 16);
+  EXPECT_FALSE(meta.mm_per_unit);
+  EXPECT_FALSE(meta.camera);
+  EXPECT_EQ(parseClipMeta(R"({"fps": "30", "depth": null})", "").fps, 30.0);
+  EXPECT_EQ(parseClipMeta(R"({"depth_bits": 8, "depth": "16-bit"})", "").depth_bits, 8);
+  EXPECT_EQ(parseClipMeta(R"({"depth_scale_m_per_unit": 0.001})", "").depth_bits, 16);
+  const std::string deep(kMaxMetaDepth, '[');
+  const std::string end(kMaxMetaDepth, ']');
+  for (const std::string& bad : std::vector<std::string>{
+           "", "[]", "null", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}", "{\"a",
+           "{\"a\": \"\\u12", "{\"a\": \"\xff\"}", "{\"a\": 1e999}", "{\"a\": " + deep + end + "}",
+           "{\"a\": \"" + std::string(kMaxMeta_bytes, 'x') + "\"}"}) {
+    EXPECT_THROW((void)parseClipMeta(bad, "meta.json"), SourceError) << bad.substr(0, 60);
   }
+  EXPECT_THROW((void)parseClipMeta(R"({"fps": [25]})", ""), SourceError);
+  EXPECT_THROW((void)parseClipMeta(R"({"fps": "\ud800"})", ""), SourceError);
 }
 
 struct RealClip {

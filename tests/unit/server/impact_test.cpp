@@ -8,27 +8,27 @@
 #include <random>
 
 #include "server/source/synthetic_scene.hpp"
-#include "server/vision/describe.hpp"
+#include "server/vision/frame_motion.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {
 
-struct Found {
+struct Findings {
   std::vector<Impact> impacts;  // each once
   // Frames right before and after an impact, and how many of them carried it.
   int before = 0, told_before = 0, after = 0, told_after = 0;
 };
 
 // As the stream does it: a window of three frames on either side.
-Found findAll(const std::vector<Sample>& samples) {
-  Found out;
+Findings findAll(const std::vector<Sample>& samples) {
+  Findings out;
   ImpactFinder finder;
   std::vector<std::vector<Impact>> told;
   for (std::size_t at = 0; at < samples.size(); ++at) {
     const std::size_t first = at > 3 ? at - 3 : 0;
     const std::size_t last = std::min(samples.size() - 1, at + 3);
-    finder.look(
+    finder.test(
         {samples.begin() + std::ptrdiff_t(first), samples.begin() + std::ptrdiff_t(last + 1)},
         at - first);
     told.push_back(finder.around(samples[at].time_s, 3.5 * 0.04));
@@ -79,7 +79,7 @@ std::vector<Sample> bounceAt(double when, double noise_mm) {
 TEST(Impact, ABounceIsFoundOnceWhereverItFallsBetweenFrames) {
   for (double place = 0.0; place < 1.0; place += 0.05) {
     const double when = (10 + place) / 25;
-    const Found found = findAll(bounceAt(when, 0.0));
+    const Findings found = findAll(bounceAt(when, 0.0));
     ASSERT_EQ(found.impacts.size(), 1U) << place;
     EXPECT_NEAR(toSeconds(found.impacts[0].time), when, 1e-4) << place;
     EXPECT_LT((found.impacts[0].delta_velocity_mm_s - Vec3(0, 1200, 0)).norm(), 5) << place;
@@ -93,7 +93,7 @@ TEST(Impact, ABounceIsFoundOnceWhereverItFallsBetweenFrames) {
 
 TEST(Impact, NoiseMovesItLittle) {
   for (const double when : {0.404, 0.42, 0.436}) {
-    const Found found = findAll(bounceAt(when, 0.05));
+    const Findings found = findAll(bounceAt(when, 0.05));
     ASSERT_EQ(found.impacts.size(), 1U) << when;
     EXPECT_NEAR(toSeconds(found.impacts[0].time), when, 1e-3);
     EXPECT_LT((found.impacts[0].delta_velocity_mm_s - Vec3(0, 1200, 0)).norm(), 60);
@@ -131,7 +131,7 @@ TEST(Impact, AllOfASceneAreFoundAndNoOthers) {
   samples.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     samples.push_back({i / 25.0, scene.at(i / 25.0).motion().position_mm, 0.0, true});
-  const Found found = findAll(samples);
+  const Findings found = findAll(samples);
   std::size_t next = 0;
   for (const SceneImpact& truth : scene.impacts()) {
     // Without three frames on both sides of its own there is nothing to see.

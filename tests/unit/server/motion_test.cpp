@@ -83,7 +83,7 @@ TEST(Motion, DepthDifferencesAreNotRuinedByAFewWildPixels) {
   EXPECT_NEAR(*depthDifference_mm(flatSurface(40, 700), now, {1, 0, 0, 0, 1, 0}, 3), -4, 1e-3);
 }
 
-const View kNoView;
+const cv::Mat kNoGray;
 
 PoseSettings withoutAlignment(MotionMode mode) {
   return {mode, false, false, {300, 300, 160, 120}, {320, 240}};
@@ -93,11 +93,11 @@ TEST(Motion, ARepeatedDepthFrameIsNoObservation) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 4, 0, 1, 0};
-  PoseTracker tracker(withoutAlignment(MotionMode::kAuto), kNoView, flatSurface(40, 700));
-  const Pose repeat = tracker.advance({flow, kNoView, flatSurface(44, 700), false, true});
+  PoseTracker tracker(withoutAlignment(MotionMode::kAuto), kNoGray, flatSurface(40, 700));
+  const ObjectPose repeat = tracker.advance({flow, kNoGray, flatSurface(44, 700), true});
   EXPECT_FALSE(repeat.depth_seen);
   EXPECT_NEAR(repeat.u_px, 74, 1e-6);
-  const Pose fresh = tracker.advance({flow, kNoView, flatSurface(48, 690), false, false});
+  const ObjectPose fresh = tracker.advance({flow, kNoGray, flatSurface(48, 690)});
   EXPECT_TRUE(fresh.depth_seen);
   EXPECT_NEAR(fresh.depth_mm, 690, 1e-3);
 }
@@ -108,16 +108,16 @@ TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
   flow.similarity = {1, 0, 0.4, 0, 1, 0.2};  // noise, or a creep
   PoseSettings settings = withoutAlignment(MotionMode::kAuto);
   settings.exact_masks = true;
-  PoseTracker tracker(settings, kNoView, flatSurface(40, 700));
-  const Pose before = tracker.pose();
+  PoseTracker tracker(settings, kNoGray, flatSurface(40, 700));
+  const ObjectPose before = tracker.pose();
   for (int i = 0; i < 5; ++i) {
-    const Pose rest = tracker.advance({flow, kNoView, flatSurface(41, 698), false, false, true});
+    const ObjectPose rest = tracker.advance({flow, kNoGray, flatSurface(41, 698), false, true});
     EXPECT_EQ(rest.u_px, before.u_px);
     EXPECT_EQ(rest.v_px, before.v_px);
     EXPECT_EQ(rest.depth_mm, before.depth_mm);
     EXPECT_EQ(rest.angle_rad, before.angle_rad);
   }
-  const Pose moved = tracker.advance({flow, kNoView, flatSurface(43, 695), false, false, false});
+  const ObjectPose moved = tracker.advance({flow, kNoGray, flatSurface(43, 695)});
   EXPECT_NEAR(moved.u_px, before.u_px + 3, 1e-6);
   EXPECT_NEAR(moved.depth_mm, 695, 1e-3);
 }
@@ -128,9 +128,9 @@ TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
   flow.similarity = {1, 0, 4, 0, 1, 0};
   const Surface later = flatSurface(44, 690);
   const auto moved = [&](MotionMode mode) {
-    PoseTracker tracker(withoutAlignment(mode), kNoView, flatSurface(40, 700));
-    const Pose before = tracker.pose();
-    const Pose now = tracker.advance({flow, kNoView, later, false, false});
+    PoseTracker tracker(withoutAlignment(mode), kNoGray, flatSurface(40, 700));
+    const ObjectPose before = tracker.pose();
+    const ObjectPose now = tracker.advance({flow, kNoGray, later});
     return std::pair{now.u_px - before.u_px, now.depth_mm - before.depth_mm};
   };
   EXPECT_EQ(moved(MotionMode::kNone), (std::pair{0.0, 0.0}));

@@ -14,13 +14,13 @@ namespace hapticast::server {
 namespace {
 
 struct Frame {
-  View view;
+  FrameImages view;
   Surface surface;
 };
 
 Frame frameOf(const test::BallScene& scene, double u, double v, double closer_mm = 0) {
   Frame out;
-  out.view = makeView(scene.frame(0, u, v, closer_mm), scene.info());
+  out.view = imagesOf(scene.frame(0, u, v, closer_mm), scene.info());
   DepthNoise noise;
   noise.sigma_mm = {0.5};
   out.surface = rawSurface(out.view.depth, out.view.mask * 255, noise);
@@ -30,7 +30,7 @@ Frame frameOf(const test::BallScene& scene, double u, double v, double closer_mm
 Vec3 centreOfBall(const test::BallScene& scene, double u, double v, double closer_mm = 0) {
   const double z = scene.near_mm + scene.bulge_mm - closer_mm;
   const CameraModel c = scene.camera();
-  return {(u - c.cx_px) / c.fx_px * z, (v - c.cy_px) / c.fy_px * z, z};
+  return z * c.ray(u, v);
 }
 
 struct Move {
@@ -83,7 +83,7 @@ TEST(RigidAlign, WithoutTheObjectNothingIsFound) {
   const test::BallScene scene;
   const Frame before = frameOf(scene, 130, 110);
   const RigidTemplate seen(before.view.gray, before.surface, scene.camera());
-  View gone = before.view;
+  FrameImages gone = before.view;
   gone.depth = cv::Mat(gone.depth.size(), CV_32FC1, cv::Scalar(1200));
   gone.gray = cv::Mat(gone.gray.size(), CV_8UC1, cv::Scalar(128));
   const RigidStep step = seen.find(gone, centreOfBall(scene, 130, 110), {});
@@ -98,7 +98,7 @@ TEST(RigidAlign, NonsenseIsNoMotion) {
   RigidStep guess;
   guess.shift_mm = {1e9, -1e9, -1e9};
   EXPECT_TRUE(seen.find(before.view, centreOfBall(scene, 130, 110), guess).shift_mm.allFinite());
-  View holes = before.view;
+  FrameImages holes = before.view;
   holes.depth = cv::Mat::zeros(holes.depth.size(), CV_32FC1);
   EXPECT_FALSE(seen.find(holes, centreOfBall(scene, 130, 110), {}).reliable);
   Surface tiny = before.surface;

@@ -94,9 +94,8 @@ TEST(ScenePlan, FollowsASceneThatStopsAndMovesAgain) {
   const test::BallScene scene;
   const CountingClock clock;
   VisionSettings settings;
-  settings.clock = &clock;
   settings.depth_range = DepthRange{650, 850};
-  Vision vision(scene.info(), settings);
+  Vision vision(scene.info(), settings, &clock);
   const auto on = [&](Stage stage) {
     return vision.plan().begin()->second[static_cast<std::size_t>(stage)].on;
   };

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/vision/base/flow.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/segment.hpp"
 
 namespace hapticast::server::test {
@@ -19,16 +21,18 @@ inline double overlap(const cv::Mat& a, const cv::Mat& b) {
 struct Runner {
   SourceInfo info;
   std::unique_ptr<Segmenter> segmenter;
-  View last;
+  std::optional<FramePairs> frames;
   std::vector<Segment> segments;
 
   const std::vector<Segment>& next(const RgbdFrame& frame) {
-    const View view = makeView(frame, info);
+    if (!frames) frames.emplace(info, true);
+    const FramePair pair = frames->takeIn(frame, 0.0);
     Flows flows;
-    for (const Segment& s : segments)
-      flows[s.id] = trackObject(last.gray, view.gray, s.mask, {0, 0});
-    segments = segmenter->next(view, flows);
-    last = view;
+    for (const Segment& s : segments) {
+      if (!pair.last.gray.empty())
+        flows[s.id] = trackObject(pair.last.gray, pair.now.gray, s.mask, {0, 0});
+    }
+    segments = segmenter->next(pair, flows);
     return segments;
   }
 };

@@ -229,9 +229,10 @@ TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
   VisionSettings settings;
   settings.object_points_px = {{100, 100}};
   const auto segmenter = makeSegmenter(settings, false, id);
+  FramePairs frames(scene.info(), true);
   const cv::Mat first =
-      segmenter->next(makeView(scene.frame(0, 100, 100), scene.info()), {}).at(0).mask.clone();
-  const View moved = makeView(scene.frame(1, 104, 100), scene.info());
+      segmenter->next(frames.takeIn(scene.frame(0, 100, 100), 0.0), {}).at(0).mask;
+  const FramePair moved = frames.takeIn(scene.frame(1, 104, 100), 0.04);
   ObjectFlow flow;
   flow.stays = true;
   EXPECT_EQ(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 1.0);
@@ -302,10 +303,10 @@ TEST(Segment, RefusesFramesOfAnotherSize) {
   const test::BallScene scene;
   RgbdFrame frame = scene.frame(3, 100, 100);
   frame.depth = frame.depth(cv::Rect(0, 0, 100, 100)).clone();
-  EXPECT_NE(errorOf([&] { makeView(frame, scene.info()); }).find("frame 3"), std::string::npos);
+  EXPECT_NE(errorOf([&] { imagesOf(frame, scene.info()); }).find("frame 3"), std::string::npos);
   frame = scene.frame(3, 100, 100);
   frame.color = cv::Mat();
-  EXPECT_NE(errorOf([&] { makeView(frame, scene.info()); }), "");
+  EXPECT_NE(errorOf([&] { imagesOf(frame, scene.info()); }), "");
 }
 
 TEST(Segment, UnusableDepthsCountAsNotMeasured) {
@@ -314,7 +315,7 @@ TEST(Segment, UnusableDepthsCountAsNotMeasured) {
   frame.depth.at<float>(0, 0) = std::numeric_limits<float>::quiet_NaN();
   frame.depth.at<float>(0, 1) = -5;
   frame.depth.at<float>(0, 2) = std::numeric_limits<float>::infinity();
-  const View view = makeView(frame, scene.info());
+  const FrameImages view = imagesOf(frame, scene.info());
   for (int u = 0; u < 3; ++u) EXPECT_EQ(view.depth.at<float>(0, u), 0.0F);
 }
 

@@ -98,8 +98,7 @@ struct BallScene {
 
  private:
   [[nodiscard]] Vec3 rayThrough(const Vec2& at_px) const {
-    const CameraModel c = camera();
-    return {(at_px.x() - c.cx_px) / c.fx_px, (at_px.y() - c.cy_px) / c.fy_px, 1.0};
+    return camera().ray(at_px.x(), at_px.y());
   }
 };
 

@@ -191,6 +191,20 @@ TEST(Vision, PointsOutsideThePictureAreRefused) {
   }
 }
 
+TEST(Vision, AScanEndsWhereItIsToldTo) {
+  const BallScene scene;
+  FunctionSource source(scene.info(), 10,
+                        [&](std::uint64_t i) { return scene.frame(i, 160, 120, 0); });
+  Vision vision(source.info(), {});
+  std::uint64_t last_done = 0;
+  EXPECT_FALSE(vision.scan(source, [&](std::uint64_t done, std::uint64_t) {
+    last_done = done;
+    return done < 3;
+  }));
+  EXPECT_EQ(last_done, 3U);
+  EXPECT_EQ(vision.description().largest_acceleration_mm_s2, 0.0);
+}
+
 TEST(Vision, ScanFindsOneRangeForTheClipAndRewinds) {
   const BallScene scene;
   FunctionSource source(scene.info(), 10, [&](std::uint64_t i) {
@@ -198,10 +212,12 @@ TEST(Vision, ScanFindsOneRangeForTheClipAndRewinds) {
   });
   Vision vision(source.info(), {});
   std::uint64_t last_done = 0;
-  vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
+  const bool all = vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     EXPECT_EQ(done, ++last_done);
     EXPECT_EQ(total, 10U);
+    return true;
   });
+  EXPECT_TRUE(all);
   EXPECT_EQ(last_done, 10U);
   const std::vector<VisionResult> results = runAll(vision, source);
   ASSERT_EQ(results.size(), 10U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/motion/rigid_window.hpp"
+#include "server/vision/motion/rigid_crop.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kDepthReach_mm = 80.0;
+constexpr double kDepthReach_mm = 80.0;  // chosen: further than a body moves in a frame
 
 }  // namespace
 
@@ -40,14 +40,15 @@ cv::Mat smoothedGray(const cv::Mat& gray, int factor) {
   return out;
 }
 
-Window windowOf(const View& view, const cv::Rect& area, int factor, const DepthRange& depths) {
-  Window out;
+RigidCrop cropOf(const FrameImages& images, const cv::Rect& area, int factor,
+                 const DepthRange& depths) {
+  RigidCrop out;
   out.origin = area.tl();
   out.factor = factor;
   const cv::Rect whole(area.x, area.y, area.width / factor * factor, area.height / factor * factor);
   if (whole.width < 3 * factor || whole.height < 3 * factor) return out;
-  const cv::Mat gray = smoothedGray(view.gray(whole), factor);
-  const cv::Mat raw = view.depth(whole);
+  const cv::Mat gray = smoothedGray(images.gray(whole), factor);
+  const cv::Mat raw = images.depth(whole);
   const cv::Mat known =
       (raw > depths.near_mm - kDepthReach_mm) & (raw < depths.far_mm + kDepthReach_mm) & (raw > 0);
   const cv::Mat depth = smoothedDepth(raw, known, factor);
@@ -76,7 +77,7 @@ Window windowOf(const View& view, const cv::Rect& area, int factor, const DepthR
   return out;
 }
 
-bool Window::sample(const Eigen::Vector2d& at, Texel& out) const {
+bool RigidCrop::sample(const Eigen::Vector2d& at, Texel& out) const {
   const double u = std::floor(at.x());
   const double v = std::floor(at.y());
   if (!(u >= 0 && v >= 0 && u + 1 < columns && v + 1 < rows)) return false;

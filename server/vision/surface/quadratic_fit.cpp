@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT
 // The local quadratic fit: one fixed kernel where the whole window lies in the mask, a 6 x 6 solve
 // at the rim, both from separable Gaussian moments.
+#include "server/vision/surface/quadratic_fit.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "server/vision/surface/enhance.hpp"
+#include "server/vision/base/masks.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr double kFewestSigma_px = 2.0;  // smoothed over fewer pixels it would show them
-constexpr double kBeyond = 0.1;          // of half a step, that a wider fit may be off
+constexpr double kFewestSigma_px = 2.0;  // chosen: smoothed over fewer pixels it would show them
+constexpr double kBeyond = 0.1;          // chosen, of half a step, that a wider fit may be off
 constexpr int kOrders = 5;               // moments x^0 .. x^4
 // Basis 1, x, y, x², xy, y² as exponents of x and y.
 constexpr std::array<std::array<int, 2>, 6> kBasis{
@@ -139,8 +141,10 @@ double constantOf(const Moments& moments) {
   return right[n - 1] / diagonal[n - 1];
 }
 
-void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
-            const Kernels& kernels, cv::Mat& out) {
+// The fit at the pixels of `rim`; 0 elsewhere.
+cv::Mat rimFit(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
+               const Kernels& kernels) {
+  cv::Mat out = cv::Mat::zeros(values.size(), CV_32FC1);
   cv::Mat needed;
   cv::dilate(rim, needed, cv::Mat::ones(2 * kernels.radius_px + 1, 1, CV_8UC1));
   const cv::Mat along_x = momentsAlongX(values, weight, needed, kernels);
@@ -153,6 +157,7 @@ void fitRim(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
       to[u] = std::isfinite(value) ? static_cast<float>(value) : 0.0F;
     }
   }
+  return out;
 }
 
 // `weight`: 0..1, how much of a pixel is known. At the pixels of `wanted` (0 / 255), also outside.
@@ -164,7 +169,8 @@ cv::Mat fitAt(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wante
   const int size = 2 * kernels.radius_px + 1;
   cv::erode(weight > 0.999, window_inside, cv::Mat::ones(size, size, CV_8UC1), {-1, -1}, 1,
             cv::BORDER_CONSTANT, cv::Scalar(0));
-  fitRim(values, weight, wanted & (window_inside == 0), kernels, out);
+  const cv::Mat rim = wanted & (window_inside == 0);
+  rimFit(values, weight, rim, kernels).copyTo(out, rim);
   return out;
 }
 
@@ -227,8 +233,8 @@ cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px
                                : fitAt(in.values, in.weight, mask, sigma_px));
 }
 
-void widenFit(cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask, const cv::Mat& measured,
-              double half_step, double sigma_px) {
+cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
+                 const cv::Mat& measured, double half_step, double sigma_px) {
   const Centred in(rounded, mask);
   const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
   // What a block's part inside the mask would tell does not lie at the block's centre.
@@ -245,7 +251,7 @@ void widenFit(cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask, cons
   // A block is half a sigma: what is off there and in the four beside it counts.
   cv::erode(share, share, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
   cv::GaussianBlur(share, share, {}, 1.0);
-  height += fromBlocks(change.mul(share), factor, height.size());
+  return height + fromBlocks(change.mul(share), factor, height.size());
 }
 
 }  // namespace hapticast::server

@@ -1,30 +1,24 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/base/depth_scene.hpp"
+#include "server/vision/segment/planes.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
 constexpr int kLattice_px = 4;  // in pictures up to kUsualWidth_px; in larger ones as many points
-constexpr int kFollowed = 2;    // times as coarse where planes are only followed
-constexpr int kTriples = 250;
-constexpr double kSmallestPlane = 0.06;
-constexpr double kSmallestGround = 0.02;  // of the picture, for a plane that is surely ground
-constexpr double kGroundSlope = 1.5;      // mm of depth per px
-constexpr double kClean_mm = 0.1;
-constexpr double kUnknown_mm = 0.5;
-// What rounding alone reads as noise on a slope: second differences of one quantum. Finer quanta
-// read the same when a sensor's correlated noise is on them.
-constexpr double kRounding = 0.61;
-constexpr std::size_t kLargestNoiseBins = 400;
-constexpr std::size_t kFewestGaps = 8;
+constexpr int kFollowed = 2;    // times as coarse where planes are only followed (chosen for time)
+constexpr int kTriples = 250;   // chosen: finds a plane with 6 % of the picture nearly surely
+constexpr double kSmallestPlane = 0.06;   // of the picture; tried on scenes with tables and walls
+constexpr double kSmallestGround = 0.02;  // the same for a plane that is surely ground
+constexpr double kGroundSlope = 1.5;      // mm of depth per px; chosen: a wall seen askew has less
 
 struct LatticePoint {
   double u, v, z;
@@ -83,7 +77,7 @@ int fitOnce(const std::vector<LatticePoint>& points, double width, Plane& plane)
   const int count = static_cast<int>(residuals.size());
   // Never wider than what the noise allows: a fit that widens itself ends by swallowing what stands
   // on it.
-  plane.tolerance_mm = std::min(plane.widest_mm, 3 * 1.48 * medianOf(residuals) + 2.0);
+  plane.tolerance_mm = std::min(plane.widest_mm, 3 * sigmaByMedian(residuals) + 2.0);
   return count;
 }
 
@@ -132,55 +126,6 @@ bool isGround(const std::vector<LatticePoint>& points, const Plane& plane) {
 }
 
 }  // namespace
-
-double DepthNoise::at(double depth_mm) const {
-  const auto bin = static_cast<std::size_t>(std::max(0.0, depth_mm / kBin_mm));
-  return sigma_mm[std::min(bin, sigma_mm.size() - 1)];
-}
-
-double DepthNoise::step_mm(double depth_mm) const {
-  return std::max({5.0, 6 * at(depth_mm), 1.5 * quantum_mm});
-}
-
-bool DepthNoise::clean(double depth_mm) const {
-  return at(depth_mm) <= std::max(kClean_mm, eight_bit ? kRounding * quantum_mm : 0.0);
-}
-
-DepthNoise measureNoise(const cv::Mat& depth) {
-  std::vector<std::vector<double>> differences(1);
-  std::set<float> values;
-  for (int v = 0; v < depth.rows; v += 2) {
-    const auto* row = depth.ptr<float>(v);
-    for (int u = 1; u + 1 < depth.cols; u += 2) {
-      const float z = row[u];
-      if (z <= 0 || row[u - 1] <= 0 || row[u + 1] <= 0) continue;
-      const double second = std::abs(double(row[u - 1]) - 2 * double(z) + double(row[u + 1]));
-      const auto bin = static_cast<std::size_t>(double(z) / DepthNoise::kBin_mm);
-      if (second > 100.0 || bin >= kLargestNoiseBins) continue;
-      if (bin >= differences.size()) differences.resize(bin + 1);
-      differences[bin].push_back(second);
-      if (values.size() < 4000) values.insert(z);
-    }
-  }
-  DepthNoise noise;
-  std::optional<double> last;
-  for (auto& bin : differences) {
-    const bool nearest = !last && bin.size() >= 200;
-    if (bin.size() >= 200) last = 1.48 * medianOf(bin) / std::sqrt(6.0);
-    // What comes nearer than anything was is not noisier.
-    if (nearest) std::fill(noise.sigma_mm.begin(), noise.sigma_mm.end(), *last);
-    noise.sigma_mm.push_back(last.value_or(kUnknown_mm));
-  }
-  std::vector<double> gaps;
-  for (auto next = values.begin(); next != values.end() && std::next(next) != values.end();
-       ++next) {
-    gaps.push_back(double(*std::next(next)) - double(*next));
-  }
-  // The gaps between a few flat things are no step of the sensor's.
-  if (gaps.size() >= kFewestGaps) noise.quantum_mm = std::min(20.0, medianOf(gaps));
-  for (double& sigma : noise.sigma_mm) sigma = std::max(sigma, 0.5 * noise.quantum_mm);
-  return noise;
-}
 
 double Plane::behind(double u, double v, double depth_mm) const {
   const double square = depth_mm * depth_mm;

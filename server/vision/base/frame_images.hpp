@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One frame as the stages of vision see it: colour, grey and *working depth*. Thread: the one that
-// runs Vision.
+// One frame as the stages of vision see it: colour, grey and *working depth*. Nobody writes into
+// these images (rgbd_source.hpp tells the rule), so they are passed on and kept without copies.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,7 +18,7 @@ inline constexpr DepthRange kHeightRange{600.0, 1000.0};
 /// What constants in px are made for; larger pictures have detail to spare.
 inline constexpr int kUsualWidth_px = 640;
 
-struct View {
+struct FrameImages {
   cv::Mat color;  ///< CV_8UC3, BGR
   cv::Mat gray;   ///< CV_8UC1
   cv::Mat depth;  ///< CV_32FC1, working depth in mm, 0 = no measurement; always finite
@@ -26,26 +27,12 @@ struct View {
 
 /// Checks types and sizes (throws SourceError) and makes the working images. Depths that are not
 /// finite, not positive or beyond 100 m count as not measured.
-View makeView(const RgbdFrame& frame, const SourceInfo& info);
+FrameImages imagesOf(const RgbdFrame& frame, const SourceInfo& info);
 
 /// Whether two images of one type are the same, pixel by pixel. Ends at the first row that differs,
 /// which is nearly always an early one.
 bool equalImages(const cv::Mat& a, const cv::Mat& b);
-
-/// The rectangle around all non-zero pixels of `mask`, grown by `margin_px` and cut to the picture;
-/// empty if none.
-cv::Rect boxAround(const cv::Mat& mask, int margin_px);
-cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size);
-
-/// `mask` (0 / 255) eroded or dilated by a disc of `radius_px`; what is beyond the picture counts
-/// as outside for dilation and as inside for erosion.
-cv::Mat erodedBy(const cv::Mat& mask, int radius_px);
-cv::Mat dilatedBy(const cv::Mat& mask, int radius_px);
-
-/// Fills holes of `mask` (0 / 255) smaller than `largest_px` pixels.
-void fillHoles(cv::Mat& mask, int largest_px);
-
-/// Median of `values` (reordered); 0 when empty.
-double medianOf(std::vector<double>& values);
+/// Whether colour, depth and mask are.
+bool equalImages(const FrameImages& a, const FrameImages& b);
 
 }  // namespace hapticast::server

@@ -4,25 +4,11 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <optional>
 #include <vector>
 
+#include "server/vision/base/depth_noise.hpp"
+
 namespace hapticast::server {
-
-/// Depth noise per range, from second differences, and the step of the depth values.
-struct DepthNoise {
-  std::vector<double> sigma_mm;  ///< per kBin_mm of range; never empty after measureNoise()
-  double quantum_mm = 0.0;
-  bool eight_bit = false;  ///< the step is coarser than what a sensor's noise would be
-  static constexpr double kBin_mm = 250.0;
-
-  [[nodiscard]] double at(double depth_mm) const;
-  /// The largest step between neighbours on one surface: max(5 mm, 6 sigma, 1.5 quanta).
-  [[nodiscard]] double step_mm(double depth_mm) const;
-  /// Exact, or 8-bit and rounded but not noisy: nothing to be averaged out.
-  [[nodiscard]] bool clean(double depth_mm) const;
-};
-DepthNoise measureNoise(const cv::Mat& depth);
 
 /// A plane in inverse depth, 1/z = a u + b v + c: exact for planes, without intrinsics.
 struct Plane {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/source/camera_model.hpp"
-#include "server/vision/base/view.hpp"
+#include "server/vision/base/frame_images.hpp"
 
 namespace hapticast::server {
 
@@ -19,7 +19,7 @@ struct Texel {
 };
 
 /// Part of a picture on one level: its pixel (0, 0) covers factor x factor pixels from `origin`.
-struct Window {
+struct RigidCrop {
   cv::Point origin;
   int factor = 1;
   int columns = 0, rows = 0;
@@ -27,8 +27,8 @@ struct Window {
 
   /// Position on this level (pixel centres at whole numbers) of a place in the picture (centres at
   /// +0.5).
-  [[nodiscard]] Eigen::Vector2d place(double u_px, double v_px) const {
-    return {(u_px - origin.x) / factor - 0.5, (v_px - origin.y) / factor - 0.5};
+  [[nodiscard]] Eigen::Vector2d place(const Eigen::Vector2d& at_px) const {
+    return {(at_px.x() - origin.x) / factor - 0.5, (at_px.y() - origin.y) / factor - 0.5};
   }
   /// Bilinear; false outside. Depth is 0 where one of the four neighbours has none.
   bool sample(const Eigen::Vector2d& at, Texel& out) const;
@@ -36,7 +36,8 @@ struct Window {
 
 /// `area` is cut to whole level pixels. Depths further than 80 mm from `depths` are not the
 /// object's and count as not known.
-Window windowOf(const View& view, const cv::Rect& area, int factor, const DepthRange& depths);
+RigidCrop cropOf(const FrameImages& images, const cv::Rect& area, int factor,
+                 const DepthRange& depths);
 
 /// `image` in 1/factor of its size each way; the size a multiple of `factor`.
 cv::Mat shrunk(const cv::Mat& image, int factor);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Statistics that a few wild values cannot spoil. Thread: any.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace hapticast::server {
+
+/// Median of `values`, the upper one of an even number; reorders them. 0 when there are none.
+template <class Value>
+double medianOf(std::vector<Value>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+/// The standard deviation that normal noise of these absolute deviations has: 1.48 times their
+/// median (the MAD; 1 / 0.6745, Rousseeuw and Croux 1993). Reorders them. 0 when there are none.
+template <class Value>
+double sigmaByMedian(std::vector<Value>& absolute_deviations) {
+  return 1.48 * medianOf(absolute_deviations);
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// One object as the band step follows it: where it is, what something nearer hides of it, and what
+// is remembered of its looks. Thread: the one that runs Vision.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "server/vision/base/depth_noise.hpp"
+#include "server/vision/base/flow.hpp"
+#include "server/vision/base/frame_images.hpp"
+#include "server/vision/segment/contour.hpp"
+#include "server/vision/segment/planes.hpp"
+
+namespace hapticast::server {
+
+/// What the objects of a frame stand in.
+struct BandScene {
+  DepthNoise noise;
+  std::vector<Plane> planes;
+};
+
+class BandObject {
+ public:
+  /// Starts with a first mask (0 / 255, size of the picture), which is settled: the band step is
+  /// repeated on this frame until it comes to rest.
+  BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
+             const BandScene& scene);
+
+  /// The mask in the next frame, moved by `flow`, its band decided anew.
+  void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
+  /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
+  /// by its first colours and its last depth. Found again it is another object, without an id yet.
+  [[nodiscard]] std::optional<BandObject> search(const FrameImages& images, const BandScene& scene);
+  /// Leaves to `other` the pixels that both have; lost when next to nothing is left.
+  void yieldTo(const BandObject& other);
+  void lose();
+
+  [[nodiscard]] std::uint32_t id() const { return id_; }
+  void rename(std::uint32_t id) { id_ = id; }
+  /// Where it is seen: 0 / 255, size of the picture.
+  [[nodiscard]] const cv::Mat& mask() const { return mask_; }
+  /// 1: decided from this frame; less: carried on.
+  [[nodiscard]] double quality() const { return quality_; }
+  [[nodiscard]] bool present() const { return lost_ == 0; }
+  [[nodiscard]] int framesLost() const { return lost_; }
+
+ private:
+  BandObject() = default;
+  void settle(const FrameImages& images, const BandScene& scene);
+  void seenWell(const Patch& patch);
+
+  std::uint32_t id_ = 0;
+  cv::Mat mask_;
+  cv::Mat whole_;  // mask and what of the object something nearer hides
+  ContourMemory memory_;
+  double quality_ = 1.0;
+  int weak_ = 0;        // frames in a row that did not convince
+  int lost_ = 0;        // frames since it was lost; 0: present
+  double area_px_ = 0;  // when last seen well
+  DepthSpan depth_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/track.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// A depth camera that is slower than the colour repeats its depth: nearly all of it, to the bit.
+constexpr double kRepeated = 0.98;  // chosen
+// Chosen: while colour moves by more, a depth that stays is a repeat and no rest.
+constexpr double kMoves_px = 0.3;
+constexpr double kChanges = 1.2;         // grey levels a pixel
+constexpr double kTooLittle = 0.25;      // measured: of less visible no motion can be told
+constexpr double kBlindQuality = 0.5;    // chosen, at most: followed without depth
+constexpr double kGuessQuality = 0.8;    // chosen: followed without a reliable flow
+constexpr double kFullAreaShare = 0.05;  // chosen: a new size is believed in a second
+
+TrackedObject firstOf(const TrackSettings& settings, const Segment& segment) {
+  PlanSettings plan = settings.vision.plan;
+  if (settings.vision.motion == MotionMode::kNone) plan.forced[std::size_t(Stage::kMotion)] = false;
+  TrackedObject out;
+  out.id = segment.id;
+  out.quality = segment.quality;
+  out.plan = std::make_shared<ScenePlan>(plan, settings.exact_masks);
+  return out;
+}
+
+cv::Point2d middleOf(const cv::Mat& mask) {
+  const cv::Rect box = boxAround(mask, 0);
+  return centroidOf(cv::moments(mask(box), true), box.tl());
+}
+
+}  // namespace
+
+Track::Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames)
+    : settings_(&settings),
+      now_(firstOf(settings, segment)),
+      mask_(segment.mask),
+      motion_(settings.pose, frames.now.gray, now_.surface = cleaned(segment, frames)),
+      full_area_px_(double(cv::countNonZero(segment.mask))) {
+  now_.pose = motion_.pose();
+  hold(frames, false);
+}
+
+bool Track::rests(const FramePair& frames) {
+  const ScenePlan& plan = *now_.plan;
+  now_.plan->nextFrame();
+  const bool left_out = !plan.on(Stage::kMotion) && !plan.on(Stage::kSegment) &&
+                        settings_->vision.method != Method::kThesis;
+  rests_ = frames.identical || (left_out && lost_ == 0 && now_.atRest() &&
+                                hold_.stays(frames.now, restNoiseOf(frames.noise, now_.surface)));
+  return rests_;
+}
+
+const ObjectFlow& Track::follow(const FramePair& frames) {
+  flow_ = {};
+  flow_.stays = rests_;
+  const bool asked = !settings_->exact_masks || settings_->vision.motion != MotionMode::kNone;
+  if (rests_ || lost_ > 0 || !asked) return flow_;
+  const Lap lap(settings_->clock, *now_.plan, Stage::kMotion);
+  // One tracker serves mask and motion; where it fails, corners tell where the mask went.
+  if (!repeatsDepth(frames, mask_)) {
+    if (const auto found = motion_.find(frames.now)) return flow_ = *found;
+  }
+  return flow_ = trackObject(frames.last.gray, frames.now.gray, mask_, last_step_px_);
+}
+
+void Track::update(const Segment& segment, const FramePair& frames) {
+  lost_ = 0;
+  now_.seen = true;
+  if (rests_) {
+    now_.plan->rest(true);
+    now_.held_share = 1.0;
+    now_.cells = now_.cells.standing();
+    now_.pose.background_px = background_px_;
+    return;
+  }
+  const bool repeats = repeatsDepth(frames, segment.mask);
+  const bool blind = !hasDepth(frames.now.depth, segment.mask);
+  const bool repeated = blind || repeats;
+  const Surface before = now_.surface;
+  const Surface seen =
+      repeated ? carriedSurface(segment.mask, before, flow_.similarity) : cleaned(segment, frames);
+  now_.surface = seen;
+  updatePresence(segment, blind);
+  hold(frames, repeated);
+  now_.plan->rest(now_.atRest());
+  {
+    const Lap lap(settings_->clock, *now_.plan, Stage::kMotion);
+    // Motion is measured on what this frame shows, not on what is held of the frames before.
+    now_.pose = motion_.advance({.flow = flow_,
+                                 .gray = frames.now.gray,
+                                 .surface = seen,
+                                 .repeated = repeated,
+                                 .at_rest = now_.atRest(),
+                                 .visible_fraction = now_.visible_fraction});
+  }
+  now_.pose.background_px = background_px_;
+  now_.cells = cells(frames, before);
+  last_step_px_ = middleOf(segment.mask) - middleOf(mask_);
+  mask_ = segment.mask;
+}
+
+void Track::lose() {
+  ++lost_;
+  now_.seen = false;
+  now_.pose.background_px = background_px_;
+  const double left = 1.0 - double(lost_) / (kKeepLost + 1);
+  now_.quality = std::min(now_.quality, left);
+  now_.visible_fraction = std::min(now_.visible_fraction, left);
+}
+
+bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
+  if (settings_->exact_masks || frames.last.depth.empty()) return false;
+  const cv::Rect box = boxAround(mask, 8);
+  const cv::Mat valid = frames.now.depth(box) > 0;
+  const cv::Mat same = (frames.now.depth(box) == frames.last.depth(box)) & valid;
+  if (cv::countNonZero(same) < kRepeated * cv::countNonZero(valid)) return false;
+  const cv::Vec2d shift(flow_.similarity(0, 2), flow_.similarity(1, 2));
+  return cv::norm(shift) > kMoves_px ||
+         cv::norm(frames.now.gray(box), frames.last.gray(box), cv::NORM_L1) > kChanges * box.area();
+}
+
+Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
+  ScenePlan& plan = *now_.plan;
+  const Method method = settings_->vision.method;
+  const bool clean = plan.on(Stage::kClean) || method == Method::kThesis;
+  const bool measure = plan.measureNow() && method != Method::kThesis;
+  Surface raw;
+  if (!clean || measure) {
+    raw = rawSurface(frames.now.depth, segment.mask, frames.noise);
+    // A hole cannot be left as it is.
+    if (!clean && !measure && raw.allMeasured()) return raw;
+  }
+  const Lap lap(settings_->clock, plan, Stage::kClean);
+  Surface out = cleanSurface(frames.now.depth, segment.mask, frames.noise, method);
+  if (measure) {
+    // A mask of our own may take in some background in any frame, not just in those that are
+    // measured.
+    const bool same = settings_->exact_masks && raw.allMeasured() && out.allMeasured();
+    plan.costs(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
+  }
+  return out;
+}
+
+// Holds what is at rest of the new surface; does nothing where there is no noise.
+void Track::hold(const FramePair& frames, bool repeated) {
+  now_.held_share = 0.0;
+  if (settings_->vision.method == Method::kThesis) return;
+  const RestNoise noise = restNoiseOf(frames.noise, now_.surface);
+  if (settings_->exact_masks && noise.clean) return;
+  now_.surface = hold_.apply(frames.now.gray, now_.surface, noise, repeated);
+  now_.held_share = hold_.share();
+}
+
+void Track::updatePresence(const Segment& segment, bool blind) {
+  const cv::Rect box = now_.surface.box;
+  const double area = cv::countNonZero(now_.surface.mask);
+  const cv::Size picture = segment.mask.size();
+  const bool entire =
+      box.x > 0 && box.y > 0 && box.br().x < picture.width && box.br().y < picture.height;
+  if (flow_.rotation_reliable) full_area_px_ *= flow_.scale() * flow_.scale();
+  // A whole object that stays smaller has become smaller; one cut by the border has not.
+  if (entire) full_area_px_ += kFullAreaShare * (area - full_area_px_);
+  full_area_px_ = std::max(full_area_px_, area);
+  now_.visible_fraction = area / full_area_px_;
+  now_.quality = segment.quality * (flow_.reliable ? 1.0 : kGuessQuality);
+  // Of so little its motion cannot be told: its shape is felt, no force of its motion.
+  if (now_.visible_fraction < kTooLittle) now_.quality = 0.0;
+  if (blind) now_.quality = std::min(now_.quality, kBlindQuality);
+}
+
+// The thesis's dense flow, or what the rigid motion leaves over.
+CellFlow Track::cells(const FramePair& frames, const Surface& before) const {
+  CellFlow out;
+  const MotionMode mode = settings_->vision.motion;
+  if (settings_->vision.method == Method::kThesis) {
+    if (mode != MotionMode::kNone)
+      out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, now_.surface, mode);
+  } else if (motion_.aligned() && now_.plan->on(Stage::kGrid)) {
+    const Lap lap(settings_->clock, *now_.plan, Stage::kGrid);
+    out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
+                       [&](const cv::Point2f& at_px, double depth_mm) {
+                         return motion_.explained(at_px, depth_mm);
+                       });
+  }
+  out.interval_s = frames.interval_s;
+  return out;
+}
+
+}  // namespace hapticast::server
