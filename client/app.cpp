@@ -5,18 +5,15 @@
 
 #include <chrono>
 #include <csignal>
-#include <stdexcept>
 #include <thread>
 #include <utility>
-
-#include "client/log.hpp"
 
 namespace hapticast::client {
 
 namespace {
 
-constexpr auto kDrainInterval = std::chrono::milliseconds(10);
-constexpr int kMaxFaultFiles = 10;
+// Chosen: a window that is drawn in every turn moves smoothly.
+constexpr auto kTurn = std::chrono::milliseconds(10);
 
 RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile) {
   RoomSettings room;
@@ -26,9 +23,18 @@ RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile
   return room;
 }
 
+Dial dialOf(Transport transport) {
+  switch (transport) {
+    case Transport::kTcp:
+      break;
+  }
+  return dialTcp;
+}
+
 ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   ConnectionSettings connection;
   connection.server = settings.server;
+  connection.dial = dialOf(settings.transport);
   connection.wants_video = wants_video;
   return connection;
 }
@@ -68,25 +74,26 @@ App::App(Settings settings, const Clock& clock, Views views)
                 }),
       receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
       connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
-                  {.welcomed =
-                       [this](const auto& stream) {
-                         spdlog::info("{}", greeting(stream, settings_.method));
-                         told_why_.clear();
-                       },
-                   .video = [this](VideoFrame video) { show(std::move(video)); },
-                   .disconnected = [this](const std::string& why) { sayOnce(why); },
-                   .failed =
-                       [this](const std::string& why) {
-                         spdlog::error("{}", why);
-                         failed_ = true;
-                         stop();
-                       }}),
+                  connectionEvents()),
+      log_(settings_.log_file),
       views_(std::move(views)) {
-  requireWritable("--log", settings_.log_file);
   requireWritable("--summary", settings_.summary_file);
-  if (settings_.log_file.empty()) return;
-  log_.open(settings_.log_file);
-  writeReportHeading(log_);
+}
+
+ConnectionEvents App::connectionEvents() {
+  return {.welcomed =
+              [this](const auto& stream) {
+                spdlog::info("{}", greeting(stream, settings_.method));
+                told_why_.clear();
+              },
+          .video = [this](VideoFrame video) { show(std::move(video)); },
+          .disconnected = [this](const std::string& why) { sayOnce(why); },
+          .failed =
+              [this](const std::string& why) {
+                spdlog::error("{}", why);
+                failed_ = true;
+                stop();
+              }};
 }
 
 void App::show(VideoFrame picture) {
@@ -113,9 +120,9 @@ bool App::run() {
   const StopOnExit network_stop{io_};
   LoopThread loop(*device_, *room_, clock_);
 
-  wait();
+  runEvents();
   loop.stop();
-  drain();
+  takeReports();
   preparer_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
   connection_.stop();
@@ -124,45 +131,40 @@ bool App::run() {
   return !failed_;
 }
 
-void App::wait() {
+void App::runEvents() {
   const LocalTime begin = clock_.now();
-  while (!stop_ &&
-         (settings_.seconds == 0.0 || clock_.now() - begin < fromSeconds(settings_.seconds))) {
-    drain();
-    dumpFault();
-    if (last_report_.contact != told_contact_) {
-      told_contact_ = last_report_.contact;
-      asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
-    }
-    if (settings_.rearm && deviceIsBack(last_report_)) {
-      ++user_.rearm;
-      user_controls_.store(user_);
-    }
+  const auto over = [&] {
+    return settings_.seconds > 0.0 && clock_.now() - begin >= fromSeconds(settings_.seconds);
+  };
+  while (!stop_ && !over()) {
+    takeReports();
+    fault_files_.take(room_->recorder());
+    tellContact();
+    rearm();
     for (const auto& view : views_) {
       if (!view->turn()) stop();
     }
-    std::this_thread::sleep_for(kDrainInterval);
+    std::this_thread::sleep_for(kTurn);
   }
 }
 
-void App::drain() {
-  TickReport& report = last_report_;
-  while (log_ring_.tryPop(report)) {
-    if (log_.is_open()) writeReport(log_, report);
-    for (const auto& view : views_) view->takeReport(report);
+void App::takeReports() {
+  while (log_ring_.tryPop(last_report_)) {
+    log_.write(last_report_);
+    for (const auto& view : views_) view->takeReport(last_report_);
   }
 }
 
-void App::dumpFault() {
-  FlightRecorder& recorder = room_->recorder();
-  if (!recorder.frozen() || faults_dumped_ == kMaxFaultFiles) return;
-  const std::string file = fmt::format("hapticast-fault-{}.csv", ++faults_dumped_);
-  const Fault fault = recorder.at(recorder.size() - 1).fault;
-  std::ofstream out(file);
-  dumpRecorder(out, recorder);
-  out.close();
-  spdlog::warn("fault: {}; the ticks before it are {}", faultName(fault),
-               out ? "in " + file : "lost, no file can be written here");
+void App::tellContact() {
+  if (last_report_.contact == told_contact_) return;
+  told_contact_ = last_report_.contact;
+  asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
+}
+
+void App::rearm() {
+  if (!settings_.rearm || !deviceIsBack(last_report_)) return;
+  ++user_.rearm;
+  user_controls_.store(user_);
 }
 
 RunResult App::result(const LoopThread& loop) const {
@@ -176,7 +178,7 @@ RunResult App::result(const LoopThread& loop) const {
 }
 
 void App::finish(const LoopThread& loop) {
-  dumpFault();
+  fault_files_.take(room_->recorder());
   const RealtimeGrant& realtime = loop.realtime();
   if (!realtime.fifo || !realtime.mlock) {
     spdlog::info("the loop ran without {}: ticks may be late under load (README: real time)",
@@ -186,12 +188,7 @@ void App::finish(const LoopThread& loop) {
   }
   if (room_->droppedReports() > 0)
     spdlog::warn("{} ticks are missing in the log", room_->droppedReports());
-  if (log_.is_open()) {
-    log_.close();
-    if (!log_)
-      throw std::runtime_error("--log " + settings_.log_file +
-                               ": not written completely; is the disk full?");
-  }
+  log_.close();
   const RunResult run = result(loop);
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
   for (const auto& view : views_) view->finish();

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The client as wiring: the loop on its own thread, the network on another; the calling thread
-// writes the log, keeps the picture and waits for the end.
+// The client as wiring: loop, network and preparation have a thread each; the calling thread runs
+// the event loop of log, faults, views and the flag of contact.
 #pragma once
 
 #include <atomic>
-#include <fstream>
 #include <memory>
 #include <string>
 
 #include "client/device/open_device.hpp"
 #include "client/haptics/loop_thread.hpp"
 #include "client/haptics/room.hpp"
+#include "client/log.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
 #include "client/settings.hpp"
@@ -33,11 +33,15 @@ class App {
   void stop() noexcept { stop_ = true; }
 
  private:
-  void wait();
-  void drain();
-  void dumpFault();
+  [[nodiscard]] ConnectionEvents connectionEvents();
+  // On the network's thread:
   void show(VideoFrame picture);
   void sayOnce(const std::string& why);
+  // On the calling thread:
+  void runEvents();
+  void takeReports();
+  void tellContact();
+  void rearm();
   [[nodiscard]] RunResult result(const LoopThread& loop) const;
   void finish(const LoopThread& loop);
 
@@ -56,12 +60,12 @@ class App {
   Preparer preparer_;
   Receiver receiver_;
   Connection connection_;
-  std::ofstream log_;
+  LogFile log_;
+  FaultFiles fault_files_;
   Views views_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
-  TickReport last_report_;  // of those drained from log_ring_
-  int faults_dumped_ = 0;
+  TickReport last_report_;  // of those taken from log_ring_
   bool told_contact_ = false;
   std::string told_why_;  // the connection is down for this reason; network thread
 };

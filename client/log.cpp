@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "client/log.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
 #include <ostream>
+#include <stdexcept>
+#include <utility>
+
+#include "client/settings.hpp"
 
 namespace hapticast::client {
 
@@ -47,6 +53,35 @@ void writeReport(std::ostream& out, const TickReport& report) {
   writeVector(out, report.static_force_N);
   writeVector(out, report.dynamic_force_N);
   out << ',' << report.penetration_mm << ',' << lookupName(report.lookup) << '\n';
+}
+
+LogFile::LogFile(std::string file) : file_(std::move(file)) {
+  requireWritable("--log", file_);
+  if (file_.empty()) return;
+  out_.open(file_);
+  writeReportHeading(out_);
+}
+
+void LogFile::write(const TickReport& report) {
+  if (out_.is_open()) writeReport(out_, report);
+}
+
+void LogFile::close() {
+  if (!out_.is_open()) return;
+  out_.close();
+  if (!out_)
+    throw std::runtime_error("--log " + file_ + ": not written completely; is the disk full?");
+}
+
+void FaultFiles::take(FlightRecorder& recorder) {
+  if (!recorder.frozen() || written_ == kMaxFiles) return;
+  const std::string file = fmt::format("hapticast-fault-{}.csv", ++written_);
+  const Fault fault = recorder.at(recorder.size() - 1).fault;
+  std::ofstream out(file);
+  dumpRecorder(out, recorder);
+  out.close();
+  spdlog::warn("fault: {}; the ticks before it are {}", faultName(fault),
+               out ? "in " + file : "lost, no file can be written here");
 }
 
 void dumpRecorder(std::ostream& out, FlightRecorder& recorder) {

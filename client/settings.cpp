@@ -8,6 +8,7 @@
 #include "client/device/open_device.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/version.hpp"
 
 namespace hapticast::client {
 
@@ -18,7 +19,7 @@ const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kP
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
-const std::map<std::string, std::string> kTransports{{"tcp", "tcp"}};
+const std::map<std::string, Transport> kTransports{{"tcp", Transport::kTcp}};
 
 /// The kinds of this build, by name.
 const std::map<std::string, std::string>& devices() {
@@ -36,6 +37,15 @@ std::string deviceHelp() {
     help += std::string("; ") + kind.name + ": " + kind.description;
   }
   return help;
+}
+
+/// For --version: the kinds of views, devices and transports of this build.
+std::string builtIn() {
+  std::string text = hasViewer() ? "views: screenshot; devices:" : "views: none; devices:";
+  for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
+  text += "; transports:";
+  for (const auto& transport : kTransports) text += " " + transport.first;
+  return text;
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
@@ -91,7 +101,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "Lets a haptic device touch what hapticast-server streams. Ctrl-C ends it with the force at "
       "zero.",
       "hapticast-client");
-  app->set_version_flag("--version", HAPTICAST_VERSION);
+  addVersion(*app, builtIn());
   addEndpoint(*app, "server", settings.server,
               "Where hapticast-server listens; default: localhost:7447");
   addDeviceOptions(*app, settings);

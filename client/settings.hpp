@@ -4,6 +4,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -12,11 +13,14 @@
 
 namespace hapticast::client {
 
+/// How frames travel.
+enum class Transport : std::uint8_t { kTcp };
+
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string device = "virtual";
   std::string profile = "omni";  ///< a built-in name or a file
-  std::string transport = "tcp";
+  Transport transport = Transport::kTcp;
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< a script's name or a CSV file
   std::string screenshot_file;

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "client/haptics/realtime_thread.hpp"
 #include "client/haptics/loop.hpp"
+#include "client/haptics/realtime_thread.hpp"
 #include "client/net/receiver.hpp"
 
 namespace hapticast::client {

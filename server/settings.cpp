@@ -7,6 +7,7 @@
 
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/version.hpp"
 
 namespace hapticast::server {
 
@@ -165,7 +166,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
       "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends it.",
       "hapticast-server");
-  app->set_version_flag("--version", HAPTICAST_VERSION);
+  addVersion(*app, "sources: synthetic, images, videos, cameras; transports: tcp");
   addSourceOptions(*app, settings);
   addEndpoint(*app, "--listen", settings.listen,
               "Where clients connect: an IP address of this machine and a port; default: "

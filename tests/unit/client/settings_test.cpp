@@ -15,7 +15,7 @@ TEST(ClientSettings, Defaults) {
   ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
   EXPECT_EQ(run.settings.server, (Endpoint{"localhost", 7447}));
   EXPECT_EQ(run.settings.profile, "omni");
-  EXPECT_EQ(run.settings.transport, "tcp");
+  EXPECT_EQ(run.settings.transport, Transport::kTcp);
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
   EXPECT_EQ(run.settings.hand, "press");
   EXPECT_EQ(run.settings.seconds, 0.0);
@@ -30,7 +30,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.device, "virtual");
   EXPECT_EQ(settings.profile, "falcon");
   EXPECT_EQ(settings.hand, "slide");
-  EXPECT_EQ(settings.transport, "tcp");
+  EXPECT_EQ(settings.transport, Transport::kTcp);
   EXPECT_EQ(settings.surface, SurfaceKind::kPerturbed);
   EXPECT_EQ(settings.method, Method::kThesis);
   EXPECT_EQ(settings.log_file, "a.csv");
@@ -115,7 +115,12 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   for (const auto& [key, value] : kAll) EXPECT_NE(help.output.find(key), std::string::npos) << key;
   const Probe version({"--version"});
   EXPECT_EQ(version.exit_code, 0);
-  EXPECT_NE(version.output.find('.'), std::string::npos);
+  EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
+  for (const char* fact : {hasViewer() ? "views: screenshot" : "views: none", "devices: virtual",
+                           "transports: tcp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
+    EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
+    EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
+  }
 }
 
 }  // namespace

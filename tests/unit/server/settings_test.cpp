@@ -131,7 +131,10 @@ TEST(ServerSettings, HelpAndVersionEndWithZero) {
   for (const auto& [key, value] : kAll) {
     EXPECT_NE(help.output.find("--" + key), std::string::npos) << key;
   }
-  EXPECT_EQ(Probe({"--version"}).exit_code, 0);
+  const Probe version({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.output.find("hapticast-server 0."), 0U) << version.output;
+  EXPECT_NE(version.output.find("optional packages"), std::string::npos) << version.output;
 }
 
 }  // namespace

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// The client's app between a real server and a view that a test brings: a further view is one file.
+#include "client/app.hpp"
+
+#include <stdexcept>
+#include <thread>
+
+#include "tests/integration/stream_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+/// What a recording view was given.
+struct Recorded {
+  std::atomic<int> pictures{0};
+  Workspace workspace;  // of the last picture
+  std::uint64_t first_tick = 0;
+  std::uint64_t last_tick = 0;
+  std::size_t reports = 0;
+  bool in_order = true;
+  int finished = 0;
+};
+
+/// The smallest view; `each_turn` is the test's, and decides whether to go on.
+class RecordingView final : public client::View {
+ public:
+  RecordingView(Recorded& recorded, std::function<bool()> each_turn)
+      : recorded_(recorded), each_turn_(std::move(each_turn)) {}
+  void takePicture(VideoFrame /*picture*/, const Workspace& workspace) override {
+    recorded_.workspace = workspace;
+    ++recorded_.pictures;
+  }
+  void takeReport(const client::TickReport& report) override {
+    if (recorded_.reports++ == 0) recorded_.first_tick = report.tick;
+    recorded_.in_order = recorded_.in_order && report.tick >= recorded_.last_tick;
+    recorded_.last_tick = report.tick;
+  }
+  bool turn() override { return each_turn_(); }
+  void finish() override { ++recorded_.finished; }
+
+ private:
+  Recorded& recorded_;
+  std::function<bool()> each_turn_;
+};
+
+class AppTest : public ::testing::Test {
+ protected:
+  AppTest() : server(io, clock), network([this] { io.run(); }) {}
+  ~AppTest() override {
+    asio::post(io, [this] { server.stop(); });
+    work.reset();
+  }
+  /// An app whose one view calls `each_turn`.
+  std::unique_ptr<client::App> appWith(std::function<bool()> each_turn) {
+    client::Settings settings;
+    settings.server = {"127.0.0.1", server.listener.port()};
+    settings.device = "virtual";
+    settings.quiet = true;
+    client::Views views;
+    views.push_back(std::make_unique<RecordingView>(recorded, std::move(each_turn)));
+    return std::make_unique<client::App>(settings, clock, std::move(views));
+  }
+  void publishNext() {
+    asio::post(io, [this, id = ++last_id_] {
+      server.publish(id);
+      server.broadcaster.publish(server::encodeVideo({0, id, server.media.now(), {0xFF, 0xD8, 1}}));
+    });
+  }
+
+  SteadyClock clock;
+  asio::io_context io;
+  asio::executor_work_guard<asio::io_context::executor_type> work = asio::make_work_guard(io);
+  TestServer server;
+  Recorded recorded;
+
+ private:
+  std::uint64_t last_id_ = 0;
+  std::jthread network;  // last: it uses everything above
+};
+
+TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
+  const auto app = appWith([this] {
+    publishNext();
+    return recorded.reports < 50 || recorded.pictures < 2;
+  });
+  EXPECT_TRUE(app->run());
+  EXPECT_GE(recorded.reports, 50U);
+  EXPECT_TRUE(recorded.in_order);
+  EXPECT_EQ(recorded.last_tick - recorded.first_tick + 1, recorded.reports) << "every tick";
+  EXPECT_GE(recorded.pictures, 2);
+  EXPECT_EQ(recorded.workspace, TestServer::description().workspace);
+  EXPECT_EQ(recorded.finished, 1);
+}
+
+TEST_F(AppTest, WhatAViewThrowsEndsTheRunAndNothingHangs) {
+  const auto app = appWith([this]() -> bool {
+    if (recorded.reports > 0) throw std::runtime_error("no display");
+    return true;
+  });
+  EXPECT_THROW(app->run(), std::runtime_error);
+  EXPECT_GT(recorded.reports, 0U);
+}
+
+}  // namespace
+}  // namespace hapticast::testing
