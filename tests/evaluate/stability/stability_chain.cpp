@@ -94,8 +94,9 @@ void residuals(const StabilityReport& to) {
   to.claims.add("the same: step beyond what the hand explains", "0 N", text("%g N", excess_N),
                 excess_N == 0.0);
   const double percent = 100.0 * double(alarmed) / double(cells.size());
-  to.claims.add("the same: runs with a false alarm of the latency watch", "<= 1.3 % (the notes')",
-                text("%zu of %zu", alarmed, cells.size()), percent <= 1.3);
+  to.claims.add("the same: runs with a false alarm of the latency watch",
+                "<= 1.3 % (the prototype's)", text("%zu of %zu", alarmed, cells.size()),
+                percent <= 1.3);
   to.report.say(
       text("The passivity controller acted in %zu of these %zu runs.", insured, cells.size()));
 }

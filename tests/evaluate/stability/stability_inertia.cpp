@@ -147,7 +147,7 @@ std::vector<Named> estimators() {
           {"Kalman 1e6", maker<Kalman>(1e6)}};
 }
 
-/// Linear loop as in the notes: bilateral recommended wall, no counts, no clamp; does it shrink?
+/// Linear loop: bilateral recommended wall, no counts, no clamp; does it shrink?
 bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int delay,
             const Hand& hand) {
   PlantProfile profile = omni(stiffness_N_mm, delay);

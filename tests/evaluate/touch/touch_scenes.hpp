@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is touched to tell how exact the force is, and the hands that touch it (proxy notes,
-// section 5). Nominal mm.
+// What is touched to tell how exact the force is, and the hands that touch it. Nominal
+// mm.
 #pragma once
 
 #include "server/source/synthetic_scene.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The extreme cases of the stability notes: no step that the hand does not explain.
+// Extreme cases (client/haptics/README.md): no step that the hand does not explain.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -127,7 +127,7 @@ TEST(SafetyLinks, TheTankCalmsASurfaceThatRisesThirtyMillimetresInAFrame) {
   const double calm_mm_s = thrown_mm_s({}, with);
   const double wild_mm_s = thrown_mm_s({.tank = false}, without);
   std::printf("30 mm in 40 ms: %.0f mm/s, without the tank %.0f mm/s\n", calm_mm_s, wild_mm_s);
-  EXPECT_LE(calm_mm_s, 206.0);  // the notes: 198, with a force that chatters by counts
+  EXPECT_LE(calm_mm_s, 206.0);  // 198 without the counts' chatter
   EXPECT_GE(wild_mm_s, 220.0);
   EXPECT_GT(with, 0U);
   EXPECT_EQ(without, 0U);
