@@ -116,7 +116,8 @@ double compressed(double height_N, double limit_N) noexcept {
 DynamicForce::DynamicForce(const DeviceProfile& profile) noexcept : profile_(profile) {}
 
 double DynamicForce::cursorMass_kg() const noexcept {
-  // Never more virtual inertia taken away than the device has (reference: stability notes).
+  // -m_cursor a_cursor is virtual inertia: with at most the device's own mass every estimator delay
+  // up to two ticks keeps a margin of three (measured, README.md).
   return std::clamp(profile_.mass_kg, 0.0, kCursorMass_kg);
 }
 

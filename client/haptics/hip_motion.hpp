@@ -2,7 +2,8 @@
 // How the tip moves: two filters for two jobs. A fast constant-acceleration Kalman filter (jerk
 // density 1e6) gives the velocity for damping; twice-filtered differences (2 x 20 Hz, Eq. 13-14)
 // give the acceleration for -m_cursor a_cursor, because a faster filter there makes virtual inertia
-// unstable. Real-time room.
+// unstable (README.md). At rest they decay to denormals, which the loop's thread flushes.
+// Real-time room.
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"

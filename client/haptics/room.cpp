@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/room.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,19 +11,15 @@
 namespace hapticast::client {
 
 namespace {
-// Without a word from the device for this long its last position says nothing any more.
+// Without a word from the device for this long its last position says nothing any more (chosen:
+// the longest gap that HipMotion bridges).
 constexpr int kSilentTicks = 20;
 
 /// A point of the frame `before` (nominal mm) carried to where the object is now.
 Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
   const Motion& then = object.before->motion;
-  const double angle_rad = object.angle_rad - then.angle_rad;
-  const Vec2 arm_mm = point_mm - then.position_mm.head<2>();
-  if (angle_rad == 0.0) return object.position_mm.head<2>() + arm_mm;
-  const double c = std::cos(angle_rad);
-  const double s = std::sin(angle_rad);
-  return object.position_mm.head<2>() +
-         Vec2(c * arm_mm.x() - s * arm_mm.y(), s * arm_mm.x() + c * arm_mm.y());
+  const Eigen::Rotation2Dd turn(object.angle_rad - then.angle_rad);
+  return object.position_mm.head<2>() + turn * Vec2(point_mm - then.position_mm.head<2>());
 }
 
 Vec2 centreOf(const ObjectNow& object, const Workspace& workspace) noexcept {
@@ -97,6 +94,16 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   }
   const SafetyOutput out = safety_.step(input);
 
+  reportTick(now, play_time, scene, out);
+  report_.device = state.status;
+  report_.fault = faultOf(out, hip, input.device_lost);
+  reportObject(contact, scene);
+  publish();
+  return report_;
+}
+
+void Room::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
+                      const SafetyOutput& out) noexcept {
   ++report_.tick;
   report_.time = now;
   report_.play_time = play_time;
@@ -107,16 +114,11 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   report_.penetration_mm = out.penetration_mm / mapping_.scale;
   report_.contact = out.contact;
   report_.lookup = scene.kind;
-  report_.fault = faultOf(out, hip, input.device_lost);
-  report_.device = state.status;
   report_.halted = safety_.halted();
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
   report_.work = safety_.work();
   report_.mapping = mapping_;
-  reportObject(contact, scene);
-  publish();
-  return report_;
 }
 
 /// Takes over what changed in stream and wishes; returns whether the world is another one.

@@ -55,6 +55,8 @@ class Room {
                           const Scene& scene) const noexcept;
   double stiffness_N_mm(const ObjectNow* object) const noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
+  void reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
+                  const SafetyOutput& out) noexcept;
   void reportObject(const Contact& contact, const Scene& scene) noexcept;
   Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
   void publish() noexcept;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The safety chain: from where the tip should be (geometry) and the dynamic force to the force a
-// device may feel. Nothing reaches the device around it. Laws and constants: stability notes,
-// section 5. Real-time room.
+// device may feel. Nothing reaches the device around it. Its steps in order, their laws and
+// constants stand in client/haptics/README.md. Real-time room.
 #pragma once
 
 #include <array>
@@ -135,6 +135,7 @@ class SafetyChain {
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
+  void limitStep(StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;

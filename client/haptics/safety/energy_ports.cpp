@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/haptics/hip_motion.hpp"
 #include "client/haptics/safety/wall_law.hpp"
 #include "common/tick.hpp"
 
 namespace hapticast::client {
 
 namespace {
+// All measured or chosen with the battery of README.md.
 constexpr double kTolerated_mJ = 3.0;
 constexpr double kDebt_mJ = -2.0;  // what a contact has swallowed is not saved up for long
 constexpr double kForget_s = 1.0;

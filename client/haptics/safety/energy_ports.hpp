@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where the work of the force goes: meters at the ports of the loop, an observer of what the
-// contact generates with a controller that damps it away, and the tank on the user's port
-// (stability notes, section 4). 1 N·mm = 1 mJ. Real-time room.
+// Where the work of the force goes: meters at the ports of the loop, a passivity observer of what
+// the contact generates with a controller that damps it away (Hannaford, Ryu 2002), and an energy
+// tank on the user's port. 1 N·mm = 1 mJ. Real-time room.
 #pragma once
 
 #include <array>

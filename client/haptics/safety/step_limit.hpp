@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Steps of the force: what the hand's own motion explains of one, a limit for the rest, and a meter
-// behind all of it (stability notes, section 5.8). Real-time room.
+// behind all of it. Real-time room.
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
 
 namespace hapticast::client {
 
-inline constexpr double kDamperSpeed_mm_s = 300.0;  ///< limit of the speed inside the damper
+inline constexpr double kDamperSpeed_mm_s =
+    300.0;  ///< limit of the speed inside the damper; chosen
 
 /// What the limit has to know of a tick.
 struct StepState {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What a device's motors can stand for good: a model of their heat, and the force it leaves
-// (stability notes, section 5.6). Real-time room.
+// What a device's motors can stand for good: a model of their heat (one time constant, heat by the
+// square of the force), and the force it leaves. Real-time room.
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/hip_motion.hpp"
 #include "common/tick.hpp"
 
 namespace hapticast::client {
@@ -27,8 +26,8 @@ class ThermalBudget {
   }
 
  private:
-  static constexpr double kCool = 0.6;
-  static constexpr double kLasting = 0.98;
+  static constexpr double kCool = 0.6;      // chosen
+  static constexpr double kLasting = 0.98;  // chosen: a little below what is allowed for good
   double peak_N_, lasting_N_, square_N2_, share_;
   double heat_N2_ = 0.0;  // the mean square of the force over the last thermal_s
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a wall may be made of on a given device: stiffness up to K_max, damping tied to stiffness
-// and delay (stability notes, sections 1 and 5). Real-time room.
+// and delay. Law and measurements: client/haptics/README.md. Real-time room.
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
@@ -11,8 +11,8 @@ inline constexpr int kMostDelay_ticks = 5;  ///< beyond it nothing is known
 
 /// tau of the wall law in s for a delay in ticks (0..5, beyond: 5).
 double wallLead_s(int delay_ticks) noexcept;
-/// K_max = min(10, 0.64 m / tau²) in N/mm (the notes' 0.65 leaves 2.08 counts of 0.038 mm at d =
-/// 1).
+/// K_max = min(10, 0.64 m / tau²) in N/mm: the stiffest that leaves at most 2 counts after an
+/// impact (measured; 0.65 leaves 2.08 counts of 0.038 mm at a delay of one tick).
 double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept;
 double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
 /// Damping of the wall law in N·s/m for a local stiffness: B = K tau + B_0.

@@ -21,8 +21,8 @@ struct HeightNow {
 /// The relief does not contain the pose at play time: rigid motion never touches it, only what the
 /// two frames differ in when each is carried back to the object's own frame:
 /// H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z), and the same for the distance
-/// to the edge (proxy notes, section 2). So a sample's two parts hold as long as the pair of frames
-/// does, and only the blend s changes.
+/// to the edge, with the blend s and the poses p of the frames a and b. So a sample's two parts
+/// hold as long as the pair of frames does, and only the blend s changes.
 class MovingRelief {
  public:
   /// Takes over pair and blend; true if the pair is another one than before, so that samples no

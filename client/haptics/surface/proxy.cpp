@@ -16,9 +16,6 @@ constexpr int kStuck_ticks = 20;
 constexpr int kPhases = 64;           // of one tick: each reads a height or is the last but two
 constexpr double kFade = 1.0 / 40.0;  // of the offset per tick
 constexpr double kForgotten_mm = 1e-6;
-// The edge's distance is blurred and splined from pixels: it may change a little faster than a
-// point moves.
-constexpr double kSteepestEdge = 1.2;
 
 }  // namespace
 
@@ -34,17 +31,15 @@ bool Proxy::clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept {
     return false;
   }
   at_mm_ = hip_mm;
-  used_ = 0;
+  probe_.begin(relief, 0);
   return true;
 }
 
 ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexcept {
-  relief_ = &relief;
+  probe_.begin(relief, tick.samples);
   hip_mm_ = tick.hip_mm;
   friction_ = tick.friction;
   deepest_mm_ = tick.deepest_mm;
-  left_ = tick.samples;
-  used_ = 0;
   jumped_ = tick.jumped;
   moved_ = done_ = false;
   // A jump through the air is no way that the tip has gone; how deep it is now counts anew.
@@ -52,7 +47,7 @@ ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexc
   if (!valid_ || (jumped_ && kind_ == Kind::kFree)) at_mm_ = hip_mm_;
   valid_ = true;
   settle();
-  for (int phase = 0; phase < kPhases && left_ > 0 && !done_; ++phase) {
+  for (int phase = 0; phase < kPhases && probe_.left() > 0 && !done_; ++phase) {
     switch (kind_) {
       case Kind::kFree:
         march();
@@ -73,55 +68,22 @@ ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexc
   return finish();
 }
 
-// --- samples
+// --- places
 // --------------------------------------------------------------------------------------
 
-Proxy::Height Proxy::heightAt(const Vec2& q_mm) noexcept {
-  if (here_known_ && q_mm == here_q_mm_) return {here_, relief_->now(here_)};
-  --left_;
-  ++used_;
-  const MovingRelief::Heights frames = relief_->heights(q_mm);
-  return {frames, relief_->now(frames)};
-}
-
-EdgeSample Proxy::edgeAt(const Vec2& q_mm) noexcept {
-  if (!edge_known_ || q_mm != edge_q_mm_) {
-    edge_ = relief_->edges(q_mm);
-    edge_q_mm_ = q_mm;
-    edge_known_ = true;
-  }
-  return relief_->now(edge_);
-}
-
-/// Where the last sample of the edge is farther from it than the point is from the sample, nothing
-/// is read.
-bool Proxy::masked(const Vec2& q_mm) noexcept {
-  if (edge_known_) {
-    const double known_mm = relief_->now(edge_).distance_mm;
-    const double reach_mm = known_mm / kSteepestEdge;
-    if ((q_mm - edge_q_mm_).squaredNorm() < reach_mm * reach_mm) return known_mm > 0.0;
-  }
-  return edgeAt(q_mm).distance_mm > 0.0;
-}
-
 bool Proxy::solidAt(const Vec3& point_mm) noexcept {
-  if (point_mm.z() > relief_->highest_mm() || !masked(point_mm.head<2>())) return false;
+  if (point_mm.z() > probe_.relief().highest_mm() || !probe_.masked(point_mm.head<2>()))
+    return false;
   const Vec2 q_mm = point_mm.head<2>();
-  const Height height = heightAt(q_mm);
-  if (kind_ == Kind::kFree) remember(q_mm, height);
+  const Height height = probe_.height(q_mm);
+  if (kind_ == Kind::kFree) probe_.keep(q_mm, height);
   return point_mm.z() < height.now.height_mm;
-}
-
-void Proxy::remember(const Vec2& q_mm, const Height& height) noexcept {
-  here_ = height.frames;
-  here_q_mm_ = q_mm;
-  here_known_ = true;
 }
 
 void Proxy::standAt(const Vec2& q_mm, const Height& height) noexcept {
   kind_ = Kind::kTop;
   at_mm_ = {q_mm.x(), q_mm.y(), height.now.height_mm};
-  remember(q_mm, height);
+  probe_.keep(q_mm, height);
 }
 
 // --- what came of the tick
@@ -129,12 +91,12 @@ void Proxy::standAt(const Vec2& q_mm, const Height& height) noexcept {
 
 Vec3 Proxy::normalHere() noexcept {
   if (kind_ == Kind::kWall) {
-    const Vec2 outwards = -edgeAt(at_mm_.head<2>()).gradient;
+    const Vec2 outwards = -probe_.edge(at_mm_.head<2>()).gradient;
     const double length = outwards.norm();
     return length > 0.0 ? Vec3(outwards.x() / length, outwards.y() / length, 0.0)
                         : Vec3(Vec3::UnitZ());
   }
-  const Vec2 gradient = heightAt(at_mm_.head<2>()).now.gradient;
+  const Vec2 gradient = probe_.height(at_mm_.head<2>()).now.gradient;
   return Vec3(-gradient.x(), -gradient.y(), 1.0) / std::sqrt(1.0 + gradient.squaredNorm());
 }
 
@@ -161,8 +123,9 @@ ProxyTouch Proxy::finish() noexcept {
   offset_mm_ += pull_mm * touch.normal;
   displacement_mm_ = touch.displacement_mm = way_mm - offset_mm_;
   touch.shape_velocity_mm_s =
-      kind_ == Kind::kWall ? Vec3(touch.normal * relief_->rate_mm_s(edge_))
-                           : Vec3(0.0, 0.0, relief_->rate_mm_s(heightAt(at_mm_.head<2>()).frames));
+      kind_ == Kind::kWall
+          ? Vec3(touch.normal * probe_.edgeRate_mm_s())
+          : Vec3(0.0, 0.0, probe_.relief().rate_mm_s(probe_.height(at_mm_.head<2>()).frames));
   return touch;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The point of a surface that the HIP is tied to: the contact march of the proxy notes, section 3.
-// One object, in its own frame; all lengths nominal mm. Real-time room.
+// The point of a surface that the HIP is tied to: a god-object (Zilles, Salisbury 1995) on a
+// relief, moved by the contact march of client/haptics/README.md. One object, in its own frame; all
+// lengths nominal mm. Real-time room.
 #pragma once
 
 #include <cstdint>
 
-#include "client/haptics/surface/moving_relief.hpp"
+#include "client/haptics/surface/relief_probe.hpp"
 
 namespace hapticast::client {
 
@@ -19,8 +20,8 @@ struct Friction {
 struct ProxyTick {
   Vec3 hip_mm = Vec3::Zero();  ///< finite
   Friction friction;
-  int samples = 0;          ///< heights to be read at most, and 5 more to end well
-  bool jumped = false;      ///< the pose of the object changed by more than its motion
+  int samples = 0;      ///< heights to be read at most, and 5 more to end well (relief_probe.hpp)
+  bool jumped = false;  ///< the pose of the object changed by more than its motion
   double deepest_mm = 0.0;  ///< after a jump: deeper there is no force
 };
 
@@ -45,29 +46,22 @@ class Proxy {
   /// Starts at the next HIP; `faded`: what it then touches begins with no force.
   void restart(bool faded) noexcept;
   /// The samples kept of the relief no longer hold.
-  void forgetSamples() noexcept { here_known_ = edge_known_ = false; }
+  void forgetSamples() noexcept { probe_.forget(); }
   /// Nothing to feel and nothing to compute this tick: the proxy simply follows.
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
   ProxyTouch touch(const MovingRelief& relief, const ProxyTick& tick) noexcept;
 
   /// Heights read in the last touch().
-  [[nodiscard]] int samplesUsed() const noexcept { return used_; }
+  [[nodiscard]] int samplesUsed() const noexcept { return probe_.used(); }
   /// Where it is, object's frame.
   [[nodiscard]] const Vec3& position_mm() const noexcept { return at_mm_; }
 
  private:
   enum class Kind : std::uint8_t { kFree, kTop, kWall, kBuried };
-  struct Height {
-    MovingRelief::Heights frames;
-    HeightNow now;
-  };
+  using Height = ReliefProbe::Height;
 
-  // proxy.cpp: samples and the result
-  [[nodiscard]] Height heightAt(const Vec2& q_mm) noexcept;
-  [[nodiscard]] EdgeSample edgeAt(const Vec2& q_mm) noexcept;
-  [[nodiscard]] bool masked(const Vec2& q_mm) noexcept;
+  // proxy.cpp: the tick and its result
   [[nodiscard]] bool solidAt(const Vec3& point_mm) noexcept;
-  void remember(const Vec2& q_mm, const Height& height) noexcept;
   void standAt(const Vec2& q_mm, const Height& height) noexcept;
   ProxyTouch finish() noexcept;
   [[nodiscard]] Vec3 normalHere() noexcept;
@@ -90,6 +84,8 @@ class Proxy {
   void stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept;
   void rubOnTop(const Height& here, Vec2 step_mm, double depth_mm) noexcept;
   void slideOnWall() noexcept;
+  void stepOffWall(const Vec2& outwards) noexcept;
+  void stepAlongWall(const Vec2& along_mm) noexcept;
   /// How much of a way of this length friction lets a proxy go that is pressed in by depth_mm.
   [[nodiscard]] double share(double length_mm, double depth_mm) noexcept;
   /// Takes the place if that does not lengthen the way to the HIP.
@@ -104,21 +100,12 @@ class Proxy {
   Vec3 at_mm_ = Vec3::Zero();
   Vec3 offset_mm_ = Vec3::Zero();
   Vec3 displacement_mm_ = Vec3::Zero();
-  // The samples at the proxy and the last one of the edge: they hold while the pair of frames does.
-  bool here_known_ = false;
-  Vec2 here_q_mm_ = Vec2::Zero();
-  MovingRelief::Heights here_;
-  bool edge_known_ = false;
-  Vec2 edge_q_mm_ = Vec2::Zero();
-  MovingRelief::Edges edge_;
+  ReliefProbe probe_;
 
   // Of this tick.
-  const MovingRelief* relief_ = nullptr;
   Vec3 hip_mm_ = Vec3::Zero();
   Friction friction_;
   double deepest_mm_ = 0.0;
-  int left_ = 0;
-  int used_ = 0;
   bool jumped_ = false;
   bool moved_ = false;
   bool done_ = false;

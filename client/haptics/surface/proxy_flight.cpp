@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The proxy and a surface that changes, and the proxy in the air (proxy notes, sections 3.1, 3.2).
+// The proxy and a surface that changes, and the proxy in the air. Its constants are the
+// prototype's, found by sweeps (client/haptics/README.md).
 #include <algorithm>
 #include <cmath>
 
@@ -42,11 +43,11 @@ void Proxy::settle() noexcept {
 
 void Proxy::settleTop() noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
-  if (!masked(q_mm)) {
+  if (!probe_.masked(q_mm)) {
     kind_ = Kind::kFree;
     return;
   }
-  const Height height = heightAt(q_mm);
+  const Height height = probe_.height(q_mm);
   const double rise_mm = height.now.height_mm - at_mm_.z();
   if (rise_mm < -kJump_mm) {
     kind_ = Kind::kFree;  // it fell away and is followed by marching
@@ -59,7 +60,7 @@ void Proxy::settleTop() noexcept {
 }
 
 void Proxy::settleWall() noexcept {
-  const double inside_mm = edgeAt(at_mm_.head<2>()).distance_mm;
+  const double inside_mm = probe_.edge(at_mm_.head<2>()).distance_mm;
   if (inside_mm < -kLooseEdge_mm) kind_ = Kind::kFree;
   if (inside_mm <= 0.0) return;
   const Vec3 before_mm = at_mm_;
@@ -71,10 +72,10 @@ void Proxy::settleWall() noexcept {
 void Proxy::settleFree() noexcept {
   if (!solidAt(at_mm_)) return;
   const Vec2 q_mm = at_mm_.head<2>();
-  const Height height = heightAt(q_mm);
+  const Height height = probe_.height(q_mm);
   const double up_mm =
       (height.now.height_mm - at_mm_.z()) / std::sqrt(1.0 + height.now.gradient.squaredNorm());
-  const double aside_mm = edgeAt(q_mm).distance_mm;
+  const double aside_mm = probe_.edge(q_mm).distance_mm;
   if (aside_mm < up_mm && aside_mm < deepest_mm_) {
     const Vec3 before_mm = at_mm_;
     if (pushOut(kPushes, deepest_mm_)) {
@@ -95,11 +96,11 @@ void Proxy::settleFree() noexcept {
 /// Newton steps to just outside the edge; false where the distance shows no way.
 bool Proxy::pushOut(int moves, double longest_mm) noexcept {
   for (int i = 0; i < moves; ++i) {
-    const EdgeSample edge = edgeAt(at_mm_.head<2>());
+    const EdgeSample edge = probe_.edge(at_mm_.head<2>());
     if (edge.distance_mm <= 0.0 && edge.distance_mm > -2.0 * kOutside_mm) break;
     at_mm_.head<2>() += limited(stepToEdge(edge), longest_mm);
   }
-  const EdgeSample edge = edgeAt(at_mm_.head<2>());
+  const EdgeSample edge = probe_.edge(at_mm_.head<2>());
   return edge.distance_mm <= 0.0 || edge.gradient.squaredNorm() > kFlatEdge * kFlatEdge;
 }
 
@@ -109,9 +110,10 @@ bool Proxy::pushOut(int moves, double longest_mm) noexcept {
 /// Straight towards the HIP, looking into the solid every half a pixel.
 void Proxy::march() noexcept {
   const Vec3 way_mm = hip_mm_ - at_mm_;
-  const double steps = std::ceil(way_mm.head<2>().norm() / (kLookAhead_px * relief_->pixel_mm()));
+  const double steps =
+      std::ceil(way_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
   const int count =
-      static_cast<int>(std::clamp(steps, 1.0, std::max(1.0, double(left_ - kReserve))));
+      static_cast<int>(std::clamp(steps, 1.0, std::max(1.0, double(probe_.left() - kReserve))));
   const Vec3 from_mm = at_mm_;
   Vec3 outside_mm = from_mm;
   for (int i = 1; i <= count; ++i) {
@@ -129,20 +131,20 @@ void Proxy::march() noexcept {
 /// Through the edge or through the relief, somewhere between two points.
 void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
   moved_ = true;
-  if (masked(outside_mm.head<2>())) {
+  if (probe_.masked(outside_mm.head<2>())) {
     enterFromAbove(outside_mm, inside_mm);
     return;
   }
   const Vec3 way_mm = inside_mm - outside_mm;
-  Bracket edge{0.0, edgeAt(outside_mm.head<2>()).distance_mm, 1.0,
-               edgeAt(inside_mm.head<2>()).distance_mm};
+  Bracket edge{0.0, probe_.edge(outside_mm.head<2>()).distance_mm, 1.0,
+               probe_.edge(inside_mm.head<2>()).distance_mm};
   Vec3 crossing_mm = inside_mm;
   for (int i = 0; i < 2; ++i) {
     const double t = edge.secant();
     crossing_mm = outside_mm + t * way_mm;
-    edge.take(t, edgeAt(crossing_mm.head<2>()).distance_mm);
+    edge.take(t, probe_.edge(crossing_mm.head<2>()).distance_mm);
   }
-  if (crossing_mm.z() < heightAt(crossing_mm.head<2>()).now.height_mm) {
+  if (crossing_mm.z() < probe_.height(crossing_mm.head<2>()).now.height_mm) {
     at_mm_ = crossing_mm;
     (void)pushOut(2, kPush_mm);
     kind_ = Kind::kWall;
@@ -154,7 +156,7 @@ void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
 void Proxy::enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexcept {
   const Vec3 way_mm = inside_mm - outside_mm;
   const auto depthAt = [this](const Vec3& point_mm, Height& height) noexcept {
-    height = heightAt(point_mm.head<2>());
+    height = probe_.height(point_mm.head<2>());
     return height.now.height_mm - point_mm.z();
   };
   Height height;

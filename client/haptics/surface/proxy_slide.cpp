@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The proxy in contact: sliding on the relief and along the edge, with and without friction (proxy
-// notes, sections 3.3-3.5).
+// The proxy in contact: sliding on the relief and along the edge, with and without friction. Its
+// constants are the prototype's, found by sweeps (client/haptics/README.md).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -88,7 +88,7 @@ bool Proxy::accept(const Vec2& q_mm, const Height& height) noexcept {
 // --------------------------------------------------------------------------------------
 
 void Proxy::slideOnTop() noexcept {
-  const Height here = heightAt(at_mm_.head<2>());
+  const Height here = probe_.height(at_mm_.head<2>());
   const Vec3 way_mm = hip_mm_ - at_mm_;
   const Vec2& gradient = here.now.gradient;
   const double above_mm = way_mm.z() - gradient.dot(way_mm.head<2>());
@@ -103,12 +103,12 @@ void Proxy::slideOnTop() noexcept {
     done_ = true;
     return;
   }
-  stepOnTop(here, limited(step_mm, kStep_px * relief_->pixel_mm()));
+  stepOnTop(here, limited(step_mm, kStep_px * probe_.relief().pixel_mm()));
 }
 
 /// Off the relief towards the HIP, if that way is free.
 bool Proxy::leave(const Vec3& way_mm) noexcept {
-  const double look_mm = kLookAhead_px * relief_->pixel_mm();
+  const double look_mm = kLookAhead_px * probe_.relief().pixel_mm();
   const double length_mm = way_mm.head<2>().norm();
   const bool whole = length_mm <= look_mm;
   const Vec3 to_mm = whole ? hip_mm_ : Vec3(at_mm_ + way_mm * (look_mm / length_mm));
@@ -125,8 +125,8 @@ bool Proxy::leave(const Vec3& way_mm) noexcept {
 bool Proxy::fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept {
   const Vec2 q_mm = at_mm_.head<2>() + step_mm;
   const double tangent_mm = at_mm_.z() + here.now.gradient.dot(step_mm);
-  if (masked(q_mm)) {
-    there = heightAt(q_mm);
+  if (probe_.masked(q_mm)) {
+    there = probe_.height(q_mm);
     const double fall_mm = tangent_mm - there.now.height_mm;
     if (!(fall_mm > kFall_mm + kFallShare * step_mm.norm())) return false;
   }
@@ -161,7 +161,7 @@ void Proxy::stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec
     const double part = std::clamp(low_slope / (low_slope - high_slope), 0.15, 0.75);
     const double t = low + part * (high - low);
     const Vec2 at = at_mm_.head<2>() + t * step_mm;
-    const Height height = heightAt(at);
+    const Height height = probe_.height(at);
     const double value = slope(height, at);
     // What still descends is kept; until something does, the shortest of the others.
     if (value >= 0.0 || low == 0.0 || std::abs(value) < kBackEnough * begin) {
@@ -188,7 +188,7 @@ double Proxy::share(double length_mm, double depth_mm) noexcept {
 void Proxy::rubOnTop(const Height& here, Vec2 step_mm, double depth_mm) noexcept {
   const Vec2 gradient = here.now.gradient;
   const double part = share(lengthOnPlane(step_mm, gradient), depth_mm);
-  step_mm = limited(part * step_mm, kStep_px * relief_->pixel_mm());
+  step_mm = limited(part * step_mm, kStep_px * probe_.relief().pixel_mm());
   done_ = true;
   if (lengthOnPlane(step_mm, gradient) < kConverged_mm) return;
   for (int i = 0; i <= kShrinks && done_; ++i, step_mm *= kShrink) {
@@ -200,8 +200,14 @@ void Proxy::rubOnTop(const Height& here, Vec2 step_mm, double depth_mm) noexcept
 // --- along the edge
 // -------------------------------------------------------------------------------------
 
+void Proxy::stepOffWall(const Vec2& outwards) noexcept {
+  at_mm_.head<2>() += kOutside_mm * outwards;
+  kind_ = Kind::kFree;
+  moved_ = true;
+}
+
 void Proxy::slideOnWall() noexcept {
-  const EdgeSample edge = edgeAt(at_mm_.head<2>());
+  const EdgeSample edge = probe_.edge(at_mm_.head<2>());
   const double steepness = edge.gradient.norm();
   if (!(steepness > 0.0)) {
     done_ = true;
@@ -210,13 +216,8 @@ void Proxy::slideOnWall() noexcept {
   const Vec2 outwards = -edge.gradient / steepness;
   const Vec3 way_mm = hip_mm_ - at_mm_;
   const double out_mm = outwards.dot(way_mm.head<2>());
-  const auto stepOut = [&] {
-    at_mm_.head<2>() += kOutside_mm * outwards;
-    kind_ = Kind::kFree;
-    moved_ = true;
-  };
   if (out_mm >= 0.0) {
-    stepOut();
+    stepOffWall(outwards);
     return;
   }
   Vec2 along_mm = way_mm.head<2>() - out_mm * outwards;
@@ -232,19 +233,24 @@ void Proxy::slideOnWall() noexcept {
     done_ = true;
     return;
   }
-  const Vec2 q_mm = at_mm_.head<2>();
-  if (at_mm_.z() + rise_mm > heightAt(q_mm - kUnderEdge_mm * outwards).now.height_mm) {
-    at_mm_.z() += rise_mm;
-    stepOut();  // over the top
-    return;
-  }
-  const Vec2 step_mm = limited(along_mm, kStep_px * relief_->pixel_mm());
-  const Vec2 beside_mm = q_mm + step_mm;
-  const Vec2 to_mm = beside_mm + limited(stepToEdge(edgeAt(beside_mm)), step_mm.norm());
-  const double before_mm = (hip_mm_.head<2>() - q_mm).norm();
+  const Vec2 under_mm = at_mm_.head<2>() - kUnderEdge_mm * outwards;
+  const bool over_the_top = at_mm_.z() + rise_mm > probe_.height(under_mm).now.height_mm;
   at_mm_.z() += rise_mm;
   moved_ = true;
-  if ((hip_mm_.head<2>() - to_mm).norm() < before_mm) {
+  if (over_the_top) {
+    stepOffWall(outwards);
+  } else {
+    stepAlongWall(along_mm);
+  }
+}
+
+/// A step along the edge and one Newton step back to it, if that does not lead away from the HIP.
+void Proxy::stepAlongWall(const Vec2& along_mm) noexcept {
+  const Vec2 q_mm = at_mm_.head<2>();
+  const Vec2 step_mm = limited(along_mm, kStep_px * probe_.relief().pixel_mm());
+  const Vec2 beside_mm = q_mm + step_mm;
+  const Vec2 to_mm = beside_mm + limited(stepToEdge(probe_.edge(beside_mm)), step_mm.norm());
+  if ((hip_mm_.head<2>() - to_mm).norm() < (hip_mm_.head<2>() - q_mm).norm()) {
     at_mm_.head<2>() = to_mm;
   } else {
     done_ = true;

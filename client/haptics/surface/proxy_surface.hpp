@@ -17,7 +17,9 @@ Friction frictionOf(const Material& material) noexcept;
 
 class ProxySurface {
  public:
-  /// Heights read in a tick, all objects near the HIP together (and 5 more at most).
+  /// Heights read in a tick, all objects near the HIP together (and 5 more at most); samples of the
+  /// edge are not counted. Measured: 24 leave 0.5 % of the ticks on a rough relief unfinished at
+  /// 10 cm/s, none on smooth ones.
   static constexpr int kSamples = 24;
 
   /// The contact of the HIP with all objects: displacements summed; normal and surface velocity are

@@ -213,32 +213,40 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const Strea
   played_ = true;
   pairUp(now, next, interval_s);
   const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
+  const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
-    const PlayObject& object = now.objects[i];
-    ObjectNow& out = scene_.objects[i];
-    out.before = &object;
-    out.after = nullptr;
-    out.blend = out.blend_rate_1_s = 0.0;
-    const PlayObject* const after = pair_.after[i];
-    if (interpolation_ == Interpolation::kHold) {
-      setPose(out, standingPose(object.motion));
-    } else if (after == nullptr) {
-      setPose(out, carriedPose(object, now.media_time, limit_s, time_s));
-    } else {
-      out.after = after;
-      out.blend = blend.value;
-      out.blend_rate_1_s = blend.rate_1_s;
-      setPose(out, interpolation_ == Interpolation::kLinear
-                       ? linearPose(object.motion, after->motion, interval_s, time_s)
-                       : pair_.path[i].at(time_s));
-    }
-    if (user.paused) standStill(out);
-    const std::uint64_t* const first = known_.data();
-    const std::uint64_t* const last = first + known_count_;
-    out.appeared = scene_.jumped || std::find(first, last, keyOf(object)) == last;
+    placeObject(i, now.objects[i], moment);
+    if (user.paused) standStill(scene_.objects[i]);
+    scene_.objects[i].appeared = scene_.jumped || !wasThere(now.objects[i]);
   }
   known_count_ = scene_.object_count;
   for (std::size_t i = 0; i < known_count_; ++i) known_[i] = keyOf(now.objects[i]);
+}
+
+void FrameLookup::placeObject(std::size_t i, const PlayObject& object,
+                              const Moment& moment) noexcept {
+  ObjectNow& out = scene_.objects[i];
+  out.before = &object;
+  out.after = nullptr;
+  out.blend = out.blend_rate_1_s = 0.0;
+  const PlayObject* const after = pair_.after[i];
+  if (interpolation_ == Interpolation::kHold) {
+    setPose(out, standingPose(object.motion));
+  } else if (after == nullptr) {
+    setPose(out, carriedPose(object, moment.begin, moment.limit_s, moment.time_s));
+  } else {
+    out.after = after;
+    out.blend = moment.blend;
+    out.blend_rate_1_s = moment.blend_rate_1_s;
+    setPose(out, interpolation_ == Interpolation::kLinear
+                     ? linearPose(object.motion, after->motion, moment.interval_s, moment.time_s)
+                     : pair_.path[i].at(moment.time_s));
+  }
+}
+
+bool FrameLookup::wasThere(const PlayObject& object) const noexcept {
+  const std::uint64_t* const last = known_.data() + known_count_;
+  return std::find(known_.data(), last, keyOf(object)) != last;
 }
 
 }  // namespace hapticast::client

@@ -70,6 +70,18 @@ class FrameLookup {
   void fillScene(std::size_t before, MediaTime play_time, const StreamState& stream,
                  const UserControls& user) noexcept;
 
+  /// An instant between two frames, or after the newest.
+  struct Moment {
+    MediaTime begin;  // of the frame before
+    double time_s = 0.0;
+    double interval_s = 0.0;
+    double limit_s = 0.0;  // carried on with its velocity for so long
+    double blend = 0.0;
+    double blend_rate_1_s = 0.0;
+  };
+  void placeObject(std::size_t i, const PlayObject& object, const Moment& moment) noexcept;
+  [[nodiscard]] bool wasThere(const PlayObject& object) const noexcept;
+
   /// What two frames say of the time between them; holds until another frame is held or released.
   struct Pair {
     const PlayFrame* now = nullptr;  // null: not known

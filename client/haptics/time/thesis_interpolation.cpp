@@ -2,6 +2,7 @@
 #include "client/haptics/time/thesis_interpolation.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "client/haptics/time/pose.hpp"
 
@@ -58,7 +59,48 @@ ObjectNow objectNow(const PlayObject& touched, const PlayFrame& from, const Play
   return now;
 }
 
+/// What the four frames around play time say of the HIP, and how far play time is from the second
+/// to the third.
+struct Around {
+  std::array<Contact, 4> at;
+  std::array<const PlayObject*, 4> touched{};
+  double s = 0.0;
+
+  /// A cubic where all four are there, else linear, held where there is no third.
+  [[nodiscard]] Vec3 displacement_mm(bool cubic) const noexcept {
+    if (!cubic) return (1.0 - s) * at[1].displacement_mm + s * at[2].displacement_mm;
+    return catmullRom(at[0].displacement_mm, at[1].displacement_mm, at[2].displacement_mm,
+                      at[3].displacement_mm, s);
+  }
+};
+
+Around touchAround(const std::array<const PlayFrame*, 4>& frames, MediaTime play_time,
+                   const Vec3& hip_mm, const Workspace& workspace) noexcept {
+  Around around;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    around.at[k] = touchFrame(frames[k], *frames[1], hip_mm, workspace, around.touched[k]);
+  }
+  if (frames[2] == nullptr) {
+    around.at[2] = around.at[1];
+    return around;
+  }
+  const double interval_s = secondsBetween(frames[1]->media_time, frames[2]->media_time);
+  const double time_s = secondsBetween(frames[1]->media_time, play_time);
+  around.s = std::clamp(time_s / std::max(interval_s, 1e-9), 0.0, 1.0);
+  return around;
+}
+
 }  // namespace
+
+/// The HIP freezes where the interval is entered; returns whether it is another one than before.
+bool ThesisInterpolation::enter(const PlayFrame& from, const Vec3& hip_mm) noexcept {
+  const bool new_interval = !entered_ || from.epoch != epoch_ || from.id != frame_id_;
+  if (new_interval) frozen_hip_mm_ = hip_mm;
+  entered_ = true;
+  epoch_ = from.epoch;
+  frame_id_ = from.id;
+  return new_interval;
+}
 
 Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_time,
                                       const Vec3& hip_mm, const Workspace& workspace) noexcept {
@@ -66,31 +108,16 @@ Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_
   const PlayFrame* const from = frames[1];
   if (from == nullptr) return {};
   const bool new_epoch = !entered_ || from->epoch != epoch_;
-  const bool new_interval = new_epoch || from->id != frame_id_;
-  if (new_interval) frozen_hip_mm_ = hip_mm;
-  entered_ = true;
-  epoch_ = from->epoch;
-  frame_id_ = from->id;
+  const bool new_interval = enter(*from, hip_mm);
 
-  std::array<Contact, 4> at;
-  std::array<const PlayObject*, 4> touched{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    at[k] = touchFrame(frames[k], *from, frozen_hip_mm_, workspace, touched[k]);
-  }
-  if (frames[2] == nullptr) at[2] = at[1];
-  double s = 0.0;
-  if (frames[2] != nullptr) {
-    const double interval_s = secondsBetween(from->media_time, frames[2]->media_time);
-    s = std::clamp(secondsBetween(from->media_time, play_time) / std::max(interval_s, 1e-9), 0.0,
-                   1.0);
-  }
-  const bool cubic = frames[0] != nullptr && frames[2] != nullptr && frames[3] != nullptr;
+  const Around around = touchAround(frames, play_time, frozen_hip_mm_, workspace);
+  const auto& at = around.at;
+  const double s = around.s;
   Contact contact = s < 0.5 ? at[1] : at[2];
   contact.displacement_mm =
-      cubic ? catmullRom(at[0].displacement_mm, at[1].displacement_mm, at[2].displacement_mm,
-                         at[3].displacement_mm, s)
-            : Vec3((1.0 - s) * at[1].displacement_mm + s * at[2].displacement_mm);
-  const PlayObject* const object = touched[1] != nullptr ? touched[1] : touched[2];
+      around.displacement_mm(frames[0] != nullptr && frames[2] != nullptr && frames[3] != nullptr);
+  const PlayObject* const object =
+      around.touched[1] != nullptr ? around.touched[1] : around.touched[2];
   // A cubic may swing below zero beside an edge in time: nothing pulls. Touched before or after
   // only: likewise.
   if (object == nullptr || !(contact.displacement_mm.z() > 0.0)) return {};

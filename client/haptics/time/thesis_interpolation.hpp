@@ -24,6 +24,8 @@ class ThesisInterpolation {
                    const Workspace& workspace) noexcept;
 
  private:
+  bool enter(const PlayFrame& from, const Vec3& hip_mm) noexcept;
+
   bool entered_ = false;
   std::uint32_t epoch_ = 0;
   std::uint64_t frame_id_ = 0;  // i

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The force against exact truth: displacement x stiffness of the surface model, before damping and
-// chain, along scripted paths (README.md).
+// chain, along scripted paths (client/haptics/README.md).
 #include <algorithm>
 #include <mutex>
 #include <optional>
