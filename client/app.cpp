@@ -9,8 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/device/device_profile.hpp"
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 
@@ -19,50 +18,28 @@ namespace {
 constexpr auto kDrainInterval = std::chrono::milliseconds(10);
 constexpr int kMaxFaultFiles = 10;
 
-/// What `load` returns; its complaint begins with the flag that brought the file.
-template <class Load>
-auto loadFor(const char* flag, Load load) {
-  try {
-    return load();
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string(flag) + " " + error.what());
-  }
-}
-
-/// Said now and not after the session.
-void requireWritable(const char* flag, const std::string& file) {
-  if (file.empty() || std::ofstream(file, std::ios::app)) return;
-  throw std::runtime_error(std::string(flag) + " " + file +
-                           ": cannot be written; is its folder there and writable?");
-}
-
-RoomSettings roomSettings(const Settings& settings) {
+RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile) {
   RoomSettings room;
-  room.profile = loadFor("--profile", [&] { return loadDeviceProfile(settings.profile); });
+  room.profile = profile;
   room.method = settings.method;
   room.surface = settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
   return room;
 }
 
-HandScript handScript(const Settings& settings, const DeviceProfile& profile) {
-  const HandStiffness stiffness{.hand_N_mm = Hand::light().stiffness_N_m * 1e-3,
-                                .surface_N_mm = profile.stiffness_N_mm};
-  if (settings.hand == "press") return {HandKind::kPress, stiffness};
-  if (settings.hand == "slide") return {HandKind::kSlide, stiffness};
-  if (settings.hand == "follow") return {HandKind::kFollow, stiffness};
-  return {HandKind::kFile, stiffness,
-          loadFor("--hand", [&] { return loadHandTargets(settings.hand); })};
-}
-
-ConnectionSettings connectionSettings(const Settings& settings) {
+ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   ConnectionSettings connection;
-  connection.host = settings.server.host;
-  connection.port = settings.server.port;
-  connection.wants_video = !settings.screenshot_file.empty();
+  connection.server = settings.server;
+  connection.wants_video = wants_video;
   return connection;
 }
 
-std::string describe(const StreamDescription& stream, Method method) {
+/// However its scope is left, nothing waits for the network any more.
+struct StopOnExit {
+  asio::io_context& io;
+  ~StopOnExit() { io.stop(); }
+};
+
+std::string greeting(const StreamDescription& stream, Method method) {
   std::string text = fmt::format("connected: {}, {} x {}, {:g} frames/s", stream.name,
                                  stream.workspace.width_px, stream.workspace.height_px, stream.fps);
   if (method == Method::kThesis && stream.method != Method::kThesis) {
@@ -75,41 +52,46 @@ std::string describe(const StreamDescription& stream, Method method) {
 
 }  // namespace
 
-App::App(Settings settings, const Clock& clock)
+App::App(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
-      room_settings_(roomSettings(settings_)),
-      hand_(handScript(settings_, room_settings_.profile)),
-      device_(room_settings_.profile, Hand::light(), clock, &hand_),
-      room_(std::make_unique<Room>(room_settings_, pool_, controls_, latest_report_, &log_ring_)),
-      receiver_(pool_, controls_, {settings_.method, settings_.method == Method::kThesis ? 2 : 1}),
-      connection_(io_, clock, connectionSettings(settings_), receiver_,
+      device_(openDevice(settings_.device, {.profile = settings_.profile,
+                                            .hand = settings_.hand,
+                                            .clock = clock,
+                                            .seen = published_})),
+      room_settings_(roomSettings(settings_, device_->profile())),
+      room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, published_,
+                                   &log_ring_)),
+      preparer_(pool_, clock, settings_.method,
+                [this](const PreparedFrame& frame) {
+                  asio::post(io_, [this, frame] { receiver_.prepared(frame); });
+                }),
+      receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
+      connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
                   {.welcomed =
                        [this](const auto& stream) {
-                         spdlog::info("{}", describe(stream, settings_.method));
+                         spdlog::info("{}", greeting(stream, settings_.method));
                          told_why_.clear();
                        },
-#ifdef HAPTICAST_VIEWER
-                   .video = [this](VideoFrame video) { viewer_.take(std::move(video)); },
-#else
-                   .video = {},
-#endif
+                   .video = [this](VideoFrame video) { show(std::move(video)); },
                    .disconnected = [this](const std::string& why) { sayOnce(why); },
                    .failed =
                        [this](const std::string& why) {
                          spdlog::error("{}", why);
                          failed_ = true;
                          stop();
-                       }}) {
+                       }}),
+      views_(std::move(views)) {
   requireWritable("--log", settings_.log_file);
   requireWritable("--summary", settings_.summary_file);
-#ifdef HAPTICAST_VIEWER
-  if (!settings_.screenshot_file.empty()) Viewer::requirePictureName(settings_.screenshot_file);
-#endif
-  requireWritable("--screenshot", settings_.screenshot_file);
   if (settings_.log_file.empty()) return;
   log_.open(settings_.log_file);
   writeReportHeading(log_);
+}
+
+void App::show(VideoFrame picture) {
+  const Workspace workspace = receiver_.stream().workspace;
+  for (const auto& view : views_) view->takePicture(picture, workspace);
 }
 
 void App::sayOnce(const std::string& why) {
@@ -119,29 +101,26 @@ void App::sayOnce(const std::string& why) {
 }
 
 bool App::run() {
-  spdlog::info(
-      "connecting to {}:{} with a virtual device ({}) in a hand that does: {}. Ctrl-C ends it.",
-      settings_.server.host, settings_.server.port, room_settings_.profile.name, settings_.hand);
+  spdlog::info("connecting to {}:{} with a {}. Ctrl-C ends it.", settings_.server.host,
+               settings_.server.port, device_->description());
   asio::signal_set signals(io_, SIGINT, SIGTERM);
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();
   });
+  preparer_.start();
   connection_.start();
   std::jthread network([this] { io_.run(); });
-  std::atomic<bool> loop_stop{false};
-  std::jthread loop([&] {
-    realtime_ = requestRealtime();
-    runLoop(device_, *room_, clock_, loop_stop, stats_);
-  });
+  const StopOnExit network_stop{io_};
+  LoopThread loop(*device_, *room_, clock_);
 
   wait();
-  loop_stop = true;
-  loop.join();
+  loop.stop();
   drain();
+  preparer_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
   connection_.stop();
   network.join();
-  finish();
+  finish(loop);
   return !failed_;
 }
 
@@ -151,21 +130,26 @@ void App::wait() {
          (settings_.seconds == 0.0 || clock_.now() - begin < fromSeconds(settings_.seconds))) {
     drain();
     dumpFault();
-    if (const bool contact = latest_report_.load().contact; contact != told_contact_) {
-      told_contact_ = contact;
-      asio::post(io_, [this, contact] { connection_.setInContact(contact); });
+    if (last_report_.contact != told_contact_) {
+      told_contact_ = last_report_.contact;
+      asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
+    }
+    if (settings_.rearm && deviceIsBack(last_report_)) {
+      ++user_.rearm;
+      user_controls_.store(user_);
+    }
+    for (const auto& view : views_) {
+      if (!view->turn()) stop();
     }
     std::this_thread::sleep_for(kDrainInterval);
   }
 }
 
 void App::drain() {
-  TickReport report;
+  TickReport& report = last_report_;
   while (log_ring_.tryPop(report)) {
     if (log_.is_open()) writeReport(log_, report);
-#ifdef HAPTICAST_VIEWER
-    if (!settings_.screenshot_file.empty()) viewer_.add(report);
-#endif
+    for (const auto& view : views_) view->takeReport(report);
   }
 }
 
@@ -181,24 +165,24 @@ void App::dumpFault() {
                out ? "in " + file : "lost, no file can be written here");
 }
 
-RunResult App::result() const {
-  const Controls& controls = receiver_.controls();
-  return {.loop = stats_,
+RunResult App::result(const LoopThread& loop) const {
+  return {.loop = loop.stats(),
           .frames = receiver_.counts(),
           .bytes_received = connection_.bytesReceived(),
           .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
-          .clock_offset_us = toSeconds(controls.clock_offset) * 1e6,
+          .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
-          .realtime = realtime_};
+          .realtime = loop.realtime()};
 }
 
-void App::finish() {
+void App::finish(const LoopThread& loop) {
   dumpFault();
-  if (!realtime_.fifo || !realtime_.mlock) {
+  const RealtimeGrant& realtime = loop.realtime();
+  if (!realtime.fifo || !realtime.mlock) {
     spdlog::info("the loop ran without {}: ticks may be late under load (README: real time)",
-                 realtime_.fifo    ? "locked memory"
-                 : realtime_.mlock ? "SCHED_FIFO"
-                                   : "SCHED_FIFO and locked memory");
+                 realtime.fifo    ? "locked memory"
+                 : realtime.mlock ? "SCHED_FIFO"
+                                  : "SCHED_FIFO and locked memory");
   }
   if (room_->droppedReports() > 0)
     spdlog::warn("{} ticks are missing in the log", room_->droppedReports());
@@ -208,12 +192,9 @@ void App::finish() {
       throw std::runtime_error("--log " + settings_.log_file +
                                ": not written completely; is the disk full?");
   }
-  const RunResult run = result();
+  const RunResult run = result(loop);
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
-#ifdef HAPTICAST_VIEWER
-  if (!settings_.screenshot_file.empty())
-    viewer_.write(settings_.screenshot_file, receiver_.controls().workspace);
-#endif
+  for (const auto& view : views_) view->finish();
   if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
 }
 

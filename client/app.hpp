@@ -8,28 +8,26 @@
 #include <memory>
 #include <string>
 
-#include "client/device/virtual_device.hpp"
-#include "client/haptics/loop.hpp"
+#include "client/device/open_device.hpp"
+#include "client/haptics/loop_thread.hpp"
 #include "client/haptics/room.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
 #include "client/settings.hpp"
 #include "client/summary.hpp"
+#include "client/view/view.hpp"
 #include "common/wire/asio.hpp"
-#ifdef HAPTICAST_VIEWER
-#include "client/view/viewer.hpp"
-#endif
 
 namespace hapticast::client {
 
 class App {
  public:
-  /// Loads profile and hand script. Throws std::runtime_error, one line.
-  App(Settings settings, const Clock& clock);
+  /// Opens the device; `views` are shown what happens. Throws std::runtime_error, one line.
+  App(Settings settings, const Clock& clock, Views views);
 
-  /// Touches until --seconds are over, Ctrl-C, or stop(). Returns false when the server could never
-  /// be reached or speaks another protocol (said in the log). Throws std::runtime_error when a file
-  /// cannot be written.
+  /// Touches until --seconds are over, Ctrl-C, a view wants to end, or stop(). Returns false when
+  /// the server could never be reached or speaks another protocol (said in the log). Throws
+  /// std::runtime_error when a file cannot be written.
   bool run();
   /// Thread: any.
   void stop() noexcept { stop_ = true; }
@@ -38,31 +36,31 @@ class App {
   void wait();
   void drain();
   void dumpFault();
+  void show(VideoFrame picture);
   void sayOnce(const std::string& why);
-  [[nodiscard]] RunResult result() const;
-  void finish();
+  [[nodiscard]] RunResult result(const LoopThread& loop) const;
+  void finish(const LoopThread& loop);
 
   Settings settings_;
   const Clock& clock_;
+  LatestValue<TickReport> published_;  // the device's hand reads it
+  std::unique_ptr<HapticDevice> device_;
   RoomSettings room_settings_;
-  HandScript hand_;
-  VirtualDevice device_;
   FramePool pool_;
-  LatestValue<Controls> controls_;
-  LatestValue<TickReport> latest_report_;
+  LatestValue<StreamState> stream_;
+  LatestValue<UserControls> user_controls_;
+  UserControls user_;
   Room::Log log_ring_;
   std::unique_ptr<Room> room_;  // large: holds the flight recorder
-  LoopStats stats_;
-  RealtimeGrant realtime_;
   asio::io_context io_;
+  Preparer preparer_;
   Receiver receiver_;
   Connection connection_;
   std::ofstream log_;
-#ifdef HAPTICAST_VIEWER
-  Viewer viewer_;
-#endif
+  Views views_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
+  TickReport last_report_;  // of those drained from log_ring_
   int faults_dumped_ = 0;
   bool told_contact_ = false;
   std::string told_why_;  // the connection is down for this reason; network thread

@@ -6,7 +6,9 @@
 #include <memory>
 
 #include "client/app.hpp"
+#include "client/open_views.hpp"
 #include "client/settings.hpp"
+#include "common/cli/parse.hpp"
 
 namespace {
 
@@ -16,7 +18,8 @@ int touch(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
-    app = std::make_unique<hapticast::client::App>(settings, clock);
+    app = std::make_unique<hapticast::client::App>(settings, clock,
+                                                   hapticast::client::openViews(settings));
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::oneLine(error.what()));
     return kWrongInput;

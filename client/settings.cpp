@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "client/settings.hpp"
 
+#include <fstream>
 #include <map>
+#include <stdexcept>
+
+#include "client/device/open_device.hpp"
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
 
 namespace hapticast::client {
 
@@ -12,13 +18,28 @@ const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kP
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
-const std::map<std::string, std::string> kDevices{{"virtual", "virtual"}};
 const std::map<std::string, std::string> kTransports{{"tcp", "tcp"}};
 
+/// The kinds of this build, by name.
+const std::map<std::string, std::string>& devices() {
+  static const auto kDevices = [] {
+    std::map<std::string, std::string> names;
+    for (const DeviceKind& kind : deviceKinds()) names.emplace(kind.name, kind.name);
+    return names;
+  }();
+  return kDevices;
+}
+
+std::string deviceHelp() {
+  std::string help = "The haptic device";
+  for (const DeviceKind& kind : deviceKinds()) {
+    help += std::string("; ") + kind.name + ": " + kind.description;
+  }
+  return help;
+}
+
 void addDeviceOptions(CLI::App& app, Settings& settings) {
-  addChoice(app, "--device", settings.device, kDevices,
-            "The haptic device; virtual: a simulated one in a simulated hand")
-      ->required();
+  addChoice(app, "--device", settings.device, devices(), deviceHelp())->required();
   app.add_option(
          "--profile", settings.profile,
          "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines (keys: "
@@ -30,15 +51,18 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
          "the object, 1 mm "
          "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
       ->type_name("press|slide|follow|FILE.csv");
+  app.add_flag("--rearm", settings.rearm,
+               "After a lost device has come back the force returns by itself, faded in; without "
+               "it, only at the next start");
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {
-#ifdef HAPTICAST_VIEWER
-  app.add_option("--screenshot", settings.screenshot_file,
-                 "Write a picture at the end: the video with cone and force at the strongest "
-                 "moment, and the force over time")
-      ->type_name("FILE.png");
-#endif
+  if (hasViewer()) {
+    app.add_option("--screenshot", settings.screenshot_file,
+                   "Write a picture at the end: the video with cone and force at the strongest "
+                   "moment, and the force of the last minute")
+        ->type_name("FILE.png");
+  }
   app.add_option("--log", settings.log_file,
                  "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "
                  "d (dynamic) in N, "
@@ -53,6 +77,14 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
 }
 
 }  // namespace
+
+bool hasViewer() { return HAPTICAST_HAS_VIEWER != 0; }
+
+void requireWritable(const char* flag, const std::string& file) {
+  if (file.empty() || std::ofstream(file, std::ios::app)) return;
+  throw std::runtime_error(std::string(flag) + " " + file +
+                           ": cannot be written; is its folder there and writable?");
+}
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(

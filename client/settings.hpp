@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// hapticast-client's settings: defaults, flags and config keys (the command line is a contract,
-// DESIGN section 9).
+// hapticast-client's settings: defaults, flags and config keys. The command line is a contract:
+// --help tells it whole.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "client/haptics/surface/surface_model.hpp"
-#include "common/cli/command_line.hpp"
+#include "common/endpoint.hpp"
 
 namespace hapticast::client {
 
@@ -22,10 +22,18 @@ struct Settings {
   std::string screenshot_file;
   std::string log_file;
   std::string summary_file;
+  bool rearm = false;    ///< after a lost device came back the force returns by itself
   double seconds = 0.0;  ///< 0: until Ctrl-C
   Method method = Method::kHapticast;
   bool quiet = false;
 };
+
+/// Whether this build can show or draw pictures (CMake option HAPTICAST_VIEWER).
+[[nodiscard]] bool hasViewer();
+
+/// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
+/// it. Throws std::runtime_error, one line that names `flag` and `file`.
+void requireWritable(const char* flag, const std::string& file);
 
 /// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
 std::unique_ptr<CLI::App> commandLine(Settings& settings);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What a run was like, in numbers (--summary, keys of DESIGN section 9) and in words. Thread: main,
-// after the run.
+// What a run was like, in numbers (--summary; its keys are listed in README.md) and in words.
+// Thread: main, after the run.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
-#include "client/device/realtime_thread.hpp"
+#include "client/haptics/realtime_thread.hpp"
 #include "client/haptics/loop.hpp"
 #include "client/net/receiver.hpp"
 
@@ -23,7 +23,8 @@ struct RunResult {
   RealtimeGrant realtime;
 };
 
-/// One JSON object. Throws std::runtime_error naming the file when it cannot be written.
+/// Writes one JSON object; a number that is not finite is null. Throws std::runtime_error naming
+/// the file when it cannot be written.
 void writeSummary(const std::string& file, const RunResult& result);
 /// A few sentences for people.
 [[nodiscard]] std::string inWords(const RunResult& result);

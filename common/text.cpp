@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <system_error>
+#include <type_traits>
 
 namespace hapticast {
 
@@ -49,15 +51,32 @@ std::optional<double> parseNumber(std::string_view text) {
   return value;
 }
 
+template <class Number>
+std::optional<Number> numberIn(std::string_view text, Number least, Number most) {
+  std::optional<Number> value;
+  if constexpr (std::is_same_v<Number, double>) {
+    value = parseNumber(text);
+  } else {
+    Number whole{};
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, whole);
+    if (error == std::errc() && stop == end) value = whole;
+  }
+  return value && *value >= least && *value <= most ? value : std::nullopt;
+}
+template std::optional<double> numberIn(std::string_view, double, double);
+template std::optional<std::uint16_t> numberIn(std::string_view, std::uint16_t, std::uint16_t);
+template std::optional<std::uint64_t> numberIn(std::string_view, std::uint64_t, std::uint64_t);
+
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name) {
   std::string text(kMaxKeyValueText_bytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (in.bad() || (in.gcount() == 0 && !in.eof())) {
-    return Error{ErrorCode::kMalformed, name + ": cannot be read"};
+    return Error{name + ": cannot be read"};
   }
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > kMaxKeyValueText_bytes) {
-    return Error{ErrorCode::kTooLarge, name + ": larger than 64 KiB"};
+    return Error{name + ": larger than 64 KiB"};
   }
   std::vector<KeyValue> pairs;
   std::string_view rest = text;
@@ -69,8 +88,8 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
     const std::size_t equals = std::min(content.find('='), content.size());
     const std::string_view key = trimmed(content.substr(0, equals));
     if (equals == content.size() || !isKey(key)) {
-      return Error{ErrorCode::kMalformed, name + ":" + std::to_string(line) + ": " +
-                                              inQuotes(content) + " is not a `key = value` line"};
+      return Error{name + ":" + std::to_string(line) + ": " + inQuotes(content) +
+                   " is not a `key = value` line"};
     }
     pairs.push_back(
         {line, std::string(key), std::string(unquoted(trimmed(content.substr(equals + 1))))});

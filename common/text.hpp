@@ -23,6 +23,11 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 /// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 
+/// The number from `least` to `most` that is the whole of `text`; nullopt otherwise. For double,
+/// std::uint16_t and std::uint64_t.
+template <class Number>
+[[nodiscard]] std::optional<Number> numberIn(std::string_view text, Number least, Number most);
+
 struct KeyValue {
   int line = 0;  ///< 1 is the first
   std::string key;

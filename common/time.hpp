@@ -60,4 +60,26 @@ class SteadyClock final : public Clock {
   }
 };
 
+/// The clock that frames are stamped with: this machine's own, or one that follows an origin's on
+/// another machine.
+class MediaClock {
+ public:
+  virtual ~MediaClock() = default;
+  /// Thread: any.
+  [[nodiscard]] virtual MediaTime now() const noexcept = 0;
+};
+
+/// Media time is the local time since the clock was made.
+class LocalMediaClock final : public MediaClock {
+ public:
+  /// `clock` outlives it.
+  explicit LocalMediaClock(const Clock& clock) : clock_(clock), zero_(clock.now()) {}
+  [[nodiscard]] MediaTime now() const noexcept override { return MediaTime(clock_.now() - zero_); }
+  [[nodiscard]] LocalTime zero() const noexcept { return zero_; }
+
+ private:
+  const Clock& clock_;
+  LocalTime zero_;
+};
+
 }  // namespace hapticast

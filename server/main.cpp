@@ -4,6 +4,7 @@
 
 #include <exception>
 
+#include "common/cli/parse.hpp"
 #include "server/app.hpp"
 #include "server/settings.hpp"
 

@@ -5,6 +5,9 @@
 #include <map>
 #include <vector>
 
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -24,41 +27,28 @@ const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
 
 constexpr double kMostDepth_mm = 1e6;
 
-/// --depth-range NEAR,FAR into the vision's own type.
 void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
-  const auto set = [&range](const std::string& text) {
-    const auto pair = parsePair(text);
-    if (!pair || pair->x() < 0.0 || pair->y() <= pair->x() || pair->y() > kMostDepth_mm) {
-      throw CLI::ValidationError(
-          "--depth-range",
-          inQuotes(text) + " is not NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000");
-    }
-    range = DepthRange{pair->x(), pair->y()};
+  const auto take = [&range](const Vec2& pair) {
+    if (!(pair.x() >= 0.0 && pair.x() < pair.y() && pair.y() <= kMostDepth_mm)) return false;
+    range = DepthRange{pair.x(), pair.y()};
+    return true;
   };
-  app.add_option_function<std::string>(
-         "--depth-range", set,
-         "Depths that map to the nearest and farthest height; default: from the clip")
+  addPair(app, "--depth-range", take, "NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000",
+          "Depths that map to the nearest and farthest height; default: from the clip")
       ->type_name("MM,MM");
 }
 
 constexpr double kMostFriction = 10.0;
 
-/// --friction STATIC,DYNAMIC
 void addFriction(CLI::App& app, Material& material) {
-  const auto set = [&material](const std::string& text) {
-    const auto pair = parsePair(text);
-    // Written so that a NaN fails.
-    if (!pair || !(pair->y() >= 0.0 && pair->y() <= pair->x() && pair->x() <= kMostFriction)) {
-      throw CLI::ValidationError("--friction",
-                                 inQuotes(text) + " is not S,D with 0 <= D <= S <= 10");
-    }
-    material.static_friction = pair->x();
-    material.dynamic_friction = pair->y();
+  const auto take = [&material](const Vec2& pair) {
+    if (!(pair.y() >= 0.0 && pair.y() <= pair.x() && pair.x() <= kMostFriction)) return false;
+    material.static_friction = pair.x();
+    material.dynamic_friction = pair.y();
+    return true;
   };
-  app.add_option_function<std::string>(
-         "--friction", set,
-         "The surface's coefficients of static and dynamic friction; default: each viewer's own")
-      ->type_name("S,D");
+  addPair(app, "--friction", take, "S,D with 0 <= D <= S <= 10",
+          "The surface's coefficients of static and dynamic friction; default: each viewer's own");
 }
 
 /// Reads `auto`, `everything` or `STAGE=on|off,...`; nullopt where it is none of them.
@@ -151,6 +141,13 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
       "Force that leaving stages out may cost; default: 0.007, a tenth of what a hand can tell "
       "apart at 1 N");
   addPlan(app, vision.plan);
+  addChoice(app, "--method", vision.method, kMethods,
+            "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
+            "dense grid, stretched");
+}
+
+/// The author's say on what is touched.
+void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");
   addFriction(app, vision.material);
@@ -160,9 +157,6 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "K of the thesis's Eq. 3 (viewers with --surface perturbed); default: 30");
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
             "The object's mass for the dynamic force; default: each viewer's choice");
-  addChoice(app, "--method", vision.method, kMethods,
-            "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
-            "dense grid, stretched");
 }
 
 }  // namespace
@@ -180,6 +174,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N", "More are turned away with a message; default: 64");
   addVisionOptions(*app, settings.vision);
+  addMaterialOptions(*app, settings.vision);
   app->add_flag("--explain", settings.explain,
                 "Say what is left out of each object, why, what it saves and costs");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");

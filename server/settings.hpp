@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// hapticast-server's settings: defaults, flags and config keys (the command line is a contract,
-// DESIGN section 9).
+// hapticast-server's settings: defaults, flags and config keys. The command line is a contract:
+// --help tells it whole.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "common/cli/command_line.hpp"
+#include "common/endpoint.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {

@@ -1,4 +1,4 @@
-# Checks who may include whom. Run: cmake -DROOT=. -P tests/include_directions.cmake
+# Checks who may include whom (README.md, "How it is built"). Run: cmake -DROOT=. -P tests/include_directions.cmake
 # Each rule: files that match -> the only project includes and library includes they may have.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")
@@ -28,11 +28,12 @@ set(rules
 # One door per library: who may include it.
 set(doors
   "^boost/"                          "^common/wire/asio\\.hpp$"
-  "^common/wire/asio\\.hpp$"              "^((server/stream|client/net|tests)/|(server|client)/[^/]*$)"
+  "^common/wire/asio\\.hpp$"              "^((common/wire|server/stream|client/net|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/wire/(decode|encode)\\.cpp$"
-  "^google/protobuf"                 "^common/wire/(decode|encode)\\.cpp$"
+  "^google/protobuf"                 "^common/wire/(decode|encode|scan)\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
-  "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/|tests/)"
+  "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
+  "^nlohmann/"                       "^tests/|^server/source/clip_meta\\.cpp$|^client/summary\\.cpp$"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )

@@ -16,17 +16,19 @@ namespace hapticast::client {
 namespace {
 constexpr std::size_t kLongestName = 64;
 
-/// Omni class. Its backdrive friction is said to be 0.26 N; the least that is sure is taken, since
-/// friction flatters stability.
-DeviceProfile omni() {
-  DeviceProfile profile;
+/// Omni class. Its data sheet says 0.26 N of backdrive friction; the plant gets 0.05 N (chosen),
+/// because friction flatters stability.
+PlantProfile omni() {
+  PlantProfile profile;
   profile.friction_N = 0.05;
   return profile;
 }
 
-/// Falcon class: chai3d's 8 N and 40 mm radius; mass, damping and continuous force are assumptions.
-DeviceProfile falcon() {
-  DeviceProfile profile;
+/// Falcon class: 8 N and the workspace as CHAI3D's driver has them, counts of the encoder's data
+/// sheet; mass, damping and continuous force are assumed, the rest is the Omni's, scaled by the
+/// force.
+PlantProfile falcon() {
+  PlantProfile profile;
   profile.name = "falcon";
   profile.mass_kg = 0.1;
   profile.peak_N = 8.0;
@@ -46,26 +48,26 @@ DeviceProfile falcon() {
 
 struct NumberKey {
   const char* name;
-  double DeviceProfile::*field;
+  double PlantProfile::*field;
   double least;
   double most;
 };
 // The ranges keep every ramp shorter than two seconds and every law finite.
 constexpr std::array<NumberKey, 14> kNumberKeys = {{
-    {"mass_kg", &DeviceProfile::mass_kg, 0.001, 10.0},
-    {"peak_N", &DeviceProfile::peak_N, 0.1, 100.0},
-    {"continuous_N", &DeviceProfile::continuous_N, 0.01, 100.0},
-    {"count_mm", &DeviceProfile::count_mm, 0.0001, 1.0},
-    {"stiffness_N_mm", &DeviceProfile::stiffness_N_mm, 0.01, 10.0},
-    {"slew_rise_N_per_tick", &DeviceProfile::slew_rise_N_per_tick, 0.01, 10.0},
-    {"slew_fall_N_per_tick", &DeviceProfile::slew_fall_N_per_tick, 0.01, 10.0},
-    {"residue_N_per_tick", &DeviceProfile::residue_N_per_tick, 0.01, 10.0},
-    {"pulse_limit_N", &DeviceProfile::pulse_limit_N, 0.0, 100.0},
-    {"tank_mJ", &DeviceProfile::tank_mJ, 0.1, 10000.0},
-    {"tank_W", &DeviceProfile::tank_W, 0.001, 100.0},
-    {"thermal_s", &DeviceProfile::thermal_s, 0.1, 1000.0},
-    {"friction_N", &DeviceProfile::friction_N, 0.0, 10.0},
-    {"damping_Ns_m", &DeviceProfile::damping_Ns_m, 0.0, 100.0},
+    {"mass_kg", &PlantProfile::mass_kg, 0.001, 10.0},
+    {"peak_N", &PlantProfile::peak_N, 0.1, 100.0},
+    {"continuous_N", &PlantProfile::continuous_N, 0.01, 100.0},
+    {"count_mm", &PlantProfile::count_mm, 0.0001, 1.0},
+    {"stiffness_N_mm", &PlantProfile::stiffness_N_mm, 0.01, 10.0},
+    {"slew_rise_N_per_tick", &PlantProfile::slew_rise_N_per_tick, 0.01, 10.0},
+    {"slew_fall_N_per_tick", &PlantProfile::slew_fall_N_per_tick, 0.01, 10.0},
+    {"residue_N_per_tick", &PlantProfile::residue_N_per_tick, 0.01, 10.0},
+    {"pulse_limit_N", &PlantProfile::pulse_limit_N, 0.0, 100.0},
+    {"tank_mJ", &PlantProfile::tank_mJ, 0.1, 10000.0},
+    {"tank_W", &PlantProfile::tank_W, 0.001, 100.0},
+    {"thermal_s", &PlantProfile::thermal_s, 0.1, 1000.0},
+    {"friction_N", &PlantProfile::friction_N, 0.0, 10.0},
+    {"damping_Ns_m", &PlantProfile::damping_Ns_m, 0.0, 100.0},
 }};
 constexpr int kMostDelay_ticks = 5;
 constexpr double kLeastWorkspace_mm = 10.0;
@@ -112,7 +114,7 @@ std::string allowedKeys() {
   return keys;
 }
 
-void assign(DeviceProfile& profile, std::string_view value, const Place& place) {
+void assign(PlantProfile& profile, std::string_view value, const Place& place) {
   if (place.key == "name") {
     if (value.empty() || value.size() > kLongestName) place.fail("1 to 64 characters are wanted");
     profile.name = value;
@@ -134,10 +136,10 @@ void assign(DeviceProfile& profile, std::string_view value, const Place& place) 
 
 }  // namespace
 
-DeviceProfile readDeviceProfile(std::istream& in, const std::string& file) {
+PlantProfile readDeviceProfile(std::istream& in, const std::string& file) {
   const auto pairs = readKeyValues(in, file);
   if (!pairs.ok()) throw std::runtime_error(pairs.error().message);
-  DeviceProfile profile = omni();
+  PlantProfile profile = omni();
   std::set<std::string> seen;
   for (const KeyValue& pair : pairs.value()) {
     const Place place{file, pair.line, pair.key};
@@ -150,7 +152,7 @@ DeviceProfile readDeviceProfile(std::istream& in, const std::string& file) {
   return profile;
 }
 
-DeviceProfile loadDeviceProfile(const std::string& name_or_file) {
+PlantProfile loadDeviceProfile(const std::string& name_or_file) {
   if (name_or_file == "omni") return omni();
   if (name_or_file == "falcon") return falcon();
   std::ifstream in(name_or_file, std::ios::binary);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "client/haptics/hip_motion.hpp"
+#include "common/tick.hpp"
 
 namespace hapticast::client {
 

@@ -120,11 +120,11 @@ double DynamicForce::cursorMass_kg() const noexcept {
   return std::clamp(profile_.mass_kg, 0.0, kCursorMass_kg);
 }
 
-double DynamicForce::objectMass_kg(const Controls& controls, double scale) const noexcept {
-  const bool authored = controls.author_mass_kg > 0.0 && std::isfinite(controls.author_mass_kg);
+double DynamicForce::objectMass_kg(const StreamState& stream, double scale) const noexcept {
+  const bool authored = stream.author_mass_kg > 0.0 && std::isfinite(stream.author_mass_kg);
   const double wanted_kg =
-      std::max(authored ? controls.author_mass_kg : kUnknownMass_kg, kMassRatio * cursorMass_kg());
-  const double largest_m_s2 = controls.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
+      std::max(authored ? stream.author_mass_kg : kUnknownMass_kg, kMassRatio * cursorMass_kg());
+  const double largest_m_s2 = stream.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
   if (!(largest_m_s2 > 0.0) || !std::isfinite(largest_m_s2)) return wanted_kg;
   // The device's share is what it can hold for good: an object may accelerate for as long as a clip
   // lasts, and noise never rests. The rest, up to the peak, is left to the surface and to impacts.
@@ -153,13 +153,13 @@ Vec3 DynamicForce::pulse_N(const PlayObject& before, const PlayObject* after, Me
 
 Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
                             const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
-                            const Controls& controls, double scale,
+                            const StreamState& stream, double scale,
                             const Vec3* contact_mm) noexcept {
-  if (object == nullptr || controls.paused || !(penetration_mm > 0.0)) return Vec3::Zero();
+  if (object == nullptr || !(penetration_mm > 0.0)) return Vec3::Zero();
   const double to_metres = metresPerMillimetre(scale);
-  const double mass_kg = objectMass_kg(controls, scale);
+  const double mass_kg = objectMass_kg(stream, scale);
   const Vec3 acceleration_mm_s2 = accelerationAt(
-      *object, contact_mm != nullptr ? *contact_mm : object->position_mm, controls.workspace);
+      *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
   const Vec3 force_N = mass_kg * to_metres * acceleration_mm_s2 -
                        cursorMass_kg() * cursor_acceleration_m_s2 +
                        pulse_N(*object->before, object->after, play_time, mass_kg * to_metres);

@@ -5,7 +5,8 @@
 #include <cstdint>
 
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/time/lookup.hpp"
+#include "client/haptics/stream_state.hpp"
+#include "client/haptics/time/scene.hpp"
 
 namespace hapticast::client {
 
@@ -18,17 +19,17 @@ class DynamicForce {
   /// Force in N, device frame. `scale`: nominal -> device mm (beta, together with mm -> m). The
   /// acceleration of the object is taken at the contact point (centre + rotation), a_cursor in
   /// device m/s². The weight min(1, d/0.2 mm) of the penetration is applied here. Zero without
-  /// contact, when paused, when not finite. `contact_mm`: the contact in nominal mm, where rotation
+  /// contact, when not finite. `contact_mm`: the contact in nominal mm, where rotation
   /// and grid are evaluated; without it the object's reference point stands for all of it. Longer
   /// than the device's peak it is shortened. An impact pushes along its change of velocity: a
   /// half-sine of 15 ms from the impact's time on.
   Vec3 evaluate(const ObjectNow* object, double penetration_mm,
-                const Vec3& cursor_acceleration_m_s2, MediaTime play_time, const Controls& controls,
-                double scale, const Vec3* contact_mm = nullptr) noexcept;
+                const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
+                const StreamState& stream, double scale, const Vec3* contact_mm = nullptr) noexcept;
 
   /// m_object = min(author's (0.5 kg when none is given), the device's continuous force / largest
   /// a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
-  [[nodiscard]] double objectMass_kg(const Controls& controls, double scale) const noexcept;
+  [[nodiscard]] double objectMass_kg(const StreamState& stream, double scale) const noexcept;
 
  private:
   [[nodiscard]] double cursorMass_kg() const noexcept;

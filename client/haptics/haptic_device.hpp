@@ -12,18 +12,16 @@
 
 namespace hapticast::client {
 
-struct TickReport;
-
-/// Constants of a device class. Defaults: Omni class (literature values, reference/stability
-/// notes).
+/// Constants of a device class. Defaults: Omni class; mass, counts, peak and continuous force are
+/// its data sheet's, the others are chosen and measured (README.md: the chain's constants).
 struct DeviceProfile {
   std::string name = "omni";
   double mass_kg = 0.045;  ///< apparent mass at the tip; never over-state it
   double peak_N = 3.3;
   double continuous_N = 0.88;
   double count_mm = 0.055;  ///< position quantum
-  int delay_ticks =
-      1;  ///< between reading the position and the start of the force; never under-state
+  /// Between reading the position and the start of the force; never under-state it.
+  int delay_ticks = 1;
   double stiffness_N_mm = 0.5;  ///< default rendered stiffness
   double slew_rise_N_per_tick = 0.2;
   double slew_fall_N_per_tick = 0.5;
@@ -32,8 +30,6 @@ struct DeviceProfile {
   double tank_mJ = 15.0;            ///< energy the force may give to the hand at once ...
   double tank_W = 0.2;              ///< ... and for good
   double thermal_s = 20.0;          ///< time constant of the motors' heat
-  double friction_N = 0.0;          ///< Coulomb friction (virtual device)
-  double damping_Ns_m = 0.1;        ///< physical damping (virtual device)
   Vec3 workspace_mm = {160.0, 120.0, 70.0};
 };
 
@@ -50,14 +46,15 @@ class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
   [[nodiscard]] virtual const DeviceProfile& profile() const noexcept = 0;
+  /// What it is, for a line of the log: "virtual device (omni) in a hand that does: press". Thread:
+  /// any.
+  [[nodiscard]] virtual std::string description() const = 0;
   /// Blocks until the next tick is due, at the latest about `deadline`. Called outside the tick.
   /// Thread: loop.
   virtual void waitForTick(LocalTime deadline) noexcept = 0;
   /// Hands over the force (N, device frame, finite) and returns the newest position. Non-blocking.
   /// Thread: loop.
   virtual DeviceState exchange(const Vec3& force_N) noexcept = 0;
-  /// What came of the tick: for a device whose hand is a script. Thread: loop.
-  virtual void observe(const TickReport& /*report*/) noexcept {}
 };
 
 }  // namespace hapticast::client

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "common/tick.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -10,7 +12,6 @@ constexpr double kJerkDensity_m2_s5 = 1e6;
 constexpr double kLateTick_s = 1.5e-3;
 constexpr double kLongestGap_s = 20e-3;
 constexpr double kFastest_mm_s = 10'000.0;  // no hand is faster: the device was re-homed or lies
-constexpr double kNothing = 1e-30;          // (m/s²)²
 constexpr double kPi = 3.14159265358979323846;
 const double kOnePole20Hz = 1.0 - std::exp(-2.0 * kPi * 20.0 * kTick_s);
 }  // namespace
@@ -95,11 +96,6 @@ void HipMotion::bridge(const Vec3& measured_mm, double gap_s) noexcept {
 void HipMotion::filterAcceleration(const Vec3& raw_m_s2) noexcept {
   smooth_m_s2_ += kOnePole20Hz * (raw_m_s2 - smooth_m_s2_);
   estimate_.acceleration_m_s2 += kOnePole20Hz * (smooth_m_s2_ - estimate_.acceleration_m_s2);
-  // At rest both decay to numbers so small that the processor takes a hundred times as long.
-  if (smooth_m_s2_.squaredNorm() < kNothing) smooth_m_s2_ = Vec3::Zero();
-  if (estimate_.acceleration_m_s2.squaredNorm() < kNothing) {
-    estimate_.acceleration_m_s2 = Vec3::Zero();
-  }
 }
 
 }  // namespace hapticast::client

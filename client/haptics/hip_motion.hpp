@@ -9,8 +9,6 @@
 
 namespace hapticast::client {
 
-inline constexpr double kTick_s = 1e-3;
-
 /// Steady gains of the Kalman filter at 1 kHz: x += k1 r; v += k2 r; a += k3 r.
 struct KalmanGains {
   double position = 0.0;

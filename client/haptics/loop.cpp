@@ -3,10 +3,12 @@
 
 #include <algorithm>
 
+#include "common/tick.hpp"
+
 namespace hapticast::client {
 
 namespace {
-constexpr Duration kLate{1'500'000};
+constexpr Duration kLate{1'500'000};  // half a period: chosen
 constexpr int kStopTicks = 2000;  // longest ramp to zero; the profile's ranges keep it far below
 }  // namespace
 
@@ -47,13 +49,12 @@ void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::at
       --ticks_to_stop;
     }
     const TickReport& report = room.tick(begin, state);
-    device.observe(report);
     const LocalTime end = clock.now();
     stats.exchange_ns.add((exchanged - begin).count());
     stats.tick_ns.add((end - exchanged).count());
     stats.add(report, (report.force_N - force_N).norm());
     force_N = report.force_N;
-    deadline += kTickPeriod;
+    deadline = std::min(deadline, begin) + kTickPeriod;
     if (end >= deadline) deadline += ((end - deadline) / kTickPeriod + 1) * kTickPeriod;
   }
   (void)device.exchange(Vec3::Zero());

@@ -11,8 +11,6 @@
 
 namespace hapticast::client {
 
-inline constexpr Duration kTickPeriod{1'000'000};
-
 /// Everything of the summary that the loop knows. Thread: the loop's; read it after runLoop() has
 /// returned.
 struct LoopStats {
@@ -34,9 +32,10 @@ struct LoopStats {
   void add(const TickReport& report, double step_N) noexcept;
 };
 
-/// Runs until `stop`, then ramps the force to zero and leaves the device at zero. A deadline every
-/// millisecond on a fixed grid; after a stall the missed ones are skipped, not caught up. Thread:
-/// the loop's.
+/// Runs until `stop`, then ramps the force to zero and leaves the device at zero. Where a timer
+/// wakes the loop the deadlines lie on a grid of one millisecond, and those missed in a stall are
+/// skipped, not caught up. A device that wakes it earlier by its reply moves the grid along: the
+/// deadline is never more than a period away, so it stays a watchdog. Thread: the loop's.
 void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,
              LoopStats& stats) noexcept;
 

@@ -62,10 +62,11 @@ bool fresh(Lookup kind) noexcept {
 }
 }  // namespace
 
-Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<Controls>& controls,
-           LatestValue<TickReport>& published, Log* log) noexcept
+Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamState>& stream,
+           LatestValue<UserControls>& user, LatestValue<TickReport>& published, Log* log) noexcept
     : settings_(settings),
-      controls_(controls),
+      stream_(stream),
+      user_(user),
       published_(published),
       log_(log),
       motion_(settings.profile.count_mm),
@@ -75,22 +76,25 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<Controls>&
       mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {}
 
 const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
-  const Controls& controls = controls_.load();
-  const bool world_changed = follow(controls);
+  const StreamState& stream = stream_.load();
+  const UserControls& user = user_.load();
+  const bool world_changed = follow(stream, user);
   const HipEstimate& hip = motion_.update(state);
-  const MediaTime play_time = playout_.advance(now, controls, safety_.acts());
-  const Scene& scene = lookup_.at(play_time, controls);
+  const MediaTime play_time = playout_.advance(now, stream, safety_.acts(), user);
+  const Scene& scene = lookup_.at(play_time, stream, user);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
   if (world_changed || hip.restarted) proxies_.restart();
-  const Contact contact = contactAt(scene, controls, report_.hip_mm);
-  SafetyInput input = safetyInput(hip, contact, scene, controls);
+  const Contact contact = contactAt(scene, report_.hip_mm);
+  SafetyInput input = safetyInput(hip, contact, scene);
   input.scene_step_s = secondsBetween(report_.play_time, play_time);
   input.world_jumped = world_changed || scene.jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
   const Vec3 contact_mm = report_.hip_mm + contact.displacement_mm;
-  input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
-                                      play_time, controls, mapping_.scale, &contact_mm);
+  if (!paused_) {
+    input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
+                                        play_time, stream, mapping_.scale, &contact_mm);
+  }
   const SafetyOutput out = safety_.step(input);
 
   ++report_.tick;
@@ -104,48 +108,53 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   report_.contact = out.contact;
   report_.lookup = scene.kind;
   report_.fault = faultOf(out, hip, input.device_lost);
+  report_.device = state.status;
+  report_.halted = safety_.halted();
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
   report_.work = safety_.work();
   report_.mapping = mapping_;
-  reportObject(contact, scene, controls);
+  reportObject(contact, scene);
   publish();
   return report_;
 }
 
-/// Takes over what changed in the controls; returns whether the world is another one.
-bool Room::follow(const Controls& controls) noexcept {
-  bool changed = controls.connected != connected_ && controls.connected;
+/// Takes over what changed in stream and wishes; returns whether the world is another one.
+bool Room::follow(const StreamState& stream, const UserControls& user) noexcept {
+  bool changed = stream.connected != connected_ && stream.connected;
   if (changed) safety_.newConnection();
-  connected_ = controls.connected;
-  // A pause only holds the frame; the resume may be anywhere.
-  changed = changed || (was_paused_ && !controls.paused);
-  was_paused_ = controls.paused;
-  if (!(controls.workspace == workspace_)) {
-    workspace_ = controls.workspace;
+  connected_ = stream.connected;
+  if (paused_ && !user.paused) {  // the stream has gone on meanwhile: it is joined like a new one
+    playout_.rejoin();
+    lookup_.rejoin();
+    changed = true;
+  }
+  paused_ = user.paused;
+  if (!(stream.workspace == workspace_)) {
+    workspace_ = stream.workspace;
     mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
     changed = true;
   }
-  if (controls.rearm != rearmed_) {
-    rearmed_ = controls.rearm;
+  if (user.rearm != rearmed_) {
+    rearmed_ = user.rearm;
     safety_.rearm();
   }
   return changed;
 }
 
-Contact Room::contactAt(const Scene& scene, const Controls& controls, const Vec3& hip_mm) noexcept {
+Contact Room::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
   if (settings_.method == Method::kThesis) {
-    return thesis_.evaluate(lookup_, scene.play_time, hip_mm, controls.workspace);
+    return thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
   }
   if (settings_.surface == SurfaceKind::kProxy) {
-    return proxies_.touch(scene, hip_mm, controls.workspace, deepest_mm(scene));
+    return proxies_.touch(scene, hip_mm, workspace_, deepest_mm(scene));
   }
-  return findContact(settings_.surface, scene, hip_mm, controls.workspace);
+  return findContact(settings_.surface, scene, hip_mm, workspace_);
 }
 
 /// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
-SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact, const Scene& scene,
-                              const Controls& controls) const noexcept {
+SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
+                              const Scene& scene) const noexcept {
   SafetyInput input;
   input.position_mm = hip.finite ? hip.position_mm : Vec3::Constant(std::nan(""));
   input.velocity_mm_s = hip.velocity_mm_s;
@@ -153,15 +162,14 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact, co
   input.contact = contact.contact;
   input.displacement_mm = contact.displacement_mm * mapping_.scale;
   input.normal = contact.normal;
-  if (!controls.paused && !standsStill(scene.kind)) {
+  if (!paused_ && !standsStill(scene.kind)) {
     input.surface_velocity_mm_s = contact.surface_velocity_mm_s * mapping_.scale;
   }
   input.stiffness_factor = contact.stiffness_factor;
   input.stiffness_N_mm = stiffness_N_mm(contact.object);
   if (contact.object != nullptr) input.damping_Ns_m = contact.object->before->material.damping_Ns_m;
-  input.touchable =
-      controls.connected && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
-  input.dynamic_valid = scene.kind == Lookup::kInterpolated && !controls.paused;
+  input.touchable = connected_ && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
+  input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;
   return input;
 }
 
@@ -183,22 +191,20 @@ double Room::deepest_mm(const Scene& scene) const noexcept {
   return armDepth_mm(stiffest_N_mm, settings_.profile.peak_N) / mapping_.scale;
 }
 
-void Room::reportObject(const Contact& contact, const Scene& scene,
-                        const Controls& controls) noexcept {
-  const ObjectNow* object = contact.object != nullptr
-                                ? contact.object
-                                : nearestObject(scene, report_.hip_mm, controls.workspace);
+void Room::reportObject(const Contact& contact, const Scene& scene) noexcept {
+  const ObjectNow* object =
+      contact.object != nullptr ? contact.object : nearestObject(scene, report_.hip_mm, workspace_);
   report_.object_present =
-      object != nullptr && shows(object->before) && controls.connected && fresh(scene.kind);
+      object != nullptr && shows(object->before) && connected_ && fresh(scene.kind);
   report_.over_object = false;
   report_.height_at_hip_mm = 0.0;
   if (!report_.object_present) return;
   report_.object_id = object->before->id;
   report_.object_position_mm = object->position_mm;
   report_.object_velocity_mm_s = object->velocity_mm_s;
-  report_.object_centre_mm = centreOf(*object, controls.workspace);
+  report_.object_centre_mm = centreOf(*object, workspace_);
   report_.object_centre_height_mm = centreHeight_mm(*object);
-  const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), controls.workspace);
+  const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), workspace_);
   report_.over_object = below.inside;
   if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
 }

@@ -33,8 +33,8 @@ class Room {
  public:
   using Log = SpscRing<TickReport, 4096>;
   /// All arguments outlive the room. `log` may be null; it is never waited for.
-  Room(const RoomSettings& settings, FramePool& pool, LatestValue<Controls>& controls,
-       LatestValue<TickReport>& published, Log* log) noexcept;
+  Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamState>& stream,
+       LatestValue<UserControls>& user, LatestValue<TickReport>& published, Log* log) noexcept;
 
   /// One tick; report().force_N is for the device. Thread: loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
@@ -49,18 +49,19 @@ class Room {
   [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
-  bool follow(const Controls& controls) noexcept;
-  Contact contactAt(const Scene& scene, const Controls& controls, const Vec3& hip_mm) noexcept;
-  SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact, const Scene& scene,
-                          const Controls& controls) const noexcept;
+  bool follow(const StreamState& stream, const UserControls& user) noexcept;
+  Contact contactAt(const Scene& scene, const Vec3& hip_mm) noexcept;
+  SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
+                          const Scene& scene) const noexcept;
   double stiffness_N_mm(const ObjectNow* object) const noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
-  void reportObject(const Contact& contact, const Scene& scene, const Controls& controls) noexcept;
+  void reportObject(const Contact& contact, const Scene& scene) noexcept;
   Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
   void publish() noexcept;
 
   const RoomSettings& settings_;
-  LatestValue<Controls>& controls_;
+  LatestValue<StreamState>& stream_;
+  LatestValue<UserControls>& user_;
   LatestValue<TickReport>& published_;
   Log* log_;
   HipMotion motion_;
@@ -73,7 +74,7 @@ class Room {
   Workspace workspace_;
   DeviceMapping mapping_;
   bool connected_ = false;
-  bool was_paused_ = false;
+  bool paused_ = false;
   bool faulty_ = false;  // a lasting fault is raised once
   std::uint32_t rearmed_ = 0;
   std::uint64_t dropped_reports_ = 0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What crosses the doors of the loop besides frames: controls in, a report out of every tick. Plain
-// values that own nothing.
+// What the loop tells of every tick. A plain value that owns nothing.
 #pragma once
 
 #include <cstddef>
@@ -8,32 +7,11 @@
 
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/safety/energy_ports.hpp"
+#include "client/haptics/time/scene.hpp"
 #include "common/geometry.hpp"
-#include "common/haptic_frame.hpp"
 #include "common/time.hpp"
 
 namespace hapticast::client {
-
-/// Net and app -> loop, latest value.
-struct Controls {
-  bool connected = false;  ///< a stream is announced and its clock is known
-  std::uint32_t first_epoch =
-      0;  ///< first client-side epoch of this connection; older frames are void
-  bool paused = false;
-  Duration clock_offset{0};          ///< media clock - local clock, now
-  Duration pipeline_latency{0};      ///< announced by the server
-  Duration playout_delay_target{0};  ///< what the jitter of the last seconds asks for
-  Duration frame_interval{40'000'000};
-  Workspace workspace;
-  Method stream_method = Method::kHapticast;
-  double largest_acceleration_mm_s2 = 0.0;  ///< 0: unknown
-  double author_mass_kg = 0.0;              ///< 0: none given
-  std::uint32_t rearm = 0;  ///< a new value lets the force return after a lost device
-};
-
-/// How the surface of this tick was found.
-enum class Lookup : std::uint8_t { kNone = 0, kInterpolated, kExtrapolated, kHeld, kFaded };
-inline constexpr std::size_t kLookupKinds = 5;
 
 /// Why a fault was raised. The first one freezes the flight recorder.
 enum class Fault : std::uint8_t { kNone = 0, kNotFinite, kDeviceLost, kLatency };
@@ -54,7 +32,10 @@ struct TickReport {
   double penetration_mm = 0.0;  ///< |displacement|, 0 without contact
   bool contact = false;
   Lookup lookup = Lookup::kNone;
-  Fault fault = Fault::kNone;       ///< raised in this tick
+  Fault fault = Fault::kNone;  ///< raised in this tick
+  DeviceStatus device = DeviceStatus::kOk;
+  /// The device was lost (or the loop is ending): no force until UserControls::rearm.
+  bool halted = false;
   double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
   std::uint32_t interferences = 0;  ///< bit per safety step that changed the force (safety.hpp)
   PortWork work;                    ///< of the force so far
@@ -70,5 +51,10 @@ struct TickReport {
   bool over_object = false;              ///< the HIP is above (or in) the mask
   double height_at_hip_mm = 0.0;  ///< surface height under the HIP, 0 when not over an object
 };
+
+/// A device that was lost answers again, but the force waits for UserControls::rearm.
+inline bool deviceIsBack(const TickReport& report) noexcept {
+  return report.halted && report.device == DeviceStatus::kOk;
+}
 
 }  // namespace hapticast::client

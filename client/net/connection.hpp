@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The control connection to a server: resolve, connect, hello, pings, and back again whenever it
-// breaks. Hands what arrives to the receiver. Thread: network (the one that runs `io`), except
-// where a function says "any".
+// The connection to a server: dial, hello, pings, and back again whenever it breaks. Protocol only:
+// the bytes travel through a channel. Hands what arrives to the receiver. Thread: network (the one
+// that runs `io`), except where a function says "any".
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,22 @@
 #include <string>
 #include <vector>
 
+#include "client/net/dial.hpp"
 #include "client/net/receiver.hpp"
-#include "common/result.hpp"
 #include "common/wire/asio.hpp"
-#include "common/wire/framing.hpp"
 #include "common/wire/messages.hpp"
 
 namespace hapticast::client {
 
 struct ConnectionSettings {
-  std::string host = "127.0.0.1";
-  std::uint16_t port = 7447;
+  Endpoint server{"127.0.0.1", kDefaultPort};
+  Dial dial = dialTcp;
   std::string client_name = "hapticast-client";
   bool wants_video = false;
   /// Keep trying when the server was never reached; otherwise the first failure is fatal. (A full
   /// server is always tried again, one of another protocol version never.)
   bool patient = false;
-  Duration connect_deadline = std::chrono::seconds(5);    ///< resolve, connect and welcome, each
+  Duration connect_deadline = std::chrono::seconds(5);    ///< look-up, connection and welcome, each
   Duration silence_limit = std::chrono::seconds(3);       ///< without a message from the server
   Duration first_retry = std::chrono::milliseconds(200);  ///< doubled up to `last_retry`
   Duration last_retry = std::chrono::seconds(1);
@@ -57,26 +56,27 @@ class Connection {
   void stop();
   /// For the reports to the server.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
-  [[nodiscard]] std::uint64_t bytesReceived() const { return bytes_received_; }
+  [[nodiscard]] std::uint64_t bytesReceived() const;
 
  private:
-  struct Link;  // one TCP connection
-  using LinkPtr = std::shared_ptr<Link>;
-  using Endpoints = asio::ip::tcp::resolver::results_type;
+  struct Conversation;  // with one server over one channel
+  using ConversationPtr = std::shared_ptr<Conversation>;
+  /// How a conversation ended.
+  struct Ending {
+    std::string why;                // one line
+    std::optional<ErrorCode> code;  // where the protocol has one for it
+  };
 
   asio::awaitable<void> run();
-  asio::awaitable<Error> attempt();
-  asio::awaitable<Result<Endpoints>> resolve();
-  asio::awaitable<std::optional<Error>> readAll(LinkPtr link);
-  asio::awaitable<void> ping(LinkPtr link);
-  asio::awaitable<void> watch(LinkPtr link);
-  asio::awaitable<bool> send(LinkPtr link, Message message);
-  [[nodiscard]] std::optional<Error> handleChunk(Link& link, std::span<const std::uint8_t> chunk);
-  [[nodiscard]] std::optional<Error> handle(Link& link, Message message);
-  [[nodiscard]] std::optional<Error> handleWelcome(Link& link, const Message& message);
-  void handlePong(Link& link, const Pong& pong);
-  [[nodiscard]] Report report() const;
-  [[nodiscard]] std::string target() const;
+  asio::awaitable<Ending> converse();
+  asio::awaitable<Ending> readAll(ConversationPtr talk);
+  asio::awaitable<void> ping(ConversationPtr talk);
+  asio::awaitable<void> watch(ConversationPtr talk);
+  asio::awaitable<bool> send(ConversationPtr talk, Message message);
+  [[nodiscard]] std::optional<WireError> handle(Conversation& talk, Message message);
+  [[nodiscard]] std::optional<WireError> handleWelcome(Conversation& talk, const Message& message);
+  void handlePong(Conversation& talk, const Pong& pong);
+  [[nodiscard]] ReceiverReport report() const;
 
   asio::io_context& io_;
   const Clock& clock_;
@@ -84,11 +84,12 @@ class Connection {
   Receiver& receiver_;
   ConnectionEvents events_;
   asio::steady_timer retry_;
-  LinkPtr link_;
+  DialStop dial_stop_;
+  ConversationPtr talk_;
   bool stopped_ = false;
   bool ever_welcomed_ = false;
   bool in_contact_ = false;
-  std::uint64_t bytes_received_ = 0;
+  std::uint64_t bytes_received_ = 0;  // of the conversations that have ended
 };
 
 }  // namespace hapticast::client

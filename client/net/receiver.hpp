@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Makes what arrives ready for the loop: drops duplicates, counts losses, prepares reliefs, keeps
-// the clock and the playout delay, fills the frame pool and publishes the controls. Thread:
-// network; never waits.
+// The network's side of receiving: keeps the clock and the playout delay, counts, and publishes
+// what is known of the stream. Frames go through the assembler to the preparer and are judged when
+// they are ready for the loop. Thread: network; never waits.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
-#include "client/haptics/tick_report.hpp"
-#include "client/haptics/time/frame_pool.hpp"
+#include "client/haptics/stream_state.hpp"
+#include "client/net/frame_assembler.hpp"
 #include "client/net/jitter_estimator.hpp"
-#include "client/net/relief_cache.hpp"
+#include "client/net/preparer.hpp"
 #include "common/haptic_frame.hpp"
 #include "common/latest_value.hpp"
 #include "common/wire/clock_sync.hpp"
@@ -18,17 +17,13 @@
 
 namespace hapticast::client {
 
-struct ReceiverSettings {
-  Method method = Method::kHapticast;  ///< how heights are prepared
-  int lookahead_frames = 1;  ///< frame intervals the interpolation needs: Hermite 1, thesis 2
-};
-
 struct ReceiverCounts {
   std::uint64_t received = 0;          ///< handed to the loop
   std::uint64_t lost = 0;              ///< ids that never came
   std::uint64_t late = 0;              ///< came after they were due (they are handed on)
   std::uint64_t concealed = 0;         ///< lost, but the next came in time to interpolate across
   std::uint64_t duplicates = 0;        ///< came twice or out of order: dropped
+  std::uint64_t overrun = 0;           ///< dropped: they came faster than they can be prepared
   std::uint64_t no_slot = 0;           ///< dropped: the loop held every slot of the pool
   std::uint64_t reliefs_missing = 0;   ///< "unchanged", but never seen: an object without field
   std::uint64_t reliefs_rejected = 0;  ///< outside the announced picture
@@ -36,8 +31,9 @@ struct ReceiverCounts {
 
 class Receiver {
  public:
-  /// The receiver is the one producer of `pool` and the one writer of `controls`; both outlive it.
-  Receiver(FramePool& pool, LatestValue<Controls>& controls, ReceiverSettings settings);
+  /// The receiver is the one that feeds `preparer` and the one writer of `stream`; both outlive it.
+  /// `lookahead_frames`: frame intervals that the interpolation needs (Hermite 1, the thesis 2).
+  Receiver(Preparer& preparer, LatestValue<StreamState>& stream, int lookahead_frames);
 
   /// A connection is made: new clock, new epochs, everything before is void.
   void connected(const StreamDescription& description, LocalTime now);
@@ -45,37 +41,30 @@ class Receiver {
   void describe(const StreamDescription& description, LocalTime now);
   /// An answered ping.
   void pong(const Pong& pong, LocalTime arrival);
-  /// A frame that has come. Its lateness is measured by `clock` when it is ready for the loop.
-  void frame(HapticFrame frame, const Clock& clock);
+  /// A frame that has come.
+  void frame(HapticFrame frame);
+  /// What the preparer says of a frame: only now the loop has it, so that its lateness is measured
+  /// now.
+  void prepared(const PreparedFrame& frame);
   void disconnected(LocalTime now);
-  /// Pause and resume by the viewer; a resume starts a new epoch.
-  void setPaused(bool paused, LocalTime now);
 
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
-  [[nodiscard]] const Controls& controls() const { return latest_; }  ///< as last published
+  [[nodiscard]] const StreamState& stream() const { return latest_; }  ///< as last published
   [[nodiscard]] Duration clockErrorBound() const;  ///< 0 when the clock is not known
 
  private:
-  void startEpoch();
   void publish(LocalTime now);
-  void observe(const HapticFrame& frame, LocalTime ready);
-  void fill(FramePool::Slot& slot, const HapticFrame& frame);
-  void fillObject(FramePool::Slot& slot, std::size_t index, const HapticObject& object,
-                  std::uint64_t frame_id);
+  void observe(const PreparedFrame& frame);
 
-  FramePool& pool_;
-  LatestValue<Controls>& controls_;
-  ReceiverSettings settings_;
+  Preparer& preparer_;
+  LatestValue<StreamState>& stream_;
+  int lookahead_frames_;
+  FrameAssembler assembler_;
   ClockSync clock_;
   JitterEstimator jitter_;
-  ReliefCache reliefs_;
-  Controls latest_;
+  StreamState latest_;
   ReceiverCounts counts_;
   bool described_ = false;
-  std::uint32_t epoch_ = 0;                    // client-side, never repeats
-  std::optional<std::uint32_t> server_epoch_;  // of the last frame of this connection
-  std::optional<std::uint64_t> last_id_;       // of this connection
-  MediaTime last_media_time_;                  // of the frame last_id_
 };
 
 }  // namespace hapticast::client

@@ -6,8 +6,9 @@
 namespace hapticast::client {
 
 namespace {
+// Chosen: what rounding on the wire can add is far below it.
 constexpr double kHeightSlack_mm = 1.0;
-}
+}  // namespace
 
 void ReliefCache::reset(const Workspace& workspace, Method method) {
   workspace_ = workspace;
@@ -25,20 +26,33 @@ bool ReliefCache::fits(const Relief& relief) const {
   return *highest <= workspace_.depth_mm + kHeightSlack_mm;
 }
 
-ReliefCache::Found ReliefCache::resolve(const HapticObject& object, std::uint64_t frame_id) {
+bool ReliefCache::remember(const HapticObject& object, std::uint64_t frame_id) {
   const auto known = entries_.find({object.id, object.layer});
   if (known != entries_.end() && known->second.changed_in_frame == object.changed_in_frame) {
     known->second.used_in_frame = frame_id;
-    return {known->second.field, false};
+    return true;
   }
-  if (!object.relief) return {};
-  if (!fits(*object.relief)) return {nullptr, true};
-  auto field = std::make_shared<const HeightField>(
-      method_ == Method::kThesis ? HeightField::prepareThesis(*object.relief, workspace_)
-                                 : HeightField::prepare(*object.relief, workspace_));
-  entries_[{object.id, object.layer}] = {object.changed_in_frame, frame_id, field};
+  if (!object.relief) return true;
+  if (!fits(*object.relief)) return false;
+  entries_[{object.id, object.layer}] = {object.changed_in_frame, frame_id, object.relief, nullptr};
   if (entries_.size() > kMaxEntries) forgetOldest();
-  return {field, false};
+  return true;
+}
+
+ReliefCache::Resolved ReliefCache::resolve(const HapticObject& object, std::uint64_t frame_id) {
+  if (!remember(object, frame_id)) return {nullptr, true};
+  const auto known = entries_.find({object.id, object.layer});
+  if (known == entries_.end() || known->second.changed_in_frame != object.changed_in_frame) {
+    return {};  // said to be unchanged, but it never came
+  }
+  Entry& entry = known->second;
+  if (!entry.field) {
+    entry.field = std::make_shared<const HeightField>(
+        method_ == Method::kThesis ? HeightField::prepareThesis(*entry.raw, workspace_)
+                                   : HeightField::prepare(*entry.raw, workspace_));
+    entry.raw.reset();
+  }
+  return {entry.field, false};
 }
 
 void ReliefCache::forgetOldest() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reliefs prepared for touch, by object: what "unchanged" in a frame refers to. Thread: one
-// (network).
+// The reliefs of the stream by object: what "unchanged" in a frame refers to. A relief is kept raw
+// until a frame that is played needs it, and prepared for touch from then on: of a frame that is
+// left out only the raw relief has to be remembered. Thread: one (the preparer's).
 #pragma once
 
 #include <cstdint>
@@ -15,26 +16,33 @@ namespace hapticast::client {
 
 class ReliefCache {
  public:
-  struct Found {
+  /// The answer to resolve().
+  struct Resolved {
     std::shared_ptr<const HeightField> field;  ///< null: nothing to touch
     bool rejected = false;                     ///< a relief that does not fit the announced picture
   };
 
-  /// A new stream: forgets everything. `method` chooses how heights are prepared.
+  /// Begins a new stream: forgets everything. `method` chooses how heights are prepared.
   void reset(const Workspace& workspace, Method method);
 
-  /// The field of an object of frame `frame_id`: prepared from its relief, or the one prepared
-  /// before when it is the same. May allocate and take milliseconds.
-  [[nodiscard]] Found resolve(const HapticObject& object, std::uint64_t frame_id);
+  /// Remembers the relief of an object of frame `frame_id`, or that it was used again, without
+  /// preparing it. Returns false when the relief does not fit the announced picture (then it is not
+  /// remembered).
+  bool remember(const HapticObject& object, std::uint64_t frame_id);
+  /// Remembers the relief and returns it prepared for touch. May allocate and take milliseconds,
+  /// once for each change of a relief.
+  [[nodiscard]] Resolved resolve(const HapticObject& object, std::uint64_t frame_id);
+
+  /// Objects gone for longer than these newest ones are forgotten; who comes back is sent the
+  /// repeated relief. Chosen: twice what a frame can hold.
+  static constexpr std::size_t kMaxEntries = 2 * kMaxObjects;
 
  private:
-  // Objects gone for longer than the newest ones are forgotten; who comes back gets the repeated
-  // relief.
-  static constexpr std::size_t kMaxEntries = 2 * kMaxObjects;
   struct Entry {
     std::uint64_t changed_in_frame = 0;
     std::uint64_t used_in_frame = 0;
-    std::shared_ptr<const HeightField> field;
+    std::shared_ptr<const Relief> raw;         // null once it is prepared
+    std::shared_ptr<const HeightField> field;  // null until it is needed
   };
   [[nodiscard]] bool fits(const Relief& relief) const;
   void forgetOldest();

@@ -1,27 +1,38 @@
 // SPDX-License-Identifier: MIT
 #include "client/view/picture.hpp"
 
-#include <opencv2/imgcodecs.hpp>
+#include <turbojpeg.h>
 
-#include "common/jpeg_size.hpp"
+#include <memory>
 
 namespace hapticast::client {
 
+namespace {
+
+using Decompressor = std::unique_ptr<void, decltype(&tjDestroy)>;
+
+}  // namespace
+
 cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected) {
-  const PictureSize wanted{static_cast<std::uint32_t>(expected.width),
-                           static_cast<std::uint32_t>(expected.height)};
-  if (expected.empty() || jpegSize(jpeg) != wanted) return {};
-  // What is cut off, the decoder would fill with grey.
-  if (jpeg[jpeg.size() - 2] != 0xFF || jpeg[jpeg.size() - 1] != 0xD9) return {};
-  const cv::Mat bytes(1, static_cast<int>(jpeg.size()), CV_8UC1,
-                      const_cast<std::uint8_t*>(jpeg.data()));
-  cv::Mat picture;
-  try {
-    picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
+  if (expected.empty() || jpeg.empty()) return {};
+  const Decompressor decompressor(tjInitDecompress(), &tjDestroy);
+  cv::Size announced;
+  int subsampling = 0;
+  int color_space = 0;
+  if (!decompressor ||
+      tjDecompressHeader3(decompressor.get(), jpeg.data(), jpeg.size(), &announced.width,
+                          &announced.height, &subsampling, &color_space) != 0 ||
+      announced != expected) {
     return {};
   }
-  return picture.size() == expected ? picture : cv::Mat();
+  cv::Mat picture(expected, CV_8UC3);
+  // The decoder fills with grey what is cut off, and only warns of it. A progressive JPEG of a few
+  // bytes could otherwise ask for any number of scans of the whole picture.
+  constexpr int kFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
+  const int failed =
+      tjDecompress2(decompressor.get(), jpeg.data(), jpeg.size(), picture.data, expected.width,
+                    static_cast<int>(picture.step), expected.height, TJPF_BGR, kFlags);
+  return failed == 0 ? picture : cv::Mat();
 }
 
 }  // namespace hapticast::client

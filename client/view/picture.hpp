@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures from the stream. Thread: any.
+// Decodes pictures of the stream. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,9 @@
 
 namespace hapticast::client {
 
-/// Decodes to CV_8UC3. Empty unless it is a whole JPEG of exactly `expected` size: what comes from
-/// outside says how much memory a decoder takes, so it is held against the announced picture first.
-cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
+/// Decodes to CV_8UC3 (BGR). Returns an empty picture unless `jpeg` is a whole, flawless JPEG of
+/// exactly `expected` size. A JPEG says itself how much memory its decoder takes, so its header is
+/// read first and held against the size that the stream announced.
+[[nodiscard]] cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
 
 }  // namespace hapticast::client

@@ -20,7 +20,8 @@ struct NearestPixel {
 /// For every pixel of a row-major `mask` the nearest one whose value is `marked` (0 or 1). Pixels
 /// may be oblong
 /// (`mm_per_px`). Linear in the number of pixels: columns first, then the lower envelope of
-/// parabolas along each row. Requires mask.size() == width * height, both > 0.
+/// parabolas along each row (Felzenszwalb and Huttenlocher, Distance Transforms of Sampled
+/// Functions, 2012). Requires mask.size() == width * height, both > 0.
 NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
                           std::uint8_t marked, const Vec2& mm_per_px);
 /// Its distances alone.

@@ -34,9 +34,11 @@ class HeightField {
  public:
   HeightField() = default;
 
-  /// Continues the heights kMargin_px beyond the mask by local fits and finds the smoothed signed
-  /// distance to the mask's edge (reference: proxy notes, section 2). Time linear in the rectangle.
-  /// Requires a validated relief (sizes match, finite heights). May allocate; not for the loop.
+  /// Continues the heights kMargin_px beyond the mask by local fits (rim_fit.hpp), so that a
+  /// surface sampled near the rim is not pulled down by what lies beside the object, and finds the
+  /// smoothed signed distance to the mask's edge (edge_distance.hpp), which the proxy feels as a
+  /// wall. Takes time linear in the rectangle. Requires a validated relief (sizes match, finite
+  /// heights). May allocate; not for the loop.
   static HeightField prepare(const Relief& relief, const Workspace& workspace);
   /// The thesis's way: zero outside the mask, nothing continued.
   static HeightField prepareThesis(const Relief& relief, const Workspace& workspace);

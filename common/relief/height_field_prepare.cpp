@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Preparing a relief for touch (reference: proxy notes, section 2). Off the loop; any thread.
+// Preparing a relief for touch: distance transform, heights continued beyond the rim, seams
+// rounded. Off the loop; any thread.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace hapticast {
 
 namespace {
 
-constexpr int kSeamPasses = 2;
+constexpr int kSeamPasses = 2;  // chosen
 
 /// Smoothed signed distance to the mask's edge in mm, positive inside.
 std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width, int height,

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/result.hpp"
 #include "common/time.hpp"
+#include "common/wire/error.hpp"
 #include "common/wire/limits.hpp"
 
 namespace hapticast {
@@ -28,18 +28,18 @@ class Check {
     return Duration(ns);
   }
   void require(bool holds, const char* what) {
-    if (!holds && !error_) error_ = Error{ErrorCode::kMalformed, what};
+    if (!holds && !error_) error_ = WireError{ErrorCode::kMalformed, what};
   }
   void bound(std::size_t size, std::size_t limit, const char* what) {
-    if (size > limit && !error_) error_ = Error{ErrorCode::kTooLarge, what};
+    if (size > limit && !error_) error_ = WireError{ErrorCode::kTooLarge, what};
   }
-  void take(const Error& error) {
+  void take(const WireError& error) {
     if (!error_) error_ = error;
   }
-  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+  [[nodiscard]] const std::optional<WireError>& error() const { return error_; }
 
  private:
-  std::optional<Error> error_;
+  std::optional<WireError> error_;
 };
 
 }  // namespace hapticast

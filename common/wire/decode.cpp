@@ -216,7 +216,7 @@ VideoFrame read(const proto::VideoFrame& from, Check& check) {
   return to;
 }
 
-Report read(const proto::Report& from, Check& check) {
+ReceiverReport read(const proto::Report& from, Check& check) {
   constexpr double kLargest = 1e9;
   return {from.frames_received(),
           from.frames_lost(),
@@ -226,7 +226,7 @@ Report read(const proto::Report& from, Check& check) {
           from.in_contact()};
 }
 
-Error read(const proto::Error& from, Check& check) {
+WireError read(const proto::Error& from, Check& check) {
   check.require(from.code() >= static_cast<unsigned>(ErrorCode::kMalformed) &&
                     from.code() <= static_cast<unsigned>(ErrorCode::kShuttingDown),
                 "an unknown error code");
@@ -277,7 +277,7 @@ Message readContent(const proto::Message& from, Check& check) {
 
 }  // namespace
 
-Result<Message> decode(std::span<const std::uint8_t> bytes) {
+Result<Message, WireError> decode(std::span<const std::uint8_t> bytes) {
   Check check;
   check.bound(bytes.size(), kMaxMessageBytes, "a message is larger than 8 MiB");
   if (!check.error()) checkCounts(bytes, check);

@@ -149,7 +149,7 @@ void write(const VideoFrame& from, proto::Message& message) {
   to.set_jpeg(from.jpeg.data(), from.jpeg.size());
 }
 
-void write(const Report& from, proto::Message& message) {
+void write(const ReceiverReport& from, proto::Message& message) {
   auto& to = *message.mutable_report();
   to.set_frames_received(from.frames_received);
   to.set_frames_lost(from.frames_lost);
@@ -159,7 +159,7 @@ void write(const Report& from, proto::Message& message) {
   to.set_in_contact(from.in_contact);
 }
 
-void write(const Error& from, proto::Message& message) {
+void write(const WireError& from, proto::Message& message) {
   message.mutable_error()->set_code(static_cast<std::uint32_t>(from.code));
   message.mutable_error()->set_message(printable(from.message, limits::kErrorText));
 }

@@ -5,14 +5,12 @@
 
 namespace hapticast {
 
-SharedBytes framed(std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(kPrefixBytes + payload.size());
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    bytes.push_back(static_cast<std::uint8_t>(payload.size() >> shift));
+LengthPrefix lengthPrefix(std::size_t payload_bytes) {
+  LengthPrefix prefix{};
+  for (std::size_t i = 0; i < kPrefixBytes; ++i) {
+    prefix[i] = static_cast<std::uint8_t>(payload_bytes >> (8 * i));
   }
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  return std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  return prefix;
 }
 
 void FrameReader::feed(std::span<const std::uint8_t> chunk) {
@@ -21,17 +19,17 @@ void FrameReader::feed(std::span<const std::uint8_t> chunk) {
   buffer_.insert(buffer_.end(), chunk.begin(), chunk.end());
 }
 
-Result<std::optional<std::span<const std::uint8_t>>> FrameReader::next() {
+Result<std::optional<std::span<const std::uint8_t>>, WireError> FrameReader::next() {
   const std::span<const std::uint8_t> rest = std::span(buffer_).subspan(begin_);
   std::optional<std::span<const std::uint8_t>> message;
   if (rest.size() < kPrefixBytes) return message;
   std::size_t length = 0;
   for (std::size_t i = 0; i < kPrefixBytes; ++i) length |= std::size_t{rest[i]} << (8 * i);
-  if (length == 0) return Error{ErrorCode::kMalformed, "a message of length 0"};
+  if (length == 0) return WireError{ErrorCode::kMalformed, "a message of length 0"};
   if (length > limit_bytes_) {
-    return Error{ErrorCode::kTooLarge, "a message of " + std::to_string(length) +
-                                           " bytes, at most " + std::to_string(limit_bytes_) +
-                                           " are allowed here"};
+    return WireError{ErrorCode::kTooLarge, "a message of " + std::to_string(length) +
+                                               " bytes, at most " + std::to_string(limit_bytes_) +
+                                               " are allowed here"};
   }
   if (rest.size() - kPrefixBytes < length) return message;
   begin_ += kPrefixBytes + length;

@@ -11,6 +11,7 @@
 
 #include "common/haptic_frame.hpp"
 #include "common/result.hpp"
+#include "common/wire/error.hpp"
 
 namespace hapticast {
 
@@ -37,7 +38,8 @@ struct Pong {
   MediaTime t1;
   MediaTime t2;
 };
-struct Report {
+/// How a client receives, as RTCP's receiver reports say it: now and then, client to server.
+struct ReceiverReport {
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;
   std::uint64_t frames_late = 0;
@@ -47,13 +49,13 @@ struct Report {
 };
 
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame,
-                             Report, Error>;
+                             ReceiverReport, WireError>;
 
-/// The bytes of one message, without the length prefix (common/framing). Requires valid content.
+/// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
 /// Heights are rounded to the 16-bit values of Relief (error at most half their scale).
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
 
 /// Never throws on bad bytes; limits are checked before anything is allocated by content.
-[[nodiscard]] Result<Message> decode(std::span<const std::uint8_t> bytes);
+[[nodiscard]] Result<Message, WireError> decode(std::span<const std::uint8_t> bytes);
 
 }  // namespace hapticast

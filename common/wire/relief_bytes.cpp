@@ -46,7 +46,7 @@ bool validScale(HeightScale scale) {
          scale.offset_mm + kSteps * scale.scale_mm <= kHighestHeight_mm * 1.0001F;
 }
 
-Error malformed(const char* what) { return {ErrorCode::kMalformed, what}; }
+WireError malformed(const char* what) { return {ErrorCode::kMalformed, what}; }
 
 }  // namespace
 
@@ -77,9 +77,9 @@ HeightScale packRelief(const Relief& relief, std::string& mask, std::string& hei
   return scale;
 }
 
-Result<Relief> unpackRelief(const PixelRect& rect, HeightScale scale,
-                            std::span<const std::uint8_t> mask,
-                            std::span<const std::uint8_t> heights) {
+Result<Relief, WireError> unpackRelief(const PixelRect& rect, HeightScale scale,
+                                       std::span<const std::uint8_t> mask,
+                                       std::span<const std::uint8_t> heights) {
   if (rect.empty() || rect.u < 0 || rect.v < 0 || rect.u > kMaxWidth_px - rect.width ||
       rect.v > kMaxHeight_px - rect.height) {
     return malformed("a relief's rectangle is empty or leaves 1920 x 1080");

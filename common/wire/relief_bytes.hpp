@@ -10,6 +10,7 @@
 
 #include "common/haptic_frame.hpp"
 #include "common/result.hpp"
+#include "common/wire/error.hpp"
 
 namespace hapticast {
 
@@ -33,8 +34,8 @@ HeightScale packRelief(const Relief& relief, std::string& mask, std::string& hei
 /// The reverse, with everything checked before anything is allocated: rectangle within 1920 x 1080
 /// and not empty, exact sizes, padding bits zero, at least one pixel inside, all heights in
 /// -1..1000 mm. Outside the mask the heights are 0.
-[[nodiscard]] Result<Relief> unpackRelief(const PixelRect& rect, HeightScale scale,
-                                          std::span<const std::uint8_t> mask,
-                                          std::span<const std::uint8_t> heights);
+[[nodiscard]] Result<Relief, WireError> unpackRelief(const PixelRect& rect, HeightScale scale,
+                                                     std::span<const std::uint8_t> mask,
+                                                     std::span<const std::uint8_t> heights);
 
 }  // namespace hapticast

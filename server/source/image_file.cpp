@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
-#include "common/jpeg_size.hpp"
+#include "server/source/jpeg_size.hpp"
 
 namespace hapticast::server {
 

@@ -14,14 +14,15 @@ constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr auto kSummaryEvery = std::chrono::seconds(1);
 }  // namespace
 
-Broadcaster::Broadcaster(asio::io_context& io, MediaClock clock, StreamDescription description,
-                         StreamSettings settings)
+Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
+                         StreamDescription description, StreamSettings settings)
     : io_(io),
       clock_(clock),
+      media_clock_(media_clock),
       description_(std::move(description)),
       settings_(settings),
       timer_(io),
-      last_summary_(clock.clock.now()) {
+      last_summary_(clock.now()) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
 }
@@ -40,8 +41,8 @@ void Broadcaster::publish(EncodedVideo video) {
   });
 }
 
-void Broadcaster::describe(StreamDescription description) {
-  asio::post(io_, [this, description = std::move(description)] {
+void Broadcaster::describe(const StreamDescription& description) {
+  asio::post(io_, [this, description] {
     if (description == description_) return;
     const bool other_picture = !(description.workspace == description_.workspace);
     description_ = description;
@@ -49,8 +50,8 @@ void Broadcaster::describe(StreamDescription description) {
       last_frame_.reset();
       last_video_.reset();
     }
-    const SharedBytes bytes = framed(encode(description_));
-    for (const auto& session : sessions_) session->describe(bytes, other_picture);
+    const auto payload = std::make_shared<const std::vector<std::uint8_t>>(encode(description_));
+    for (const auto& session : sessions_) session->describe(payload, other_picture);
   });
 }
 
@@ -64,28 +65,29 @@ void Broadcaster::stop() {
   });
 }
 
-void Broadcaster::accept(asio::ip::tcp::socket socket) {
+void Broadcaster::accept(std::unique_ptr<Channel> channel) {
   if (sessions_.size() >= settings_.max_clients + kStrangers) {
     ++counts_.refused;
-    return;  // closes the socket
+    return;  // which closes it
   }
-  auto session = std::make_shared<Session>(std::move(socket), *this, ++last_session_id_);
+  auto session = std::make_shared<Session>(io_, std::move(channel),
+                                           static_cast<SessionHost&>(*this), ++last_session_id_);
   sessions_.insert(session);
   session->start();
   if (stopped_) session->close({ErrorCode::kShuttingDown, "the server ends"});
 }
 
-std::optional<Error> Broadcaster::refuse(const Hello& hello) const {
+std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
   if (hello.protocol_version != kProtocolVersion) {
-    return Error{ErrorCode::kVersion, "this server speaks protocol version " +
-                                          std::to_string(kProtocolVersion) + ", the client " +
-                                          std::to_string(hello.protocol_version)};
+    return WireError{ErrorCode::kVersion, "this server speaks protocol version " +
+                                              std::to_string(kProtocolVersion) + ", the client " +
+                                              std::to_string(hello.protocol_version)};
   }
   const auto clients = static_cast<std::size_t>(std::count_if(
       sessions_.begin(), sessions_.end(), [](const auto& each) { return each->welcomed(); }));
   if (clients < settings_.max_clients) return std::nullopt;
-  return Error{ErrorCode::kServerFull,
-               "all " + std::to_string(settings_.max_clients) + " places are taken"};
+  return WireError{ErrorCode::kServerFull,
+                   "all " + std::to_string(settings_.max_clients) + " places are taken"};
 }
 
 void Broadcaster::joined(Session& session) {
@@ -96,10 +98,10 @@ void Broadcaster::joined(Session& session) {
   spdlog::info("{} joined", session.label());
 }
 
-void Broadcaster::ending(Session& session, const Error& why) {
+void Broadcaster::ending(Session& session, const WireError& why) {
   if (why.code == ErrorCode::kShuttingDown) return;
   ++(why.code == ErrorCode::kTimeout ? counts_.timed_out : counts_.refused);
-  if (!log_limit_.allow(clock_.clock.now())) return;
+  if (!log_limit_.allow(clock_.now())) return;
   const std::uint64_t hidden = log_limit_.takeSuppressed();
   spdlog::warn("closing {}: {}{}", session.label(), why.message,
                hidden > 0 ? " (and " + std::to_string(hidden) + " others, not shown)" : "");
@@ -133,7 +135,7 @@ asio::awaitable<void> Broadcaster::watch() {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
-    const LocalTime now = clock_.clock.now();
+    const LocalTime now = clock_.now();
     // A check may end a session and take it out of the set.
     const std::vector<std::shared_ptr<Session>> sessions(sessions_.begin(), sessions_.end());
     for (const auto& session : sessions) session->check(now);

@@ -15,23 +15,25 @@
 #include "server/stream/log_limit.hpp"
 #include "server/stream/session.hpp"
 #include "server/stream/stream_settings.hpp"
+#include "server/stream/stream_sink.hpp"
 
 namespace hapticast::server {
 
-class Broadcaster {
+class Broadcaster final : public StreamSink, private SessionHost {
  public:
   /// Everything runs on `io`, which one thread runs; that thread ends before the Broadcaster does.
-  Broadcaster(asio::io_context& io, MediaClock clock, StreamDescription description,
-              StreamSettings settings);
+  /// The clocks outlive it.
+  Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
+              StreamDescription description, StreamSettings settings);
 
   /// Sends a frame to every viewer; who joins later gets the newest at once. Thread: any.
-  void publish(EncodedFrame frame);
+  void publish(EncodedFrame frame) override;
   /// Sends a picture to those who want it. Thread: any.
-  void publish(EncodedVideo video);
+  void publish(EncodedVideo video) override;
   /// Announces another stream. A change of the workspace voids the frames before it. Thread: any.
-  void describe(StreamDescription description);
+  void describe(const StreamDescription& description) override;
   /// Whether encoding pictures is worth it. Thread: any.
-  [[nodiscard]] bool videoWanted() const {
+  [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
   }
   /// Tells every viewer that the server ends and closes them within the goodbye deadline; `io` then
@@ -39,28 +41,27 @@ class Broadcaster {
   void stop();
 
   /// Takes over a fresh connection.
-  void accept(asio::ip::tcp::socket socket);
+  void accept(std::unique_ptr<Channel> channel);
   [[nodiscard]] StreamCounts counts() const;
-
-  // For the sessions.
-  [[nodiscard]] const MediaClock& clock() const { return clock_; }
-  [[nodiscard]] const StreamSettings& settings() const { return settings_; }
-  [[nodiscard]] const StreamDescription& description() const { return description_; }
-  /// Why this client cannot be welcomed, if so.
-  [[nodiscard]] std::optional<Error> refuse(const Hello& hello) const;
-  void joined(Session& session);
-  /// The session is about to end by our decision.
-  void ending(Session& session, const Error& why);
-  void left(const std::shared_ptr<Session>& session);
+  [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
 
  private:
+  [[nodiscard]] const Clock& clock() const override { return clock_; }
+  [[nodiscard]] const MediaClock& mediaClock() const override { return media_clock_; }
+  [[nodiscard]] const StreamDescription& description() const override { return description_; }
+  [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override;
+  void joined(Session& session) override;
+  void ending(Session& session, const WireError& why) override;
+  void left(const std::shared_ptr<Session>& session) override;
+
   static constexpr std::size_t kStrangers = 32;  // connections that are not (yet) clients
   asio::awaitable<void> watch();
   void summarize(LocalTime now);
   void countViewers();
 
   asio::io_context& io_;
-  MediaClock clock_;
+  const Clock& clock_;
+  const MediaClock& media_clock_;
   StreamDescription description_;
   StreamSettings settings_;
   asio::steady_timer timer_;

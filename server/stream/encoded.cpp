@@ -6,14 +6,30 @@
 namespace hapticast::server {
 
 namespace {
+
+// The protocol's promise: a viewer who lost a relief has it again within a second.
 constexpr Duration kRepeatReliefs = std::chrono::seconds(1);
+
+SharedBytes shared(const Message& message) {
+  return std::make_shared<const std::vector<std::uint8_t>>(hapticast::encode(message));
 }
 
-EncodedFrame FrameEncoder::encode(const HapticFrame& frame) {
-  EncodedFrame encoded{frame.id, frame.media_time, nullptr, framed(hapticast::encode(frame))};
-  const bool repeat = !last_full_ || frame.epoch != epoch_ ||
-                      frame.media_time - *last_full_ >= kRepeatReliefs ||
-                      frame.media_time < *last_full_;
+}  // namespace
+
+SharedBytes WholeFrame::payload() {
+  const std::lock_guard lock(mutex_);
+  if (!payload_) {
+    payload_ = shared(std::move(*frame_));
+    frame_.reset();
+  }
+  return payload_;
+}
+
+EncodedFrame FrameEncoder::encode(HapticFrame frame) {
+  EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr};
+  const bool repeat = !last_whole_ || frame.epoch != epoch_ ||
+                      frame.media_time - *last_whole_ >= kRepeatReliefs ||
+                      frame.media_time < *last_whole_;
   HapticFrame lean = frame;
   bool left_out = false;
   for (HapticObject& object : lean.objects) {
@@ -21,15 +37,17 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& frame) {
     object.relief = nullptr;
     left_out = true;
   }
-  if (!left_out) last_full_ = frame.media_time;
+  if (!left_out) last_whole_ = frame.media_time;
   epoch_ = frame.epoch;
-  encoded.lean = left_out ? framed(hapticast::encode(lean)) : encoded.full;
+  encoded.lean = shared(std::move(lean));
+  encoded.whole = left_out ? std::make_shared<WholeFrame>(std::move(frame))
+                           : std::make_shared<WholeFrame>(encoded.lean);
   return encoded;
 }
 
 EncodedVideo encodeVideo(VideoFrame video) {
   EncodedVideo encoded{video.id, video.media_time, nullptr};
-  encoded.bytes = framed(hapticast::encode(std::move(video)));
+  encoded.payload = shared(std::move(video));
   return encoded;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What goes to many viewers, encoded once: shared immutable bytes with the length prefix in front.
+// What goes to many viewers, encoded once: shared immutable payloads. How they are framed is the
+// affair of the channel that takes them.
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 
 #include "common/haptic_frame.hpp"
@@ -11,29 +14,46 @@
 
 namespace hapticast::server {
 
+/// A frame with every relief, for who joins or lost the frame before: most frames are never asked
+/// for it, so it becomes bytes at the first call. Thread: any.
+class WholeFrame {
+ public:
+  explicit WholeFrame(HapticFrame frame) : frame_(std::move(frame)) {}
+  /// Its bytes are there already.
+  explicit WholeFrame(SharedBytes payload) : payload_(std::move(payload)) {}
+
+  [[nodiscard]] SharedBytes payload();
+
+ private:
+  std::mutex mutex_;
+  std::optional<HapticFrame> frame_;  // until it is bytes
+  SharedBytes payload_;
+};
+
 struct EncodedFrame {
+  std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
   SharedBytes lean;  ///< for who got the frame before: reliefs that did not change are left out
-  SharedBytes full;  ///< for who joined or lost one: every relief
+  std::shared_ptr<WholeFrame> whole;  ///< never null
 };
 
 struct EncodedVideo {
   std::uint64_t id = 0;
   MediaTime media_time;
-  SharedBytes bytes;
+  SharedBytes payload;
 };
 
 /// Makes the bytes of frames; remembers when all reliefs were sent last. Thread: one (the
-/// pipeline's).
+/// encoder's).
 class FrameEncoder {
  public:
   /// `frame` carries every relief; its objects' `changed_in_frame` say which are new. Reliefs that
   /// did not change are repeated every second of media time and at every new epoch.
-  [[nodiscard]] EncodedFrame encode(const HapticFrame& frame);
+  [[nodiscard]] EncodedFrame encode(HapticFrame frame);
 
  private:
-  std::optional<MediaTime> last_full_;
+  std::optional<MediaTime> last_whole_;
   std::uint32_t epoch_ = 0;
 };
 

@@ -3,37 +3,16 @@
 
 #include <spdlog/spdlog.h>
 
-#include <charconv>
 #include <stdexcept>
 #include <utility>
+
+#include "common/wire/tcp_channel.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
 constexpr auto kPauseAfterError = std::chrono::milliseconds(200);
-
-template <class Failure = AddressError>
-[[noreturn]] void fail(const std::string& address, const std::string& why) {
-  throw Failure("cannot listen on " + address + ": " + why);
-}
-
-asio::ip::tcp::endpoint parse(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos) fail(address, "expected ADDR:PORT, such as 0.0.0.0:7447");
-  std::string host = address.substr(0, colon);
-  if (host.size() >= 2 && host.front() == '[' && host.back() == ']') {
-    host = host.substr(1, host.size() - 2);
-  }
-  boost::system::error_code ec;
-  const auto ip = asio::ip::make_address(host, ec);
-  if (ec) fail(address, "'" + host + "' is not an IP address of this machine (0.0.0.0 means all)");
-  std::uint16_t port = 0;
-  const char* const end = address.data() + address.size();
-  const auto parsed = std::from_chars(address.data() + colon + 1, end, port);
-  if (parsed.ec != std::errc() || parsed.ptr != end) fail(address, "the port is not 0..65535");
-  return {ip, port};
-}
 
 std::string advice(const boost::system::error_code& ec) {
   if (ec == asio::error::address_in_use) {
@@ -50,18 +29,24 @@ std::string advice(const boost::system::error_code& ec) {
 
 }  // namespace
 
-Listener::Listener(asio::io_context& io, const std::string& address, Broadcaster& broadcaster)
-    : acceptor_(io), pause_(io), broadcaster_(broadcaster) {
-  const auto endpoint = parse(address);
-  const auto require = [&](const boost::system::error_code& ec) {
-    if (ec) fail<std::runtime_error>(address, advice(ec));
-  };
+Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster)
+    : acceptor_(io), pause_(io), broadcaster_(broadcaster), address_(address) {
+  const std::string complaint = "cannot listen on " + toString(address) + ": ";
   boost::system::error_code ec;
+  const auto ip = asio::ip::make_address(address.host, ec);
+  if (ec) {
+    throw AddressError(complaint + "'" + address.host +
+                       "' is not an IP address of this machine (0.0.0.0 means all)");
+  }
+  const asio::ip::tcp::endpoint endpoint(ip, address.port);
+  const auto require = [&](const boost::system::error_code& failed) {
+    if (failed) throw std::runtime_error(complaint + advice(failed));
+  };
   require(acceptor_.open(endpoint.protocol(), ec));
   require(acceptor_.set_option(asio::socket_base::reuse_address(true), ec));
   require(acceptor_.bind(endpoint, ec));
   require(acceptor_.listen(asio::socket_base::max_listen_connections, ec));
-  port_ = acceptor_.local_endpoint().port();
+  address_.port = acceptor_.local_endpoint().port();
   asio::co_spawn(
       io, [this] { return acceptAll(); }, asio::detached);
 }
@@ -79,7 +64,7 @@ asio::awaitable<void> Listener::acceptAll() {
     boost::system::error_code ec;
     auto socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
     if (!ec) {
-      broadcaster_.accept(std::move(socket));
+      take(std::move(socket));
     } else if (acceptor_.is_open()) {
       // Out of file handles, say: trying again at once would spin.
       spdlog::warn("cannot accept a connection: {}", ec.message());
@@ -87,6 +72,13 @@ asio::awaitable<void> Listener::acceptAll() {
       co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     }
   }
+}
+
+void Listener::take(asio::ip::tcp::socket socket) {
+  boost::system::error_code ignored;  // without it a stalled viewer only hoards more
+  socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
+                    ignored);
+  broadcaster_.accept(std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes));
 }
 
 }  // namespace hapticast::server

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/endpoint.hpp"
 #include "common/wire/asio.hpp"
 #include "server/stream/broadcaster.hpp"
 
@@ -20,21 +21,23 @@ class AddressError : public std::runtime_error {
 
 class Listener {
  public:
-  /// `address` is ADDR:PORT, numeric, IPv6 in brackets; port 0 takes a free one. Throws
-  /// AddressError or std::runtime_error with one line that names the address and what to do.
-  Listener(asio::io_context& io, const std::string& address, Broadcaster& broadcaster);
+  /// The host of `address` is numeric; port 0 takes a free one. Throws AddressError or
+  /// std::runtime_error with one line that names the address and what to do.
+  Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster);
 
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Where it listens, with the port that was taken.
+  [[nodiscard]] const Endpoint& address() const { return address_; }
   /// No new connections from now on. Thread: any.
   void stop();
 
  private:
   asio::awaitable<void> acceptAll();
+  void take(asio::ip::tcp::socket socket);
 
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   Broadcaster& broadcaster_;
-  std::uint16_t port_ = 0;
+  Endpoint address_;
 };
 
 }  // namespace hapticast::server

@@ -14,15 +14,15 @@ SendCounts& SendCounts::operator+=(const SendCounts& other) {
   return *this;
 }
 
-bool SendQueue::pushControl(SharedBytes bytes) {
+bool SendQueue::pushControl(SharedBytes payload) {
   if (control_.size() >= kMaxControl) return false;
-  control_.push_back(std::move(bytes));
+  control_.push_back(std::move(payload));
   return true;
 }
 
 void SendQueue::dropOldest(std::uint64_t& cause) {
   frames_.pop_front();
-  needs_full_ = true;
+  needs_whole_ = true;
   ++cause;
 }
 
@@ -40,7 +40,7 @@ void SendQueue::pushVideo(EncodedVideo video) {
 }
 
 void SendQueue::clearFrames() {
-  if (!frames_.empty()) needs_full_ = true;
+  if (!frames_.empty()) needs_whole_ = true;
   frames_.clear();
   video_.reset();
 }
@@ -53,22 +53,22 @@ void SendQueue::clear() {
 
 SharedBytes SendQueue::pop() {
   if (!control_.empty()) {
-    SharedBytes bytes = std::move(control_.front());
+    SharedBytes payload = std::move(control_.front());
     control_.pop_front();
-    return bytes;
+    return payload;
   }
   if (description_) return std::exchange(description_, nullptr);
   if (!frames_.empty()) {
     const EncodedFrame frame = std::move(frames_.front());
     frames_.pop_front();
     ++counts_.frames_sent;
-    return std::exchange(needs_full_, false) ? frame.full : frame.lean;
+    return std::exchange(needs_whole_, false) ? frame.whole->payload() : frame.lean;
   }
   if (video_) {
     ++counts_.videos_sent;
-    SharedBytes bytes = std::move(video_->bytes);
+    SharedBytes payload = std::move(video_->payload);
     video_.reset();
-    return bytes;
+    return payload;
   }
   return nullptr;
 }

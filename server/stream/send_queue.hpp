@@ -33,9 +33,9 @@ class SendQueue {
   static constexpr std::size_t kMaxControl = 64;
 
   /// False when kMaxControl messages wait already: the peer asks without reading the answers.
-  [[nodiscard]] bool pushControl(SharedBytes bytes);
+  [[nodiscard]] bool pushControl(SharedBytes payload);
   /// Replaces a description that still waits.
-  void pushDescription(SharedBytes bytes) { description_ = std::move(bytes); }
+  void pushDescription(SharedBytes payload) { description_ = std::move(payload); }
   void pushFrame(EncodedFrame frame);
   void pushVideo(EncodedVideo video);
   /// Forgets frames and videos: they belong to another picture.
@@ -55,7 +55,7 @@ class SendQueue {
   SharedBytes description_;
   std::deque<EncodedFrame> frames_;
   std::optional<EncodedVideo> video_;
-  bool needs_full_ = true;  // joined, or lost a frame since the last one sent
+  bool needs_whole_ = true;  // joined, or lost a frame since the last one sent
   SendCounts counts_;
 };
 

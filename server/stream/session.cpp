@@ -6,49 +6,43 @@
 #include <utility>
 #include <vector>
 
-#include "server/stream/broadcaster.hpp"
-
 namespace hapticast::server {
 
 namespace {
 
-constexpr std::size_t kChunkBytes = 16U << 10U;
-constexpr std::size_t kMaxDrain = 1U
-                                  << 20U;  // bytes of a refused peer that are read and thrown away
+// Chosen: more than any client has under way when it is refused. It is read and thrown away, so
+// that the peer can read why it was refused.
+constexpr std::size_t kMaxDrainBytes = 1U << 20U;
 
-std::string nameOf(const asio::ip::tcp::socket& socket) {
-  boost::system::error_code ec;
-  const auto endpoint = socket.remote_endpoint(ec);
-  return ec ? "?" : endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
+SharedBytes payloadOf(const Message& message) {
+  return std::make_shared<const std::vector<std::uint8_t>>(encode(message));
 }
 
 }  // namespace
 
-Session::Session(asio::ip::tcp::socket socket, Broadcaster& broadcaster, std::uint32_t id)
-    : socket_(std::move(socket)),
-      wake_(socket_.get_executor()),
-      broadcaster_(broadcaster),
+Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
+                 std::uint32_t id)
+    : io_(io),
+      channel_(std::move(channel)),
+      wake_(io),
+      host_(host),
       id_(id),
-      peer_(nameOf(socket_)),
-      started_(broadcaster.clock().clock.now()),
+      started_(host.clock().now()),
       heard_(started_),
+      write_progress_(started_),
       rate_since_(started_) {}
 
 std::string Session::label() const {
-  return hello_ && !hello_->client_name.empty() ? peer_ + " (" + hello_->client_name + ")" : peer_;
+  const std::string& peer = channel_->peer();
+  return hello_ && !hello_->client_name.empty() ? peer + " (" + hello_->client_name + ")" : peer;
 }
 
 void Session::start() {
-  boost::system::error_code ignored;  // both only make things better
-  socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
-  socket_.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
-                     ignored);
-  const auto executor = socket_.get_executor();
   auto self = shared_from_this();
   asio::co_spawn(
-      executor, [self] { return self->readAll(); }, asio::detached);
+      io_, [self] { return self->readAll(); }, asio::detached);
   asio::co_spawn(
-      executor, [self] { return self->writeAll(); }, asio::detached);
+      io_, [self] { return self->writeAll(); }, asio::detached);
 }
 
 void Session::send(const EncodedFrame& frame) {
@@ -70,29 +64,29 @@ void Session::describe(const SharedBytes& description, bool other_picture) {
   wake_.cancel();
 }
 
-void Session::close(const Error& why) {
+void Session::close(const WireError& why) {
   if (closing_since_) return;
   queue_.clear();
   pongs_.clear();
-  (void)queue_.pushControl(framed(encode(why)));  // the queue was just emptied
-  broadcaster_.ending(*this, why);
-  closing_since_ = broadcaster_.clock().clock.now();
+  (void)queue_.pushControl(payloadOf(why));  // the queue was just emptied
+  host_.ending(*this, why);
+  closing_since_ = host_.clock().now();
   wake_.cancel();
 }
 
 void Session::disconnect() {
-  boost::system::error_code ignored;
-  socket_.close(ignored);
+  disconnected_ = true;
+  channel_->close();
   wake_.cancel();
-  broadcaster_.left(shared_from_this());
+  host_.left(shared_from_this());
 }
 
 void Session::check(LocalTime now) {
-  const StreamSettings& settings = broadcaster_.settings();
+  const StreamSettings& settings = host_.settings();
   if (closing_since_) {
     if (now - *closing_since_ >= settings.goodbye_deadline) disconnect();
-  } else if (write_progress_ && now - *write_progress_ >= settings.write_timeout) {
-    broadcaster_.ending(*this, {ErrorCode::kTimeout, "takes nothing off its connection"});
+  } else if (stalled(now)) {
+    host_.ending(*this, {ErrorCode::kTimeout, "takes nothing off its connection"});
     disconnect();
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello came in time"});
@@ -101,40 +95,41 @@ void Session::check(LocalTime now) {
   }
 }
 
+bool Session::stalled(LocalTime now) {
+  if (!writing_ || channel_->bytesWritten() != bytes_taken_) {
+    bytes_taken_ = channel_->bytesWritten();
+    write_progress_ = now;
+  }
+  return now - write_progress_ >= host_.settings().write_timeout;
+}
+
 asio::awaitable<void> Session::readAll() {
-  std::vector<std::uint8_t> chunk(kChunkBytes);
-  FrameReader reader(kMaxSmallMessageBytes);
-  for (;;) {
-    boost::system::error_code ec;
-    const std::size_t size = co_await socket_.async_read_some(
-        asio::buffer(chunk), asio::redirect_error(asio::use_awaitable, ec));
-    if (ec) {
+  while (!closing_since_) {
+    const auto payload = co_await channel_->read();
+    if (closing_since_) break;
+    if (!payload.ok()) {
+      close(payload.error());
+    } else if (payload.value()) {
+      take(*payload.value());
+    } else {
       disconnect();
       co_return;
     }
-    handleChunk(std::span(chunk).first(size), reader);
   }
+  co_await channel_->drain(kMaxDrainBytes);
+  disconnect();
 }
 
-void Session::handleChunk(std::span<const std::uint8_t> chunk, FrameReader& reader) {
-  if (!closing_since_) reader.feed(chunk);
-  while (!closing_since_) {
-    auto message = reader.next();
-    if (!message.ok()) return close(message.error());
-    if (!message.value()) return;
-    if (!withinRate()) return close({ErrorCode::kUnexpected, "too many messages a second"});
-    auto content = decode(*message.value());
-    if (!content.ok()) return close(content.error());
-    heard_ = broadcaster_.clock().clock.now();
-    std::visit([this](const auto& each) { handle(each); }, content.value());
-  }
-  // Closing a socket with unread bytes would reset the connection before the peer has read why.
-  drained_bytes_ += chunk.size();
-  if (drained_bytes_ > kMaxDrain) disconnect();
+void Session::take(Payload payload) {
+  if (!withinRate()) return close({ErrorCode::kUnexpected, "too many messages a second"});
+  const auto message = decode(payload);
+  if (!message.ok()) return close(message.error());
+  heard_ = host_.clock().now();
+  std::visit([this](const auto& each) { handle(each); }, message.value());
 }
 
 bool Session::withinRate() {
-  const LocalTime now = broadcaster_.clock().clock.now();
+  const LocalTime now = host_.clock().now();
   if (now - rate_since_ >= std::chrono::seconds(1)) {
     rate_since_ = now;
     rate_count_ = 0;
@@ -144,22 +139,22 @@ bool Session::withinRate() {
 
 void Session::handle(const Hello& hello) {
   if (hello_) return close({ErrorCode::kUnexpected, "a second hello"});
-  if (const auto refusal = broadcaster_.refuse(hello)) return close(*refusal);
+  if (const auto refusal = host_.refuse(hello)) return close(*refusal);
   hello_ = hello;
-  const Welcome welcome{kProtocolVersion, id_, 0, broadcaster_.description()};
-  (void)queue_.pushControl(framed(encode(welcome)));  // the first message
-  broadcaster_.joined(*this);
+  const Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
+  (void)queue_.pushControl(payloadOf(welcome));  // the first message
+  host_.joined(*this);
   wake_.cancel();
 }
 
 void Session::handle(const Ping& ping) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a ping before the hello"});
   if (pongs_.size() >= kMaxPongs) return close({ErrorCode::kUnexpected, "too many pings"});
-  pongs_.push_back({ping.t0, broadcaster_.clock().now(), {}});
+  pongs_.push_back({ping.t0, host_.mediaClock().now(), {}});
   wake_.cancel();
 }
 
-void Session::handle(const Report& report) {
+void Session::handle(const ReceiverReport& report) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a report before the hello"});
   spdlog::debug("{}: {} frames, {} lost, {} late, delay {:.1f} ms", label(), report.frames_received,
                 report.frames_lost, report.frames_late, report.playout_delay_ms);
@@ -170,44 +165,32 @@ void Session::handle(const Other&) {
   close({ErrorCode::kUnexpected, "a message that only servers send"});
 }
 
-SharedBytes Session::nextBytes() {
+SharedBytes Session::nextPayload() {
   if (pongs_.empty()) return queue_.pop();
   Pong pong = pongs_.front();
   pongs_.pop_front();
-  pong.t2 = broadcaster_.clock().now();
-  return framed(encode(pong));
+  pong.t2 = host_.mediaClock().now();
+  return payloadOf(pong);
 }
 
 asio::awaitable<void> Session::writeAll() {
-  while (socket_.is_open()) {
-    if (SharedBytes bytes = nextBytes()) {
-      if (!co_await writeBytes(std::move(bytes))) co_return;
-      continue;
-    }
-    boost::system::error_code ec;
-    if (closing_since_) {
-      socket_.shutdown(asio::socket_base::shutdown_send, ec);
+  while (!disconnected_) {
+    if (SharedBytes payload = nextPayload()) {
+      writing_ = true;
+      const bool written = co_await channel_->write(std::move(payload));
+      writing_ = false;
+      if (written) continue;
+      disconnect();
       co_return;
     }
+    if (closing_since_) {
+      channel_->finishWriting();
+      co_return;
+    }
+    boost::system::error_code ec;
     wake_.expires_at(asio::steady_timer::time_point::max());
     co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
-}
-
-asio::awaitable<bool> Session::writeBytes(SharedBytes bytes) {
-  std::size_t written = 0;
-  while (written < bytes->size()) {
-    write_progress_ = broadcaster_.clock().clock.now();
-    boost::system::error_code ec;
-    written += co_await socket_.async_write_some(asio::buffer(*bytes) + written,
-                                                 asio::redirect_error(asio::use_awaitable, ec));
-    if (ec) {
-      disconnect();
-      co_return false;
-    }
-  }
-  write_progress_.reset();
-  co_return true;
 }
 
 }  // namespace hapticast::server

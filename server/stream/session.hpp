@@ -1,30 +1,52 @@
 // SPDX-License-Identifier: MIT
-// One viewer's connection: hello and welcome, pings, the queue of what is to be sent, and how it
-// ends. Its coroutines own it; it never blocks and never grows. Thread: io.
+// One viewer: hello and welcome, pings, the queue of what is to be sent, and how it ends. Protocol
+// only: the bytes travel through a channel. Its coroutines own it; it never blocks and never grows.
+// Thread: io.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 
-#include "common/wire/asio.hpp"
+#include "common/wire/channel.hpp"
 #include "common/wire/messages.hpp"
 #include "server/stream/send_queue.hpp"
+#include "server/stream/stream_settings.hpp"
 
 namespace hapticast::server {
 
-class Broadcaster;
+class Session;
+
+/// What a session asks of those who keep it.
+class SessionHost {
+ public:
+  [[nodiscard]] virtual const Clock& clock() const = 0;
+  [[nodiscard]] virtual const MediaClock& mediaClock() const = 0;
+  [[nodiscard]] virtual const StreamSettings& settings() const = 0;
+  [[nodiscard]] virtual const StreamDescription& description() const = 0;
+  /// Why this client cannot be welcomed, if so.
+  [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
+  /// The session has welcomed its client.
+  virtual void joined(Session& session) = 0;
+  /// The session is about to end by our decision.
+  virtual void ending(Session& session, const WireError& why) = 0;
+  /// The connection has ended. May be said more than once.
+  virtual void left(const std::shared_ptr<Session>& session) = 0;
+
+ protected:
+  ~SessionHost() = default;
+};
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
   static constexpr std::size_t kMaxPongs = 16;  ///< pings answered at once
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
 
-  /// `broadcaster` outlives the session's coroutines.
-  Session(asio::ip::tcp::socket socket, Broadcaster& broadcaster, std::uint32_t id);
+  /// `io` runs the channel; `host` outlives the session's coroutines.
+  Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
+          std::uint32_t id);
 
   void start();
   void send(const EncodedFrame& frame);
@@ -32,7 +54,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// `other_picture`: what waits belongs to another workspace and is forgotten.
   void describe(const SharedBytes& description, bool other_picture);
   /// Tells the peer why, then closes; what still waits is forgotten.
-  void close(const Error& why);
+  void close(const WireError& why);
   /// Looks after the deadlines; called regularly.
   void check(LocalTime now);
 
@@ -44,32 +66,35 @@ class Session : public std::enable_shared_from_this<Session> {
  private:
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
-  asio::awaitable<bool> writeBytes(SharedBytes bytes);
-  void handleChunk(std::span<const std::uint8_t> chunk, FrameReader& reader);
+  void take(Payload payload);
   void handle(const Hello& hello);
   void handle(const Ping& ping);
-  void handle(const Report& report);
+  void handle(const ReceiverReport& report);
   template <class Other>
   void handle(const Other& other);
   [[nodiscard]] bool withinRate();
-  [[nodiscard]] SharedBytes nextBytes();
+  /// Whether the peer has taken nothing of what is being written for too long.
+  [[nodiscard]] bool stalled(LocalTime now);
+  [[nodiscard]] SharedBytes nextPayload();
   void disconnect();
 
-  asio::ip::tcp::socket socket_;
+  asio::io_context& io_;
+  std::unique_ptr<Channel> channel_;
   asio::steady_timer wake_;  // the writer sleeps on it; cancelled when there is something to do
-  Broadcaster& broadcaster_;
+  SessionHost& host_;
   std::uint32_t id_;
-  std::string peer_;
   SendQueue queue_;
   std::deque<Pong> pongs_;  // t2 is filled in when one is sent
   std::optional<Hello> hello_;
   LocalTime started_;
-  LocalTime heard_;                          // last message
-  std::optional<LocalTime> write_progress_;  // set while a write is under way
+  LocalTime heard_;  // last message
+  bool disconnected_ = false;
+  bool writing_ = false;
+  LocalTime write_progress_;  // when the peer was last seen to take something
+  std::uint64_t bytes_taken_ = 0;
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;
   std::uint32_t rate_count_ = 0;
-  std::size_t drained_bytes_ = 0;
 };
 
 }  // namespace hapticast::server

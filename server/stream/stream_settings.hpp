@@ -29,11 +29,4 @@ struct StreamCounts {
   SendCounts sent;              ///< over all clients
 };
 
-/// The server's media clock: local time since `zero`.
-struct MediaClock {
-  const Clock& clock;
-  LocalTime zero;
-  [[nodiscard]] MediaTime now() const noexcept { return MediaTime(clock.now() - zero); }
-};
-
 }  // namespace hapticast::server

@@ -8,7 +8,8 @@
 #include <chrono>
 #include <vector>
 
-#include "tests/unit/client/stage.hpp"
+#include "client/haptics/realtime_thread.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -47,6 +48,7 @@ struct Case {
 };
 
 void tick(benchmark::State& state, const Case& of) {
+  flushDenormals();  // as the loop's thread does
   RoomSettings settings;
   settings.surface = of.surface;
   HandScript hand(of.hand, HandStiffness{}, {{0.0, {10.0, 5.0, 40.0}}});
@@ -146,9 +148,9 @@ void stages(benchmark::State& state, const StageCase& of) {
   ProxySurface proxies;
   DynamicForce dynamic(profile);
   SafetyChain safety(profile);
-  Controls controls;
-  controls.connected = true;
-  controls.first_epoch = 1;
+  StreamState stream_state;
+  stream_state.connected = true;
+  stream_state.first_epoch = 1;
   const Workspace workspace;
   StageStream stream(of);
   const double clock_ns = clockCost_ns();
@@ -164,7 +166,7 @@ void stages(benchmark::State& state, const StageCase& of) {
     const Vec3 hip_mm(10.0 + x_mm, 5.0 + of.from_centre_mm, top_mm - of.depth_mm);
     const auto from = Ticks::now();
     const MediaTime play_time(Duration(ms * 1'000'000));
-    const Scene& scene = lookup.at(play_time, controls);
+    const Scene& scene = lookup.at(play_time, stream_state);
     const Contact contact = of.surface == SurfaceKind::kProxy
                                 ? proxies.touch(scene, hip_mm, workspace, 6.6)
                                 : findContact(of.surface, scene, hip_mm, workspace);
@@ -176,7 +178,7 @@ void stages(benchmark::State& state, const StageCase& of) {
     input.surface_velocity_mm_s = contact.surface_velocity_mm_s;
     input.touchable = input.dynamic_valid = true;
     input.dynamic_N = dynamic.evaluate(contact.object, contact.depth_mm, Vec3::Zero(), play_time,
-                                       controls, 1.0, &hip_mm);
+                                       stream_state, 1.0, &hip_mm);
     benchmark::DoNotOptimize(safety.step(input));
     all.push_back(ns(Ticks::now() - from) - clock_ns);
     state.SetIterationTime(1e-9 * std::max(1.0, all.back()));

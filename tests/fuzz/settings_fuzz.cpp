@@ -8,7 +8,9 @@
 #include <string>
 
 #include "client/settings.hpp"
-#include "common/cli/command_line.hpp"
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+#include "common/cli/parse.hpp"
 #include "server/settings.hpp"
 
 namespace {

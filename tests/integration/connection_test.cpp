@@ -29,8 +29,8 @@ struct FakeServer {
 
 TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
   TestServer server(io, clock);
-  TestClient client(io, clock, server.listener.port(), [](auto& s) { s.wants_video = true; });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  TestClient client(io, clock, server.port(), [](auto& s) { s.wants_video = true; });
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 20; ++id) {
     server.publish(id, 8, false);
     ASSERT_TRUE(runUntil([&] {
@@ -44,8 +44,8 @@ TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
   EXPECT_EQ(client.videos[0].jpeg.size(), 3U);
   EXPECT_EQ(client.receiver.counts().lost, 0U);
   // Both clocks are one here, so the true offset is known.
-  const Duration truth = -server.media.zero.time_since_epoch();
-  EXPECT_LE(std::chrono::abs(client.controls.load().clock_offset - truth),
+  const Duration truth = -server.media.zero().time_since_epoch();
+  EXPECT_LE(std::chrono::abs(client.stream.load().clock_offset - truth),
             client.receiver.clockErrorBound() + std::chrono::microseconds(1));
   EXPECT_GT(client.connection.bytesReceived(), 0U);
 }
@@ -55,9 +55,9 @@ TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
   StreamDescription quick = TestServer::description();
   quick.fps = 240;  // frames come as fast as the link lets them: the jitter decides, not the rate
   server.broadcaster.describe(quick);
-  LossyLink link(io, server.listener.port(), {milliseconds(3), milliseconds(10), 5});
+  LossyLink link(io, server.port(), {milliseconds(3), milliseconds(10), 5});
   TestClient client(io, clock, link.port(), [](auto& s) { s.ping_interval = milliseconds(10); });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 40; ++id) {
     server.publish(id);
     ASSERT_TRUE(runUntil([&] {
@@ -69,21 +69,21 @@ TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
     client.drain();
     return client.frames.size() == 40;
   }));
-  const Duration truth = -server.media.zero.time_since_epoch();
+  const Duration truth = -server.media.zero().time_since_epoch();
   EXPECT_GE(client.receiver.clockErrorBound(), milliseconds(3)) << "the delay of the link is real";
   const Duration error = client.receiver.clockErrorBound();
-  EXPECT_LE(std::chrono::abs(client.controls.load().clock_offset - truth),
+  EXPECT_LE(std::chrono::abs(client.stream.load().clock_offset - truth),
             error + std::chrono::microseconds(1));
   for (std::size_t i = 0; i < client.frames.size(); ++i) EXPECT_EQ(client.frames[i].second, i + 1);
   // One frame in twenty takes far longer than 3 + 5 ms (of 10 ms jitter, with 40 frames); how late
   // it seems is as sure as the clock. A slow machine only adds to it.
-  EXPECT_GE(client.controls.load().playout_delay_target,
+  EXPECT_GE(client.stream.load().playout_delay_target,
             milliseconds(8) + client::JitterEstimator::kMargin - error);
 }
 
 TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
   auto server = std::make_unique<TestServer>(io, clock);
-  const std::uint16_t port = server->listener.port();
+  const std::uint16_t port = server->port();
   TestClient client(io, clock, port);
   server->publish(7);
   ASSERT_TRUE(runUntil([&] {
@@ -93,7 +93,7 @@ TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
   server->stop();
   ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; })) << "goodbye, then nobody there";
   EXPECT_NE(client.lost[0].find("the server ends"), std::string::npos) << client.lost[0];
-  EXPECT_FALSE(client.controls.load().connected);
+  EXPECT_FALSE(client.stream.load().connected);
   TestServer second(io, clock, {}, port);
   second.publish(1);  // ids start over
   ASSERT_TRUE(runUntil([&] {
@@ -102,16 +102,16 @@ TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
   }));
   EXPECT_EQ(client.welcomes, 2);
   EXPECT_GT(client.frames[1].first, client.frames[0].first) << "a new epoch";
-  EXPECT_EQ(client.controls.load().first_epoch, client.frames[1].first);
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  EXPECT_EQ(client.stream.load().first_epoch, client.frames[1].first);
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   EXPECT_TRUE(client.failure.empty());
 }
 
 TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
   TestServer server(io, clock);
-  LossyLink link(io, server.listener.port(), {});
+  LossyLink link(io, server.port(), {});
   TestClient client(io, clock, link.port(), [](auto& s) { s.silence_limit = milliseconds(250); });
-  ASSERT_TRUE(runUntil([&] { return client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   link.cut();
   ASSERT_TRUE(runUntil([&] { return client.welcomes == 2; }));
   ASSERT_EQ(client.lost.size(), 1U);
@@ -119,7 +119,7 @@ TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
   ASSERT_TRUE(runUntil([&] { return client.lost.size() >= 2; }));
   EXPECT_NE(client.lost[1].find("silent"), std::string::npos) << client.lost[1];
   link.stall(false);
-  ASSERT_TRUE(runUntil([&] { return client.welcomes >= 3 && client.controls.load().connected; }));
+  ASSERT_TRUE(runUntil([&] { return client.welcomes >= 3 && client.stream.load().connected; }));
 }
 
 TEST_F(ConnectionTest, SaysAtOnceThatNobodyIsThere) {
@@ -138,7 +138,7 @@ TEST_F(ConnectionTest, SaysAtOnceThatNobodyIsThere) {
 TEST_F(ConnectionTest, SaysAtOnceThatTheHostIsUnknown) {
   TestClient client(io, clock, 7447, [](auto& s) {
     s.patient = false;
-    s.host = "no-such-host.invalid";
+    s.server.host = "no-such-host.invalid";
   });
   ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
   EXPECT_EQ(client.failure.find("no-such-host.invalid:7447: "), 0U) << client.failure;
@@ -161,11 +161,11 @@ TEST_F(ConnectionTest, GivesUpOnAnotherVersionOnly) {
   FakeServer server(io);
   TestClient client(io, clock, server.port());
   ASSERT_TRUE(runUntil([&] { return server.accept(); }));
-  server.peer->send(Error{ErrorCode::kServerFull, "all 2 places are taken"});
+  server.peer->send(WireError{ErrorCode::kServerFull, "all 2 places are taken"});
   ASSERT_TRUE(runUntil([&] { return client.lost.size() == 1; }));
   EXPECT_NE(client.lost[0].find("all 2 places are taken"), std::string::npos);
   ASSERT_TRUE(runUntil([&] { return server.accept(); })) << "tried again";
-  server.peer->send(Error{ErrorCode::kVersion, "this server speaks protocol version 2"});
+  server.peer->send(WireError{ErrorCode::kVersion, "this server speaks protocol version 2"});
   ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
   EXPECT_NE(client.failure.find("protocol version 2"), std::string::npos);
 }
@@ -176,9 +176,9 @@ TEST_F(ConnectionTest, LeavesServersThatDoNotSpeakTheProtocol) {
                     [](auto& s) { s.connect_deadline = milliseconds(200); });
   const std::vector<std::pair<std::vector<std::uint8_t>, std::string>> answers = {
       {{'H', 'T', 'T', 'P', '/', '1', '.', '1'}, "are allowed here"},
-      {*framed(encode(Ping{})), "no welcome"},
-      {*framed(std::vector<std::uint8_t>{0xFF, 0xFF}), "not a message"},
-      {*framed(encode(Welcome{9, 1, 0, {}})), "version"},
+      {framed(encode(Ping{})), "no welcome"},
+      {framed(std::vector<std::uint8_t>{0xFF, 0xFF}), "not a message"},
+      {framed(encode(Welcome{9, 1, 0, {}})), "version"},
   };
   for (std::size_t i = 0; i < answers.size(); ++i) {
     ASSERT_TRUE(runUntil([&] { return server.accept(); })) << i;
@@ -207,13 +207,13 @@ TEST_F(ConnectionTest, IgnoresPongsItDidNotAskFor) {
     client.drain();
     return client.frames.size() == 1;
   }));
-  EXPECT_FALSE(client.controls.load().connected) << "the clock is not known";
+  EXPECT_FALSE(client.stream.load().connected) << "the clock is not known";
 }
 
 TEST_F(ConnectionTest, StopsCleanlyInEveryState) {
   TestServer server(io, clock);
-  auto connected = std::make_unique<TestClient>(io, clock, server.listener.port());
-  TestClient resolving(io, clock, server.listener.port());
+  auto connected = std::make_unique<TestClient>(io, clock, server.port());
+  TestClient resolving(io, clock, server.port());
   ASSERT_TRUE(runUntil([&] { return connected->welcomes == 1; }));
   connected->connection.stop();
   resolving.connection.stop();
@@ -227,7 +227,7 @@ TEST_F(ConnectionTest, TwentyClientsGetEveryFrame) {
   std::vector<std::unique_ptr<TestClient>> clients;
   clients.reserve(20);
   for (int i = 0; i < 20; ++i) {
-    clients.push_back(std::make_unique<TestClient>(io, clock, server.listener.port()));
+    clients.push_back(std::make_unique<TestClient>(io, clock, server.port()));
   }
   ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 20; }));
   for (std::uint64_t id = 1; id <= 25; ++id) {

@@ -241,12 +241,12 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
       for (const auto& peer : peers) peer->poll();
       return std::all_of(peers.begin(), peers.end(), [](const auto& each) { return each->closed; });
     }));
-    std::vector<Error> answers;
+    std::vector<WireError> answers;
     for (const auto& peer : peers) {
       EXPECT_FALSE(peer->reset) << "the error could have been lost";
-      const auto errors = peer->all<Error>();
-      answers.push_back(errors.size() == 1 ? errors[0]
-                                           : Error{ErrorCode::kShuttingDown, "no single error"});
+      const auto errors = peer->all<WireError>();
+      answers.push_back(
+          errors.size() == 1 ? errors[0] : WireError{ErrorCode::kShuttingDown, "no single error"});
     }
     return answers;
   };
@@ -254,13 +254,12 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
   std::vector<std::uint8_t> noise(100'000);
   for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() | 1U);
   const std::vector<std::uint8_t> short_noise(noise.begin(), noise.begin() + 500);
-  const auto answers =
-      farewells({*framed(encode(Hello{kProtocolVersion + 1, "new\n", false, true})),
-                 noise,
-                 *framed(short_noise),
-                 {0x01, 0x00, 0x01, 0x00},
-                 {},
-                 {0x10, 0x00}});
+  const auto answers = farewells({framed(encode(Hello{kProtocolVersion + 1, "new\n", false, true})),
+                                  noise,
+                                  framed(short_noise),
+                                  {0x01, 0x00, 0x01, 0x00},
+                                  {},
+                                  {0x10, 0x00}});
   EXPECT_EQ(answers[0].code, ErrorCode::kVersion);
   EXPECT_NE(answers[0].message.find("version"), std::string::npos);
   EXPECT_EQ(answers[1].code, ErrorCode::kTooLarge) << "random bytes";

@@ -177,6 +177,11 @@ TEST_F(ProgramsTouchTest, AThesisClientSaysWhatItCannotSwitchOnAnotherServer) {
   interrupt(*ours);
 }
 
+TEST_F(ProgramsTouchTest, TypingHandsOfThisRepositoryAreTouched) {
+  touchWith({"press"},
+            {"--source", HAPTICAST_TESTS "/data/typing_hands", "--object", "167,111", "--loop"});
+}
+
 struct RealClip {
   const char* name;
   const char* object_px;

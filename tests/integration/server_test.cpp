@@ -88,9 +88,9 @@ TEST_F(ServerTest, AnnouncesAnotherStreamToAll) {
 
 TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
   TestServer server(io, clock);
-  RawPeer peer(io, server.listener.port());
+  RawPeer peer(io, server.port());
   peer.send(Hello{kProtocolVersion + 1, "future", false, true});
-  const Error error = farewell(peer);
+  const WireError error = farewell(peer);
   EXPECT_EQ(error.code, ErrorCode::kVersion);
   EXPECT_NE(error.message.find(std::to_string(kProtocolVersion)), std::string::npos);
 }
@@ -100,13 +100,13 @@ TEST_F(ServerTest, RefusesRandomBytesWhileOthersKeepReceiving) {
   const auto other = viewer(server);
   std::mt19937 random(1);
   for (int round = 0; round < 10; ++round) {
-    RawPeer peer(io, server.listener.port());
+    RawPeer peer(io, server.port());
     std::vector<std::uint8_t> noise(5000);
     for (auto& byte : noise) byte = static_cast<std::uint8_t>(random() | 1U);
     peer.send(noise);
     EXPECT_EQ(farewell(peer).code, ErrorCode::kTooLarge) << "random bytes are a huge length";
-    RawPeer framed_noise(io, server.listener.port());
-    framed_noise.send(*framed(noise));
+    RawPeer framed_noise(io, server.port());
+    framed_noise.send(framed(noise));
     EXPECT_EQ(farewell(framed_noise).code, ErrorCode::kMalformed);
   }
   server.publish(1);
@@ -130,8 +130,9 @@ TEST_F(ServerTest, RefusesTooLongAndEmptyMessages) {
 
 TEST_F(ServerTest, RefusesMessagesAtTheWrongMoment) {
   TestServer server(io, clock);
-  for (const Message& early : {Message(Ping{}), Message(Report{}), Message(HapticFrame{})}) {
-    RawPeer peer(io, server.listener.port());
+  for (const Message& early :
+       {Message(Ping{}), Message(ReceiverReport{}), Message(HapticFrame{})}) {
+    RawPeer peer(io, server.port());
     peer.send(early);
     EXPECT_EQ(farewell(peer).code, ErrorCode::kUnexpected);
   }
@@ -145,7 +146,7 @@ TEST_F(ServerTest, RefusesMessagesAtTheWrongMoment) {
 TEST_F(ServerTest, RefusesAFloodOfMessages) {
   TestServer server(io, clock);
   const auto peer = viewer(server);
-  for (int i = 0; i < 400; ++i) peer->send(Report{});
+  for (int i = 0; i < 400; ++i) peer->send(ReceiverReport{});
   EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
 }
 
@@ -154,7 +155,7 @@ TEST_F(ServerTest, ClosesConnectionsThatSayNothing) {
   settings.hello_deadline = milliseconds(100);
   settings.idle_timeout = milliseconds(300);
   TestServer server(io, clock, settings);
-  RawPeer half_open(io, server.listener.port());
+  RawPeer half_open(io, server.port());
   EXPECT_EQ(farewell(half_open).code, ErrorCode::kTimeout);
   const auto silent = viewer(server);
   EXPECT_EQ(farewell(*silent).code, ErrorCode::kTimeout);
@@ -167,7 +168,7 @@ TEST_F(ServerTest, RefusesMoreClientsThanItHasPlacesFor) {
   TestServer server(io, clock, settings);
   auto first = viewer(server);
   const auto second = viewer(server);
-  RawPeer third(io, server.listener.port());
+  RawPeer third(io, server.port());
   third.send(Hello{});
   EXPECT_EQ(farewell(third).code, ErrorCode::kServerFull);
   first.reset();
@@ -234,7 +235,7 @@ TEST_F(ServerTest, SaysGoodbyeAndRunsOutOfWork) {
 
 TEST_F(ServerTest, NamesTheAddressItCannotListenOn) {
   TestServer server(io, clock);
-  const auto complaint = [&](const std::string& address) {
+  const auto complaint = [&](const Endpoint& address) {
     try {
       const server::Listener listener(io, address, server.broadcaster);
       return std::string("no complaint");
@@ -242,13 +243,11 @@ TEST_F(ServerTest, NamesTheAddressItCannotListenOn) {
       return std::string(error.what());
     }
   };
-  const std::string used = "127.0.0.1:" + std::to_string(server.listener.port());
-  EXPECT_NE(complaint(used).find(used), std::string::npos);
+  const Endpoint used{"127.0.0.1", server.port()};
+  EXPECT_NE(complaint(used).find(toString(used)), std::string::npos);
   EXPECT_NE(complaint(used).find("in use"), std::string::npos);
-  for (const char* wrong : {"127.0.0.1", "nowhere:80", "127.0.0.1:", "127.0.0.1:65536", "1.2.3.4:x",
-                            "127.0.0.1:-1", "", "192.0.2.1:7447"}) {
-    EXPECT_EQ(complaint(wrong).find("cannot listen on " + std::string(wrong)), 0U)
-        << complaint(wrong);
+  for (const Endpoint& wrong : {Endpoint{"nowhere", 80}, {"1.2.3", 80}, {"192.0.2.1", 7447}}) {
+    EXPECT_EQ(complaint(wrong).find("cannot listen on " + toString(wrong)), 0U) << complaint(wrong);
     EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
   }
 }

@@ -13,6 +13,7 @@
 #include "client/net/connection.hpp"
 #include "common/wire/asio.hpp"
 #include "server/stream/listener.hpp"
+#include "tests/support/framed.hpp"
 
 namespace hapticast::testing {
 
@@ -20,9 +21,11 @@ namespace hapticast::testing {
 struct TestServer {
   TestServer(asio::io_context& io, const Clock& clock, server::StreamSettings settings = {},
              std::uint16_t port = 0)
-      : media{clock, clock.now()},
-        broadcaster(io, media, description(), settings),
-        listener(io, "127.0.0.1:" + std::to_string(port), broadcaster) {}
+      : media(clock),
+        broadcaster(io, clock, media, description(), settings),
+        listener(io, {"127.0.0.1", port}, broadcaster) {}
+
+  [[nodiscard]] std::uint16_t port() const { return listener.address().port; }
 
   static StreamDescription description() {
     StreamDescription description;
@@ -48,7 +51,7 @@ struct TestServer {
     broadcaster.publish(encoder.encode(frame));
   }
 
-  server::MediaClock media;
+  LocalMediaClock media;
   server::Broadcaster broadcaster;
   server::Listener listener;
   server::FrameEncoder encoder;
@@ -68,7 +71,7 @@ class RawPeer {
     boost::system::error_code ignored;  // the other side may have closed already
     asio::write(socket_, asio::buffer(bytes), ignored);
   }
-  void send(const Message& message) { send(*framed(encode(message))); }
+  void send(const Message& message) { send(framed(encode(message))); }
   /// Takes what has arrived.
   void poll() {
     std::vector<std::uint8_t> chunk(1U << 16U);
@@ -109,14 +112,16 @@ class RawPeer {
 struct TestClient {
   TestClient(asio::io_context& io, const Clock& clock, std::uint16_t port,
              const std::function<void(client::ConnectionSettings&)>& change = {})
-      : connection(io, clock, settings(port, change), receiver, events()) {
+      : preparer(*pool, clock, Method::kHapticast,
+                 [this](const client::PreparedFrame& frame) { receiver.prepared(frame); }),
+        connection(io, clock, settings(port, change), receiver, events()) {
     connection.start();
   }
 
   static client::ConnectionSettings settings(
       std::uint16_t port, const std::function<void(client::ConnectionSettings&)>& change) {
     client::ConnectionSettings settings;
-    settings.port = port;
+    settings.server.port = port;
     settings.patient = true;
     settings.burst_interval = std::chrono::milliseconds(1);
     settings.ping_interval = std::chrono::milliseconds(50);
@@ -133,6 +138,8 @@ struct TestClient {
   }
   /// What the loop would do: takes every frame and gives it back.
   void drain() {
+    while (preparer.step()) {
+    }
     client::FramePool::Index index = 0;
     while (pool->take(index)) {
       frames.push_back({pool->frame(index).epoch, pool->frame(index).id});
@@ -143,8 +150,9 @@ struct TestClient {
   }
 
   std::unique_ptr<client::FramePool> pool = std::make_unique<client::FramePool>();
-  LatestValue<client::Controls> controls;
-  client::Receiver receiver{*pool, controls, {}};
+  LatestValue<client::StreamState> stream;
+  client::Preparer preparer;  // its steps are the test's
+  client::Receiver receiver{preparer, stream, 1};
   std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
   bool last_has_field = false;
   std::vector<VideoFrame> videos;
@@ -168,7 +176,7 @@ class StreamTest : public ::testing::Test {
   }
   /// A peer that has been welcomed.
   std::unique_ptr<RawPeer> viewer(const TestServer& server, bool wants_video = false) {
-    auto peer = std::make_unique<RawPeer>(io, server.listener.port());
+    auto peer = std::make_unique<RawPeer>(io, server.port());
     peer->send(Hello{kProtocolVersion, "raw", wants_video, true});
     EXPECT_TRUE(runUntil([&] {
       peer->poll();
@@ -177,14 +185,15 @@ class StreamTest : public ::testing::Test {
     return peer;
   }
   /// The error a peer is sent before it is closed in an orderly way.
-  Error farewell(RawPeer& peer) {
+  WireError farewell(RawPeer& peer) {
     EXPECT_TRUE(runUntil([&] {
       peer.poll();
       return peer.closed;
     }));
     EXPECT_FALSE(peer.reset) << "the error could have been lost";
-    const auto errors = peer.all<Error>();
-    return errors.size() == 1 ? errors[0] : Error{ErrorCode::kMalformed, "no single error came"};
+    const auto errors = peer.all<WireError>();
+    return errors.size() == 1 ? errors[0]
+                              : WireError{ErrorCode::kMalformed, "no single error came"};
   }
 
   SteadyClock clock;

@@ -79,8 +79,8 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"description", goldenDescription()},
       {"frame", goldenFrame()},
       {"video", VideoFrame{3, 1000, mediaTime(40.04), {0xFF, 0xD8, 0xFF, 0xE0, 0xFF, 0xD9}}},
-      {"report", Report{1000, 3, 2, 52.5, 125.0, true}},
-      {"error", Error{ErrorCode::kServerFull, "all 64 places are taken"}},
+      {"report", ReceiverReport{1000, 3, 2, 52.5, 125.0, true}},
+      {"error", WireError{ErrorCode::kServerFull, "all 64 places are taken"}},
   };
 }
 

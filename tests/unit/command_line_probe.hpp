@@ -14,7 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/cli/command_line.hpp"
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+#include "common/cli/parse.hpp"
 
 namespace hapticast::testing_support {
 

@@ -102,6 +102,8 @@ class SafetyChain {
   void rearm() noexcept;
   /// Ramps the force to zero and keeps it there until rearm().
   void stop() noexcept { stop_requested_ = true; }
+  /// The device was lost or the force was stopped, and nobody has re-armed it since.
+  [[nodiscard]] bool halted() const noexcept { return halted_; }
   /// What the latency watch has learned is forgotten as soon as nothing is touched.
   void newConnection() noexcept { trust_profile_ = delay_ticks_ != profile_delay_ticks_; }
   /// Work of the force so far.

@@ -6,6 +6,7 @@
 
 #include "client/haptics/hip_motion.hpp"
 #include "client/haptics/safety/wall_law.hpp"
+#include "common/tick.hpp"
 
 namespace hapticast::client {
 

@@ -5,6 +5,7 @@
 
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/hip_motion.hpp"
+#include "common/tick.hpp"
 
 namespace hapticast::client {
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "client/haptics/hip_motion.hpp"
+#include "common/tick.hpp"
 
 namespace hapticast::client {
 

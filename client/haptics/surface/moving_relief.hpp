@@ -5,7 +5,7 @@
 
 #include <cstddef>
 
-#include "client/haptics/time/lookup.hpp"
+#include "client/haptics/time/scene.hpp"
 
 namespace hapticast::client {
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "client/haptics/time/lookup.hpp"
+#include "client/haptics/time/scene.hpp"
 
 namespace hapticast::client {
 

@@ -56,8 +56,8 @@ void standStill(ObjectNow& object) noexcept {
   object.blend_rate_1_s = 0.0;
 }
 
-double extrapolationLimit_s(const Controls& controls) noexcept {
-  return std::clamp(2.0 * toSeconds(controls.frame_interval), 0.0, kLongestExtrapolation_s);
+double extrapolationLimit_s(const StreamState& stream) noexcept {
+  return std::clamp(2.0 * toSeconds(stream.frame_interval), 0.0, kLongestExtrapolation_s);
 }
 
 Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
@@ -70,15 +70,23 @@ Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
 FrameLookup::FrameLookup(FramePool& pool, Interpolation interpolation) noexcept
     : pool_(pool), interpolation_(interpolation) {}
 
-const Scene& FrameLookup::at(MediaTime play_time, const Controls& controls) noexcept {
-  takeArrived(play_time, controls.first_epoch);
+const Scene& FrameLookup::at(MediaTime play_time, const StreamState& stream,
+                             const UserControls& user) noexcept {
+  takeArrived(play_time, stream.first_epoch);
   const std::size_t before = releaseUnneeded(play_time);
   scene_.play_time = play_time;
   scene_.jumped = false;
   scene_.object_count = 0;
   scene_.kind = Lookup::kNone;
-  if (before != kNone) fillScene(before, play_time, controls);
+  if (before != kNone) fillScene(before, play_time, stream, user);
   return scene_;
+}
+
+void FrameLookup::rejoin() noexcept {
+  while (held_count_ > 0) release(held_count_ - 1);
+  FramePool::Index index = 0;
+  for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) pool_.giveBack(index);
+  played_ = false;
 }
 
 std::array<const PlayFrame*, 4> FrameLookup::neighbours(MediaTime play_time) const noexcept {
@@ -159,12 +167,12 @@ std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
   return before;
 }
 
-const PlayFrame* FrameLookup::nextOf(std::size_t before, const Controls& controls) const noexcept {
+const PlayFrame* FrameLookup::nextOf(std::size_t before, const StreamState& stream) const noexcept {
   if (before + 1 >= held_count_) return nullptr;
   const PlayFrame& now = frame(before);
   const PlayFrame& next = frame(before + 1);
   const double widest_s =
-      std::max(kWidestGap_s, kWidestGap_intervals * toSeconds(controls.frame_interval));
+      std::max(kWidestGap_s, kWidestGap_intervals * toSeconds(stream.frame_interval));
   const bool connected =
       next.epoch == now.epoch && secondsBetween(now.media_time, next.media_time) <= widest_s;
   return connected ? &next : nullptr;
@@ -184,16 +192,16 @@ void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double int
   }
 }
 
-void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
-                            const Controls& controls) noexcept {
+void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const StreamState& stream,
+                            const UserControls& user) noexcept {
   const PlayFrame& now = frame(before);
-  const PlayFrame* const next = nextOf(before, controls);
+  const PlayFrame* const next = nextOf(before, stream);
   const bool has_next = next != nullptr;
   const double time_s = secondsBetween(now.media_time, play_time);
   // Times beyond 2^53 ns are rounded: the interval must not become zero.
   const double interval_s =
       has_next ? std::max({secondsBetween(now.media_time, next->media_time), time_s, 1e-9}) : 0.0;
-  const double limit_s = extrapolationLimit_s(controls);
+  const double limit_s = extrapolationLimit_s(stream);
   if (now.epoch != scene_.epoch || now.id != alone_id_) alone_s_ = 0.0;
   alone_id_ = now.id;
   if (!has_next) alone_s_ = std::max(time_s, 0.0);
@@ -224,7 +232,7 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time,
                        ? linearPose(object.motion, after->motion, interval_s, time_s)
                        : pair_.path[i].at(time_s));
     }
-    if (controls.paused) standStill(out);
+    if (user.paused) standStill(out);
     const std::uint64_t* const first = known_.data();
     const std::uint64_t* const last = first + known_count_;
     out.appeared = scene_.jumped || std::find(first, last, keyOf(object)) == last;

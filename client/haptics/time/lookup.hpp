@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/haptics/tick_report.hpp"
+#include "client/haptics/stream_state.hpp"
 #include "client/haptics/time/frame_pool.hpp"
 #include "client/haptics/time/pose.hpp"
+#include "client/haptics/time/scene.hpp"
+#include "client/haptics/user_controls.hpp"
 
 namespace hapticast::client {
 
@@ -19,30 +21,6 @@ enum class Interpolation : std::uint8_t {
   kLinear,   ///< linear between the two positions
   kHermite,  ///< cubic Hermite of (p, v), with the kink of an impact between the frames where it
              ///< happened
-};
-
-/// One object at play time. The relief moves with the object: sample `before` (and `after`) at the
-/// point carried back into each frame and blend only what is left (surface_model.hpp).
-struct ObjectNow {
-  const PlayObject* before = nullptr;  ///< never null
-  const PlayObject* after = nullptr;   ///< null when held, extrapolated or not in the next frame
-  double blend = 0.0;               ///< 0 at `before` (or when a late `after` came), 1 at `after`
-  double blend_rate_1_s = 0.0;      ///< d blend / dt; 0 when paused or without `after`
-  bool appeared = false;            ///< was not in the scene of the last look-up (id and layer)
-  Vec3 position_mm = Vec3::Zero();  ///< reference point at play time
-  Vec3 velocity_mm_s = Vec3::Zero();
-  Vec3 acceleration_mm_s2 = Vec3::Zero();
-  double angle_rad = 0.0;
-  double angular_velocity_rad_s = 0.0;
-};
-
-struct Scene {
-  Lookup kind = Lookup::kNone;
-  std::uint32_t epoch = 0;  ///< of the frame that is played
-  bool jumped = false;      ///< epoch changed since the last look-up
-  MediaTime play_time;
-  std::array<ObjectNow, kMaxObjects> objects{};
-  std::size_t object_count = 0;
 };
 
 /// Holds the frames of the last moments, sorted by media time, and finds the scene at play time.
@@ -60,8 +38,13 @@ class FrameLookup {
   FrameLookup(FramePool& pool, Interpolation interpolation) noexcept;
 
   /// Takes what has arrived (bounded by the pool) and returns the scene. Frames of an epoch before
-  /// `controls.first_epoch` are given back unused. The pointers in it hold until the next call.
-  const Scene& at(MediaTime play_time, const Controls& controls) noexcept;
+  /// `stream.first_epoch` are given back unused. The pointers in it hold until the next call.
+  const Scene& at(MediaTime play_time, const StreamState& stream,
+                  const UserControls& user = {}) noexcept;
+
+  /// Gives back every frame that is held or has arrived: the first one that comes from now on jumps
+  /// like that of a new epoch.
+  void rejoin() noexcept;
 
   /// For the thesis's temporal interpolation: the frames i-1, i, i+1, i+2 around play time within
   /// one epoch (null where there is none).
@@ -78,13 +61,14 @@ class FrameLookup {
   [[nodiscard]] std::size_t beforeIndex(MediaTime play_time) const noexcept;
   /// The frame after `before` that it can be interpolated with, or null.
   [[nodiscard]] const PlayFrame* nextOf(std::size_t before,
-                                        const Controls& controls) const noexcept;
+                                        const StreamState& stream) const noexcept;
   void takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;
   /// Keeps what the cubic needs and what is ahead; returns beforeIndex().
   std::size_t releaseUnneeded(MediaTime play_time) noexcept;
-  void fillScene(std::size_t before, MediaTime play_time, const Controls& controls) noexcept;
+  void fillScene(std::size_t before, MediaTime play_time, const StreamState& stream,
+                 const UserControls& user) noexcept;
 
   /// What two frames say of the time between them; holds until another frame is held or released.
   struct Pair {

@@ -24,26 +24,29 @@ void approach(Duration& value, Duration target, Duration& budget) noexcept {
 }
 }  // namespace
 
-MediaTime Playout::advance(LocalTime now, const Controls& controls, bool in_contact) noexcept {
+MediaTime Playout::advance(LocalTime now, const StreamState& stream, bool in_contact,
+                           const UserControls& user) noexcept {
   const Duration local = bounded(now.time_since_epoch(), kLargestOffset);
-  const bool restart = controls.connected && (!running_ || controls.first_epoch != first_epoch_);
+  const bool restart =
+      stream.connected && (!running_ || rejoin_ || stream.first_epoch != first_epoch_);
   if (!restart && !running_) return last_play_;
   const Duration elapsed =
       restart ? Duration{0} : std::max(local - last_.time_since_epoch(), Duration{0});
   last_ = LocalTime(restart ? local : std::max(local, last_.time_since_epoch()));
-  if (controls.connected) {
+  if (stream.connected) {
     running_ = true;
-    first_epoch_ = controls.first_epoch;
-    const Duration offset = bounded(controls.clock_offset, kLargestOffset / 2) -
-                            bounded(controls.pipeline_latency, kLongestDelay);
-    const Duration delay = std::clamp(controls.playout_delay_target, Duration{0}, kLongestDelay);
+    rejoin_ = false;
+    first_epoch_ = stream.first_epoch;
+    const Duration offset = bounded(stream.clock_offset, kLargestOffset / 2) -
+                            bounded(stream.pipeline_latency, kLongestDelay);
+    const Duration delay = std::clamp(stream.playout_delay_target, Duration{0}, kLongestDelay);
     // Far more than any distance between two offsets when nothing has to be slewed.
     Duration budget = in_contact && !restart ? elapsed / kRateDivisor : Duration::max();
     approach(offset_, offset, budget);
     approach(delay_, delay, budget);
   }
   MediaTime play(last_.time_since_epoch() + offset_ - delay_);
-  if (!restart && (controls.paused || play < last_play_)) {
+  if (!restart && (user.paused || play < last_play_)) {
     // Stand still; from here the delay is what it takes to be where we are, and is slewed from
     // there.
     delay_ = last_.time_since_epoch() + offset_ - last_play_.time_since_epoch();

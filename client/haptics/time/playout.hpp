@@ -3,7 +3,8 @@
 // no locks.
 #pragma once
 
-#include "client/haptics/tick_report.hpp"
+#include "client/haptics/stream_state.hpp"
+#include "client/haptics/user_controls.hpp"
 #include "common/time.hpp"
 
 namespace hapticast::client {
@@ -15,14 +16,18 @@ namespace hapticast::client {
 /// stands still until the wanted time has caught up.
 class Playout {
  public:
-  /// Play time of this tick. `in_contact`: a force acts. A new connection (controls.first_epoch)
+  /// Play time of this tick. `in_contact`: a force acts. A new connection (stream.first_epoch)
   /// starts over once its clock is known. While paused it stands still; without a connection it
   /// runs on with what it last knew (0 before the first). Any `now`.
-  MediaTime advance(LocalTime now, const Controls& controls, bool in_contact) noexcept;
+  MediaTime advance(LocalTime now, const StreamState& stream, bool in_contact,
+                    const UserControls& user = {}) noexcept;
+  /// The next connected tick starts over like that of a new connection.
+  void rejoin() noexcept { rejoin_ = true; }
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:
   bool running_ = false;  // was connected once
+  bool rejoin_ = false;
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};

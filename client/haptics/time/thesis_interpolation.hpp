@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "client/haptics/surface/surface_model.hpp"
+#include "client/haptics/time/lookup.hpp"
 
 namespace hapticast::client {
 

@@ -8,6 +8,7 @@
 #include "client/device/device_profile.hpp"
 #include "client/haptics/dynamic_force.hpp"
 #include "client/haptics/hip_motion.hpp"
+#include "common/tick.hpp"
 #include "tests/evaluate/accuracy/accuracy_parts.hpp"
 #include "tests/evaluate/thread_time.hpp"
 
@@ -37,16 +38,16 @@ std::vector<DynamicTick> dynamicForce(const TouchScene& scene, const Stream& str
   std::vector<DynamicTick> out;
   const Hand hand = [&](double t) { return HandPoint{scene.motion(t).position_mm, Vec3::Zero()}; };
   feel(stream, variant, hand, {},
-       [&](const client::Scene& now, const client::Controls& controls, const client::Contact&,
+       [&](const client::Scene& now, const client::StreamState& stream, const client::Contact&,
            const Tick& tick) {
          if (now.object_count == 0) return;
-         mass_kg = dynamic.objectMass_kg(controls, 1.0);
+         mass_kg = dynamic.objectMass_kg(stream, 1.0);
          const client::ObjectNow& object = now.objects[0];
          const double kg_m = 1e-3 * mass_kg;
          out.push_back({tick.time_s,
-                        dynamic.evaluate(&object, 1.0, Vec3::Zero(), now.play_time, controls, 1.0),
+                        dynamic.evaluate(&object, 1.0, Vec3::Zero(), now.play_time, stream, 1.0),
                         kg_m * scene.motion(tick.time_s).acceleration_mm_s2,
-                        kg_m * object.velocity_mm_s / client::kTick_s});
+                        kg_m * object.velocity_mm_s / kTick_s});
        });
   return out;
 }
@@ -105,7 +106,7 @@ Outcome measureImpulse() {
     for (const DynamicTick& tick : ticks) {
       // The pulse lasts 15 ms and may begin a little off; m a goes on meanwhile.
       if (std::abs(tick.time_s - impact_s) < kFrame_s)
-        impulse_Ns += (tick.force_N - tick.truth_N) * client::kTick_s;
+        impulse_Ns += (tick.force_N - tick.truth_N) * kTick_s;
     }
     const Vec3 truth_Ns = 1e-3 * mass_kg * jump_mm_s;
     worst = std::max(worst, (impulse_Ns - truth_Ns).norm() / truth_Ns.norm());
@@ -137,7 +138,7 @@ std::vector<Cursor> cursors(double count_mm) {
          (*last)[1] = (*last)[0];
          (*last)[0] = state.position_mm;
          return *known < 2 ? (++*known, Vec3::Zero().eval())
-                           : Vec3(1e-3 * twice / (client::kTick_s * client::kTick_s));
+                           : Vec3(1e-3 * twice / (kTick_s * kTick_s));
        }}};
 }
 

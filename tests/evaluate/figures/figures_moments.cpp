@@ -27,12 +27,12 @@ Curve curveOf(const std::vector<Moment>& moments, Vec3 Moment::*what, int axis, 
 
 std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const Hand& hand,
                              const HandAcceleration& hand_m_s2, const MotionAt& body) {
-  static const client::DeviceProfile profile = client::loadDeviceProfile("omni");
+  static const client::PlantProfile profile = client::loadDeviceProfile("omni");
   client::DynamicForce dynamic(profile);
   client::HipMotion motion(profile.count_mm);
   std::vector<Moment> out;
   feel(stream, variant, hand, {},
-       [&](const client::Scene& scene, const client::Controls& controls,
+       [&](const client::Scene& scene, const client::StreamState& stream,
            const client::Contact& contact, const Tick& tick) {
          client::DeviceState device;
          device.position_mm = kCount_mm * (tick.hand.hip_mm / kCount_mm).array().round().matrix();
@@ -47,11 +47,11 @@ std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const
          if (tick.contact) {
            now.total_N +=
                dynamic.evaluate(contact.object, tick.displacement_mm.norm(), hip.acceleration_m_s2,
-                                scene.play_time, controls, 1.0, &tick.hand.hip_mm);
+                                scene.play_time, stream, 1.0, &tick.hand.hip_mm);
          }
          if (tick.trulyTouches() && body) {
            now.true_total_N +=
-               1e-3 * dynamic.objectMass_kg(controls, 1.0) * body(tick.time_s).acceleration_mm_s2 -
+               1e-3 * dynamic.objectMass_kg(stream, 1.0) * body(tick.time_s).acceleration_mm_s2 -
                client::kCursorMass_kg * hand_m_s2(tick.time_s);
          }
          out.push_back(now);

@@ -12,12 +12,11 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kBall_mm = 15.0;
 const Vec3 kBallAt(1.37, -0.81, 8.0);
 
 TouchScene swingingBall(const Vec3& amplitude_mm, double hz) {
-  const double turn = 2 * kPi * hz;
+  const double turn = 2 * std::numbers::pi * hz;
   ReliefBody body;
   body.name = "ball";
   body.height_mm = [](const Vec2& q, double) {
@@ -43,7 +42,8 @@ Hand swingingHand(const TouchScene& scene, const Vec3& at_mm, const Vec3& amplit
     // From above, so that it is in contact by its own way.
     const double drop_mm = 12.0 * std::max(0.0, 1.0 - t / 0.55);
     HandPoint out;
-    out.hip_mm = at_mm + std::sin(2 * kPi * hz * t) * amplitude_mm + Vec3(0.0, 0.0, drop_mm);
+    out.hip_mm =
+        at_mm + std::sin(2 * std::numbers::pi * hz * t) * amplitude_mm + Vec3(0.0, 0.0, drop_mm);
     const Vec3 from = out.hip_mm - motion(t).position_mm;
     if (from.norm() < kBall_mm) out.truth_mm = (kBall_mm - from.norm()) * from.normalized();
     return out;
@@ -83,7 +83,7 @@ void drawMotion(const MotionFigure& figure, const Options& options, Report& repo
     for (const bool accelerates : {false, true}) {
       const Vec3 amplitude_mm = accelerates ? figure.hand_mm : Vec3(0, 0, 0);
       const Vec3 at_mm = kBallAt + Vec3(0, 0, kBall_mm - figure.below_mm);
-      const double turn = 2 * kPi * figure.hand_hz;
+      const double turn = 2 * std::numbers::pi * figure.hand_hz;
       const std::vector<Moment> moments = forcesOf(
           stream, variant, swingingHand(scene, at_mm, amplitude_mm, figure.hand_hz),
           [=](double t) { return Vec3(-1e-3 * turn * turn * std::sin(turn * t) * amplitude_mm); },

@@ -12,11 +12,10 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRadius_mm = 20.0;
 constexpr double kArrow_s = 0.16;  // each has so long
 constexpr int kArrows = 25;
-constexpr double kSteepest_rad = 75.0 * kPi / 180.0;
+constexpr double kSteepest_rad = 75.0 * std::numbers::pi / 180.0;
 
 double slopeOf(int arrow) { return kSteepest_rad * (2.0 * arrow / (kArrows - 1) - 1.0); }
 
@@ -39,7 +38,7 @@ CurvePanel slicePanel(const Felt& felt, const Vec3& centre_mm, const std::string
                       double& error) {
   Curve profile{"surface", "#404040", {}, 2.0, false, false};
   for (int i = -90; i <= 90; ++i) {
-    const double slope = i * kPi / 180.0;
+    const double slope = i * std::numbers::pi / 180.0;
     profile.points.push_back({kRadius_mm * std::sin(slope), kRadius_mm * std::cos(slope)});
   }
   Curve truth{"truth", "#909090", {}, 3.0, false, true};

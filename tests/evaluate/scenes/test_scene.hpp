@@ -33,7 +33,7 @@ struct Body {
   cv::Vec3f dark{30, 60, 140}, light{130, 215, 250};  ///< BGR of its texture
 };
 
-/// What the sensor makes of the exact picture (segmentation notes, section 2).
+/// What the sensor makes of the exact picture.
 struct Sensor {
   enum class Depth : std::uint8_t {
     kExact,         ///< mm as float
@@ -122,7 +122,7 @@ class TestSource final : public server::RgbdSource {
   std::uint32_t epoch_ = 0;
 };
 
-/// The scenes of the motion notes (section 1) and of the segmentation notes (section 2).
+/// The scenes that motion and segmentation are measured on.
 std::vector<TestScene> motionScenes();
 std::vector<TestScene> segmentationScenes();
 

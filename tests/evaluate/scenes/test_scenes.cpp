@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The scenes themselves: what the motion notes (section 1) and the segmentation notes (section 2)
-// were measured on, with the same names.
+// The scenes themselves, those that the methods of vision were chosen on with the same names.
 #include <Eigen/Geometry>
 #include <cmath>
 

@@ -12,7 +12,7 @@ namespace {
 
 using namespace client;
 
-struct Cell {
+struct ChainCell {
   int told, real;
   double stiffness_N_mm, friction_N, count_mm;
   const NamedHand* hand;
@@ -22,12 +22,12 @@ struct Cell {
   std::uint64_t alarms = 0, insured = 0;  ///< ticks of latency watch and passivity controller
 };
 
-void runAll(std::vector<Cell>& cells, bool quick) {
+void runAll(std::vector<ChainCell>& cells, bool quick) {
   onAllCores(cells.size(), [&](std::size_t i) {
-    Cell& c = cells[i];
-    DeviceProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
+    ChainCell& c = cells[i];
+    PlantProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
     told.count_mm = c.count_mm;
-    DeviceProfile real = told;
+    PlantProfile real = told;
     real.delay_ticks = c.real;
     Rig rig(told, real, c.hand->hand);
     rig.damping_Ns_m = c.damping_Ns_m;
@@ -49,7 +49,7 @@ std::vector<double> stiffnesses(int delay) {
 }
 
 void residuals(const StabilityReport& to) {
-  std::vector<Cell> cells;
+  std::vector<ChainCell> cells;
   for (const int d : {0, 1, 2, 3, 5}) {
     for (const double k : stiffnesses(d)) {
       for (const NamedHand& hand : kHands) {
@@ -67,7 +67,7 @@ void residuals(const StabilityReport& to) {
     for (const NamedHand& hand : kHands) {
       for (const double k : stiffnesses(d)) {
         double counts = 0.0;
-        for (const Cell& c : cells) {
+        for (const ChainCell& c : cells) {
           if (c.told != d || c.hand != &hand || c.stiffness_N_mm != k) continue;
           counts = std::max(counts, c.result.counts(c.count_mm));
         }
@@ -86,7 +86,7 @@ void residuals(const StabilityReport& to) {
   double excess_N = 0.0;
   std::size_t alarmed = 0;
   std::size_t insured = 0;
-  for (const Cell& c : cells) {
+  for (const ChainCell& c : cells) {
     excess_N = std::max(excess_N, c.excess_N);
     alarmed += c.alarms > 0;
     insured += c.insured > 0;
@@ -105,14 +105,14 @@ void softWalls(const StabilityReport& to) {
   double most = 0.0;
   double work_mJ = -1e9;
   double late_mJ = -1e9;
-  std::vector<Cell> cells;
+  std::vector<ChainCell> cells;
   for (const int d : {0, 1, 2, 3}) {
     for (const double k : {0.5, 1.0}) {
       for (const NamedHand& hand : kHands) cells.push_back({d, d, k, 0.0, 0.055, &hand});
     }
   }
   runAll(cells, false);
-  for (const Cell& c : cells) {
+  for (const ChainCell& c : cells) {
     least = std::min(least, c.result.kept);
     most = std::max(most, c.result.kept);
     double& worst_mJ = c.told <= 1 ? work_mJ : late_mJ;
@@ -130,7 +130,7 @@ void softWalls(const StabilityReport& to) {
 
 /// Told one delay, really another; and an author's damping at its bound.
 void wrongDelays(const StabilityReport& to) {
-  std::vector<Cell> cells;
+  std::vector<ChainCell> cells;
   for (const int told : {0, 1, 2}) {
     for (const int off : {-1, 0, 1, 2}) {
       if (told + off < 0) continue;
@@ -141,11 +141,11 @@ void wrongDelays(const StabilityReport& to) {
     }
   }
   runAll(cells, to.options.quick);
-  for (const Cell& c : cells) {
+  for (const ChainCell& c : cells) {
     to.report.add({text("told %d real %d %s", c.told, c.real, c.hand->name), "residual_wrong_delay",
                    text("K %g", c.stiffness_N_mm), c.result.counts(c.count_mm), "counts"});
   }
-  std::vector<Cell> damped;
+  std::vector<ChainCell> damped;
   for (const int d : {0, 1, 2, 3, 5}) {
     for (const double k : stiffnesses(d)) {
       for (const NamedHand& hand : kHands) damped.push_back({d, d, k, 0.0, 0.055, &hand, 1e9});
@@ -153,7 +153,7 @@ void wrongDelays(const StabilityReport& to) {
   }
   runAll(damped, to.options.quick);
   double worst = 0.0;
-  for (const Cell& c : damped) {
+  for (const ChainCell& c : damped) {
     worst = std::max(worst, c.result.counts(c.count_mm));
   }
   to.claims.add("an author's damping of any size (bounded by the chain), all K and d: residual",

@@ -15,8 +15,6 @@ namespace {
 
 using namespace client;
 
-constexpr double kMass_kg = 0.045;
-
 /// m/s² from counted positions in mm, one a tick.
 class Estimator {
  public:
@@ -150,7 +148,7 @@ std::vector<Named> estimators() {
 /// Linear loop as in the notes: bilateral recommended wall, no counts, no clamp; does it shrink?
 bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int delay,
             const Hand& hand) {
-  DeviceProfile profile = omni(stiffness_N_mm, delay);
+  PlantProfile profile = omni(stiffness_N_mm, delay);
   AxisPlant plant(profile, hand);
   HipMotion motion(0.055);
   const auto estimator = what.make();
@@ -167,8 +165,8 @@ bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int del
     state.position_mm = {0.0, 0.0, x_mm};
     state.time = localTime(1.0) + Duration(1'000'000) * i;
     const double v_mm_s = motion.update(state).velocity_mm_s.z();
-    const double force_N =
-        -k * x_mm - damping_Ns_m * 1e-3 * v_mm_s - mass_ratio * kMass_kg * estimator->next(x_mm);
+    const double force_N = -k * x_mm - damping_Ns_m * 1e-3 * v_mm_s -
+                           mass_ratio * kOmniMass_kg * estimator->next(x_mm);
     for (int j = 7; j > 0; --j) sent_N[j] = sent_N[j - 1];
     sent_N[0] = force_N;
     plant.advance(sent_N[delay], 0.0, 0.0);
@@ -198,7 +196,7 @@ double noise_N(const Named& what) {
     const double a = estimator->next(std::round(x_mm / 0.055) * 0.055);
     if (i >= 1000) square += a * a / 9000.0;
   }
-  return kMass_kg * std::sqrt(square);
+  return kOmniMass_kg * std::sqrt(square);
 }
 
 /// rms error of m a in a hand's motion of 2 Hz, 30 mm.
@@ -212,7 +210,7 @@ double error_N(const Named& what) {
     const double truth = -w * w * x_mm * 1e-3;
     if (i >= 1000) square += (a - truth) * (a - truth) / 9000.0;
   }
-  return kMass_kg * std::sqrt(square);
+  return kOmniMass_kg * std::sqrt(square);
 }
 
 }  // namespace

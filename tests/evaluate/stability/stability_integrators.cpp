@@ -15,7 +15,6 @@ namespace {
 
 using namespace client;
 
-constexpr double kMass_kg = 0.045;
 constexpr double kDamping_Ns_m = 0.2;
 
 struct State {
@@ -25,7 +24,7 @@ struct State {
 /// Coulomb friction as everybody smooths it.
 double acceleration(const State& s, double force_N, double friction_N) {
   const double rub_N = friction_N > 0.0 ? friction_N * std::tanh(s.v_m_s / 1e-3) : 0.0;
-  return (force_N - kDamping_Ns_m * s.v_m_s - rub_N) / kMass_kg;
+  return (force_N - kDamping_Ns_m * s.v_m_s - rub_N) / kOmniMass_kg;
 }
 
 State explicitEuler(const State& s, double force_N, double friction_N, double t) {
@@ -58,8 +57,8 @@ using Step = State (*)(const State&, double, double, double);
 class Plant {
  public:
   explicit Plant(Step step, double friction_N) : step_(step), friction_N_(friction_N) {
-    DeviceProfile profile;
-    profile.mass_kg = kMass_kg;
+    client::PlantProfile profile;
+    profile.mass_kg = kOmniMass_kg;
     profile.damping_Ns_m = kDamping_Ns_m;
     profile.friction_N = friction_N;
     exact_ = std::make_unique<AxisPlant>(profile, Hand::none());
@@ -98,8 +97,8 @@ class Truth {
       const double way = s_.v_m_s != 0.0 ? s_.v_m_s : force_N;
       const double rub_N = std::copysign(friction_N_, way);
       // Exact for the held force within the sub-step, without differences of large numbers.
-      const double rate = kDamping_Ns_m / kMass_kg;
-      const double a = (force_N - rub_N - kDamping_Ns_m * s_.v_m_s) / kMass_kg;
+      const double rate = kDamping_Ns_m / kOmniMass_kg;
+      const double a = (force_N - rub_N - kDamping_Ns_m * s_.v_m_s) / kOmniMass_kg;
       const double v = s_.v_m_s - a * std::expm1(-rate * t) / rate;
       if (friction_N_ > 0.0 && s_.v_m_s != 0.0 && v * s_.v_m_s < 0.0) {
         const double part = s_.v_m_s / (s_.v_m_s - v);
@@ -151,7 +150,7 @@ double breakdown_N_m(Step step, double lead_s) {
     for (int i = 0; i < 8000; ++i) {
       const State& s = plant.state();
       plant.advance(-k * (s.x_m + lead_s * s.v_m_s));
-      const double energy = k * s.x_m * s.x_m + kMass_kg * s.v_m_s * s.v_m_s;
+      const double energy = k * s.x_m * s.x_m + kOmniMass_kg * s.v_m_s * s.v_m_s;
       if (!(energy < 1e6)) return false;
       if (i >= 2000 && i < 3000) early += energy;
       if (i >= 7000) late += energy;

@@ -4,7 +4,7 @@
 
 #include "client/device/device_profile.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
-#include "tests/unit/client/life.hpp"
+#include "tests/support/life.hpp"
 
 namespace hapticast::evaluate {
 
@@ -26,7 +26,7 @@ struct Run {
 };
 
 void live(Run& run, int seconds) {
-  DeviceProfile profile = loadDeviceProfile(run.profile);
+  PlantProfile profile = loadDeviceProfile(run.profile);
   profile.stiffness_N_mm = run.stiffness_N_mm;
   Rig rig(profile, profile, run.hand->hand, {.tank = run.variant != "no tank"});
   if (run.variant == "naive") rig.law = bareLaw(0.0, profile.peak_N);

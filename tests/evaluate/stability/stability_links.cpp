@@ -25,7 +25,7 @@ struct Seen {
 /// A light hand rests 2 mm in a wall of K 1; then `event` acts for `ticks`.
 Seen watch(const SafetyLinks& links, double target_mm, int ticks,
            const std::function<void(Rig&, int)>& event) {
-  const DeviceProfile profile = omni(1.0, 1, 0.05);
+  const PlantProfile profile = omni(1.0, 1, 0.05);
   Rig rig(profile, profile, Hand::light(), links);
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   rig.run(300);
@@ -184,7 +184,7 @@ void remedies(const StabilityReport& to) {
   }
   onAllCores(cells.size(), [&](std::size_t i) {
     Cell& c = cells[i];
-    const DeviceProfile profile = batteryProfile(c.stiffness_N_mm, 1);
+    const PlantProfile profile = batteryProfile(c.stiffness_N_mm, 1);
     Rig rig(profile, profile, c.hand->hand);
     c.remedy->put(rig);
     c.result = battery(rig, c.hand->hand, to.options.quick);

@@ -33,7 +33,7 @@ struct Axes {
   }
 };
 
-struct Cell {
+struct MapCell {
   double stiffness_N_mm, damping_Ns_m, count_mm;
   int delay;
   const NamedHand* hand;
@@ -53,8 +53,8 @@ Axes axesOf(bool quick) {
   return axes;
 }
 
-void run(Cell& c) {
-  DeviceProfile profile = batteryProfile(c.stiffness_N_mm, c.delay);
+void run(MapCell& c) {
+  PlantProfile profile = batteryProfile(c.stiffness_N_mm, c.delay);
   profile.damping_Ns_m = kPhysicalDamping_Ns_m;
   DeviceProfile told = profile;  // a filter needs some count; without them a fine one
   told.count_mm = c.count_mm > 0.0 ? c.count_mm : 0.001;
@@ -83,11 +83,11 @@ double logOf(double work_mJ) {
 
 struct Line {
   std::string name;
-  std::function<bool(const Cell&)> shown;
+  std::function<bool(const MapCell&)> shown;
 };
 
 /// Panels: a line for each of `rows`, a column for each delay.
-void draw(const StabilityReport& to, const Axes& axes, const std::vector<Cell>& cells,
+void draw(const StabilityReport& to, const Axes& axes, const std::vector<MapCell>& cells,
           const std::string& name, const std::string& title, bool work,
           const std::vector<Line>& rows) {
   std::ostringstream out;
@@ -105,7 +105,7 @@ void draw(const StabilityReport& to, const Axes& axes, const std::vector<Cell>& 
     for (std::size_t d = 0; d < axes.delays.size(); ++d) {
       const int delay = axes.delays[d];
       out << "$map << EOD\n";
-      for (const Cell& c : cells) {
+      for (const MapCell& c : cells) {
         if (c.delay != delay || !rows[r].shown(c)) continue;
         const double counts = c.residual_mm / 0.055;
         out << std::log10(c.stiffness_N_mm) << ' ' << axes.row(c.damping_Ns_m) << ' '
@@ -145,10 +145,10 @@ void draw(const StabilityReport& to, const Axes& axes, const std::vector<Cell>& 
   gnuplot(to.options.out, name, out.str());
 }
 
-void writeCells(const StabilityReport& to, const std::vector<Cell>& cells) {
+void writeCells(const StabilityReport& to, const std::vector<MapCell>& cells) {
   std::ofstream file(to.options.out / "stability_map.csv");
   file << "hand,delay_ticks,count_mm,stiffness_N_mm,damping_Ns_m,residual_counts,work_mJ\n";
-  for (const Cell& c : cells) {
+  for (const MapCell& c : cells) {
     file << c.hand->name << ',' << c.delay << ',' << c.count_mm << ',' << c.stiffness_N_mm << ','
          << c.damping_Ns_m << ',' << c.residual_mm / 0.055 << ',' << c.work_mJ << '\n';
   }
@@ -158,7 +158,7 @@ void writeCells(const StabilityReport& to, const std::vector<Cell>& cells) {
 
 void stabilityMaps(const StabilityReport& to) {
   const Axes axes = axesOf(to.options.quick);
-  std::vector<Cell> cells;
+  std::vector<MapCell> cells;
   for (const NamedHand& hand : kHands) {
     if (to.options.quick && (hand.name == std::string("light") || hand.name == std::string("firm")))
       continue;
@@ -175,14 +175,14 @@ void stabilityMaps(const StabilityReport& to) {
 
   std::vector<Line> hands;
   for (const NamedHand& hand : kHands) {
-    if (std::none_of(cells.begin(), cells.end(), [&](const Cell& c) { return c.hand == &hand; }))
+    if (std::none_of(cells.begin(), cells.end(), [&](const MapCell& c) { return c.hand == &hand; }))
       continue;
     hands.push_back(
-        {hand.name, [&hand](const Cell& c) { return c.hand == &hand && c.count_mm == 0.055; }});
+        {hand.name, [&hand](const MapCell& c) { return c.hand == &hand && c.count_mm == 0.055; }});
   }
   std::vector<Line> counts;
   for (const double count_mm : axes.counts_mm) {
-    counts.push_back({text("count %g mm", count_mm), [count_mm](const Cell& c) {
+    counts.push_back({text("count %g mm", count_mm), [count_mm](const MapCell& c) {
                         return c.hand == &kHands.back() && c.count_mm == count_mm;
                       }});
   }

@@ -10,7 +10,7 @@
 #include "tests/evaluate/all_cores.hpp"
 #include "tests/evaluate/gnuplot.hpp"
 #include "tests/evaluate/report.hpp"
-#include "tests/unit/client/battery.hpp"
+#include "tests/support/battery.hpp"
 
 namespace hapticast::evaluate {
 
@@ -34,6 +34,9 @@ struct StabilityReport {
   Claims& claims;
   const Options& options;
 };
+
+/// Of the Phantom Omni at its tip, as its data sheet has it.
+inline constexpr double kOmniMass_kg = 0.045;
 
 /// A table in Markdown: the first line is the heading.
 std::string markdown(const std::vector<std::vector<std::string>>& lines);

@@ -23,7 +23,7 @@ struct Plane {
 };
 
 CaseOutcome happens(const Plane& what, bool naive) {
-  DeviceProfile profile = loadDeviceProfile(what.device);
+  PlantProfile profile = loadDeviceProfile(what.device);
   profile.stiffness_N_mm = what.stiffness_N_mm;
   Rig rig(profile, profile, Hand::light());
   if (naive) rig.law = bareLaw(0.0, profile.peak_N);

@@ -157,13 +157,13 @@ std::vector<RoomCase> motions() {
       {"mass 0, an object shaken with 2 m/s2",
        [](RoomScene& s) {
          usual(s, [](PlayObject& object, double t) { shake(object, t); });
-         s.control.author_mass_kg = 0.0;
-         s.control.largest_acceleration_mm_s2 = 2e3;
+         s.stream.author_mass_kg = 0.0;
+         s.stream.largest_acceleration_mm_s2 = 2e3;
        }},
       {"mass 1e6 kg, the same",
        [](RoomScene& s) {
          usual(s, [](PlayObject& object, double t) { shake(object, t); });
-         s.control.author_mass_kg = 1e6;
+         s.stream.author_mass_kg = 1e6;
        }},
       {"material: stiffness, damping, friction denormal, huge, negative",
        [](RoomScene& s) {
@@ -205,15 +205,15 @@ std::vector<RoomCase> streams() {
                        object.motion.velocity_mm_s.z() = 18.0 * std::cos(6.0 * t);
                      });
                      s.at_tick = [jump_s](RoomScene& scene) {
-                       if (scene.t_s == 0.0) scene.control.clock_offset = fromSeconds(jump_s);
+                       if (scene.t_s == 0.0) scene.stream.clock_offset = fromSeconds(jump_s);
                      };
                    }});
   }
   for (const double fps : {1.0, 240.0}) {
     all.push_back({text("%g frames/s of a moving object", fps), [fps](RoomScene& s) {
                      s.fps = fps;
-                     s.control.frame_interval = fromSeconds(1.0 / fps);
-                     s.control.playout_delay_target = fromSeconds(1.2 / fps);
+                     s.stream.frame_interval = fromSeconds(1.0 / fps);
+                     s.stream.playout_delay_target = fromSeconds(1.2 / fps);
                      usual(s, [](PlayObject& object, double t) {
                        object.motion.position_mm.z() += 3.0 * std::sin(2.0 * t);
                        object.motion.velocity_mm_s.z() = 6.0 * std::cos(2.0 * t);
@@ -245,7 +245,7 @@ std::vector<RoomCase> streams() {
                      object.motion.velocity_mm_s.z() = 18.0 * std::cos(6.0 * t);
                    });
                    s.at_tick = [](RoomScene& scene) {
-                     scene.control.paused = scene.t_s >= 0.0 && scene.t_s < 1.0;
+                     scene.user.paused = scene.t_s >= 0.0 && scene.t_s < 1.0;
                    };
                  }});
   all.push_back({"disconnect in contact, reconnect to a scene 3 mm higher", [](RoomScene& s) {
@@ -253,8 +253,8 @@ std::vector<RoomCase> streams() {
                      if (t > 0.5) object.motion.position_mm.z() += 3.0;
                    });
                    s.at_tick = [](RoomScene& scene) {
-                     scene.control.connected = scene.t_s < 0.0 || scene.t_s > 1.0;
-                     if (scene.t_s == 1.0) scene.control.first_epoch = ++scene.epoch;
+                     scene.stream.connected = scene.t_s < 0.0 || scene.t_s > 1.0;
+                     if (scene.t_s == 1.0) scene.stream.first_epoch = ++scene.epoch;
                    };
                  }});
   return all;

@@ -12,7 +12,8 @@
 #include "client/haptics/room.hpp"
 #include "tests/evaluate/stability/stability_cases.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::evaluate {
 
@@ -47,20 +48,17 @@ class RoomScene {
  public:
   static constexpr double kEvent_s = 2.5;
   static constexpr double kEnd_s = 5.0;
-  static constexpr double kBegin_s = 1.0;  // of the stream
+  static constexpr double kFriction_N = 0.05;  // as in the profile of an Omni
+  static constexpr double kBegin_s = 1.0;      // of the stream
 
-  RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_(settings()) {
-    room = std::make_unique<client::Room>(settings_, pool, controls, reports, nullptr);
-    device = std::make_unique<client::VirtualDevice>(settings_.profile, client::Hand::light(),
-                                                     clock, nullptr);
-    control.connected = true;
-    control.first_epoch = epoch;
-    control.playout_delay_target = Duration(60'000'000);
-  }
-  static client::RoomSettings settings() {
-    client::RoomSettings settings;
-    settings.profile.friction_N = 0.05;
-    return settings;
+  RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_() {
+    room =
+        std::make_unique<client::Room>(settings_, pool, stream_door, user_door, reports, nullptr);
+    device = std::make_unique<client::VirtualDevice>(
+        client::PlantProfile{settings_.profile, kFriction_N}, client::Hand::light(), clock);
+    stream.connected = true;
+    stream.first_epoch = epoch;
+    stream.playout_delay_target = Duration(60'000'000);
   }
 
   CaseOutcome run() {
@@ -73,8 +71,9 @@ class RoomScene {
       t_s = tick * 1e-3 - kEvent_s;
       if (at_tick) at_tick(*this);
       clock.advance(Duration(1'000'000));
-      stream();
-      controls.store(control);
+      sendDue();
+      stream_door.store(stream);
+      user_door.store(user);
       device->setTarget(mapping.toDevice(handAt(t_s)));
       step();
       if (tick == static_cast<int>(kEvent_s * 1e3) - 1) begin_mJ = work_mJ_;
@@ -98,12 +97,14 @@ class RoomScene {
 
   RoomReliefs& reliefs;
   client::FramePool pool;
-  LatestValue<client::Controls> controls;
+  LatestValue<client::StreamState> stream_door;
+  LatestValue<client::UserControls> user_door;
   LatestValue<client::TickReport> reports;
   std::unique_ptr<client::Room> room;
   std::unique_ptr<client::VirtualDevice> device;
-  client::ManualClock clock;
-  client::Controls control;
+  ManualClock clock;
+  client::StreamState stream;
+  client::UserControls user;
   std::uint32_t epoch = 1;
   std::uint64_t id = 0;
   double fps = 25.0;
@@ -120,7 +121,7 @@ class RoomScene {
     const double s = std::clamp((t + 1.6) / 0.6, 0.0, 1.0);
     return target_mm(t) + Vec3(0.0, 0.0, (1.0 - s) * 20.0);
   }
-  void stream() {
+  void sendDue() {
     const double now_s = toSeconds(clock.now().time_since_epoch());
     while (next_frame_s_ <= now_s) {
       if (streaming) send(next_frame_s_);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/tick.hpp"
+
 #include "tests/evaluate/stability/stability_parts.hpp"
 
 namespace hapticast::evaluate {
@@ -12,15 +14,13 @@ namespace hapticast::evaluate {
 namespace {
 
 using client::AxisPlant;
-using client::DeviceProfile;
 using client::Hand;
+using client::PlantProfile;
 
-constexpr double kMass_kg = 0.045;
-constexpr double kTick_s = 1e-3;
 constexpr double kSmallPhase = 0.55;
 
-DeviceProfile device(double damping_Ns_m, double friction_N) {
-  DeviceProfile profile;
+PlantProfile device(double damping_Ns_m, double friction_N) {
+  PlantProfile profile;
   profile.damping_Ns_m = damping_Ns_m;
   profile.friction_N = friction_N;
   return profile;
@@ -48,7 +48,7 @@ bool shrinks(double b, double B, double stiffness_N_m, int delay) {
   double last_m = 1e-3;
   double early = 0.0;
   double late = 0.0;
-  const double period_s = 2.0 * std::numbers::pi * std::sqrt(kMass_kg / stiffness_N_m);
+  const double period_s = 2.0 * std::numbers::pi * std::sqrt(kOmniMass_kg / stiffness_N_m);
   const int ticks = std::max(4000, static_cast<int>(40.0 * period_s / kTick_s));
   for (int i = 0; i < ticks; ++i) {
     const double x_m = plant.position_m();
@@ -58,7 +58,7 @@ bool shrinks(double b, double B, double stiffness_N_m, int delay) {
     sent_N[0] = force_N;
     plant.advance(sent_N[delay], 0.0, 0.0);
     const double energy =
-        stiffness_N_m * x_m * x_m + kMass_kg * plant.velocity_m_s() * plant.velocity_m_s();
+        stiffness_N_m * x_m * x_m + kOmniMass_kg * plant.velocity_m_s() * plant.velocity_m_s();
     if (!(energy < 1e6)) return false;
     if (i >= ticks / 4 && i < ticks / 2) early += energy;
     if (i >= ticks * 3 / 4) late += energy;
@@ -96,25 +96,25 @@ double basin_N_m(double b, double friction_N, int delay, double start_mm) {
   double high = 1e6;
   for (int i = 0; i < 80; ++i) {
     const double k = 0.5 * (low + high);
-    const double left = (k * (0.5 + delay) * kTick_s - b) * std::sqrt(k / kMass_kg);
+    const double left = (k * (0.5 + delay) * kTick_s - b) * std::sqrt(k / kOmniMass_kg);
     (left < right ? low : high) = k;
   }
   return low;
 }
 
-struct Cell {
+struct TheoryCell {
   double b, B, friction_N, start_mm;
   int delay;
   double ratio = 0.0;
 };
 
-std::string scene(const Cell& c) {
+std::string scene(const TheoryCell& c) {
   return c.friction_N > 0.0 ? text("b %g fc %g a %g", c.b, c.friction_N, c.start_mm)
                             : text("b %g B %g", c.b, c.B);
 }
 
 void linear(const StabilityReport& to) {
-  std::vector<Cell> cells;
+  std::vector<TheoryCell> cells;
   for (const double B : {0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0}) {
     for (const double b : {0.05, 0.1, 0.2, 0.5, 1.0}) {
       if (B > 0.0 && b != 0.1) continue;
@@ -122,12 +122,12 @@ void linear(const StabilityReport& to) {
     }
   }
   onAllCores(cells.size(), [&](std::size_t i) {
-    Cell& c = cells[i];
+    TheoryCell& c = cells[i];
     const double theory_N_m = (c.b + c.B) / ((0.5 + c.delay) * kTick_s);
     c.ratio = criticalFactor([&](double f) { return shrinks(c.b, c.B, f * theory_N_m, c.delay); });
   });
   double worst = 0.0;
-  for (const Cell& c : cells) {
+  for (const TheoryCell& c : cells) {
     to.report.add({scene(c), "limit_over_theory", text("d %d", c.delay), c.ratio, "ratio"});
     if (c.B == 0.0) worst = std::max(worst, std::abs(c.ratio - 1.0));
   }
@@ -142,7 +142,7 @@ void linear(const StabilityReport& to) {
 }
 
 void basin(const StabilityReport& to) {
-  std::vector<Cell> cells;
+  std::vector<TheoryCell> cells;
   for (const double b : {0.1, 0.2, 0.5}) {
     for (const double friction_N : {0.05, 0.1, 0.26}) {
       for (const double start_mm : {0.1, 0.2, 0.3, 2.0}) {
@@ -151,7 +151,7 @@ void basin(const StabilityReport& to) {
     }
   }
   onAllCores(cells.size(), [&](std::size_t i) {
-    Cell& c = cells[i];
+    TheoryCell& c = cells[i];
     const double theory_N_m = basin_N_m(c.b, c.friction_N, c.delay, c.start_mm);
     c.ratio = criticalFactor([&](double f) {
       return comesToRest(c.b, c.friction_N, f * theory_N_m, c.delay, c.start_mm);
@@ -161,10 +161,10 @@ void basin(const StabilityReport& to) {
   std::size_t within = 0;
   std::size_t lifted = 0;
   std::size_t turned = 0;
-  for (const Cell& c : cells) {
+  for (const TheoryCell& c : cells) {
     const double theory_N_m = basin_N_m(c.b, c.friction_N, c.delay, c.start_mm);
     to.report.add({scene(c), "limit_over_basin", text("d %d", c.delay), c.ratio, "ratio"});
-    const double phase = std::sqrt(theory_N_m / kMass_kg) * (0.5 + c.delay) * kTick_s;
+    const double phase = std::sqrt(theory_N_m / kOmniMass_kg) * (0.5 + c.delay) * kTick_s;
     if (c.start_mm * 1e-3 > 1.0 / theory_N_m) {
       ++lifted;  // the tip leaves the wall in the first swing
       continue;

@@ -10,8 +10,6 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// The tip `depth_mm` below a place of the surface, along its normal (above it where negative).
 HandPoint below(const HeightAt& height_mm, const Vec2& at_mm, double time_s, double depth_mm) {
   const Vec2 slope = gradientOf(height_mm, at_mm, time_s);
@@ -38,10 +36,10 @@ constexpr double kRimDepth_mm = 1.0;
 Hand slidingHand(const TouchScene& scene, double reach_mm) {
   const double side_mm = reach_mm / std::numbers::sqrt2;
   return [=](double t) {
-    const Vec2 path(side_mm * std::sin(2.0 * kPi * 0.21 * t),
-                    side_mm * std::sin(2.0 * kPi * 0.29 * t + 0.4));
+    const Vec2 path(side_mm * std::sin(2.0 * std::numbers::pi * 0.21 * t),
+                    side_mm * std::sin(2.0 * std::numbers::pi * 0.29 * t + 0.4));
     // In the air at kStart_s: nobody appears inside.
-    const double depth_mm = 0.6 - 0.9 * std::cos(2.0 * kPi * 0.37 * (t - kStart_s));
+    const double depth_mm = 0.6 - 0.9 * std::cos(2.0 * std::numbers::pi * 0.37 * (t - kStart_s));
     return below(scene.height_mm, scene.motion(t).position_mm.head<2>() + path, t, depth_mm);
   };
 }

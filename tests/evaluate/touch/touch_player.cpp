@@ -11,6 +11,7 @@
 #include "client/haptics/surface/proxy_surface.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::evaluate {
 
@@ -26,17 +27,14 @@ using client::SurfaceKind;
 constexpr double kInstant_s = 1e-8;
 constexpr double kAllThere_s = -0.08;
 
-class StandingClock final : public Clock {
- public:
-  [[nodiscard]] LocalTime now() const noexcept override { return localTime(0.0); }
-};
-
 // The receiver's side: whole frames into the pool when they are due.
 class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        receiver_(pool_, controls_, {variant.method, 2}),
+        preparer_(pool_, clock_, variant.method,
+                  [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        receiver_(preparer_, state_, 2),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());
   }
@@ -50,27 +48,29 @@ class Viewer {
       auto message = decode(std::span(bytes).subspan(kPrefixBytes));
       if (!message.ok())
         throw std::runtime_error("a frame cannot be read: " + stream_.description.name);
-      receiver_.frame(std::get<HapticFrame>(std::move(message.value())), clock_);
+      receiver_.frame(std::get<HapticFrame>(std::move(message.value())));
+      (void)preparer_.step();
     }
     return next_ > first;
   }
 
   // Within an interval of frames in any order.
   void touch(const Touch& surface, Tick& tick, const Look& look) {
-    const client::Controls& controls = receiver_.controls();
-    const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), controls);
-    const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, controls.workspace);
+    const client::StreamState& stream = receiver_.stream();
+    const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), stream);
+    const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, stream.workspace);
     tick.contact = contact.contact;
     tick.normal = contact.normal;
     if (contact.contact) tick.displacement_mm = contact.displacement_mm;
-    if (look) look(scene, controls, contact, tick);
+    if (look) look(scene, stream, contact, tick);
   }
 
  private:
   const Stream& stream_;
-  StandingClock clock_;
+  const ManualClock clock_{localTime(0.0)};  // stands: a frame is ready when it comes
   client::FramePool pool_;
-  LatestValue<client::Controls> controls_;
+  LatestValue<client::StreamState> state_;
+  client::Preparer preparer_;
   client::Receiver receiver_;
   FrameLookup lookup_;
   std::size_t next_ = 0;

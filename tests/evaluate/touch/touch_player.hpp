@@ -71,7 +71,7 @@ std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
                           const PlayTimes& times = {});
 
 /// One variant. `look`: what else is wanted of each tick; its time counts.
-using Look = std::function<void(const client::Scene&, const client::Controls&,
+using Look = std::function<void(const client::Scene&, const client::StreamState&,
                                 const client::Contact&, const Tick&)>;
 Felt feel(const Stream& stream, const Variant& variant, const Hand& hand,
           const PlayTimes& times = {}, const Look& look = nullptr);

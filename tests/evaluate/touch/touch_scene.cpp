@@ -11,7 +11,6 @@ namespace hapticast::evaluate {
 namespace {
 
 constexpr int kWidth_px = 640, kHeight_px = 480;
-constexpr double kFps = 25.0;
 // One px is one mm wide and nominal z has the scale of x and y. At this distance the nearest and
 // the farthest point of a body are shown in scales that differ by 0.2 %.
 constexpr double kDistance_mm = 60'000.0;
@@ -24,9 +23,9 @@ class ReliefSource final : public server::RgbdSource {
     info_.name = body.name;
     info_.width_px = kWidth_px;
     info_.height_px = kHeight_px;
-    info_.fps = kFps;
+    info_.fps = kSceneFps;
     info_.depth_kind = seen.eight_bit ? server::DepthKind::kHeight : server::DepthKind::kMetric;
-    info_.frame_count = static_cast<std::uint64_t>(std::llround(body.duration_s * kFps));
+    info_.frame_count = static_cast<std::uint64_t>(std::llround(body.duration_s * kSceneFps));
     info_.depth_range = {kDistance_mm - kMmPerNominal * kMappedDepth_mm, kDistance_mm};
     info_.camera = {kDistance_mm, kDistance_mm, 0.5 * kWidth_px, 0.5 * kHeight_px};
     background_ = cv::Mat(kHeight_px, kWidth_px, CV_8UC3);
@@ -42,11 +41,11 @@ class ReliefSource final : public server::RgbdSource {
 
   std::optional<server::RgbdFrame> read() override {
     if (next_ >= *info_.frame_count) return std::nullopt;
-    if (!body_.still || last_.color.empty()) draw(static_cast<double>(next_) / kFps);
+    if (!body_.still || last_.color.empty()) draw(static_cast<double>(next_) / kSceneFps);
     server::RgbdFrame frame = last_;
     frame.index = next_;
     frame.epoch = epoch_;
-    frame.clip_time_s = static_cast<double>(next_) / kFps;
+    frame.clip_time_s = static_cast<double>(next_) / kSceneFps;
     if (!seen_.give_mask) frame.mask = cv::Mat();
     ++next_;
     return frame;

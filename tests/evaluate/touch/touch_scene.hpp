@@ -14,6 +14,9 @@
 
 namespace hapticast::evaluate {
 
+/// Of every scene, as in the thesis.
+inline constexpr double kSceneFps = 25.0;
+
 /// Height (nominal mm) over a point at a time; NaN beside the body.
 using HeightAt = std::function<double(const Vec2& nominal_mm, double time_s)>;
 using MotionAt = std::function<Motion(double time_s)>;

@@ -11,10 +11,8 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMmPerPx = 0.25;
-constexpr double kFps = 25.0;
 constexpr double kLong_s = 40.0;
 
 HeightAt ellipsoid(double a, double b, double c) {
@@ -64,14 +62,15 @@ TouchScene stillEllipsoid() {
 
 TouchScene stillSinusoid() {
   const HeightAt height = [](const Vec2& q, double) {
-    return q.norm() < 25.0 ? 10.0 + std::sin(2.0 * kPi * (q.x() + 0.3 * q.y()) / 16.0 / 1.044)
-                           : kNone;
+    return q.norm() < 25.0
+               ? 10.0 + std::sin(2.0 * std::numbers::pi * (q.x() + 0.3 * q.y()) / 16.0 / 1.044)
+               : kNone;
   };
   return reliefScene(still("sinusoid", height, kHere, 26));
 }
 
 TouchScene movingSphere(double px_per_frame) {
-  const double fastest_mm_s = px_per_frame * kMmPerPx * kFps;
+  const double fastest_mm_s = px_per_frame * kMmPerPx * kSceneFps;
   const double amplitude_mm = std::min(60.0, 1.6 * fastest_mm_s);
   ReliefBody body{"sphere, " + std::to_string(int(px_per_frame)) + " px/frame",
                   ellipsoid(15, 15, 15), 16.0, 12.0,
@@ -90,7 +89,7 @@ TouchScene spinningEllipsoid() {
 }
 
 TouchScene steadySphere(double px_per_frame) {
-  const double speed_mm_s = px_per_frame * kMmPerPx * kFps;
+  const double speed_mm_s = px_per_frame * kMmPerPx * kSceneFps;
   const double duration_s = 110.0 / speed_mm_s;
   ReliefBody body{"steady sphere", ellipsoid(20, 20, 20), 21.0, duration_s, [=](double t) {
                     Motion motion = standing({-55.0 + speed_mm_s * t, -0.81, 2.3})(t);
@@ -108,14 +107,14 @@ HeightAt disc(double radius_mm) {
 
 TouchScene swingingPlate() {
   ReliefBody body{"rising plate", disc(25), 26.0, 6.0,
-                  swinging({1.37, -0.81, 13.3}, {0, 0, 5}, 2.0 * kPi)};
+                  swinging({1.37, -0.81, 13.3}, {0, 0, 5}, 2.0 * std::numbers::pi)};
   return reliefScene(body);
 }
 
 TouchScene breathingDome() {
   const HeightAt height = [](const Vec2& q, double t) {
     const double rest = 1.0 - q.squaredNorm() / 625.0;
-    return rest > 0.0 ? 8.0 + (8.0 + 2.0 * std::sin(2.0 * kPi * t)) * rest : kNone;
+    return rest > 0.0 ? 8.0 + (8.0 + 2.0 * std::sin(2.0 * std::numbers::pi * t)) * rest : kNone;
   };
   return reliefScene({"deforming dome", height, 26.0, 6.0, standing(kHere)});
 }
@@ -123,7 +122,7 @@ TouchScene breathingDome() {
 TouchScene stillPlate() { return reliefScene(still("plate", disc(30), {1.37, -0.81, 14.1}, 31)); }
 
 namespace {
-constexpr double kTurn_rad = 17.0 * kPi / 180.0;
+constexpr double kTurn_rad = 17.0 * std::numbers::pi / 180.0;
 const Vec2 kBoxHalf_mm(22.0, 15.0);
 
 HeightAt box(double slope) {
@@ -138,10 +137,10 @@ HeightAt box(double slope) {
 TouchScene drivenBox() {
   // The right side reaches 2 mm beyond x = 30, at sqrt(20² - 18²) omega.
   constexpr double kAmplitude_mm = 20.0;
-  const double omega = 10.0 * kMmPerPx * kFps / std::sqrt(20.0 * 20.0 - 18.0 * 18.0);
+  const double omega = 10.0 * kMmPerPx * kSceneFps / std::sqrt(20.0 * 20.0 - 18.0 * 18.0);
   ReliefBody body{"driven box", box(0.0), 28.0, 6.0,
                   swinging({30.0 + 2.0 - kAmplitude_mm - kBoxHalf_mm.x(), -0.81, 0.0},
-                           {kAmplitude_mm, 0, 0}, omega, -0.5 * kPi)};
+                           {kAmplitude_mm, 0, 0}, omega, -0.5 * std::numbers::pi)};
   return reliefScene(body);
 }
 
@@ -186,7 +185,7 @@ TouchScene syntheticScene(server::SceneKind kind) {
   out.open = [test](const Seen& seen) {
     Sensor sensor;
     sensor.depth = seen.eight_bit ? Sensor::Depth::kEightBit : Sensor::Depth::kExact;
-    return std::make_unique<TestSource>(test, sensor, kFps, seen.give_mask);
+    return std::make_unique<TestSource>(test, sensor, kSceneFps, seen.give_mask);
   };
   return out;
 }

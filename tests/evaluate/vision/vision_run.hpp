@@ -16,8 +16,8 @@ struct NamedSensor {
   const char* name;
   Sensor sensor;
 };
-/// The sensors of the segmentation notes: rs0 and rs4 (stereo, depth 0 or 4 px beside colour), tof2
-/// (time of flight, 2 px), b8 (8 bits). Colour went through JPEG.
+/// The sensors of the segmentation scenes: rs0 and rs4 (stereo, depth 0 or 4 px beside colour),
+/// tof2 (time of flight, 2 px), b8 (8 bits). Colour went through JPEG.
 std::vector<NamedSensor> sensors();
 
 struct Clip {

@@ -13,18 +13,18 @@
 namespace hapticast::client {
 namespace {
 
-DeviceProfile profileOf(const std::string& text) {
+PlantProfile profileOf(const std::string& text) {
   std::istringstream in(text);
   return readDeviceProfile(in, "a file");
 }
 std::string profileComplaint(const std::string& text) { return complaint(readDeviceProfile, text); }
 
 TEST(DeviceProfileFile, BuiltIn) {
-  const DeviceProfile omni = loadDeviceProfile("omni");
+  const PlantProfile omni = loadDeviceProfile("omni");
   EXPECT_EQ(omni.mass_kg, 0.045);
   EXPECT_EQ(omni.stiffness_N_mm, 0.5);
   EXPECT_EQ(omni.delay_ticks, 1);
-  const DeviceProfile falcon = loadDeviceProfile("falcon");
+  const PlantProfile falcon = loadDeviceProfile("falcon");
   EXPECT_EQ(falcon.name, "falcon");
   EXPECT_EQ(falcon.peak_N, 8.0);
   EXPECT_EQ(falcon.count_mm, 0.038);
@@ -34,7 +34,7 @@ TEST(DeviceProfileFile, BuiltIn) {
 }
 
 TEST(DeviceProfileFile, EveryFieldByItsName) {
-  const DeviceProfile p = profileOf(
+  const PlantProfile p = profileOf(
       "# my own device\nname = bench\r\nmass_kg=0.2\npeak_N = 5\ncontinuous_N = 2\ncount_mm = 0.01 "
       "# fine\n"
       "delay_ticks = 3\n\n  stiffness_N_mm = 1.25\nslew_rise_N_per_tick = "
@@ -69,7 +69,7 @@ TEST(DeviceProfileFile, IsReadFromAFile) {
 }
 
 TEST(DeviceProfileFile, WhatIsNotSaidIsOmni) {
-  const DeviceProfile p = profileOf("friction_N = 0.1");
+  const PlantProfile p = profileOf("friction_N = 0.1");
   EXPECT_EQ(p.friction_N, 0.1);
   EXPECT_EQ(p.mass_kg, 0.045);
 }

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -22,13 +22,13 @@ class DynamicForceTest : public ::testing::Test {
              const Vec3& cursor = Vec3::Zero(), double scale = 1.0,
              const Vec3* contact_mm = nullptr) {
     now.before = &before;
-    return dynamic.evaluate(&now, penetration_mm, cursor, mediaTime(time_s), controls, scale,
+    return dynamic.evaluate(&now, penetration_mm, cursor, mediaTime(time_s), stream, scale,
                             contact_mm);
   }
 
   DeviceProfile profile;
   DynamicForce dynamic{profile};
-  Controls controls;
+  StreamState stream;
   PlayObject before = makeObject(1, nullptr, Vec3::Zero());
   ObjectNow now;
 };
@@ -44,8 +44,8 @@ TEST_F(DynamicForceTest, PushesTheWayTheBallAccelerates) {
 
 TEST_F(DynamicForceTest, IsEq6) {
   now.acceleration_mm_s2 = {1000, -500, 200};
-  controls.author_mass_kg = 0.6;
-  controls.largest_acceleration_mm_s2 = 1500;
+  stream.author_mass_kg = 0.6;
+  stream.largest_acceleration_mm_s2 = 1500;
   const Vec3 cursor(2.0, 3.0, -1.0);
   const Vec3 expected = 0.6 * 0.8e-3 * now.acceleration_mm_s2 - 0.045 * cursor;
   EXPECT_NEAR((force(0.0, kDeep_mm, cursor, 0.8) - expected).norm(), 0.0, 1e-12);
@@ -64,33 +64,31 @@ TEST_F(DynamicForceTest, FadesInWithThePenetration) {
   EXPECT_EQ(force(0.0, 0.0).norm(), 0.0);
 }
 
-TEST_F(DynamicForceTest, ZeroWithoutContactPausedOrNotFinite) {
+TEST_F(DynamicForceTest, ZeroWithoutContactOrNotFinite) {
   now.acceleration_mm_s2 = {0, 0, 1000};
-  EXPECT_EQ(dynamic.evaluate(nullptr, 1.0, Vec3::Ones(), mediaTime(0), controls, 1.0).norm(), 0.0);
+  EXPECT_EQ(dynamic.evaluate(nullptr, 1.0, Vec3::Ones(), mediaTime(0), stream, 1.0).norm(), 0.0);
   EXPECT_EQ(force(0.0, std::numeric_limits<double>::quiet_NaN()).norm(), 0.0);
   EXPECT_EQ(force(0.0, 1.0, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())).norm(), 0.0);
-  controls.paused = true;
-  EXPECT_EQ(force().norm(), 0.0);
 }
 
 TEST_F(DynamicForceTest, MassIsTheAuthorsOrAHandfulWithinTheDevicesShare) {
-  controls.largest_acceleration_mm_s2 = 1000;  // 1 m/s²: 0.88 N would allow 0.88 kg
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.5, 1e-12);
-  controls.author_mass_kg = 2.0;
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.88, 1e-12);
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 0.5), 1.76, 1e-12);
-  controls.author_mass_kg = 0.6;
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.6, 1e-12);
-  controls.author_mass_kg = 0.05;  // never below 10 m_cursor
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.45, 1e-12);
-  controls.largest_acceleration_mm_s2 = 20000;  // unless the device forces it
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.88 / 20, 1e-12);
-  controls = Controls{};
-  EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.5, 1e-12);
+  stream.largest_acceleration_mm_s2 = 1000;  // 1 m/s²: 0.88 N would allow 0.88 kg
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
+  stream.author_mass_kg = 2.0;
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88, 1e-12);
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 0.5), 1.76, 1e-12);
+  stream.author_mass_kg = 0.6;
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.6, 1e-12);
+  stream.author_mass_kg = 0.05;  // never below 10 m_cursor
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.45, 1e-12);
+  stream.largest_acceleration_mm_s2 = 20000;  // unless the device forces it
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88 / 20, 1e-12);
+  stream = StreamState{};
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
   for (const double bad :
        {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1.0}) {
-    controls.largest_acceleration_mm_s2 = controls.author_mass_kg = bad;
-    EXPECT_NEAR(dynamic.objectMass_kg(controls, 1.0), 0.5, 1e-12);
+    stream.largest_acceleration_mm_s2 = stream.author_mass_kg = bad;
+    EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
   }
 }
 
@@ -101,7 +99,7 @@ TEST_F(DynamicForceTest, NoiseOfARealStreamStaysGentle) {
   std::vector<Vec3> noises_mm_s2(250);
   for (Vec3& a : noises_mm_s2) {
     a = {noise(random), noise(random), noise(random)};
-    controls.largest_acceleration_mm_s2 = std::max(controls.largest_acceleration_mm_s2, a.norm());
+    stream.largest_acceleration_mm_s2 = std::max(stream.largest_acceleration_mm_s2, a.norm());
   }
   double square_N2 = 0.0;
   for (const Vec3& a : noises_mm_s2) {
@@ -141,7 +139,7 @@ TEST_F(DynamicForceTest, AddsTheGridAtTheContactCarriedBack) {
   before.grid_rect = {304, 224, 48, 32};
   now.position_mm = {2.0, 0.0, 0.0};  // moved on by 8 px since the frame
   const auto feel = [&](double u, double v) {
-    const Vec2 at = controls.workspace.toNominal({u + 8.0, v});
+    const Vec2 at = stream.workspace.toNominal({u + 8.0, v});
     const Vec3 contact(at.x(), at.y(), 0.0);
     return Vec3(force(0.0, kDeep_mm, Vec3::Zero(), 1.0, &contact) / 0.5e-3);
   };
@@ -225,10 +223,10 @@ TEST_F(DynamicForceTest, AlwaysFiniteAndWithinThePeak) {
     now.angular_velocity_rad_s = draw();
     before.impacts[0] = {mediaTime(i), {draw(), draw(), draw()}};
     before.impact_count = 1;
-    controls.author_mass_kg = draw();
-    controls.largest_acceleration_mm_s2 = draw();
+    stream.author_mass_kg = draw();
+    stream.largest_acceleration_mm_s2 = draw();
     const Vec3 contact(draw(), draw(), draw());
-    const double mass = dynamic.objectMass_kg(controls, draw());
+    const double mass = dynamic.objectMass_kg(stream, draw());
     ASSERT_TRUE(std::isfinite(mass) && mass >= 0.0);
     const Vec3 f = force(i + 0.007, draw(), {draw(), draw(), draw()}, draw(), &contact);
     ASSERT_TRUE(f.allFinite());

@@ -6,7 +6,7 @@
 #include <memory>
 #include <sstream>
 
-#include "client/device/report_csv.hpp"
+#include "client/log.hpp"
 
 namespace hapticast::client {
 namespace {

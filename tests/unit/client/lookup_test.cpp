@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kInterval_s = 0.04;
 
 class LookupTest : public ::testing::Test {
  protected:
-  const Scene& at(double time_s) { return lookup.at(mediaTime(time_s), controls); }
+  const Scene& at(double time_s) { return lookup.at(mediaTime(time_s), stream); }
   void sendAt(std::uint64_t id, const Vec3& position, const Vec3& velocity = Vec3::Zero(),
               const Vec3& acceleration = Vec3::Zero(), std::uint32_t epoch = 1) {
     ASSERT_TRUE(send(*pool, makeFrame(epoch, id, static_cast<double>(id) * kInterval_s,
@@ -26,8 +26,8 @@ class LookupTest : public ::testing::Test {
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   FrameLookup lookup{*pool, Interpolation::kHermite};
-  Controls controls = [] {
-    Controls c;
+  StreamState stream = [] {
+    StreamState c;
     c.connected = true;
     c.first_epoch = 1;
     return c;
@@ -83,7 +83,7 @@ TEST_F(LookupTest, LinearAndHold) {
     FrameLookup other(*pool, kind);
     sendAt(0, Vec3(0, 0, 0), Vec3(500, 0, 0), Vec3(10, 0, 0));
     sendAt(1, Vec3(4, 0, 0), Vec3(500, 0, 0), Vec3(30, 0, 0));
-    const ObjectNow& object = other.at(mediaTime(0.01), controls).objects[0];
+    const ObjectNow& object = other.at(mediaTime(0.01), stream).objects[0];
     const bool hold = kind == Interpolation::kHold;
     EXPECT_NEAR(object.position_mm.x(), hold ? 0.0 : 1.0, 1e-9);
     EXPECT_NEAR(object.velocity_mm_s.x(), hold ? 0.0 : 100.0, 1e-6);
@@ -124,7 +124,7 @@ TEST_F(LookupTest, AnImpactBetweenFramesIsMetExactly) {
     send(*pool, makeFrame(1, 0, 0.0, {a}));
     send(*pool, makeFrame(1, 1, 0.04, {b}));
     for (double t = 0.0005; t < 0.04; t += 0.001) {
-      const ObjectNow& object = other.at(mediaTime(t), controls).objects[0];
+      const ObjectNow& object = other.at(mediaTime(t), stream).objects[0];
       EXPECT_NEAR((object.position_mm - p(t)).norm(), 0.0, 1e-5) << t;
       const Vec3 v = v0 + Vec3(0, g * t, 0) + (t >= hit ? dv : Vec3(Vec3::Zero()));
       EXPECT_NEAR((object.velocity_mm_s - v).norm(), 0.0, 1e-3) << t;
@@ -161,7 +161,7 @@ TEST_F(LookupTest, BeyondTheNewestFrameCarriedThenHeldThenFaded) {
   EXPECT_EQ(at(0.299).kind, Lookup::kHeld);
   EXPECT_EQ(at(0.301).kind, Lookup::kFaded);
   EXPECT_NEAR(at(0.301).objects[0].position_mm.x(), 8.0, 1e-9);
-  controls.frame_interval = std::chrono::milliseconds(16);  // two frames are less than 80 ms
+  stream.frame_interval = std::chrono::milliseconds(16);  // two frames are less than 80 ms
   EXPECT_EQ(at(0.031).kind, Lookup::kExtrapolated);
   EXPECT_EQ(at(0.033).kind, Lookup::kHeld);
 }
@@ -214,8 +214,7 @@ TEST_F(LookupTest, AppearedHoldsForOneLookUp) {
 TEST_F(LookupTest, PausedStandsStill) {
   sendAt(0, Vec3(0, 0, 0), Vec3(100, 0, 0), Vec3(9, 9, 9));
   sendAt(1, Vec3(4, 0, 0), Vec3(100, 0, 0), Vec3(9, 9, 9));
-  controls.paused = true;
-  const ObjectNow& object = at(0.02).objects[0];
+  const ObjectNow& object = lookup.at(mediaTime(0.02), stream, {.paused = true}).objects[0];
   EXPECT_NEAR(object.position_mm.x(), 2.0, 1e-9);
   EXPECT_EQ(object.velocity_mm_s.norm() + object.acceleration_mm_s2.norm(), 0.0);
   EXPECT_EQ(object.blend_rate_1_s, 0.0);
@@ -225,11 +224,26 @@ TEST_F(LookupTest, ANewConnectionVoidsOldFrames) {
   sendAt(0, Vec3::Zero());
   sendAt(1, Vec3::Zero());
   EXPECT_EQ(at(0.02).kind, Lookup::kInterpolated);
-  controls.first_epoch = 2;
+  stream.first_epoch = 2;
   EXPECT_EQ(at(0.021).kind, Lookup::kNone);
   sendAt(2, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), 1);  // still on its way
   EXPECT_EQ(at(0.09).kind, Lookup::kNone);
-  EXPECT_EQ(freeSlots(*pool, lookup, mediaTime(0.09), controls), FramePool::kSlots);
+  EXPECT_EQ(freeSlots(*pool, lookup, mediaTime(0.09), stream), FramePool::kSlots);
+}
+
+TEST_F(LookupTest, RejoiningVoidsEveryFrameThatIsHereAndJumpsAtTheNext) {
+  sendAt(0, Vec3::Zero());
+  sendAt(1, Vec3::Zero());
+  EXPECT_FALSE((at(0.01), at(0.02).jumped));
+  sendAt(2, Vec3::Zero());  // has arrived, but was not looked at
+  lookup.rejoin();
+  EXPECT_EQ(at(0.09).kind, Lookup::kNone);
+  EXPECT_EQ(freeSlots(*pool, lookup, mediaTime(0.09), stream), FramePool::kSlots);
+  sendAt(3, Vec3::Zero());
+  EXPECT_EQ(at(0.119).kind, Lookup::kNone);
+  EXPECT_TRUE(at(0.121).jumped);
+  EXPECT_FALSE(at(0.122).jumped);
+  EXPECT_EQ(lookup.lateFrames(), 0U);
 }
 
 TEST_F(LookupTest, SortsDropsDuplicatesAndCountsLateFrames) {
@@ -272,7 +286,7 @@ TEST_F(LookupTest, HoldsThreeFramesInSteadyPlay) {
     (void)at(static_cast<double>(id) * kInterval_s - 0.03);
   }
   // Two behind, one ahead: the rest is free.
-  EXPECT_EQ(freeSlots(*pool, lookup, mediaTime(199 * kInterval_s - 0.03), controls),
+  EXPECT_EQ(freeSlots(*pool, lookup, mediaTime(199 * kInterval_s - 0.03), stream),
             FramePool::kSlots - 3);
 }
 
@@ -287,8 +301,7 @@ TEST_F(LookupTest, NeverStarvesTheReceiverWhenPlayTimeStalls) {
   EXPECT_EQ(lookup.neighbours(mediaTime(0.05))[3]->id, 3U);
   EXPECT_EQ(at(499 * kInterval_s).objects[0].before->motion.position_mm.x(),
             499.0);  // the newest is there
-  EXPECT_GE(freeSlots(*pool, lookup, mediaTime(499 * kInterval_s), controls),
-            FramePool::kSlots - 2);
+  EXPECT_GE(freeSlots(*pool, lookup, mediaTime(499 * kInterval_s), stream), FramePool::kSlots - 2);
 }
 
 TEST_F(LookupTest, FramesFarInTheFutureAreThinnedEvenly) {
@@ -403,10 +416,10 @@ TEST_F(LookupTest, RandomFramesNeverBreakIt) {
       }
     }
     ASSERT_TRUE(send(*pool, frame));
-    controls.first_epoch = 1 + static_cast<std::uint32_t>(step / 10000);
-    controls.frame_interval = Duration(static_cast<std::int64_t>(random() % 100'000'000) - 1000);
-    const Scene& scene = lookup.at(
-        MediaTime(Duration(static_cast<std::int64_t>(random() % 2'100'000'000))), controls);
+    stream.first_epoch = 1 + static_cast<std::uint32_t>(step / 10000);
+    stream.frame_interval = Duration(static_cast<std::int64_t>(random() % 100'000'000) - 1000);
+    const Scene& scene =
+        lookup.at(MediaTime(Duration(static_cast<std::int64_t>(random() % 2'100'000'000))), stream);
     for (std::size_t i = 0; i < scene.object_count; ++i) {
       const ObjectNow& object = scene.objects[i];
       ASSERT_NE(object.before, nullptr);

@@ -3,103 +3,120 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <memory>
 #include <vector>
 
-#include "tests/unit/client/stage.hpp"
+#include "common/tick.hpp"
+#include "tests/support/scripted_device.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {
 
-/// A virtual device whose waiting moves the virtual clock; stops the loop after a number of ticks.
-class SteppedDevice final : public HapticDevice {
- public:
-  explicit SteppedDevice(Stage& stage) : stage_(stage) {}
-  [[nodiscard]] const DeviceProfile& profile() const noexcept override {
-    return stage_.device.profile();
+/// A stage whose device moves the virtual clock while it waits; stops the loop after some ticks.
+struct Looped {
+  explicit Looped(const HandScript* hand) : stage({}, hand) {
+    device.wait = [this](LocalTime deadline) {
+      const Duration rest = deadline - stage.clock.now();
+      stage.clock.advance(std::clamp(rest, Duration{0}, reply));
+      const int tick = static_cast<int>(device.deadlines.size());
+      if (tick == stall_at) stage.clock.advance(stall);
+      if (tick == stop_at) stop = true;
+      woken.push_back(stage.clock.now());
+      stage.receive();
+    };
+    device.answer = [this](const Vec3& force_N) { return stage.device.exchange(force_N); };
   }
-  void waitForTick(LocalTime deadline) noexcept override {
-    deadlines.push_back(deadline);
-    if (deadline > stage_.clock.now()) stage_.clock.advance(deadline - stage_.clock.now());
-    const int tick = static_cast<int>(deadlines.size());
-    if (tick == stall_at) stage_.clock.advance(stall);
-    if (tick == stop_at) stop = true;
-    stage_.receive();
-  }
-  DeviceState exchange(const Vec3& force_N) noexcept override {
-    forces.push_back(force_N);
-    return stage_.device.exchange(force_N);
-  }
-  void observe(const TickReport& report) noexcept override { stage_.device.observe(report); }
+  void run() { runLoop(device, *stage.room, stage.clock, stop, *stats); }
 
-  std::vector<LocalTime> deadlines;
-  std::vector<Vec3> forces;
+  Stage stage;
+  ScriptedDevice device;
+  std::unique_ptr<LoopStats> stats = std::make_unique<LoopStats>();
+  LocalTime base = stage.clock.now();
+  std::vector<LocalTime> woken;
   std::atomic<bool> stop{false};
   int stop_at = 3000;
   int stall_at = -1;
   Duration stall{0};
-
- private:
-  Stage& stage_;
+  Duration reply = Duration::max();  ///< comes this long after the last wake-up
 };
 
+const HandScript kFollower{HandKind::kFollow, HandStiffness{}};
+
 TEST(Loop, KeepsAMillisecondGridAndCounts) {
-  HandScript hand{HandKind::kFollow, HandStiffness{}};
-  Stage stage({}, &hand);
-  SteppedDevice device(stage);
-  auto stats = std::make_unique<LoopStats>();
-  const LocalTime base = stage.clock.now();
-  runLoop(device, *stage.room, stage.clock, device.stop, *stats);
-  for (std::size_t i = 0; i < device.deadlines.size(); ++i) {
-    ASSERT_EQ(device.deadlines[i] - base, static_cast<int>(i + 1) * kTickPeriod);
+  Looped loop(&kFollower);
+  loop.run();
+  const LoopStats& stats = *loop.stats;
+  for (std::size_t i = 0; i < loop.device.deadlines.size(); ++i) {
+    ASSERT_EQ(loop.device.deadlines[i] - loop.base, static_cast<int>(i + 1) * kTickPeriod);
   }
-  EXPECT_EQ(stats->late_ticks, 0u);
-  EXPECT_EQ(stats->ticks, device.deadlines.size());
-  EXPECT_EQ(stats->tick_ns.count(), stats->ticks);
-  EXPECT_EQ(stats->exchange_ns.count(), stats->ticks);
-  EXPECT_GT(stats->contact_ticks, 1000u);
-  EXPECT_GT(stats->max_force_N, 0.3);
-  EXPECT_EQ(stats->step_excess_max_N, 0.0);
-  EXPECT_GT(stats->lookup[static_cast<std::size_t>(Lookup::kInterpolated)], 2000u);
+  EXPECT_EQ(stats.late_ticks, 0u);
+  EXPECT_EQ(stats.ticks, loop.device.deadlines.size());
+  EXPECT_EQ(stats.tick_ns.count(), stats.ticks);
+  EXPECT_EQ(stats.exchange_ns.count(), stats.ticks);
+  EXPECT_GT(stats.contact_ticks, 1000u);
+  EXPECT_GT(stats.max_force_N, 0.3);
+  EXPECT_EQ(stats.step_excess_max_N, 0.0);
+  EXPECT_GT(stats.lookup[static_cast<std::size_t>(Lookup::kInterpolated)], 2000u);
 }
 
 TEST(Loop, StopLeavesTheDeviceAtZeroWithoutAStep) {
-  HandScript hand{HandKind::kFollow, HandStiffness{}};
-  Stage stage({}, &hand);
-  SteppedDevice device(stage);
-  auto stats = std::make_unique<LoopStats>();
-  runLoop(device, *stage.room, stage.clock, device.stop, *stats);
-  ASSERT_GT(device.forces[2990].norm(), 0.3) << "it was in contact when it was stopped";
-  EXPECT_EQ(device.forces.back(), Vec3(Vec3::Zero()));
-  EXPECT_LT(device.forces.size(), 3050u);
-  for (std::size_t i = 3001; i < device.forces.size(); ++i) {
-    EXPECT_LE((device.forces[i] - device.forces[i - 1]).norm(), 0.1 + 1e-9);
+  Looped loop(&kFollower);
+  loop.run();
+  const std::vector<Vec3>& forces_N = loop.device.forces_N;
+  ASSERT_GT(forces_N[2990].norm(), 0.3) << "it was in contact when it was stopped";
+  EXPECT_EQ(forces_N.back(), Vec3(Vec3::Zero()));
+  EXPECT_LT(forces_N.size(), 3050u);
+  for (std::size_t i = 3001; i < forces_N.size(); ++i) {
+    EXPECT_LE((forces_N[i] - forces_N[i - 1]).norm(), 0.1 + 1e-9);
   }
-  EXPECT_EQ(stats->step_excess_max_N, 0.0);
+  EXPECT_EQ(loop.stats->step_excess_max_N, 0.0);
 }
 
 TEST(Loop, StopsAtOnceWhenNoForceActs) {
-  Stage stage({}, nullptr);
-  SteppedDevice device(stage);
-  device.stop = true;
-  auto stats = std::make_unique<LoopStats>();
-  runLoop(device, *stage.room, stage.clock, device.stop, *stats);
-  EXPECT_EQ(stats->ticks, 1u);
+  Looped loop(nullptr);
+  loop.stop = true;
+  loop.run();
+  EXPECT_EQ(loop.stats->ticks, 1u);
 }
 
 TEST(Loop, AStallIsOneLateTickNotABurst) {
-  HandScript hand{HandKind::kFollow, HandStiffness{}};
-  Stage stage({}, &hand);
-  SteppedDevice device(stage);
-  device.stall_at = 2000;
-  device.stall = Duration(57'300'000);
-  auto stats = std::make_unique<LoopStats>();
-  const LocalTime base = stage.clock.now();
-  runLoop(device, *stage.room, stage.clock, device.stop, *stats);
-  EXPECT_EQ(stats->late_ticks, 1u);
+  Looped loop(&kFollower);
+  loop.stall_at = 2000;
+  loop.stall = Duration(57'300'000);
+  loop.run();
+  EXPECT_EQ(loop.stats->late_ticks, 1u);
   // The tick after the stall waits for the next point of the same grid.
-  EXPECT_EQ(device.deadlines[2000] - base, 2058 * kTickPeriod);
-  EXPECT_EQ(device.deadlines[2001] - base, 2059 * kTickPeriod);
-  EXPECT_EQ(stats->step_excess_max_N, 0.0);
+  EXPECT_EQ(loop.device.deadlines[2000] - loop.base, 2058 * kTickPeriod);
+  EXPECT_EQ(loop.device.deadlines[2001] - loop.base, 2059 * kTickPeriod);
+  EXPECT_EQ(loop.stats->step_excess_max_N, 0.0);
+}
+
+TEST(Loop, ADeviceThatRepliesEarlyKeepsItsWatchdog) {
+  Looped loop(nullptr);
+  loop.reply = Duration(950'000);
+  loop.stop_at = 60'000;
+  loop.run();
+  ASSERT_EQ(loop.woken.size(), loop.device.deadlines.size());
+  for (std::size_t i = 1; i < loop.woken.size(); ++i) {
+    ASSERT_EQ(loop.woken[i] - loop.woken[i - 1], loop.reply) << "it is the reply that wakes";
+    ASSERT_EQ(loop.device.deadlines[i] - loop.woken[i - 1], kTickPeriod);
+  }
+  EXPECT_EQ(loop.stats->late_ticks, 0u);
+}
+
+TEST(Loop, AReplyThatStaysOutIsEndedByTheDeadlineOfThisVeryTick) {
+  Looped loop(nullptr);
+  loop.reply = Duration(950'000);
+  loop.device.wait = [&, wait = loop.device.wait](LocalTime deadline) {
+    loop.reply = loop.device.deadlines.size() == 2000 ? Duration::max() : Duration(950'000);
+    wait(deadline);
+  };
+  loop.run();
+  EXPECT_EQ(loop.woken[1999] - loop.woken[1998], kTickPeriod);
+  EXPECT_EQ(loop.woken[2000] - loop.woken[1999], loop.reply);
 }
 
 }  // namespace

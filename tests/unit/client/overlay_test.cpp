@@ -32,46 +32,45 @@ cv::Rect differing(const cv::Mat& a, const cv::Mat& b) {
 TEST(Overlay, ConeStandsAtTheHipAndTheArrowGrowsWithTheForce) {
   const Workspace workspace;
   const cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(90, 90, 90));
-  const Overlay overlay;
-  const cv::Mat none = overlay.draw(picture, pressing(0, 0.0), workspace);
+  const auto drawn = [&](double force_N) {
+    return drawOverlay(picture, pressing(0, force_N), workspace, ForceHistory());
+  };
+  const cv::Mat none = drawn(0.0);
   EXPECT_EQ(none.cols, 960);
   // (40, 20) mm is (480, 160) px of 640 x 480; the video begins below the head.
   const cv::Vec3b tip = none.at<cv::Vec3b>(kHead_px + 240, 720);
   EXPECT_EQ(tip, cv::Vec3b(255, 255, 255));
 
   const cv::Rect below_text(0, 26, 960, kHead_px + 720 - 26);
-  const cv::Rect one =
-      differing(none(below_text), overlay.draw(picture, pressing(0, 1.0), workspace)(below_text));
-  const cv::Rect two =
-      differing(none(below_text), overlay.draw(picture, pressing(0, 2.0), workspace)(below_text));
+  const cv::Rect one = differing(none(below_text), drawn(1.0)(below_text));
+  const cv::Rect two = differing(none(below_text), drawn(2.0)(below_text));
   EXPECT_GT(two.area(), one.area());
   EXPECT_GT(one.area(), 0);
 }
 
 TEST(Overlay, PlotKeepsPeaksBetweenItsPoints) {
   const Workspace workspace;
-  Overlay flat, peak;
+  ForceHistory flat, peak;
   for (int tick = 0; tick < 1000; ++tick) {
     flat.add(pressing(tick, 0.0));
     peak.add(pressing(tick, tick == 503 ? 2.0 : 0.0));  // one tick only
   }
-  const cv::Mat a = flat.draw({}, pressing(999, 0.0), workspace);
-  const cv::Mat b = peak.draw({}, pressing(999, 0.0), workspace);
+  const cv::Mat a = drawOverlay({}, pressing(999, 0.0), workspace, flat);
+  const cv::Mat b = drawOverlay({}, pressing(999, 0.0), workspace, peak);
   EXPECT_GT(differing(a, b).height, 100);
 }
 
 TEST(Overlay, AHipBesideThePictureIsShownAtItsEdge) {
   TickReport report = pressing(0, 0.0);
   report.hip_mm = {0.0, 63.0, 10.0};  // 3 mm above the upper edge
-  const cv::Mat drawn = Overlay().draw({}, report, Workspace{});
+  const cv::Mat drawn = drawOverlay({}, report, Workspace{}, ForceHistory());
   EXPECT_EQ(drawn.at<cv::Vec3b>(kHead_px, 480), cv::Vec3b(255, 255, 255));
 }
 
 TEST(Overlay, SurvivesOddReports) {
-  const Overlay overlay;
   TickReport report = pressing(0, 0.0);
   report.hip_mm = {1e9, -1e9, 0.0};
-  EXPECT_FALSE(overlay.draw({}, report, Workspace{}).empty());  // nothing added, HIP far outside
+  EXPECT_FALSE(drawOverlay({}, report, Workspace{}, ForceHistory()).empty());  // HIP far outside
 }
 
 }  // namespace

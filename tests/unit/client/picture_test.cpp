@@ -82,6 +82,20 @@ TEST(ClientPicture, ThatIsCutOffIsRefused) {
   }
 }
 
+TEST(ClientPicture, ProgressiveOnesAreDecoded) {
+  Bytes bytes;
+  cv::imencode(".jpg", ramp(), bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  EXPECT_EQ(decodeJpeg(bytes, kSize).size(), kSize);
+}
+
+TEST(ClientPicture, ThatIsDamagedInsideIsRefused) {
+  Bytes jpeg = encoded(ramp(), ".jpg");
+  // The middle of the picture's data is gone; header and end are whole.
+  const auto middle = jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() * 3 / 4);
+  jpeg.erase(middle, middle + static_cast<std::ptrdiff_t>(jpeg.size() / 8));
+  EXPECT_TRUE(decodeJpeg(jpeg, kSize).empty());
+}
+
 TEST(ClientPicture, ThatIsNoJpegIsRefused) {
   EXPECT_TRUE(decodeJpeg(encoded(ramp(), ".png"), kSize).empty());
   EXPECT_TRUE(decodeJpeg(Bytes(1000, 0xFF), kSize).empty());

@@ -15,14 +15,14 @@ using std::chrono::milliseconds;
 LocalTime localMs(int ms) { return LocalTime(milliseconds(ms)); }
 MediaTime mediaMs(int ms) { return MediaTime(milliseconds(ms)); }
 
-Controls connected() {
-  Controls controls;
-  controls.connected = true;
-  controls.first_epoch = 1;
-  controls.clock_offset = std::chrono::seconds(100);
-  controls.pipeline_latency = milliseconds(120);
-  controls.playout_delay_target = milliseconds(50);
-  return controls;
+StreamState connected() {
+  StreamState stream;
+  stream.connected = true;
+  stream.first_epoch = 1;
+  stream.clock_offset = std::chrono::seconds(100);
+  stream.pipeline_latency = milliseconds(120);
+  stream.playout_delay_target = milliseconds(50);
+  return stream;
 }
 
 TEST(Playout, IsMediaClockMinusLatencyMinusDelay) {
@@ -35,60 +35,72 @@ TEST(Playout, IsMediaClockMinusLatencyMinusDelay) {
 
 TEST(Playout, FollowsTheTargetAtTwoPercentInContactAndAtOnceWithout) {
   Playout playout;
-  Controls controls = connected();
-  (void)playout.advance(localMs(1000), controls, false);
-  controls.playout_delay_target = milliseconds(60);
-  for (int tick = 1; tick <= 250; ++tick)
-    (void)playout.advance(localMs(1000 + tick), controls, true);
+  StreamState stream = connected();
+  (void)playout.advance(localMs(1000), stream, false);
+  stream.playout_delay_target = milliseconds(60);
+  for (int tick = 1; tick <= 250; ++tick) (void)playout.advance(localMs(1000 + tick), stream, true);
   EXPECT_NEAR(toSeconds(playout.delay()), 0.055, 1e-6);
-  controls.playout_delay_target = milliseconds(40);
-  const MediaTime play = playout.advance(localMs(1251), controls, false);
+  stream.playout_delay_target = milliseconds(40);
+  const MediaTime play = playout.advance(localMs(1251), stream, false);
   EXPECT_EQ(playout.delay(), milliseconds(40));
   EXPECT_EQ(play, mediaMs(101251) - milliseconds(160));
 }
 
 TEST(Playout, ALongerDelayWithoutContactStandsStillInsteadOfRunningBack) {
   Playout playout;
-  Controls controls = connected();
-  const MediaTime before = playout.advance(localMs(1000), controls, false);
-  controls.playout_delay_target = milliseconds(150);
-  EXPECT_EQ(playout.advance(localMs(1001), controls, false), before);
-  EXPECT_EQ(playout.advance(localMs(1090), controls, false), before);
+  StreamState stream = connected();
+  const MediaTime before = playout.advance(localMs(1000), stream, false);
+  stream.playout_delay_target = milliseconds(150);
+  EXPECT_EQ(playout.advance(localMs(1001), stream, false), before);
+  EXPECT_EQ(playout.advance(localMs(1090), stream, false), before);
   // Touching in the middle of it: on from here, at 98 % of the pace.
-  const MediaTime touched = playout.advance(localMs(1091), controls, true);
+  const MediaTime touched = playout.advance(localMs(1091), stream, true);
   EXPECT_NEAR(toSeconds(touched - before), 0.98e-3, 1e-6);
-  EXPECT_EQ(playout.advance(localMs(1200), controls, false), mediaMs(101200) - milliseconds(270));
+  EXPECT_EQ(playout.advance(localMs(1200), stream, false), mediaMs(101200) - milliseconds(270));
   EXPECT_EQ(playout.delay(), milliseconds(150));
 }
 
 TEST(Playout, ANewConnectionStartsOver) {
   Playout playout;
-  Controls controls = connected();
-  (void)playout.advance(localMs(1000), controls, true);
-  controls.first_epoch = 2;
-  controls.clock_offset = std::chrono::seconds(-5);  // a restarted server
-  EXPECT_EQ(playout.advance(localMs(7000), controls, true), mediaMs(2000) - milliseconds(170));
+  StreamState stream = connected();
+  (void)playout.advance(localMs(1000), stream, true);
+  stream.first_epoch = 2;
+  stream.clock_offset = std::chrono::seconds(-5);  // a restarted server
+  EXPECT_EQ(playout.advance(localMs(7000), stream, true), mediaMs(2000) - milliseconds(170));
 }
 
 TEST(Playout, PausedStandsStillAndGoesOnSmoothly) {
   Playout playout;
-  Controls controls = connected();
-  const MediaTime before = playout.advance(localMs(1000), controls, true);
-  controls.paused = true;
+  StreamState stream = connected();
+  const MediaTime before = playout.advance(localMs(1000), stream, true);
   for (int tick = 1; tick < 500; ++tick) {
-    EXPECT_EQ(playout.advance(localMs(1000 + tick), controls, true), before);
+    EXPECT_EQ(playout.advance(localMs(1000 + tick), stream, true, {.paused = true}), before);
   }
-  controls.paused = false;
-  EXPECT_NEAR(toSeconds(playout.advance(localMs(1500), controls, true) - before), 1.02e-3, 1e-6);
+  EXPECT_NEAR(toSeconds(playout.advance(localMs(1500), stream, true) - before), 1.02e-3, 1e-6);
+}
+
+TEST(Playout, RejoiningStartsOverAsSoonAsThereIsAConnection) {
+  Playout playout;
+  StreamState stream = connected();
+  const MediaTime before = playout.advance(localMs(1000), stream, true);
+  for (int tick = 1; tick < 500; ++tick) {
+    (void)playout.advance(localMs(1000 + tick), stream, true, {.paused = true});
+  }
+  playout.rejoin();
+  stream.connected = false;
+  EXPECT_LT(playout.advance(localMs(1500), stream, true) - before, milliseconds(2));
+  stream.connected = true;
+  EXPECT_EQ(playout.advance(localMs(1501), stream, true), mediaMs(101501) - milliseconds(170));
+  EXPECT_EQ(playout.advance(localMs(1502), stream, true), mediaMs(101502) - milliseconds(170));
 }
 
 TEST(Playout, WithoutAConnectionItRunsOn) {
   Playout playout;
-  Controls controls = connected();
-  const MediaTime before = playout.advance(localMs(1000), controls, false);
-  controls.connected = false;
-  controls.clock_offset = Duration{0};
-  EXPECT_EQ(playout.advance(localMs(1100), controls, false) - before, milliseconds(100));
+  StreamState stream = connected();
+  const MediaTime before = playout.advance(localMs(1000), stream, false);
+  stream.connected = false;
+  stream.clock_offset = Duration{0};
+  EXPECT_EQ(playout.advance(localMs(1100), stream, false) - before, milliseconds(100));
 }
 
 TEST(Playout, AClockThatStandsOrRunsBackIsHarmless) {
@@ -103,14 +115,13 @@ TEST(Playout, PaceStaysWithinTwoPercentUnderRandomTargetsInContact) {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> wander(-3'000'000, 3'000'000);
   Playout playout;
-  Controls controls = connected();
-  MediaTime last = playout.advance(localMs(1000), controls, false);
+  StreamState stream = connected();
+  MediaTime last = playout.advance(localMs(1000), stream, false);
   for (int tick = 1; tick <= 20000; ++tick) {
-    if (tick % 37 == 0)
-      controls.clock_offset = std::chrono::seconds(100) + Duration(wander(random));
+    if (tick % 37 == 0) stream.clock_offset = std::chrono::seconds(100) + Duration(wander(random));
     if (tick % 101 == 0)
-      controls.playout_delay_target = milliseconds(50) + Duration(10 * wander(random));
-    const MediaTime play = playout.advance(localMs(1000 + tick), controls, true);
+      stream.playout_delay_target = milliseconds(50) + Duration(10 * wander(random));
+    const MediaTime play = playout.advance(localMs(1000 + tick), stream, true);
     ASSERT_GE(toSeconds(play - last), 0.98e-3 - 1e-8);
     ASSERT_LE(toSeconds(play - last), 1.02e-3 + 1e-8);
     last = play;
@@ -120,16 +131,16 @@ TEST(Playout, PaceStaysWithinTwoPercentUnderRandomTargetsInContact) {
 TEST(Playout, StartsOverWhenTheClockBecomesKnown) {
   // A connection is announced (new epoch, offset still 0) before its clock is known.
   Playout playout;
-  Controls controls = connected();
-  const Duration offset = controls.clock_offset;
-  controls.connected = false;
-  controls.clock_offset = Duration{0};
-  playout.advance(localMs(1000), controls, false);
-  controls = connected();
-  controls.clock_offset = offset - std::chrono::hours(1);  // far behind the local clock
+  StreamState stream = connected();
+  const Duration offset = stream.clock_offset;
+  stream.connected = false;
+  stream.clock_offset = Duration{0};
+  playout.advance(localMs(1000), stream, false);
+  stream = connected();
+  stream.clock_offset = offset - std::chrono::hours(1);  // far behind the local clock
   Playout fresh;
-  EXPECT_EQ(playout.advance(localMs(1001), controls, false),
-            fresh.advance(localMs(1001), controls, false));
+  EXPECT_EQ(playout.advance(localMs(1001), stream, false),
+            fresh.advance(localMs(1001), stream, false));
 }
 
 TEST(Playout, IsMonotoneWhateverIsAskedWithinAConnection) {
@@ -143,17 +154,17 @@ TEST(Playout, IsMonotoneWhateverIsAskedWithinAConnection) {
   };
   for (int run = 0; run < 100; ++run) {
     Playout playout;
-    Controls controls;
-    controls.first_epoch = 1;
-    controls.connected = true;
-    MediaTime last = playout.advance(LocalTime(any()), controls, false);
+    StreamState stream;
+    stream.first_epoch = 1;
+    stream.connected = true;
+    MediaTime last = playout.advance(LocalTime(any()), stream, false);
     for (int tick = 0; tick < 200; ++tick) {
-      controls.connected = random() % 4 != 0;
-      controls.paused = random() % 8 == 0;
-      controls.clock_offset = any();
-      controls.pipeline_latency = any();
-      controls.playout_delay_target = any();
-      const MediaTime play = playout.advance(LocalTime(any()), controls, random() % 2 == 0);
+      stream.connected = random() % 4 != 0;
+      const UserControls user{.paused = random() % 8 == 0};
+      stream.clock_offset = any();
+      stream.pipeline_latency = any();
+      stream.playout_delay_target = any();
+      const MediaTime play = playout.advance(LocalTime(any()), stream, random() % 2 == 0, user);
       ASSERT_GE(play, last);
       last = play;
     }

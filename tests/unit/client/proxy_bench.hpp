@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "client/haptics/surface/proxy_surface.hpp"
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 
@@ -138,7 +138,7 @@ class Film {
 
   explicit Film(Frame frame, Interpolation interpolation = Interpolation::kHermite)
       : frame_(std::move(frame)), lookup_(*pool_, interpolation) {
-    controls_.first_epoch = 1;
+    stream_.first_epoch = 1;
   }
   /// The scene one millisecond later; the first call is at time 0.
   const Scene& next() {
@@ -153,7 +153,7 @@ class Film {
       EXPECT_TRUE(send(*pool_, frame));
       ++sent_;
     }
-    return lookup_.at(mediaTime(1e-3 * ++tick_), controls_);
+    return lookup_.at(mediaTime(1e-3 * ++tick_), stream_);
   }
   [[nodiscard]] double t_s() const { return 1e-3 * tick_; }
   Contact touch(const Vec3& hip_mm) {
@@ -169,7 +169,7 @@ class Film {
   Frame frame_;
   std::unique_ptr<FramePool> pool_ = std::make_unique<FramePool>();
   FrameLookup lookup_;
-  Controls controls_;
+  StreamState stream_;
   int sent_ = 0;
   int tick_ = -1;
 };

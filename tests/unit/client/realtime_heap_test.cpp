@@ -10,7 +10,7 @@
 #include <functional>
 #include <memory>
 
-#include "tests/unit/client/stage.hpp"
+#include "tests/support/stage.hpp"
 
 namespace {
 thread_local bool heap_forbidden = false;
@@ -77,9 +77,9 @@ void live(const RoomSettings& settings) {
   for (int i = 0; i < 6000; ++i) {
     if (i == 3000 || i == 3500) stage.newEpoch();
     if (i == 4000 || i == 4200) {
-      stage.state.paused = !stage.state.paused;
+      stage.pause(!stage.wishes.paused);
       stage.state.workspace.width_mm = 180.0;
-      stage.controls.store(stage.state);
+      stage.stream.store(stage.state);
     }
     if (i == 5000) stage.streaming = false;
     stage.lost = i == 5900;

@@ -21,11 +21,6 @@ std::shared_ptr<Relief> relief(PixelRect rect, float height_mm = 5.0F) {
   return relief;
 }
 
-struct SetClock final : Clock {
-  [[nodiscard]] LocalTime now() const noexcept override { return time; }
-  LocalTime time;
-};
-
 class ReceiverTest : public ::testing::Test {
  protected:
   ReceiverTest() {
@@ -51,9 +46,10 @@ class ReceiverTest : public ::testing::Test {
   }
   /// Arrives `lateness_s` after it was complete.
   void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
-    clock.time = LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
-                           fromSeconds(kLatency_s + lateness_s));
-    receiver.frame(frame, clock);
+    clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
+                        fromSeconds(kLatency_s + lateness_s)));
+    receiver.frame(frame);
+    (void)preparer.step();
   }
   /// What the loop gets next; null when nothing came.
   const PlayFrame* take() {
@@ -68,9 +64,11 @@ class ReceiverTest : public ::testing::Test {
   }
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
-  LatestValue<Controls> controls;
-  SetClock clock;
-  Receiver receiver{*pool, controls, {}};
+  LatestValue<StreamState> stream;
+  ManualClock clock;
+  Preparer preparer{*pool, clock, Method::kHapticast,
+                    [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+  Receiver receiver{preparer, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;
 };
@@ -79,11 +77,11 @@ TEST_F(ReceiverTest, IsConnectedOnceStreamAndClockAreKnown) {
   description.mass_kg = 0.5;
   description.largest_acceleration_mm_s2 = 100.0;
   description.fps = 50.0;
-  EXPECT_FALSE(controls.load().connected);
+  EXPECT_FALSE(stream.load().connected);
   receiver.connected(description, localTime(1));
-  EXPECT_FALSE(controls.load().connected);
+  EXPECT_FALSE(stream.load().connected);
   syncClock(1.1);
-  const Controls now = controls.load();
+  const StreamState now = stream.load();
   EXPECT_TRUE(now.connected);
   EXPECT_EQ(now.clock_offset, fromSeconds(kOffset_s));
   EXPECT_EQ(now.pipeline_latency, fromSeconds(kLatency_s));
@@ -92,7 +90,7 @@ TEST_F(ReceiverTest, IsConnectedOnceStreamAndClockAreKnown) {
   EXPECT_EQ(now.author_mass_kg, 0.5);
   EXPECT_EQ(now.largest_acceleration_mm_s2, 100.0);
   receiver.disconnected(localTime(2));
-  EXPECT_FALSE(controls.load().connected);
+  EXPECT_FALSE(stream.load().connected);
 }
 
 TEST_F(ReceiverTest, HandsFramesToTheLoop) {
@@ -107,7 +105,7 @@ TEST_F(ReceiverTest, HandsFramesToTheLoop) {
   ASSERT_NE(got, nullptr);
   EXPECT_EQ(got->id, 1U);
   EXPECT_EQ(got->media_time, sent.media_time);
-  EXPECT_EQ(got->epoch, controls.load().first_epoch);
+  EXPECT_EQ(got->epoch, stream.load().first_epoch);
   ASSERT_EQ(got->object_count, 1U);
   const PlayObject& object = got->objects[0];
   EXPECT_EQ(object.id, 7U);
@@ -219,20 +217,14 @@ TEST_F(ReceiverTest, EpochsNeverRepeat) {
   arrive(frame(1));
   arrive(cut);
   const std::uint32_t first = take()->epoch;
-  EXPECT_EQ(first, controls.load().first_epoch);
+  EXPECT_EQ(first, stream.load().first_epoch);
   EXPECT_EQ(take()->epoch, first + 1);
   receiver.connected(description, localTime(2));  // the server is back and starts at id 1 again
   arrive(frame(1));
-  EXPECT_EQ(controls.load().first_epoch, first + 2);
+  EXPECT_EQ(stream.load().first_epoch, first + 2);
   const PlayFrame* const got = take();
   EXPECT_EQ(got->epoch, first + 2);
   EXPECT_EQ(got->objects[0].field, nullptr) << "reliefs of the connection before are void";
-  receiver.setPaused(true, localTime(3));
-  EXPECT_TRUE(controls.load().paused);
-  receiver.setPaused(false, localTime(4));
-  EXPECT_EQ(controls.load().first_epoch, first + 3);
-  arrive(frame(2));
-  EXPECT_EQ(take()->epoch, first + 3);
 }
 
 TEST_F(ReceiverTest, CountsWhatDoesNotFitThePoolAndGoesOn) {
@@ -252,11 +244,11 @@ TEST_F(ReceiverTest, CountsWhatDoesNotFitThePoolAndGoesOn) {
 TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
   receiver.connected(description, localTime(1));
   syncClock(1.1);
-  EXPECT_EQ(controls.load().playout_delay_target, fromSeconds(0.040) + JitterEstimator::kMargin);
+  EXPECT_EQ(stream.load().playout_delay_target, fromSeconds(0.040) + JitterEstimator::kMargin);
   arrive(frame(1), 3.0);  // the frame a viewer is sent on joining may be old
   for (std::uint64_t id = 2; id <= 200; ++id) arrive(frame(id), id % 10 == 0 ? 0.060 : 0.010);
   // One frame in ten comes 60 ms late: the 0.95 quantile has to cover it.
-  EXPECT_NEAR(toSeconds(controls.load().playout_delay_target), 0.060 + 0.005 + 0.040, 1e-4);
+  EXPECT_NEAR(toSeconds(stream.load().playout_delay_target), 0.060 + 0.005 + 0.040, 1e-4);
   const auto late = receiver.counts().late;
   EXPECT_GT(late, 0U) << "the first of them came unexpected";
   EXPECT_LE(late, 2U);

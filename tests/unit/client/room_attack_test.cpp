@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/unit/client/attack.hpp"
+#include "tests/support/attack.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/unit/client/attack.hpp"
+#include "tests/support/attack.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -23,9 +23,9 @@ struct SlowDevice {
   explicit SlowDevice(int ticks) : attack(stiffRoom()) {
     attack.name = "a slow device";
     attack.scene = [this](PlayFrame& frame, double) { attack.add(frame, plateAt(8.0)); };
-    DeviceProfile real = attack.settings.profile;
+    PlantProfile real{attack.settings.profile};
     real.delay_ticks += ticks;
-    attack.device.emplace(real, Hand::lightGrip(), attack.clock, nullptr);
+    attack.device.emplace(real, Hand::lightGrip(), attack.clock);
     target(20.0);
     attack.device->reset(target_mm, Vec3::Zero());
     run(500);

@@ -2,12 +2,13 @@
 // Attacks on the room by broken numbers, one at a time and all at once by chance.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <random>
 #include <string>
 
-#include "tests/unit/client/attack.hpp"
+#include "tests/support/attack.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -75,29 +76,29 @@ TEST(RoomPoison, PoisonInEveryFieldAndThenItComesBack) {
   }
 }
 
-TEST(RoomPoison, AbsurdControls) {
+TEST(RoomPoison, AnAbsurdStreamState) {
   static constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   static constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
-  const std::function<void(Controls&)> changes[] = {
-      [](Controls& c) { c.workspace.width_mm = 0.0; },
-      [](Controls& c) { c.workspace.width_mm = kNaN; },
-      [](Controls& c) { c.workspace.height_mm = kInfinity; },
-      [](Controls& c) { c.workspace.depth_mm = -kInfinity; },
-      [](Controls& c) { c.workspace.width_mm = c.workspace.height_mm = 1e-300; },
-      [](Controls& c) { c.workspace.width_px = c.workspace.height_px = 0; },
-      [](Controls& c) { c.workspace.width_px = 1; },
-      [](Controls& c) { c.workspace.stretch = true; },
-      [](Controls& c) { c.frame_interval = Duration(0); },
-      [](Controls& c) { c.frame_interval = Duration(kMost); },
-      [](Controls& c) { c.frame_interval = Duration(kLeast); },
-      [](Controls& c) { c.clock_offset = Duration(kMost); },
-      [](Controls& c) { c.clock_offset = Duration(kLeast); },
-      [](Controls& c) { c.pipeline_latency = Duration(kLeast); },
-      [](Controls& c) { c.playout_delay_target = Duration(kMost); },
-      [](Controls& c) { c.playout_delay_target = Duration(kLeast); },
-      [](Controls& c) { c.largest_acceleration_mm_s2 = 1e-300; },
-      [](Controls& c) { c.author_mass_kg = 1e300; },
-      [](Controls& c) { c.first_epoch = 1000; },
+  const std::function<void(StreamState&)> changes[] = {
+      [](StreamState& c) { c.workspace.width_mm = 0.0; },
+      [](StreamState& c) { c.workspace.width_mm = kNaN; },
+      [](StreamState& c) { c.workspace.height_mm = kInfinity; },
+      [](StreamState& c) { c.workspace.depth_mm = -kInfinity; },
+      [](StreamState& c) { c.workspace.width_mm = c.workspace.height_mm = 1e-300; },
+      [](StreamState& c) { c.workspace.width_px = c.workspace.height_px = 0; },
+      [](StreamState& c) { c.workspace.width_px = 1; },
+      [](StreamState& c) { c.workspace.stretch = true; },
+      [](StreamState& c) { c.frame_interval = Duration(0); },
+      [](StreamState& c) { c.frame_interval = Duration(kMost); },
+      [](StreamState& c) { c.frame_interval = Duration(kLeast); },
+      [](StreamState& c) { c.clock_offset = Duration(kMost); },
+      [](StreamState& c) { c.clock_offset = Duration(kLeast); },
+      [](StreamState& c) { c.pipeline_latency = Duration(kLeast); },
+      [](StreamState& c) { c.playout_delay_target = Duration(kMost); },
+      [](StreamState& c) { c.playout_delay_target = Duration(kLeast); },
+      [](StreamState& c) { c.largest_acceleration_mm_s2 = 1e-300; },
+      [](StreamState& c) { c.author_mass_kg = 1e300; },
+      [](StreamState& c) { c.first_epoch = 1000; },
   };
   for (const RoomSettings& room : everyRoom()) {
     int number = 0;
@@ -106,7 +107,7 @@ TEST(RoomPoison, AbsurdControls) {
       attack.name = "change " + std::to_string(number++);
       attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
       (void)attack.run(700);
-      const Controls good = attack.control;
+      const StreamState good = attack.control;
       change(attack.control);
       (void)attack.run(400);
       attack.control = good;
@@ -117,8 +118,8 @@ TEST(RoomPoison, AbsurdControls) {
   }
 }
 
-/// Everything at once, by chance.
-void chaos(const RoomSettings& room, unsigned seed, bool moving) {
+/// Everything at once, by chance; the largest force it met.
+double chaos(const RoomSettings& room, unsigned seed, bool moving) {
   std::mt19937_64 random(seed);
   const auto chance = [&](double p) { return std::uniform_real_distribution(0., 1.)(random) < p; };
   const auto between = [&](double a, double b) {
@@ -151,34 +152,39 @@ void chaos(const RoomSettings& room, unsigned seed, bool moving) {
     if (chance(0.002)) attack.streaming = !attack.streaming;
     if (!attack.streaming && chance(0.02)) attack.publish(attack.next_s - between(0.0, 0.3));
     if (chance(0.001)) ++attack.epoch;
-    if (chance(0.001)) attack.control.paused = !attack.control.paused;
+    if (chance(0.001)) attack.wishes.paused = !attack.wishes.paused;
     if (chance(0.001)) attack.control.connected = !attack.control.connected;
     if (chance(0.001)) attack.control.first_epoch = attack.epoch = attack.epoch + 1;
     if (chance(0.002)) attack.control.clock_offset = Duration(std::int64_t(between(-1e8, 1e8)));
     if (chance(0.002))
       attack.control.playout_delay_target = Duration(std::int64_t(between(0, 4e8)));
     if (chance(0.001)) attack.control.workspace.width_mm = chance(0.5) ? 160.0 : 100.0;
-    if (chance(0.001)) ++attack.control.rearm;
+    if (chance(0.001)) ++attack.wishes.rearm;
     const double luck = between(0.0, 1.0);
     attack.state.status = luck < 0.0002  ? DeviceStatus::kLost
                           : luck < 0.002 ? DeviceStatus::kNoData
                                          : DeviceStatus::kOk;
     (void)attack.step();
-    if (testing::Test::HasFatalFailure()) return;
+    if (testing::Test::HasFatalFailure()) break;
   }
-  EXPECT_GT(attack.max_force_N, 0.1) << attack.name;
+  return attack.max_force_N;
+}
+
+/// Several lives in a room; each is checked at every tick, and somewhere in them there is a force.
+void liveThrough(const RoomSettings& room, unsigned& seed, bool moving) {
+  double max_force_N = 0.0;
+  for (int i = 0; i < 3; ++i) max_force_N = std::max(max_force_N, chaos(room, ++seed, moving));
+  EXPECT_GT(max_force_N, 0.1) << "chaos up to " << seed;
 }
 
 TEST(RoomPoison, ChaosDoesNotStepAHandThatStandsStill) {
   unsigned seed = 0;
-  for (const RoomSettings& room : everyRoom()) {
-    for (int i = 0; i < 3; ++i) chaos(room, ++seed, false);
-  }
+  for (const RoomSettings& room : everyRoom()) liveThrough(room, seed, false);
 }
 
 TEST(RoomPoison, ChaosDoesNotStepAHandThatMoves) {
   unsigned seed = 100;
-  for (const RoomSettings& room : everyRoom()) chaos(room, ++seed, true);
+  for (const RoomSettings& room : everyRoom()) liveThrough(room, seed, true);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <bit>
 #include <cstdio>
 
-#include "tests/unit/client/stage.hpp"
+#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -127,7 +127,7 @@ TEST(Room, AStreamThatEndsFadesAndComesBackFromZero) {
   EXPECT_TRUE(seen[static_cast<int>(Lookup::kFaded)]);
   EXPECT_EQ(stage.room->report().force_N, Vec3(Vec3::Zero()));
   stage.state.connected = false;
-  stage.controls.store(stage.state);
+  stage.stream.store(stage.state);
   (void)stage.run(500);
   EXPECT_FALSE(stage.room->report().object_present);
   stage.state.connected = stage.streaming = true;  // and is back
@@ -143,14 +143,51 @@ TEST(Room, EpochsPausesAndAnotherWorkspaceDoNotStep) {
   for (int i = 0; i < 6; ++i) {
     stage.newEpoch();
     (void)stage.run(300);
-    stage.state.paused = !stage.state.paused;
-    stage.controls.store(stage.state);
+    stage.pause(!stage.wishes.paused);
     (void)stage.run(300);
     stage.state.workspace.width_mm = i % 2 == 0 ? 200.0 : 160.0;
-    stage.controls.store(stage.state);
+    stage.stream.store(stage.state);
     (void)stage.run(300);
   }
   EXPECT_GT(stage.max_force_N, 0.3);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, PausedTheFrameStandsStillWithoutDynamicForce) {
+  HandScript hand{HandKind::kFollow, HandStiffness{}};
+  Stage stage({}, &hand, 3.0);
+  double most_dynamic_N = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    most_dynamic_N = std::max(most_dynamic_N, stage.step().dynamic_force_N.norm());
+  }
+  EXPECT_GT(most_dynamic_N, 0.02);
+  stage.pause(true);
+  const MediaTime stood = stage.run(200).play_time;
+  for (int i = 0; i < 2000; ++i) {
+    const TickReport& report = stage.step();
+    ASSERT_EQ(report.play_time, stood);
+    ASSERT_EQ(report.dynamic_force_N, Vec3(Vec3::Zero()));
+    ASSERT_EQ(report.object_velocity_mm_s, Vec3(Vec3::Zero()));
+  }
+  EXPECT_GT(stage.room->report().force_N.norm(), 0.2) << "it stays to be explored";
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(Room, AResumeRejoinsTheStreamLikeANewEpoch) {
+  HandScript hand{HandKind::kFollow, HandStiffness{}};
+  Stage stage({}, &hand, 3.0);
+  const TickReport& report = stage.run(3000);
+  const Duration behind = report.time.time_since_epoch() - report.play_time.time_since_epoch();
+  stage.pause(true);
+  (void)stage.run(2000);
+  stage.pause(false);
+  (void)stage.step();
+  EXPECT_EQ(report.time.time_since_epoch() - report.play_time.time_since_epoch(), behind);
+  EXPECT_EQ(report.lookup, Lookup::kNone) << "frames from before are void";
+  EXPECT_FALSE(report.contact);
+  EXPECT_EQ(stage.run(35).force_N, Vec3(Vec3::Zero())) << "what acted has ramped down";
+  (void)stage.run(2000);
+  EXPECT_GT(report.force_N.norm(), 0.2);
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
@@ -162,10 +199,13 @@ TEST(Room, ALostDeviceIsAFaultAndWaitsForRearm) {
   EXPECT_EQ(stage.step().fault, Fault::kDeviceLost);
   EXPECT_EQ(stage.step().fault, Fault::kNone);  // once
   EXPECT_TRUE(stage.room->recorder().frozen());
+  EXPECT_EQ(stage.room->report().device, DeviceStatus::kLost);
   stage.lost = false;
   EXPECT_EQ(stage.run(2000).force_N, Vec3(Vec3::Zero()));
-  ++stage.state.rearm;
-  stage.controls.store(stage.state);
+  EXPECT_EQ(stage.room->report().device, DeviceStatus::kOk);
+  EXPECT_TRUE(stage.room->report().halted);
+  stage.rearm();
+  EXPECT_FALSE(stage.step().halted);
   EXPECT_GT(stage.run(2000).force_N.norm(), 0.2);
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }

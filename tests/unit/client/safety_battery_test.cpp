@@ -4,14 +4,14 @@
 
 #include <cstdio>
 
-#include "tests/unit/client/battery.hpp"
+#include "tests/support/battery.hpp"
 
 namespace hapticast::client {
 namespace {
 
 /// Worst residual of the two holds in counts.
 double residual(double stiffness_N_mm, int delay_ticks, const Hand& hand, double friction_N) {
-  const DeviceProfile profile = batteryProfile(stiffness_N_mm, delay_ticks, friction_N);
+  const PlantProfile profile = batteryProfile(stiffness_N_mm, delay_ticks, friction_N);
   Rig rig(profile, profile, hand);
   const BatteryResult result = battery(rig, hand);
   EXPECT_EQ(rig.max_excess_N, 0.0);

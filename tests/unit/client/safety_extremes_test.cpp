@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -6,14 +6,14 @@
 #include <cstdio>
 
 #include "client/device/device_profile.hpp"
-#include "tests/unit/client/life.hpp"
+#include "tests/support/life.hpp"
 
 namespace hapticast::client {
 namespace {
 
 /// Minutes of everything at once; returns where it ends, so that two lives can be compared.
 Vec3 life(const char* name, double stiffness_N_mm, unsigned seed, const Hand& hand, int seconds) {
-  DeviceProfile profile = loadDeviceProfile(name);
+  PlantProfile profile = loadDeviceProfile(name);
   profile.stiffness_N_mm = stiffness_N_mm;
   Rig rig(profile, profile, hand);
   const LifeResult result = Life(rig, seed).live(seconds);

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "client/device/device_profile.hpp"
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -28,7 +28,7 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
   for (const char* name : {"omni", "falcon"}) {
     for (const double k : {0.3, 0.5, 1.0, 2.0}) {
       for (const Hand& hand : {Hand::light(), Hand::lightGrip()}) {
-        DeviceProfile profile = loadDeviceProfile(name);
+        PlantProfile profile = loadDeviceProfile(name);
         profile.stiffness_N_mm = k;
         Rig rig(profile, profile, hand);
         press(rig, 0.8);
@@ -50,7 +50,7 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
 
 TEST(SafetyLinks, TheMetersAgreeWithThePlant) {
   // The device's true way under the force that truly acted, tick by tick.
-  const DeviceProfile profile = omni(1.0, 2);
+  const PlantProfile profile = omni(1.0, 2);
   Rig rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   Vec3 sent_N[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
@@ -69,7 +69,7 @@ TEST(SafetyLinks, TheMetersAgreeWithThePlant) {
 }
 
 TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
-  const DeviceProfile profile = omni(1.0, 1);
+  const PlantProfile profile = omni(1.0, 1);
   Rig rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   rig.run(500);
@@ -105,7 +105,7 @@ TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
 
 /// Largest speed of a light hand away from a wall that rises 30 mm within one frame of 40 ms.
 double thrown_mm_s(const SafetyLinks& links, std::uint64_t& tank_ticks) {
-  const DeviceProfile profile = omni(1.0, 1, 0.05);
+  const PlantProfile profile = omni(1.0, 1, 0.05);
   Rig rig(profile, profile, Hand::light(), links);
   rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
   rig.device.setTarget({0.0, 0.0, -5.0});
@@ -134,7 +134,7 @@ TEST(SafetyLinks, TheTankCalmsASurfaceThatRisesThirtyMillimetresInAFrame) {
 }
 
 TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
-  const DeviceProfile profile = omni(1.0, 1, 0.05);
+  const PlantProfile profile = omni(1.0, 1, 0.05);
   Rig rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
   rig.device.setTarget({0.0, 0.0, -30.0});
@@ -155,7 +155,7 @@ TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
 
 TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
   const auto braked_N = [](double damping_Ns_m, std::uint64_t& cut) {
-    const DeviceProfile profile = omni(0.5, 1);
+    const PlantProfile profile = omni(0.5, 1);
     SafetyChain chain(profile);
     SafetyInput in;
     in.touchable = true;
@@ -186,7 +186,7 @@ TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
 
 TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
   // A spring without its damper, stiffer than its delay stands: it feeds itself.
-  const DeviceProfile profile = omni(1.9, 2);
+  const PlantProfile profile = omni(1.9, 2);
   double swing_mm[2] = {0.0, 0.0};
   for (const bool insured : {true, false}) {
     Rig rig(profile, profile, Hand::lightGrip(),
@@ -219,8 +219,8 @@ struct Told {
     rig.device.setTarget({0.0, 0.0, -2.0});
     for (int i = 0; i < 4000; ++i) alarms += rig.step().latency_alarm;
   }
-  static DeviceProfile profileOf(double stiffness_N_mm, int delay_ticks) {
-    DeviceProfile profile = omni(stiffness_N_mm, delay_ticks);
+  static PlantProfile profileOf(double stiffness_N_mm, int delay_ticks) {
+    PlantProfile profile = omni(stiffness_N_mm, delay_ticks);
     profile.peak_N = profile.continuous_N = 8.0;
     return profile;
   }

@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -164,15 +164,15 @@ TEST(SurfaceModel, CarriesAReliefAtFortyPixelsPerFrame) {
   const auto b = makeBall(to, kRadius_mm, 19.0, kWorkspace);
   const auto pool = std::make_unique<FramePool>();
   FrameLookup lookup(*pool, Interpolation::kHermite);
-  Controls controls;
-  controls.first_epoch = 1;
+  StreamState stream;
+  stream.first_epoch = 1;
   const Vec3 v(250.0, 0.0, 0.0);
   send(*pool, makeFrame(1, 0, 0.0, {makeObject(1, a.get(), from, v)}));
   send(*pool, makeFrame(1, 1, 0.04, {makeObject(1, b.get(), to, v)}));
   double carried = 0.0;
   double blended = 0.0;
   for (double t = 0.001; t < 0.04; t += 0.002) {
-    const ObjectNow& object = lookup.at(mediaTime(t), controls).objects[0];
+    const ObjectNow& object = lookup.at(mediaTime(t), stream).objects[0];
     for (double x = -12.0; x <= 12.0; x += 0.77) {
       const Vec2 centre(-5.0 + 250.0 * t, 2.0);
       const Vec2 at = centre + Vec2(x, 0.5 * x);

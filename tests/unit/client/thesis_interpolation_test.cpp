@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "tests/unit/client/frame_builder.hpp"
+#include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -22,7 +22,7 @@ class ThesisInterpolationTest : public ::testing::Test {
     ASSERT_TRUE(send(*pool, makeFrame(epoch, id, 0.04 * static_cast<double>(id), {object})));
   }
   Contact at(double time_s, const Vec3& hip) {
-    (void)lookup.at(mediaTime(time_s), controls);
+    (void)lookup.at(mediaTime(time_s), stream);
     return thesis.evaluate(lookup, mediaTime(time_s), hip, kWorkspace);
   }
 
@@ -30,7 +30,7 @@ class ThesisInterpolationTest : public ::testing::Test {
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   FrameLookup lookup{*pool, Interpolation::kHermite};
   ThesisInterpolation thesis;
-  Controls controls;
+  StreamState stream;
 };
 
 TEST_F(ThesisInterpolationTest, CatmullRomReproducesAParabola) {

@@ -5,15 +5,15 @@
 
 #include <cmath>
 
-#include "tests/unit/client/rig.hpp"
+#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 namespace {
 
 constexpr Duration kMs{1'000'000};
 
-DeviceProfile ideal(double damping_Ns_m, int delay_ticks) {
-  DeviceProfile profile;
+PlantProfile ideal(double damping_Ns_m, int delay_ticks) {
+  PlantProfile profile;
   profile.damping_Ns_m = damping_Ns_m;
   profile.delay_ticks = delay_ticks;
   profile.count_mm = 0.0;
@@ -23,7 +23,7 @@ DeviceProfile ideal(double damping_Ns_m, int delay_ticks) {
 /// Energy-like amplitude of a free device on a bilateral spring, late over early.
 double growth(double stiffness_N_m, double damping_Ns_m, int delay_ticks) {
   ManualClock clock;
-  VirtualDevice device(ideal(damping_Ns_m, delay_ticks), Hand::none(), clock, nullptr);
+  VirtualDevice device(ideal(damping_Ns_m, delay_ticks), Hand::none(), clock);
   device.reset({0.0, 0.0, 1.0}, Vec3::Zero());
   const double w_mm = std::sqrt(stiffness_N_m / 0.045);
   Vec3 force = Vec3::Zero();
@@ -60,7 +60,7 @@ TEST(VirtualDevice, RawSpringTurnsUnstableWhereTheTheorySays) {
 
 TEST(VirtualDevice, FreeFallAgainstDampingIsTheClosedForm) {
   ManualClock clock;
-  VirtualDevice device(ideal(0.5, 0), Hand::none(), clock, nullptr);
+  VirtualDevice device(ideal(0.5, 0), Hand::none(), clock);
   device.reset(Vec3::Zero(), Vec3::Zero());
   for (int i = 0; i < 300; ++i) {
     clock.advance(kMs);
@@ -75,7 +75,7 @@ TEST(VirtualDevice, FreeFallAgainstDampingIsTheClosedForm) {
 TEST(VirtualDevice, ForceActsAfterTheDelay) {
   for (int d = 0; d <= 5; ++d) {
     ManualClock clock;
-    VirtualDevice device(ideal(0.1, d), Hand::none(), clock, nullptr);
+    VirtualDevice device(ideal(0.1, d), Hand::none(), clock);
     device.reset(Vec3::Zero(), Vec3::Zero());
     int first = -1;
     for (int i = 0; i < 10 && first < 0; ++i) {
@@ -88,7 +88,7 @@ TEST(VirtualDevice, ForceActsAfterTheDelay) {
 
 TEST(VirtualDevice, PositionsComeInCounts) {
   ManualClock clock;
-  VirtualDevice device(DeviceProfile{}, Hand::none(), clock, nullptr);
+  VirtualDevice device(PlantProfile{}, Hand::none(), clock);
   device.reset({0.0, 0.0, 0.1}, {0.0, 0.0, 50.0});
   for (int i = 0; i < 100; ++i) {
     clock.advance(kMs);
@@ -98,10 +98,10 @@ TEST(VirtualDevice, PositionsComeInCounts) {
 }
 
 TEST(VirtualDevice, FrictionHoldsUntilItIsOvercome) {
-  DeviceProfile profile = ideal(0.1, 0);
+  PlantProfile profile = ideal(0.1, 0);
   profile.friction_N = 0.26;
   ManualClock clock;
-  VirtualDevice device(profile, Hand::none(), clock, nullptr);
+  VirtualDevice device(profile, Hand::none(), clock);
   device.reset(Vec3::Zero(), Vec3::Zero());
   const auto push = [&](double force_N, int ticks) {
     for (int i = 0; i < ticks; ++i) {
@@ -122,10 +122,10 @@ TEST(VirtualDevice, FrictionHoldsUntilItIsOvercome) {
 
 TEST(VirtualDevice, CoulombStopMatchesTheClosedForm) {
   // No damping: v² / (2 fc/m) until it stops, exactly, wherever in a tick that is.
-  DeviceProfile profile = ideal(0.0, 0);
+  PlantProfile profile = ideal(0.0, 0);
   profile.friction_N = 0.1;
   ManualClock clock;
-  VirtualDevice device(profile, Hand::none(), clock, nullptr);
+  VirtualDevice device(profile, Hand::none(), clock);
   device.reset(Vec3::Zero(), {0.0, 0.0, 123.4});
   for (int i = 0; i < 200; ++i) {
     clock.advance(kMs);
@@ -137,7 +137,7 @@ TEST(VirtualDevice, CoulombStopMatchesTheClosedForm) {
 TEST(VirtualDevice, EveryHandSettlesAtItsTarget) {
   for (const Hand& hand : {Hand::light(), Hand::lightGrip(), Hand::firm(), Hand::firmGrip()}) {
     ManualClock clock;
-    VirtualDevice device(ideal(0.1, 1), hand, clock, nullptr);
+    VirtualDevice device(ideal(0.1, 1), hand, clock);
     device.setTarget({5.0, -3.0, 12.0});
     for (int i = 0; i < 4000; ++i) {
       clock.advance(kMs);
@@ -158,7 +158,7 @@ TEST(VirtualDevice, LivesThroughLostTicks) {
   // The same force, called every tick and called every 10th: the same way.
   const auto run = [](int every) {
     ManualClock clock;
-    VirtualDevice device(ideal(0.1, 1), Hand::light(), clock, nullptr);
+    VirtualDevice device(ideal(0.1, 1), Hand::light(), clock);
     device.reset(Vec3::Zero(), Vec3::Zero());
     clock.advance(kMs);
     DeviceState state = device.exchange(Vec3::Zero());
@@ -175,7 +175,7 @@ TEST(VirtualDevice, LivesThroughLostTicks) {
 
 TEST(VirtualDevice, AnEarlyOrLateWakeupIsOneTick) {
   ManualClock clock;
-  VirtualDevice device(ideal(0.1, 1), Hand::light(), clock, nullptr);
+  VirtualDevice device(ideal(0.1, 1), Hand::light(), clock);
   clock.advance(kMs);
   LocalTime last = device.exchange(Vec3::Zero()).time;
   for (const int us : {900, 1100, 1000, 1400, 600, 1300, 700}) {

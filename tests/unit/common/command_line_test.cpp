@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "common/cli/command_line.hpp"
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+#include "common/cli/parse.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,18 +5,20 @@
 
 #include <random>
 
+#include "tests/support/framed.hpp"
+
 namespace hapticast {
 namespace {
 
+using testing::framed;
 using Bytes = std::vector<std::uint8_t>;
 
 Bytes message(std::size_t size, std::uint8_t fill) { return Bytes(size, fill); }
 
 TEST(Framing, PutsALittleEndianLengthInFront) {
-  EXPECT_EQ(*framed(Bytes{0xAA, 0xBB}), (Bytes{2, 0, 0, 0, 0xAA, 0xBB}));
-  const auto large = framed(message(0x012345, 7));
-  EXPECT_EQ(Bytes(large->begin(), large->begin() + 4), (Bytes{0x45, 0x23, 0x01, 0x00}));
-  EXPECT_EQ(large->size(), 4U + 0x012345U);
+  EXPECT_EQ(framed(Bytes{0xAA, 0xBB}), (Bytes{2, 0, 0, 0, 0xAA, 0xBB}));
+  EXPECT_EQ(lengthPrefix(0x012345), (LengthPrefix{0x45, 0x23, 0x01, 0x00}));
+  EXPECT_EQ(lengthPrefix(kMaxMessageBytes), (LengthPrefix{0x00, 0x00, 0x80, 0x00}));
 }
 
 TEST(Framing, GivesTheSameMessagesHoweverTheStreamIsCut) {
@@ -26,7 +28,7 @@ TEST(Framing, GivesTheSameMessagesHoweverTheStreamIsCut) {
   for (std::size_t i = 0; i < 50; ++i) {
     sent.push_back(message(1 + random() % 300, static_cast<std::uint8_t>(i)));
     const auto bytes = framed(sent.back());
-    stream.insert(stream.end(), bytes->begin(), bytes->end());
+    stream.insert(stream.end(), bytes.begin(), bytes.end());
   }
   for (int round = 0; round < 100; ++round) {
     FrameReader reader(1024);
@@ -46,14 +48,14 @@ TEST(Framing, GivesTheSameMessagesHoweverTheStreamIsCut) {
 
 TEST(Framing, RefusesTooLongAsSoonAsTheLengthIsThere) {
   FrameReader reader(100);
-  reader.feed(*framed(message(100, 1)));
+  reader.feed(framed(message(100, 1)));
   ASSERT_TRUE(reader.next().ok());
   reader.feed(Bytes{101, 0, 0, 0});
   const auto next = reader.next();
   ASSERT_FALSE(next.ok());
   EXPECT_EQ(next.error().code, ErrorCode::kTooLarge);
   EXPECT_NE(next.error().message.find("101"), std::string::npos);
-  reader.feed(*framed(message(5, 1)));
+  reader.feed(framed(message(5, 1)));
   EXPECT_FALSE(reader.next().ok()) << "a stream that lost its frame stays refused";
 }
 
@@ -70,7 +72,7 @@ TEST(Framing, LimitCanBeRaised) {
   FrameReader reader(10);
   const auto bytes = framed(message(50, 9));
   reader.setLimit(50);
-  reader.feed(*bytes);
+  reader.feed(bytes);
   const auto next = reader.next();
   ASSERT_TRUE(next.ok() && next.value());
   EXPECT_EQ(next.value()->size(), 50U);
@@ -80,9 +82,9 @@ TEST(Framing, LimitCanBeRaised) {
 TEST(Framing, CarriesTheLargestMessage) {
   FrameReader reader(kMaxMessageBytes);
   const auto bytes = framed(message(kMaxMessageBytes, 5));
-  for (std::size_t at = 0; at < bytes->size(); at += 65536) {
+  for (std::size_t at = 0; at < bytes.size(); at += 65536) {
     ASSERT_FALSE(reader.next().value());
-    reader.feed(std::span(*bytes).subspan(at, std::min<std::size_t>(65536, bytes->size() - at)));
+    reader.feed(std::span(bytes).subspan(at, std::min<std::size_t>(65536, bytes.size() - at)));
   }
   const auto next = reader.next();
   ASSERT_TRUE(next.ok() && next.value());

@@ -16,10 +16,15 @@ TEST(Result, HoldsAValue) {
 }
 
 TEST(Result, HoldsAnError) {
-  const Result<int> result = Error{ErrorCode::kTimeout, "late"};
+  const Result<int> result = Error{"late"};
   ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().code, ErrorCode::kTimeout);
   EXPECT_EQ(result.error().message, "late");
+}
+
+TEST(Result, HoldsAnErrorOfItsOwnKind) {
+  const Result<int, std::pair<int, int>> result = std::pair(3, 4);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.error().second, 4);
 }
 
 TEST(Result, GivesItsValueAway) {

@@ -2,9 +2,11 @@
 // What comes over the wire and is not taken: limits, texts, damage.
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "common/wire/framing.hpp"
 #include "common/wire/limits.hpp"
+#include "common/wire/scan.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"
 
@@ -126,6 +128,59 @@ TEST(WireRefuses, CountsBeforeItAllocates) {
   EXPECT_FALSE(decode(twice).ok());
 }
 
+/// A message whose frame holds `count` objects, each behind something that no version of ours knows
+/// but every parser skips: fields of all kinds, groups, tags written longer than needed.
+struct Padded {
+  Bytes frame;
+  Bytes message;
+
+  Padded(std::uint8_t count, std::mt19937& random) {
+    static const std::vector<Bytes> kUnknown = {
+        {},
+        {0xA3, 0x06, 0xA4, 0x06},                                      // an empty group
+        {0xA3, 0x06, 0xAB, 0x06, 0x22, 0x00, 0xAC, 0x06, 0xA4, 0x06},  // a group in a group
+        {0xA0, 0x06, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x01},  // a varint
+        {0xA1, 0x06, 1, 2, 3, 4, 5, 6, 7, 8},
+        {0xA5, 0x06, 1, 2, 3, 4},
+        {0xA2, 0x06, 0x02, 0x22, 0x00},                    // bytes that look like an object
+        {0xA2, 0x86, 0x80, 0x80, 0x00, 0x01, 0x22},        // a tag in five bytes
+        {0xA3, 0x06, 0x22, 0x80, 0x80, 0x00, 0xA4, 0x06},  // a length in three bytes
+    };
+    const std::vector<Bytes> object_tags = {{0x22}, {0xA2, 0x80, 0x80, 0x80, 0x00}, {0xA2, 0x00}};
+    for (std::uint8_t id = 0; id < count; ++id) {
+      append(kUnknown[random() % kUnknown.size()]);
+      append(object_tags[random() % object_tags.size()]);
+      append({0x02, 0x08, id});
+    }
+    append(kUnknown[random() % kUnknown.size()]);
+    message = {0x32};  // field 6, the frame
+    for (std::size_t rest = frame.size(); rest > 0 || message.size() == 1; rest >>= 7U) {
+      message.push_back(static_cast<std::uint8_t>((rest & 0x7FU) | (rest > 0x7F ? 0x80U : 0U)));
+    }
+    message.insert(message.end(), frame.begin(), frame.end());
+  }
+  void append(const Bytes& bytes) { frame.insert(frame.end(), bytes.begin(), bytes.end()); }
+};
+
+TEST(WireRefuses, CountsWhateverTheParserWouldSkip) {
+  constexpr std::uint32_t kObjects = 4;  // field number
+  std::mt19937 random(11);
+  for (int round = 0; round < 400; ++round) {
+    const auto count = static_cast<std::uint8_t>(random() % 40);
+    const Padded padded(count, random);
+    const auto counted = submessages(padded.frame, kObjects, kMaxObjects);
+    ASSERT_EQ(counted.has_value(), count <= kMaxObjects) << int{count};
+    const auto message = decode(padded.message);
+    ASSERT_EQ(message.ok(), count <= kMaxObjects) << int{count};
+    if (!message.ok()) {
+      EXPECT_EQ(message.error().code, ErrorCode::kTooLarge);
+      continue;
+    }
+    ASSERT_EQ(counted->size(), count);
+    EXPECT_EQ(std::get<HapticFrame>(message.value()).objects.size(), count);
+  }
+}
+
 TEST(WireRefuses, InconsistentObjects) {
   HapticFrame frame = goldenFrame();
   frame.objects[1].id = frame.objects[0].id;
@@ -199,10 +254,10 @@ TEST(WireRefuses, BadVideoReportsAndErrors) {
   EXPECT_NO_THROW(roundTrip(video));
   video.jpeg.push_back(0);
   EXPECT_EQ(refusal(video), ErrorCode::kTooLarge);
-  EXPECT_EQ(refusal(Report{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Report{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Error{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(Error{static_cast<ErrorCode>(8), "x"}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(8), "x"}), ErrorCode::kMalformed);
 }
 
 TEST(WireRefuses, MakesTextsShortAndPrintable) {

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "common/wire/framing.hpp"
+#include "tests/support/framed.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"
 
@@ -61,7 +62,7 @@ TEST(WireGolden, BytesOfEveryKindStayAsTheyAre) {
     if (update) {
       std::ofstream(goldenFile(name)) << toHex(bytes);
       writeBytes(corpus / "wire" / name, bytes);
-      writeBytes(corpus / "framing" / name, *framed(bytes));
+      writeBytes(corpus / "framing" / name, testing::framed(bytes));
     }
     EXPECT_EQ(toHex(bytes), toHex(fromHex(goldenFile(name)))) << name;
   }
@@ -98,7 +99,7 @@ TEST(Wire, CarriesDescriptionsReportsVideoAndErrors) {
   EXPECT_EQ(roundTrip(goldenDescription()), goldenDescription());
   StreamDescription plain;
   EXPECT_EQ(roundTrip(plain), plain) << "no mass stays no mass";
-  const auto report = roundTrip(Report{1, 2, 3, 4.5, 5.5, true});
+  const auto report = roundTrip(ReceiverReport{1, 2, 3, 4.5, 5.5, true});
   EXPECT_EQ(report.frames_received, 1U);
   EXPECT_EQ(report.frames_lost, 2U);
   EXPECT_EQ(report.frames_late, 3U);
@@ -110,7 +111,7 @@ TEST(Wire, CarriesDescriptionsReportsVideoAndErrors) {
   EXPECT_EQ(video.media_time, mediaTime(3));
   EXPECT_EQ(video.jpeg, (Bytes{0xFF, 0xD8, 0x00}));
   for (int code = 1; code <= 7; ++code) {
-    EXPECT_EQ(roundTrip(Error{static_cast<ErrorCode>(code), "x"}).code,
+    EXPECT_EQ(roundTrip(WireError{static_cast<ErrorCode>(code), "x"}).code,
               static_cast<ErrorCode>(code));
   }
 }

@@ -25,23 +25,25 @@ HapticFrame frame(std::uint64_t id) {
 }
 
 HapticFrame decoded(const SharedBytes& bytes) {
-  auto message = decode(std::span(*bytes).subspan(kPrefixBytes));
+  auto message = decode(*bytes);
   return std::get<HapticFrame>(std::move(message).value());
 }
 
 TEST(FrameEncoder, LeavesOutWhatDidNotChange) {
   FrameEncoder encoder;
   const EncodedFrame first = encoder.encode(frame(1));
-  EXPECT_EQ(first.lean, first.full) << "nothing was sent before: shared, encoded once";
+  EXPECT_EQ(first.lean, first.whole->payload()) << "nothing was sent before: encoded once";
   const EncodedFrame second = encoder.encode(frame(2));
   EXPECT_EQ(second.id, 2U);
   EXPECT_EQ(second.media_time, mediaTime(0.08));
   const HapticFrame lean = decoded(second.lean);
   EXPECT_TRUE(lean.objects[0].relief);
   EXPECT_FALSE(lean.objects[1].relief);
-  const HapticFrame full = decoded(second.full);
-  EXPECT_TRUE(full.objects[0].relief);
-  EXPECT_TRUE(full.objects[1].relief);
+  EXPECT_EQ(second.epoch, 0U);
+  const HapticFrame whole = decoded(second.whole->payload());
+  EXPECT_TRUE(whole.objects[0].relief);
+  EXPECT_TRUE(whole.objects[1].relief);
+  EXPECT_EQ(second.whole->payload(), second.whole->payload()) << "once for all who ask";
 }
 
 TEST(FrameEncoder, RepeatsEveryReliefWithinASecondAndInANewEpoch) {
@@ -64,7 +66,7 @@ TEST(FrameEncoder, RepeatsEveryReliefWithinASecondAndInANewEpoch) {
 
 TEST(FrameEncoder, EncodesVideo) {
   const EncodedVideo video = encodeVideo({1, 2, mediaTime(3), {0xFF, 0xD8, 9}});
-  const auto message = decode(std::span(*video.bytes).subspan(kPrefixBytes));
+  const auto message = decode(*video.payload);
   EXPECT_EQ(std::get<VideoFrame>(message.value()).jpeg, (std::vector<std::uint8_t>{0xFF, 0xD8, 9}));
   EXPECT_EQ(video.id, 2U);
 }

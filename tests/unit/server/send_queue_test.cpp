@@ -12,8 +12,8 @@ SharedBytes bytes(const std::string& text) {
   return std::make_shared<const std::vector<std::uint8_t>>(text.begin(), text.end());
 }
 EncodedFrame frame(std::uint64_t id, int media_ms) {
-  return {id, MediaTime(std::chrono::milliseconds(media_ms)), bytes("lean" + std::to_string(id)),
-          bytes("full" + std::to_string(id))};
+  return {0, id, MediaTime(std::chrono::milliseconds(media_ms)), bytes("lean" + std::to_string(id)),
+          std::make_shared<WholeFrame>(bytes("whole" + std::to_string(id)))};
 }
 EncodedVideo video(std::uint64_t id) {
   return {id, MediaTime(), bytes("video" + std::to_string(id))};
@@ -27,7 +27,7 @@ TEST(SendQueue, GivesTheFirstFrameWholeAndTheNextOnesLean) {
   SendQueue queue;
   queue.pushFrame(frame(1, 0));
   queue.pushFrame(frame(2, 40));
-  EXPECT_EQ(pop(queue), "full1");
+  EXPECT_EQ(pop(queue), "whole1");
   EXPECT_EQ(pop(queue), "lean2");
   EXPECT_EQ(pop(queue), "nothing");
   queue.pushFrame(frame(3, 80));
@@ -39,9 +39,9 @@ TEST(SendQueue, GivesTheFirstFrameWholeAndTheNextOnesLean) {
 TEST(SendQueue, NewestWinsAndTheNextOneIsWhole) {
   SendQueue queue;
   queue.pushFrame(frame(1, 0));
-  EXPECT_EQ(pop(queue), "full1");
+  EXPECT_EQ(pop(queue), "whole1");
   for (int id = 2; id <= 8; ++id) queue.pushFrame(frame(static_cast<std::uint64_t>(id), 10 * id));
-  EXPECT_EQ(pop(queue), "full6") << "2..5 were dropped";
+  EXPECT_EQ(pop(queue), "whole6") << "2..5 were dropped";
   EXPECT_EQ(pop(queue), "lean7");
   EXPECT_EQ(pop(queue), "lean8");
   EXPECT_EQ(pop(queue), "nothing");
@@ -54,9 +54,9 @@ TEST(SendQueue, DropsFramesThatAreTooOld) {
   queue.pushFrame(frame(2, 100));
   queue.pushFrame(frame(3, 251));
   EXPECT_EQ(queue.counts().frames_dropped_old, 1U);
-  EXPECT_EQ(pop(queue), "full2");
+  EXPECT_EQ(pop(queue), "whole2");
   queue.pushFrame(frame(4, 5000));
-  EXPECT_EQ(pop(queue), "full4") << "3 was dropped";
+  EXPECT_EQ(pop(queue), "whole4") << "3 was dropped";
 }
 
 TEST(SendQueue, ControlGoesFirstThenDescriptionFramesVideo) {
@@ -67,7 +67,7 @@ TEST(SendQueue, ControlGoesFirstThenDescriptionFramesVideo) {
   queue.pushDescription(bytes("description"));
   ASSERT_TRUE(queue.pushControl(bytes("first")));
   ASSERT_TRUE(queue.pushControl(bytes("second")));
-  for (const char* expected : {"first", "second", "description", "full1", "video1", "nothing"}) {
+  for (const char* expected : {"first", "second", "description", "whole1", "video1", "nothing"}) {
     EXPECT_EQ(pop(queue), expected);
   }
 }
@@ -99,13 +99,13 @@ TEST(SendQueue, NeverGrowsBeyondItsBounds) {
 TEST(SendQueue, ForgetsFramesOfAnotherPicture) {
   SendQueue queue;
   queue.pushFrame(frame(1, 0));
-  EXPECT_EQ(pop(queue), "full1");
+  EXPECT_EQ(pop(queue), "whole1");
   queue.pushFrame(frame(2, 40));
   queue.pushVideo(video(2));
   queue.clearFrames();
   EXPECT_EQ(pop(queue), "nothing");
   queue.pushFrame(frame(3, 80));
-  EXPECT_EQ(pop(queue), "full3");
+  EXPECT_EQ(pop(queue), "whole3");
 }
 
 }  // namespace

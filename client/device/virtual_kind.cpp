@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The virtual device as a kind of --device: profile, light hand, script.
+#include <stdexcept>
+#include <utility>
+
+#include "client/device/open_device.hpp"
+#include "client/device/virtual_device.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+/// What `load` returns; its complaint begins with the flag that brought the file.
+template <class Load>
+auto loadFor(const char* flag, Load load) {
+  try {
+    return load();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string(flag) + " " + error.what());
+  }
+}
+
+HandScript handScript(const std::string& name, const HandStiffness& stiffness) {
+  if (name == "press") return {HandKind::kPress, stiffness};
+  if (name == "slide") return {HandKind::kSlide, stiffness};
+  if (name == "follow") return {HandKind::kFollow, stiffness};
+  return {HandKind::kFile, stiffness, loadFor("--hand", [&] { return loadHandTargets(name); })};
+}
+
+}  // namespace
+
+std::unique_ptr<HapticDevice> openVirtual(const DeviceRequest& request) {
+  const PlantProfile profile =
+      loadFor("--profile", [&] { return loadDeviceProfile(request.profile); });
+  const HandStiffness stiffness{.hand_N_mm = Hand::light().stiffness_N_m * 1e-3,
+                                .surface_N_mm = profile.stiffness_N_mm};
+  HandScript script = handScript(request.hand, stiffness);
+  auto device = std::make_unique<VirtualDevice>(profile, Hand::light(), request.clock);
+  device->lead(std::move(script), request.seen, request.hand);
+  return device;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/loop_thread.hpp"
+
+namespace hapticast::client {
+
+LoopThread::LoopThread(HapticDevice& device, Room& room, const Clock& clock)
+    : thread_([this, &device, &room, &clock] {
+        realtime_ = requestRealtime();
+        flushDenormals();
+        runLoop(device, room, clock, stop_, stats_);
+      }) {}
+
+void LoopThread::stop() noexcept {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/dial.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/wire/tcp_channel.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+using Addresses = asio::ip::tcp::resolver::results_type;
+const Error kStopped{"stopped"};
+
+asio::awaitable<Result<Addresses>> lookUp(asio::io_context& io, const Endpoint& server,
+                                          Duration deadline, DialStop& stop) {
+  // A look-up cannot be interrupted, so it is raced against a timer and left behind when it loses.
+  struct Race {
+    explicit Race(asio::io_context& context) : resolver(context), timer(context) {}
+    asio::ip::tcp::resolver resolver;
+    asio::steady_timer timer;
+    std::optional<boost::system::error_code> ec;
+    Addresses addresses;
+  };
+  auto race = std::make_shared<Race>(io);
+  race->timer.expires_after(deadline);
+  race->resolver.async_resolve(server.host, std::to_string(server.port),
+                               [race](boost::system::error_code ec, Addresses addresses) {
+                                 race->ec = ec;
+                                 race->addresses = std::move(addresses);
+                                 race->timer.cancel();
+                               });
+  stop.onStop([race] { race->timer.cancel(); });
+  boost::system::error_code ignored;
+  co_await race->timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  stop.onStop({});
+  if (stop.stopped()) co_return kStopped;
+  if (!race->ec) co_return Error{"the name look-up takes too long"};
+  if (*race->ec) co_return Error{"unknown host; is the name right? (" + race->ec->message() + ")"};
+  co_return race->addresses;
+}
+
+}  // namespace
+
+asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
+                                 DialStop& stop) {
+  const auto addresses = co_await lookUp(io, server, deadline, stop);
+  if (!addresses.ok()) co_return addresses.error();
+
+  // Shared, because the timer's handler may already wait to run when the connection is made.
+  struct Race {
+    explicit Race(asio::io_context& context) : socket(context), timer(context) {}
+    void giveUp() {
+      boost::system::error_code ignored;
+      socket.close(ignored);
+    }
+    asio::ip::tcp::socket socket;
+    asio::steady_timer timer;
+    bool over = false;
+    bool timed_out = false;
+  };
+  auto race = std::make_shared<Race>(io);
+  race->timer.expires_after(deadline);
+  race->timer.async_wait([race](const boost::system::error_code&) {
+    if (race->over) return;
+    race->timed_out = true;
+    race->giveUp();
+  });
+  stop.onStop([race] { race->giveUp(); });
+  boost::system::error_code ec;
+  co_await asio::async_connect(race->socket, addresses.value(),
+                               asio::redirect_error(asio::use_awaitable, ec));
+  stop.onStop({});
+  race->over = true;
+  race->timer.cancel();
+  if (stop.stopped()) co_return kStopped;
+  if (race->timed_out) co_return Error{"cannot connect: no answer"};
+  if (ec) {
+    const char* const advice =
+        ec == asio::error::connection_refused ? " (no hapticast-server listens there)" : "";
+    co_return Error{"cannot connect: " + ec.message() + advice};
+  }
+  co_return std::make_unique<TcpChannel>(std::move(race->socket), kMaxSmallMessageBytes);
+}
+
+}  // namespace hapticast::client

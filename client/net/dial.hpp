@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Getting a channel to a server: name look-up and TCP connection, each within a deadline. Another
+// transport is another function of this type. Thread: network.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "common/endpoint.hpp"
+#include "common/time.hpp"
+#include "common/wire/channel.hpp"
+
+namespace hapticast::client {
+
+/// What a dialling that goes on can be ended by; it comes back with an error soon after.
+class DialStop {
+ public:
+  void stop() {
+    stopped_ = true;
+    if (on_stop_) on_stop_();
+  }
+  [[nodiscard]] bool stopped() const { return stopped_; }
+  /// For who dials: what to do at a stop(); an empty function takes it back.
+  void onStop(std::function<void()> action) { on_stop_ = std::move(action); }
+
+ private:
+  bool stopped_ = false;
+  std::function<void()> on_stop_;
+};
+
+/// A channel that takes small messages only until its read limit is raised, or why there is none
+/// (one line, without the server's name).
+using Dialled = Result<std::unique_ptr<Channel>>;
+using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const Endpoint& server,
+                                                    Duration deadline, DialStop& stop)>;
+
+/// Looks the name up and connects over TCP, each for at most `deadline` of the steady clock. (A
+/// look-up cannot be interrupted: one that is too late or stopped is left behind and ends by
+/// itself.) `stop` outlives the call.
+asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
+                                 DialStop& stop);
+
+}  // namespace hapticast::client

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The first step of receiving: what the transport brings becomes whole frames in their order. TCP
+// brings whole frames, so that the rule of ids and epochs is all that is left to apply. Thread:
+// network.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/haptic_frame.hpp"
+
+namespace hapticast::client {
+
+/// Where a frame stands in the stream.
+struct FramePlace {
+  std::uint32_t epoch = 0;  ///< client-side; unlike the server's it never repeats
+  bool first = false;       ///< of its connection
+  std::uint64_t lost = 0;   ///< frames that are missing before it (0 for the first)
+  MediaTime media_time;
+  Duration gap{0};  ///< media time since the frame before (0 for the first)
+};
+
+/// A whole frame in its place.
+struct AssembledFrame {
+  FramePlace place;
+  HapticFrame frame;
+};
+
+class FrameAssembler {
+ public:
+  /// A connection is made: ids start over, and a new epoch begins.
+  void restart();
+  /// The client-side epoch of the next frame, unless the server begins another one with it.
+  [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
+  /// Takes a frame as it came; nullopt when it came before or when a later one did (ids rise).
+  [[nodiscard]] std::optional<AssembledFrame> add(HapticFrame frame);
+
+ private:
+  std::uint32_t epoch_ = 0;
+  std::optional<std::uint32_t> server_epoch_;  // of the last frame of this connection
+  std::optional<std::uint64_t> last_id_;       // of this connection
+  MediaTime last_media_time_;                  // of the frame last_id_
+};
+
+}  // namespace hapticast::client

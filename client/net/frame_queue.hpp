@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// The frames that wait for their preparation, bounded. When frames come faster than they can be
+// prepared the newest win: the oldest one is left out, but its reliefs stay until the next frame is
+// taken, because that one and later ones may say "unchanged" of them. Thread: one at a time; the
+// preparer locks it.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "client/haptics/time/frame_pool.hpp"
+#include "client/net/frame_assembler.hpp"
+#include "client/net/relief_cache.hpp"
+
+namespace hapticast::client {
+
+class FrameQueue {
+ public:
+  /// As many as the loop can hold: the burst that follows a stall of the network is played.
+  static constexpr std::size_t kMaxFrames = FramePool::kSlots;
+  /// Chosen: all pixels of reliefs that wait, and of reliefs that are kept; 5 bytes each, so that a
+  /// server cannot make a viewer hold more than 2 x 83 MB here.
+  static constexpr std::size_t kMaxPixels = 4 * kMaxReliefPixels;
+
+  /// A frame, and the objects with the reliefs of the frames that were left out before it.
+  struct Taken {
+    AssembledFrame assembled;
+    std::vector<HapticObject> left_out;  ///< oldest first
+  };
+
+  /// Appends a frame; returns how many older ones were left out for it.
+  std::size_t push(AssembledFrame assembled);
+  /// Takes the oldest frame; nullopt when none waits.
+  [[nodiscard]] std::optional<Taken> pop();
+  [[nodiscard]] bool empty() const { return frames_.empty(); }
+  void clear();
+
+ private:
+  void leaveOutOldest();
+  void keep(HapticObject object);
+
+  std::deque<AssembledFrame> frames_;  // oldest first
+  std::size_t pixels_ = 0;             // of their reliefs
+  std::vector<HapticObject> kept_;     // of frames left out, one per object and layer
+};
+
+}  // namespace hapticast::client

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#include "client/open_views.hpp"
+
+#include "client/view/screenshot.hpp"
+
+namespace hapticast::client {
+
+Views openViews(const Settings& settings) {
+  Views views;
+  if (!settings.screenshot_file.empty()) {
+    views.push_back(std::make_unique<Screenshot>(settings.screenshot_file));
+    requireWritable("--screenshot", settings.screenshot_file);
+  }
+  return views;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// The table of views. A build without the viewer has open_no_views.cpp in the place of
+// open_views.cpp (client/CMakeLists.txt).
+#pragma once
+
+#include "client/settings.hpp"
+#include "client/view/view.hpp"
+
+namespace hapticast::client {
+
+/// The views that the command line asks for. Throws std::runtime_error, one line that names the
+/// flag.
+[[nodiscard]] Views openViews(const Settings& settings);
+
+}  // namespace hapticast::client

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Draws the force over time. Thread: any.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "client/view/force_history.hpp"
+
+namespace hapticast::client {
+
+// The colours of the overlay, BGR.
+inline const cv::Scalar kGroundColor(28, 26, 24);
+inline const cv::Scalar kTextColor(215, 212, 208);
+inline const cv::Scalar kForceColor(60, 60, 240);
+
+/// Writes a line of small text whose left lower corner is `at`, in px.
+void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
+
+/// Returns a plot of all points of `history`, CV_8UC3 of `size` px (at least 100 x 100): total,
+/// static and dynamic force, a shade where there was contact, and a mark at `marked_s` (local
+/// time).
+[[nodiscard]] cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size);
+
+}  // namespace hapticast::client

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/screenshot.hpp"
+
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "client/view/overlay.hpp"
+#include "client/view/picture.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+/// How much a moment is worth showing: a touch counts more than the residue of one.
+double worth(const TickReport& report) {
+  return report.contact ? 1.0 + report.force_N.norm() : 0.0;
+}
+
+}  // namespace
+
+Screenshot::Screenshot(std::string file) : file_(std::move(file)) {
+  if (!cv::haveImageWriter(file_))
+    throw std::runtime_error("--screenshot " + file_ + ": is no picture's name; give FILE.png");
+}
+
+void Screenshot::takePicture(VideoFrame picture, const Workspace& workspace) {
+  pictures_.add(std::move(picture), workspace);
+}
+
+void Screenshot::takeReport(const TickReport& report) {
+  history_.add(report);
+  if (worth(moment_) > 0.0 && worth(report) <= worth(moment_)) return;
+  moment_ = report;
+  picture_.reset();
+}
+
+bool Screenshot::turn() {
+  if (!picture_) picture_ = pictures_.nearest(moment_.play_time);
+  return true;
+}
+
+void Screenshot::finish() {
+  (void)turn();
+  cv::Mat picture;
+  Workspace workspace;  // without a picture the whole nominal workspace is the ground
+  if (picture_) {
+    workspace = picture_->workspace;
+    picture = decodeJpeg(picture_->video.jpeg, {workspace.width_px, workspace.height_px});
+  }
+  bool written = false;
+  try {
+    written = cv::imwrite(file_, drawOverlay(picture, moment_, workspace, history_));
+  } catch (const cv::Exception&) {
+    written = false;  // for example a name whose ending is no image format
+  }
+  if (!written)
+    throw std::runtime_error("--screenshot " + file_ +
+                             ": cannot be written; is it FILE.png in a folder that exists?");
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// What the app's event loop asks of any view: a screenshot, a film, a window. A further kind is one
+// file beside this one and one line in client/open_views.cpp.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "client/haptics/tick_report.hpp"
+#include "common/haptic_frame.hpp"
+
+namespace hapticast::client {
+
+class View {
+ public:
+  virtual ~View() = default;
+
+  /// Takes a picture of the stream, which belongs to `workspace`. Thread: any.
+  virtual void takePicture(VideoFrame picture, const Workspace& workspace) = 0;
+  /// Takes the report of a tick. The ticks come in order and shortly after they happened.
+  /// Thread: main.
+  virtual void takeReport(const TickReport& report) = 0;
+  /// The view's share of a turn of the event loop, about every 10 ms; it must not wait. Returns
+  /// false when the user wants to end. Thread: main.
+  [[nodiscard]] virtual bool turn() = 0;
+  /// Ends the view after the last tick: what it was asked to write is written. Throws
+  /// std::runtime_error, one line that names the flag and the file. Thread: main.
+  virtual void finish() = 0;
+};
+
+using Views = std::vector<std::unique_ptr<View>>;
+
+}  // namespace hapticast::client

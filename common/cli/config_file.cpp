@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "common/cli/config_file.hpp"
+
+#include <algorithm>
+#include <istream>
+#include <memory>
+#include <vector>
+
+#include "common/text.hpp"
+
+namespace hapticast {
+
+namespace {
+
+/// CLI11's own reader takes sections, nests them without a limit, and loses a key that is repeated
+/// further down.
+class KeyValueConfig : public CLI::ConfigBase {
+ public:
+  explicit KeyValueConfig(const CLI::App& app) : app_(app) {}
+
+  [[nodiscard]] std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    const auto pairs = readKeyValues(in, "");
+    if (!pairs.ok()) throw ConfigFileError(pairs.error().message);
+    std::vector<CLI::ConfigItem> items;
+    for (const KeyValue& pair : pairs.value()) {
+      requireFlag(pair.key);
+      const auto same = std::find_if(items.begin(), items.end(),
+                                     [&](const auto& item) { return item.name == pair.key; });
+      CLI::ConfigItem& item = same != items.end() ? *same : items.emplace_back();
+      item.name = pair.key;
+      item.inputs.push_back(pair.value);
+    }
+    return items;
+  }
+
+ private:
+  void requireFlag(const std::string& key) const {
+    const auto options = app_.get_options();
+    const bool known = std::any_of(options.begin(), options.end(), [&](const auto* option) {
+      return option->get_configurable() && (option->check_lname(key) || option->check_name(key));
+    });
+    if (!known) throw ConfigFileError(": '" + key + "' is no flag's name");
+  }
+
+  const CLI::App& app_;
+};
+
+}  // namespace
+
+void addConfigFile(CLI::App& app) {
+  app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name")
+      ->type_name("FILE");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  app.config_formatter(std::make_shared<KeyValueConfig>(app));
+}
+
+}  // namespace hapticast

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "common/cli/options.hpp"
+
+#include <cstdint>
+#include <iomanip>
+#include <sstream>
+#include <string_view>
+#include <type_traits>
+
+namespace hapticast {
+
+std::optional<Vec2> parsePair(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const std::string_view view = text;
+  const auto first = parseNumber(view.substr(0, comma));
+  const auto second = parseNumber(view.substr(comma + 1));
+  if (!first || !second) return std::nullopt;
+  return Vec2(*first, *second);
+}
+
+CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
+                         const std::string& help) {
+  const auto set = [&value, name](const std::string& text) {
+    const auto endpoint = parseEndpoint(text);
+    if (!endpoint) {
+      throw CLI::ValidationError(
+          name, inQuotes(text) + " is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
+    }
+    value = *endpoint;
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name("HOST[:PORT]");
+}
+
+template <class Number>
+CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
+                                Number most) {
+  std::ostringstream form;
+  form << std::setprecision(12) << (std::is_integral_v<Number> ? "a whole number" : "a number")
+       << " from " << least << " to " << most;
+  return CLI::ValidationError(name, inQuotes(text) + " is not " + form.str());
+}
+template CLI::ValidationError notANumber(const std::string&, const std::string&, double, double);
+template CLI::ValidationError notANumber(const std::string&, const std::string&, std::uint64_t,
+                                         std::uint64_t);
+
+CLI::Option* addPair(CLI::App& app, const std::string& name,
+                     const std::function<bool(const Vec2&)>& take, const std::string& form,
+                     const std::string& help) {
+  const auto set = [take, name, form](const std::string& text) {
+    const auto pair = parsePair(text);
+    if (!pair || !take(*pair)) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
+  };
+  return app.add_option_function<std::string>(name, set, help)
+      ->type_name(form.substr(0, form.find(' ')));
+}
+
+CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
+                      const std::string& help, const std::string& form) {
+  const auto set = [&values, name, form](const std::vector<std::string>& texts) {
+    values.clear();
+    for (const std::string& text : texts) {
+      const auto pair = parsePair(text);
+      if (!pair) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
+      values.push_back(*pair);
+    }
+  };
+  return app.add_option_function<std::vector<std::string>>(name, set, help)
+      ->type_name(form.substr(0, form.find(' ')))
+      ->allow_extra_args(false);
+}
+
+}  // namespace hapticast

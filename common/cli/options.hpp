@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Options of the command line: values that a flag and a config key read alike, and how a wrong one
+// is told. Thread: main, at start-up.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/endpoint.hpp"
+#include "common/geometry.hpp"
+#include "common/text.hpp"
+
+namespace hapticast {
+
+/// Two finite numbers "A,B"; nullopt otherwise.
+std::optional<Vec2> parsePair(const std::string& text);
+
+/// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
+/// px".
+CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
+                         const std::string& help);
+CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
+                      const std::string& help, const std::string& form);
+
+/// An option of two numbers "A,B"; `take` returns false for a pair that is not allowed.
+CLI::Option* addPair(CLI::App& app, const std::string& name,
+                     const std::function<bool(const Vec2&)>& take, const std::string& form,
+                     const std::string& help);
+
+/// What is said of a `text` that is no number from `least` to `most`. For double and
+/// std::uint64_t.
+template <class Number>
+CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
+                                Number most);
+
+/// A finite number from `least` to `most`; `unit` is for the help. A Value takes a Number.
+template <class Value, class Number>
+CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
+                       Number most, const std::string& unit, const std::string& help) {
+  const auto set = [&value, name, least, most](const std::string& text) {
+    const auto number = numberIn<Number>(text, least, most);
+    if (!number) throw notANumber(name, text, least, most);
+    value = *number;
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name(unit);
+}
+
+/// One of the named `choices` (which have to outlive `app`).
+template <class Value>
+CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
+                       const std::map<std::string, Value>& choices, const std::string& help) {
+  std::string names;
+  for (const auto& choice : choices) names += (names.empty() ? "" : "|") + choice.first;
+  const auto set = [&value, &choices, name, names](const std::string& text) {
+    const auto found = choices.find(text);
+    if (found == choices.end())
+      throw CLI::ValidationError(name, inQuotes(text) + " is not one of " + names);
+    value = found->second;
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name(names);
+}
+
+}  // namespace hapticast

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Reading a whole command line, and what a person is told when it is wrong. Thread: main, at
+// start-up.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+namespace hapticast {
+
+/// `text` with control characters as '?': what files and peers bring must not steer a terminal.
+std::string oneLine(std::string text);
+
+/// Parses; nullopt: go on. Otherwise the exit code to leave with, after one line on stderr (2) or
+/// the help (0).
+std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
+
+}  // namespace hapticast

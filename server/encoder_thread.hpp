@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Makes bytes and JPEGs of what vision has found, on a thread of its own, and hands them to the
+// sinks: the next frame is looked at meanwhile.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/stream/stream_sink.hpp"
+#include "server/vision/vision.hpp"
+
+namespace hapticast::server {
+
+class EncoderThread {
+ public:
+  /// Starts the thread. The sinks outlive it.
+  explicit EncoderThread(std::vector<StreamSink*> sinks);
+  /// Encodes what still waits and ends the thread; a failure that finish() was not asked for is
+  /// lost.
+  ~EncoderThread();
+
+  /// Hands over a frame of the stream that `description` announces; waits while two are still to be
+  /// encoded. Rethrows what encoding has thrown. Thread: the pipeline's.
+  void push(StreamDescription description, VisionResult result);
+  /// Encodes what still waits, ends the thread and rethrows what encoding has thrown. Thread: the
+  /// pipeline's.
+  void finish();
+
+ private:
+  struct Job {
+    StreamDescription description;
+    VisionResult result;
+  };
+  void run();
+  void encode(Job job);
+  void stop() noexcept;
+
+  std::vector<StreamSink*> sinks_;
+  FrameEncoder encoder_;             // by the thread
+  StreamDescription described_;      // by the thread
+  bool described_anything_ = false;  // by the thread
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> jobs_;        // under the mutex
+  bool ended_ = false;          // under the mutex
+  std::exception_ptr failure_;  // under the mutex
+  std::thread thread_;          // last: everything above is there when it starts
+};
+
+}  // namespace hapticast::server

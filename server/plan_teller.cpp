@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "server/plan_teller.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace hapticast::server {
+
+namespace {
+
+bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(),
+      [](const PlanLine& x, const PlanLine& y) { return x.on == y.on && x.why == y.why; });
+}
+
+void tellLine(std::uint32_t id, const PlanLine& line) {
+  const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
+  if (line.on) {
+    spdlog::info("object {}: {:<8} on   {}; takes {:.1f} ms a frame", id, stage, line.why,
+                 line.saves_ms);
+  } else {
+    spdlog::info(
+        "object {}: {:<8} off  {}; saves {:.1f} ms and {:.0f} bytes a frame, costs {:.4f} N", id,
+        stage, line.why, line.saves_ms, line.saves_bytes, line.costs_N);
+  }
+}
+
+}  // namespace
+
+void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans, MediaTime now) {
+  std::erase_if(told_, [&](const auto& each) { return !plans.contains(each.first); });
+  for (const auto& [id, lines] : plans) {
+    ToldPlan& told = told_[id];
+    const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
+    if (too_soon || sameDecisions(lines, told.lines)) continue;
+    told = {lines, now};
+    for (const PlanLine& line : lines) tellLine(id, line);
+  }
+}
+
+}  // namespace hapticast::server

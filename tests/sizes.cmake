@@ -1,0 +1,48 @@
+# What fits on a screen can be read: no file of the product is longer than 300 lines, no function of it longer than 40.
+# A lambda counts with the function that it stands in. Run: cmake -DROOT=. -DCTAGS=ctags -P tests/sizes.cmake
+# Universal Ctags knows where a function ends (Exuberant Ctags does not).
+cmake_minimum_required(VERSION 3.25)
+get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")
+set(most_file_lines 300)
+set(most_function_lines 40)
+set(too_long "")
+
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp)
+foreach(file ${files})
+  file(READ ${ROOT}/${file} text)
+  string(REGEX REPLACE "[^\n]" "" ends "${text}")
+  string(LENGTH "${ends}" lines)
+  if(lines GREATER most_file_lines)
+    string(APPEND too_long "\n  ${file}: ${lines} lines")
+  endif()
+endforeach()
+
+execute_process(COMMAND ${CTAGS} -f - --language-force=C++ --c++-kinds=f --fields=+ne --excmd=number ${files}
+  WORKING_DIRECTORY ${ROOT} OUTPUT_VARIABLE tags ERROR_VARIABLE errors RESULT_VARIABLE failed)
+if(failed)
+  message(FATAL_ERROR "${CTAGS} failed: ${errors}")
+endif()
+# NAME<tab>FILE<tab>LINE;"<tab>f ... line:FIRST ... end:LAST; a semicolon would part a list's element.
+string(REPLACE ";" "" tags "${tags}")
+string(REGEX MATCHALL "[^\n]+\tline:[0-9]+[^\n]*\tend:[0-9]+" functions "${tags}")
+list(LENGTH functions count)
+if(count LESS 500)
+  message(FATAL_ERROR "${CTAGS} found the ends of only ${count} functions: is it universal-ctags, and '${ROOT}' the root?")
+endif()
+foreach(function IN LISTS functions)
+  if(function MATCHES "^([^\t]+)\t([^\t]+)\t.*\tline:([0-9]+).*\tend:([0-9]+)$")
+    set(name "${CMAKE_MATCH_1}")
+    set(file "${CMAKE_MATCH_2}")
+    set(first "${CMAKE_MATCH_3}")
+    math(EXPR lines "${CMAKE_MATCH_4} - ${first} + 1")
+    if(lines GREATER most_function_lines)
+      string(APPEND too_long "\n  ${file}:${first}: ${name} has ${lines} lines")
+    endif()
+  endif()
+endforeach()
+
+list(LENGTH files file_count)
+if(too_long)
+  message(FATAL_ERROR "files over ${most_file_lines} lines, functions over ${most_function_lines}:${too_long}")
+endif()
+message(STATUS "${count} functions in ${file_count} files fit on a screen")

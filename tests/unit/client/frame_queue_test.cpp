@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/frame_queue.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace hapticast::client {
+namespace {
+
+HapticObject objectOf(std::uint32_t id, std::uint64_t changed, std::size_t pixels) {
+  auto relief = std::make_shared<Relief>();
+  relief->mask.assign(pixels, 1);
+  return {id, 0, changed, pixels > 0 ? std::move(relief) : nullptr, {}, nullptr, {}, {}};
+}
+
+AssembledFrame frameWith(std::uint64_t id, std::vector<HapticObject> objects = {}) {
+  AssembledFrame assembled;
+  assembled.frame.id = id;
+  assembled.frame.objects = std::move(objects);
+  return assembled;
+}
+
+TEST(FrameQueue, GivesFramesInTheirOrder) {
+  FrameQueue queue;
+  EXPECT_TRUE(queue.empty());
+  EXPECT_FALSE(queue.pop());
+  EXPECT_EQ(queue.push(frameWith(1)), 0U);
+  EXPECT_EQ(queue.push(frameWith(2)), 0U);
+  EXPECT_EQ(queue.pop()->assembled.frame.id, 1U);
+  EXPECT_EQ(queue.pop()->assembled.frame.id, 2U);
+  EXPECT_TRUE(queue.empty());
+}
+
+TEST(FrameQueue, TheNewestWinAndTheReliefsOfWhatIsLeftOutStay) {
+  FrameQueue queue;
+  (void)queue.push(frameWith(1, {objectOf(7, 1, 4), objectOf(8, 1, 4)}));
+  (void)queue.push(frameWith(2, {objectOf(7, 2, 5), objectOf(8, 1, 0)}));
+  for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
+    EXPECT_EQ(queue.push(frameWith(id)), id <= FrameQueue::kMaxFrames ? 0U : 1U);
+  }
+  const auto taken = queue.pop();
+  EXPECT_EQ(taken->assembled.frame.id, 3U);
+  ASSERT_EQ(taken->left_out.size(), 2U) << "one for each object";
+  EXPECT_EQ(taken->left_out[0].id, 8U);
+  EXPECT_EQ(taken->left_out[0].changed_in_frame, 1U);
+  EXPECT_EQ(taken->left_out[1].id, 7U);
+  EXPECT_EQ(taken->left_out[1].changed_in_frame, 2U) << "the newer relief of the two";
+  EXPECT_TRUE(queue.pop()->left_out.empty());
+}
+
+TEST(FrameQueue, IsBoundedByPixelsToo) {
+  FrameQueue queue;
+  constexpr std::size_t kHalf = FrameQueue::kMaxPixels / 2;
+  EXPECT_EQ(queue.push(frameWith(1, {objectOf(1, 1, kHalf)})), 0U);
+  EXPECT_EQ(queue.push(frameWith(2, {objectOf(2, 2, kHalf)})), 0U);
+  EXPECT_EQ(queue.push(frameWith(3, {objectOf(3, 3, kHalf)})), 1U);
+  EXPECT_EQ(queue.push(frameWith(4, {objectOf(4, 4, kHalf)})), 1U);
+  EXPECT_EQ(queue.push(frameWith(5, {objectOf(5, 5, kHalf)})), 1U);
+  const auto taken = queue.pop();
+  EXPECT_EQ(taken->assembled.frame.id, 4U);
+  ASSERT_EQ(taken->left_out.size(), 2U) << "what is kept is bounded as well; the newest stay";
+  EXPECT_EQ(taken->left_out[0].id, 2U);
+  EXPECT_EQ(taken->left_out[1].id, 3U);
+}
+
+TEST(FrameQueue, KeepsReliefsOfNoMoreObjectsThanTheCacheDoes) {
+  FrameQueue queue;
+  const std::uint64_t count = FrameQueue::kMaxFrames + 2 * ReliefCache::kMaxEntries;
+  for (std::uint64_t id = 1; id <= count; ++id) {
+    (void)queue.push(frameWith(id, {objectOf(static_cast<std::uint32_t>(id), id, 1)}));
+  }
+  const auto taken = queue.pop();
+  EXPECT_EQ(taken->left_out.size(), ReliefCache::kMaxEntries);
+  EXPECT_EQ(taken->left_out.back().id + 1, taken->assembled.frame.objects[0].id);
+}
+
+TEST(FrameQueue, ClearForgetsEverything) {
+  FrameQueue queue;
+  for (std::uint64_t id = 1; id <= FrameQueue::kMaxFrames + 1; ++id) {
+    (void)queue.push(frameWith(id, {objectOf(1, id, FrameQueue::kMaxPixels / 40)}));
+  }
+  queue.clear();
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(queue.push(frameWith(1, {objectOf(1, 1, FrameQueue::kMaxPixels)})), 0U);
+  EXPECT_TRUE(queue.pop()->left_out.empty());
+}
+
+}  // namespace
+}  // namespace hapticast::client

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "client/device/open_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/support/manual_clock.hpp"
+
+namespace hapticast::client {
+namespace {
+
+std::string complaintOf(const std::string& kind, const DeviceRequest& request) {
+  try {
+    (void)openDevice(kind, request);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(OpenDevice, EveryKindHasANameAndSaysWhatItIs) {
+  ASSERT_FALSE(deviceKinds().empty());
+  for (const DeviceKind& kind : deviceKinds()) {
+    EXPECT_FALSE(std::string(kind.name).empty());
+    EXPECT_FALSE(std::string(kind.description).empty());
+  }
+}
+
+TEST(OpenDevice, AVirtualOneSaysItsProfileAndItsHand) {
+  const ManualClock clock;
+  LatestValue<TickReport> seen;
+  const auto device =
+      openDevice("virtual", {.profile = "falcon", .hand = "slide", .clock = clock, .seen = seen});
+  EXPECT_EQ(device->profile().name, "falcon");
+  EXPECT_EQ(device->description(), "virtual device (falcon) in a hand that does: slide");
+}
+
+TEST(OpenDevice, ComplaintsNameTheFlag) {
+  const ManualClock clock;
+  LatestValue<TickReport> seen;
+  EXPECT_EQ(complaintOf("spoon", {.clock = clock, .seen = seen}),
+            "--device spoon: is not one of virtual");
+  EXPECT_EQ(complaintOf("virtual", {.profile = "/nowhere", .clock = clock, .seen = seen})
+                .find("--profile /nowhere: "),
+            0U);
+  EXPECT_EQ(complaintOf("virtual", {.hand = "/nowhere.csv", .clock = clock, .seen = seen})
+                .find("--hand /nowhere.csv: "),
+            0U);
+}
+
+}  // namespace
+}  // namespace hapticast::client

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/screenshot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+namespace hapticast::client {
+namespace {
+
+constexpr int kHead_px = 90;  // text and room for the cone, above the video
+
+TickReport touching(double time_s, double force_N) {
+  TickReport report;
+  report.time = localTime(time_s);
+  report.play_time = mediaTime(time_s);
+  report.force_N = {0.0, 0.0, force_N};
+  report.contact = force_N > 0.0;
+  return report;
+}
+
+VideoFrame greyPicture(double time_s, int grey) {
+  VideoFrame frame{0, 0, mediaTime(time_s), {}};
+  cv::imencode(".jpg", cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(grey)), frame.jpeg);
+  return frame;
+}
+
+class ScreenshotTest : public ::testing::Test {
+ protected:
+  ~ScreenshotTest() override { std::remove(file.c_str()); }
+  cv::Mat written() {
+    screenshot.finish();
+    return cv::imread(file);
+  }
+  const std::string file = testing::TempDir() + "hapticast_screenshot.png";
+  Screenshot screenshot{file};
+};
+
+TEST_F(ScreenshotTest, ShowsTheStrongestTouchEvenIfNoPictureComes) {
+  for (const double force_N : {0.0, 0.5, 2.0, 1.0, 0.0}) {
+    screenshot.takeReport(touching(force_N, force_N));
+    EXPECT_TRUE(screenshot.turn()) << "a screenshot never ends a run";
+  }
+  EXPECT_EQ(screenshot.moment().force_N.z(), 2.0);
+  EXPECT_EQ(written().cols, 960);
+}
+
+TEST_F(ScreenshotTest, ShowsTheLastTickWhileNothingWasTouched) {
+  for (const double time_s : {1.0, 2.0}) screenshot.takeReport(touching(time_s, 0.0));
+  EXPECT_EQ(screenshot.moment().time, localTime(2.0));
+}
+
+TEST_F(ScreenshotTest, ShowsThePictureOfTheStrongestMoment) {
+  for (int i = 0; i < 200; ++i) {  // far more than the buffer holds
+    const double time_s = 0.04 * i;
+    screenshot.takePicture(greyPicture(time_s, i), Workspace{});
+    screenshot.takeReport(touching(time_s, i == 100 ? 2.0 : 1.0));
+    (void)screenshot.turn();
+  }
+  const cv::Mat picture = written();
+  ASSERT_FALSE(picture.empty());
+  EXPECT_NEAR(picture.at<cv::Vec3b>(kHead_px + 700, 20)[0], 100, 2);
+}
+
+TEST_F(ScreenshotTest, APictureOfAnotherSizeThanAnnouncedIsNotShown) {
+  Workspace small;
+  small.width_px = 320;
+  small.height_px = 240;
+  screenshot.takePicture(greyPicture(1.0, 200), small);
+  screenshot.takeReport(touching(1.0, 1.0));
+  EXPECT_LT(written().at<cv::Vec3b>(kHead_px + 700, 20)[0], 100);
+}
+
+TEST(Screenshot, WantsThePictureNamedAsOneAndTellsWhatItCannotWrite) {
+  EXPECT_THROW(Screenshot("picture.xyz"), std::runtime_error);
+  Screenshot nowhere("/nonexistent/picture.png");
+  try {
+    nowhere.finish();
+    ADD_FAILURE() << "was written";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find("--screenshot /nonexistent/picture.png: "), 0U);
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::client

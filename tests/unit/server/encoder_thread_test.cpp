@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "server/encoder_thread.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace hapticast::server {
+namespace {
+
+/// The smallest sink: counts what it is given.
+class CountingSink final : public StreamSink {
+ public:
+  void describe(const StreamDescription& description) override {
+    names.push_back(description.name);
+  }
+  void publish(EncodedFrame frame) override {
+    if (fails_at == frame.id) throw std::runtime_error("the disk is full");
+    frames.push_back(std::move(frame));
+  }
+  void publish(EncodedVideo video) override { videos.push_back(video.id); }
+  [[nodiscard]] bool videoWanted() const override { return wants_video; }
+
+  std::vector<std::string> names;
+  std::vector<EncodedFrame> frames;
+  std::vector<std::uint64_t> videos;
+  bool wants_video = false;
+  std::uint64_t fails_at = 0;
+};
+
+VisionResult result(std::uint64_t id) {
+  VisionResult result{{}, cv::Mat(4, 4, CV_8UC3, cv::Scalar(0, 0, 255))};
+  result.frame.id = id;
+  result.frame.media_time = MediaTime(std::chrono::milliseconds(40 * id));
+  return result;
+}
+
+StreamDescription named(const std::string& name) {
+  StreamDescription description;
+  description.name = name;
+  return description;
+}
+
+TEST(EncoderThread, GivesEverySinkTheSameBytesInOrder) {
+  CountingSink first, second;
+  second.wants_video = true;
+  EncoderThread encoder({&first, &second});
+  for (std::uint64_t id = 1; id <= 20; ++id) encoder.push(named(id < 11 ? "a" : "b"), result(id));
+  encoder.finish();
+  ASSERT_EQ(first.frames.size(), 20U);
+  ASSERT_EQ(second.frames.size(), 20U);
+  for (std::size_t i = 0; i < 20; ++i) {
+    EXPECT_EQ(first.frames[i].id, i + 1);
+    EXPECT_EQ(first.frames[i].lean, second.frames[i].lean) << "encoded once";
+  }
+  EXPECT_EQ(first.names, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(second.videos.size(), 20U);
+}
+
+TEST(EncoderThread, MakesPicturesOnlyForWhoWantsThem) {
+  CountingSink sink;
+  EncoderThread encoder({&sink});
+  encoder.push(named("a"), result(1));
+  encoder.finish();
+  EXPECT_TRUE(sink.videos.empty());
+}
+
+TEST(EncoderThread, PassesOnWhatEncodingHasThrown) {
+  CountingSink sink;
+  sink.fails_at = 2;
+  EncoderThread encoder({&sink});
+  const auto push_many = [&] {
+    for (std::uint64_t id = 1; id <= 100; ++id) encoder.push(named("a"), result(id));
+  };
+  EXPECT_THROW(push_many(), std::runtime_error);
+  EXPECT_THROW(encoder.finish(), std::runtime_error);
+  EXPECT_EQ(sink.frames.size(), 1U);
+}
+
+TEST(EncoderThread, EndsByItselfWhenItIsLeft) {
+  CountingSink sink;
+  {
+    EncoderThread encoder({&sink});
+    encoder.push(named("a"), result(1));
+  }
+  EXPECT_EQ(sink.frames.size(), 1U);
+}
+
+}  // namespace
+}  // namespace hapticast::server
