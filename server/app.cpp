@@ -60,8 +60,7 @@ void App::scan() {
                  total);
     return true;
   };
-  if (!vision_.scan(*source_, progress)) return;
-  broadcaster_.describe(vision_.description());
+  if (vision_.scan(*source_, progress)) broadcaster_.describe(vision_.description());
 }
 
 void App::play(EncoderThread& encoder) {

@@ -9,12 +9,12 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kHighQuantile = 0.99;
+constexpr double kHighQuantile = 0.99;       // chosen: one in a hundred is noise
 constexpr std::size_t kLiveFrames = 600;     // chosen: the running bound goes back 20 s at 30 fps
 constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
 constexpr std::uint64_t kRestsLost = 10;     // frames; twice as long as a lost object is told of
 constexpr double kUsualMass_kg = 0.5;        // chosen: a thing that one hand lifts easily
-constexpr double kFastest_mm_s = 1e4;        // of a grid's cells: beyond, they were lost
+constexpr double kFastest_mm_s = 1e4;        // chosen, of a grid's cells: beyond, they were lost
 constexpr double kHardest_mm_s2 = 1e6;
 
 // Of an object in layers it is no layer's; a viewer would refuse it.

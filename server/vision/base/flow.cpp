@@ -14,8 +14,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kCorners = 120;  // chosen: a prototype's 90 and some to lose
-constexpr int kFewestTracks = 5;
+constexpr int kCorners = 120;             // chosen: a prototype's 90 and some to lose
+constexpr int kFewestTracks = 5;          // chosen: two and a half times what a similarity needs
 constexpr int kFewestForRotation = 12;    // chosen: three times what a similarity needs
 constexpr int kWindow_px = 15;            // chosen, of Lucas-Kanade
 constexpr double kThereAndBack_px = 1.0;  // chosen, these three, with a prototype on real clips

@@ -8,7 +8,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kLookCell_px = 16;
+// Chosen: a cut changes most of the picture in brightness and in depth (bad_input_test).
+constexpr int kCompared_px = 16;
 constexpr double kAlike = 0.3;         // correlation of brightness
 constexpr double kAlikeAlone = 0.1;    // where there is no depth to ask
 constexpr double kChanged_mm = 50.0;   // of depth, or its twentieth
@@ -44,8 +45,8 @@ double changedDepth(const cv::Mat& a, const cv::Mat& b) {
 }  // namespace
 
 bool SceneCuts::next(const FrameImages& images) {
-  const cv::Size size(std::max(2, images.gray.cols / kLookCell_px),
-                      std::max(2, images.gray.rows / kLookCell_px));
+  const cv::Size size(std::max(2, images.gray.cols / kCompared_px),
+                      std::max(2, images.gray.rows / kCompared_px));
   cv::Mat gray;
   cv::Mat depth;
   cv::resize(images.gray, gray, size, 0, 0, cv::INTER_AREA);

@@ -16,13 +16,15 @@ constexpr std::size_t kFewest = 8;          // samples: of a shorter track the w
 constexpr double kSameOne_mm = 0.25;        // chosen: poses of one frame in two runs are the same
 constexpr double kAlways_s = 1e9;           // longer than any clip
 constexpr double kLeastSquare_mm2 = 1e-12;  // what rounding leaves
-// log10 of process over measurement noise, time in frames: from a polynomial to every wiggle.
+// log10 of process over measurement noise, time in frames. Chosen: from a polynomial to every
+// wiggle.
 constexpr double kSmoothest = -9.0;
 constexpr double kRoughest = 4.0;
 constexpr double kRatioStep = 0.25;  // chosen: the likelihood is flat over so much
 
-constexpr double kUnknown = 1e10;  // variance of a first state, and of what an impact changes,
-constexpr double kKick = 1e8;      // in those of a measurement
+constexpr double kUnknown =
+    1e10;                      // chosen: variance of a first state, and of what an impact changes,
+constexpr double kKick = 1e8;  // in those of a measurement
 
 constexpr int kStates = 5;  // p, v, a, jerk, snap in mm and frames
 using State = Eigen::Matrix<double, kStates, 1>;

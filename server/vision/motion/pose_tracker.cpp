@@ -22,7 +22,7 @@ constexpr double kSpherePull = 0.03;  // likewise; a sphere's centre is known we
 // but a centre that is off its true place has an error that grows with the motion. Tuned likewise.
 constexpr double kStrongestPull_px = 0.1;
 constexpr double kStrongestShare = 0.07;
-// Below these a step is noise that must not be followed: what alignment reads of a scene at rest.
+// Measured: below these a step is what alignment reads of a scene at rest, and is not followed.
 constexpr double kStill_px = 0.03;
 constexpr double kStill_rad = 0.0015;
 constexpr double kStill_mm = 0.05;

@@ -26,8 +26,8 @@ constexpr std::size_t kFewestForSphere = 40;
 constexpr std::size_t kFewestPoints = 8;
 constexpr double kInnerMargin = 0.12;   // chosen, of the outline's radius
 constexpr double kDomeResidual = 0.03;  // of an ellipsoid's depth; chosen as the sphere's
-// Of what is neither ball nor ellipsoid: from the mean depth to the centre, against the spread (5
-// to 95 %) of the depths. A box has 0.6 edge on, 1.1 corner on.
+// Chosen, of what is neither ball nor ellipsoid: from the mean depth to the centre,
+// against the spread (5 to 95 %) of the depths. A box has 0.6 edge on, 1.1 corner on.
 constexpr double kBehindPerSpread = 0.89;
 
 struct Outline {

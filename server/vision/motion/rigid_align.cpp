@@ -18,9 +18,10 @@ using Eigen::Vector3d;
 constexpr int kFinestSide_px = 220;   // chosen for time: larger objects are aligned in fewer pixels
 constexpr int kCoarsestSide_px = 24;  // chosen: the search by places costs its fourth power
 constexpr std::size_t kTemplatePoints = 1500;  // chosen: prototypes took 1000 to 2500
-constexpr std::size_t kFewestPoints = 40;
+constexpr std::size_t kFewestPoints = 40;  // chosen, these three: a fit of so few is no measurement
 constexpr std::size_t kOutlinePoints = 100;
 constexpr std::size_t kFewestOutline = 8;
+// Chosen: there depth can just be read, and there it bends no more.
 constexpr float kNearEdge_px = 2.0F;
 constexpr float kDeeper_px = 8.0F;
 constexpr double kOnward = 1.2;     // of the step between these two, measured on a ball

@@ -19,7 +19,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kRounds = 8;          // chosen: five are the usual number
 constexpr double kDone_px = 0.002;  // a step of less changes no velocity that can be felt
-constexpr double kGrayFloor = 1.5;  // grey levels: what agrees as well as that is not told apart
+constexpr double kGrayFloor =
+    1.5;  // chosen, grey levels: what agrees as well as that is not told apart
 constexpr double kDepthFloor_mm = 0.7;  // chosen, likewise
 constexpr double kTukey =
     4.6;  // standard deviations: 95 % efficient (4.685; Huber, Robust Statistics)

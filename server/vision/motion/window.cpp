@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kLookahead_s = 0.085;  // measured: 80 to 120 ms are enough; 3 frames at 25 fps
 constexpr double kCurvature = 0.02;     // weight of a part's curvature beside its misfit; chosen
-constexpr double kMisfit_mm = 0.12;     // a window that fits no better than this has a bounce in it
+constexpr double kMisfit_mm =
+    0.12;  // chosen: a window that fits no better than this has a bounce in it
 
 struct Polynomial {
   Eigen::VectorXd c;        // of (t - t0) / h

@@ -13,10 +13,11 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kLattice_px = 4;  // in pictures up to kUsualWidth_px; in larger ones as many points
-constexpr int kFollowed = 2;    // times as coarse where planes are only followed (chosen for time)
-constexpr int kTriples = 250;   // chosen: finds a plane with 6 % of the picture nearly surely
-constexpr double kSmallestPlane = 0.06;   // of the picture; tried on scenes with tables and walls
+constexpr int kLattice_px =
+    4;  // chosen for time, in pictures up to kUsualWidth_px; in larger ones as many points
+constexpr int kFollowed = 2;   // times as coarse where planes are only followed (chosen for time)
+constexpr int kTriples = 250;  // chosen: finds a plane with 6 % of the picture nearly surely
+constexpr double kSmallestPlane = 0.06;   // chosen, of the picture: tables and walls have it
 constexpr double kSmallestGround = 0.02;  // the same for a plane that is surely ground
 constexpr double kGroundSlope = 1.5;      // mm of depth per px; chosen: a wall seen askew has less
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What segmentation knows of the scene around the objects: noise of the depth and the planes things
-// stand on (segmentation notes, section 3.3). Works on working depth (view.hpp).
+// The planes that things stand on, found and followed in working depth: what lies on one or behind
+// it is no object's. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>

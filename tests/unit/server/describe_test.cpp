@@ -95,7 +95,7 @@ TEST(Describe, ALostObjectRestsWhereItWasSeenLast) {
   EXPECT_EQ(motionAt(history, 14).position_mm, Vec3::Zero());
 }
 
-TEST(MotionHistory, CellsThatStandAreNewOnesAndThoseOfTheFrameBeforeStay) {
+TEST(Describe, CellsThatStandAreNewOnesAndThoseOfTheFrameBeforeStay) {
   CellFlow measured;
   measured.columns = 2;
   measured.rows = 1;

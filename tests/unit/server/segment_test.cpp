@@ -242,6 +242,27 @@ TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
   EXPECT_LT(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 0.97);
 }
 
+TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
+  std::uint32_t id = 1;
+  test::BallScene scene;
+  scene.with_mask = false;
+  VisionSettings settings;
+  settings.object_points_px = {{100, 100}, {104, 100}};  // both are on the ball
+  RememberedStart start;
+  const FramePair frames = FramePairs(scene.info(), true).takeIn(scene.frame(0, 100, 100), 0.0);
+  const auto segmenter = makeSegmenter(settings, false, id, &start);
+  const std::vector<Segment> begun = segmenter->next(frames, {});
+  ASSERT_EQ(begun.size(), 2U);
+  const int area_px = cv::countNonZero(begun[1].mask);
+  ObjectFlow rests;
+  rests.stays = true;
+  (void)segmenter->next(frames, {{begun[0].id, rests}, {begun[1].id, rests}});
+  EXPECT_EQ(cv::countNonZero(begun[1].mask), area_px) << "what was handed out stays, too";
+  const std::vector<Segment> again = makeSegmenter(settings, false, id, &start)->next(frames, {});
+  ASSERT_EQ(again.size(), 2U);
+  EXPECT_EQ(cv::countNonZero(again[1].mask), area_px);
+}
+
 TEST(Segment, APointOfNotKeepsAnotherThingOfTheSameDepthOut) {
   // A red and a blue box side by side: one thing by depth, two by colour.
   RgbdFrame frame;
