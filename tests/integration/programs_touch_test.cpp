@@ -178,8 +178,8 @@ TEST_F(ProgramsTouchTest, AThesisClientSaysWhatItCannotSwitchOnAnotherServer) {
 }
 
 TEST_F(ProgramsTouchTest, TypingHandsOfThisRepositoryAreTouched) {
-  touchWith({"press"},
-            {"--source", HAPTICAST_TESTS "/data/typing_hands", "--object", "167,111", "--loop"});
+  const std::string clip = std::string(HAPTICAST_TESTS) + "/data/typing_hands";
+  touchWith({"press"}, {"--source", clip, "--object", "167,111", "--loop"});
 }
 
 struct RealClip {

@@ -57,8 +57,7 @@ Errors run(const Case& what, const Variant& variant, const TestSource& source,
   settings.compensate_pan = variant.compensate_pan;
   settings.segment = server::SegmentMode::kSource;
   const ThreadClock clock;
-  settings.clock = &clock;
-  server::Vision vision(source.info(), settings);
+  server::Vision vision(source.info(), settings, &clock);
   std::vector<server::VisionResult> results;
   Errors out;
   for (const server::RgbdFrame& frame : clip) {
