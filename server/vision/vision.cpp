@@ -107,7 +107,7 @@ class Vision::Impl {
     pending.result.frame.id = id;
     pending.result.frame.media_time = media_time;
     pending.result.color = frame.color;
-    describe(objects, pending.result.frame);
+    fillObjects(objects, pending.result.frame);
     motion_.add(id, time_s, objects);
     pending_.push_back(std::move(pending));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
@@ -140,7 +140,7 @@ class Vision::Impl {
   }
 
   // Into the frame go the reliefs of the objects, as many as a client takes.
-  void describe(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
+  void fillObjects(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
     for (const TrackedObject& object : objects) {
       for (HapticObject& layer :
            describeLayers(object, frame.id, last_objects_, tracker_->noise(), nominal(), settings_,
