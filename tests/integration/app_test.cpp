@@ -53,7 +53,7 @@ class AppTest : public ::testing::Test {
   /// An app whose one view calls `each_turn`.
   std::unique_ptr<client::App> appWith(std::function<bool()> each_turn) {
     client::Settings settings;
-    settings.server = {"127.0.0.1", server.listener.port()};
+    settings.server = {"127.0.0.1", server.port()};
     settings.device = "virtual";
     settings.quiet = true;
     client::Views views;
