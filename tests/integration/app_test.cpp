@@ -45,7 +45,7 @@ class RecordingView final : public client::View {
 
 class AppTest : public ::testing::Test {
  protected:
-  AppTest() : server(io, clock), network([this] { io.run(); }) {}
+  AppTest() : server(io, clock), network_([this] { io.run(); }) {}
   ~AppTest() override {
     asio::post(io, [this] { server.stop(); });
     work.reset();
@@ -75,7 +75,7 @@ class AppTest : public ::testing::Test {
 
  private:
   std::uint64_t last_id_ = 0;
-  std::jthread network;  // last: it uses everything above
+  std::jthread network_;  // last: it uses everything above
 };
 
 TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
