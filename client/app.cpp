@@ -86,7 +86,7 @@ ConnectionEvents App::connectionEvents() {
                 spdlog::info("{}", greeting(stream, settings_.method));
                 told_why_.clear();
               },
-          .video = [this](VideoFrame video) { show(std::move(video)); },
+          .video = [this](const VideoFrame& video) { show(video); },
           .disconnected = [this](const std::string& why) { sayOnce(why); },
           .failed =
               [this](const std::string& why) {
@@ -96,7 +96,7 @@ ConnectionEvents App::connectionEvents() {
               }};
 }
 
-void App::show(VideoFrame picture) {
+void App::show(const VideoFrame& picture) {
   const Workspace workspace = receiver_.stream().workspace;
   for (const auto& view : views_) view->takePicture(picture, workspace);
 }

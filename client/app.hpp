@@ -35,7 +35,7 @@ class App {
  private:
   [[nodiscard]] ConnectionEvents connectionEvents();
   // On the network's thread:
-  void show(VideoFrame picture);
+  void show(const VideoFrame& picture);
   void sayOnce(const std::string& why);
   // On the calling thread:
   void runEvents();
