@@ -23,7 +23,7 @@ bool is(const CLI::ParseError& error) {
 
 /// CLI11's complaint in words that name the flag or file and what is wrong with it.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
-  const std::string what = error.what();
+  std::string what = error.what();
   const std::string config = "--config " + app.get_config_ptr()->as<std::string>();
   if (is<ConfigFileError>(error)) return config + what;
   if (is<CLI::FileError>(error)) return config + ": cannot be read";

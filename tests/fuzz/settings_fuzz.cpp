@@ -45,7 +45,7 @@ void client(const std::string& text) {
   hapticast::client::Settings settings;
   if (!accepts(hapticast::client::commandLine(settings), text)) return;
   require(settings.seconds >= 0.0 && settings.seconds <= 1e8);
-  require(settings.device == "virtual" && settings.transport == "tcp");
+  require(settings.device == "virtual" && settings.transport == hapticast::client::Transport::kTcp);
   require(!settings.server.host.empty());
 }
 

@@ -45,7 +45,7 @@ class RecordingView final : public client::View {
 
 class AppTest : public ::testing::Test {
  protected:
-  AppTest() : server(io, clock), network([this] { io.run(); }) {}
+  AppTest() : server(io, clock), network_([this] { io.run(); }) {}
   ~AppTest() override {
     asio::post(io, [this] { server.stop(); });
     work.reset();
@@ -53,7 +53,7 @@ class AppTest : public ::testing::Test {
   /// An app whose one view calls `each_turn`.
   std::unique_ptr<client::App> appWith(std::function<bool()> each_turn) {
     client::Settings settings;
-    settings.server = {"127.0.0.1", server.listener.port()};
+    settings.server = {"127.0.0.1", server.port()};
     settings.device = "virtual";
     settings.quiet = true;
     client::Views views;
@@ -75,7 +75,7 @@ class AppTest : public ::testing::Test {
 
  private:
   std::uint64_t last_id_ = 0;
-  std::jthread network;  // last: it uses everything above
+  std::jthread network_;  // last: it uses everything above
 };
 
 TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {

@@ -58,9 +58,10 @@ TEST_F(MemoryChannelTest, AClientDialsAgainUntilItIsLetIn) {
 
 TEST_F(MemoryChannelTest, APayloadAboveTheLimitGetsItsErrorAndTheEnd) {
   TestServer server(io, clock);
-  auto [ours, theirs] = MemoryChannel::pair(io, kMaxMessageBytes);
-  theirs->setReadLimit(kMaxSmallMessageBytes);
-  server.broadcaster.accept(std::move(theirs));
+  auto ends = MemoryChannel::pair(io, kMaxMessageBytes);
+  const auto ours = std::move(ends.first);
+  ends.second->setReadLimit(kMaxSmallMessageBytes);
+  server.broadcaster.accept(std::move(ends.second));
   std::vector<ErrorCode> errors;
   bool ended = false;
   asio::co_spawn(

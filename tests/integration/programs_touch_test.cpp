@@ -71,7 +71,8 @@ class ProgramsTouchTest : public ProgramsTest {
     for (const auto& [key, value] : json.items()) {
       if (!value.is_object()) out[key] = value.dump();
       if (!value.is_object()) continue;
-      for (const auto& [inner, scalar] : value.items()) out[key + "." + inner] = scalar.dump();
+      for (const auto& [inner, scalar] : value.items())
+        out[std::string(key).append(".").append(inner)] = scalar.dump();
     }
     return out;
   }

@@ -67,9 +67,10 @@ class MemoryChannel final : public Channel {
       changed.expires_at(asio::steady_timer::time_point::max());
       co_await changed.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     }
-    void end() {
+    void end() noexcept {
       ended = true;
-      changed.cancel();
+      boost::system::error_code ec;
+      changed.cancel(ec);
     }
     std::deque<SharedBytes> waiting;
     bool ended = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The door for decoded frames into the 1 kHz loop: a fixed pool of slots, indices through two SPSC
-// rings. The receiver fills a slot and publishes it; the loop plays it and returns it; only the
-// receiver allocates or frees what a slot points to.
+// rings. The preparer fills a slot and publishes it; the loop plays it and returns it; only the
+// preparer allocates or frees what a slot points to.
 #pragma once
 
 #include <algorithm>
@@ -69,7 +69,7 @@ class FramePool {
   using Index = std::uint32_t;
   struct Slot {
     PlayFrame frame;
-    /// Keep alive what `frame` points to. Thread: receiver only.
+    /// Keep alive what `frame` points to. Thread: preparer only.
     std::array<std::shared_ptr<const HeightField>, kMaxObjects> fields;
     std::array<std::shared_ptr<const MotionGrid>, kMaxObjects> grids;
   };
@@ -78,7 +78,7 @@ class FramePool {
     for (Index i = 0; i < kSlots; ++i) (void)free_.tryPush(i);
   }
 
-  // --- receiver's side
+  // --- the preparer's side
   // -------------------------------------------------------------------------------
   /// A free slot to fill, or false when the loop holds them all (drop the frame and count it).
   [[nodiscard]] bool acquire(Index& index) noexcept { return free_.tryPop(index); }
@@ -94,8 +94,8 @@ class FramePool {
 
  private:
   std::array<Slot, kSlots> slots_;
-  SpscRing<Index, kSlots> filled_;  // receiver -> loop
-  SpscRing<Index, kSlots> free_;    // loop -> receiver
+  SpscRing<Index, kSlots> filled_;  // preparer -> loop
+  SpscRing<Index, kSlots> free_;    // loop -> preparer
 };
 
 }  // namespace hapticast::client

@@ -148,7 +148,7 @@ cv::Mat thesisHeight(const cv::Mat& height, const Surface& surface, double depth
 
 cv::Mat fittedHeight(const cv::Mat& height, const Surface& surface, double mm_per_depth,
                      double px_per_mm) {
-  const cv::Mat fitted = quadraticFit(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
+  cv::Mat fitted = quadraticFit(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
   if (!(surface.quantum_mm > 0)) return fitted;
   return withoutTerraces(fitted, height, surface, 0.5 * mm_per_depth * surface.quantum_mm,
                          px_per_mm);

@@ -19,7 +19,7 @@ std::vector<VisionResult> seeHands() {
   VisionSettings settings;
   settings.object_points_px = {kBackOfTheHand_px};
   Vision vision(source->info(), settings);
-  vision.scan(*source, [](std::uint64_t, std::uint64_t) {});
+  vision.scan(*source, [](std::uint64_t, std::uint64_t) { return true; });
   std::vector<VisionResult> results;
   while (const auto frame = source->read()) {
     if (auto result = vision.push(*frame, mediaTime(frame->clip_time_s)))
