@@ -122,8 +122,8 @@ bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double 
   return !(moved_mm + turned_rad * arm_mm <= Proxy::kJump_mm);
 }
 
-void ProxySurface::look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
-                        const Workspace& workspace, double elapsed_s) noexcept {
+void ProxySurface::followObject(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
+                                const Workspace& workspace, double elapsed_s) noexcept {
   const bool was_there = tied.tick + 1 == tick_;
   if (!was_there) {
     tied.relief = {};  // of another world, perhaps
@@ -162,13 +162,13 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
     const ObjectNow& object = scene.objects[i];
     if (!shows(object.before)) continue;
     if (Tied* const tied = known(keyOf(*object.before))) {
-      look(*tied, object, hip_mm, workspace, elapsed_s);
+      followObject(*tied, object, hip_mm, workspace, elapsed_s);
     } else {
       arrived[arrived_count++] = &object;
     }
   }
   for (std::size_t i = 0; i < arrived_count; ++i) {
-    look(unused(), *arrived[i], hip_mm, workspace, elapsed_s);
+    followObject(unused(), *arrived[i], hip_mm, workspace, elapsed_s);
   }
 }
 

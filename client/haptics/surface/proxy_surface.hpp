@@ -63,8 +63,8 @@ class ProxySurface {
   static bool poseJumped(const Tied& tied, const ObjectNow& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
-  void look(Tied& tied, const ObjectNow& object, const Vec3& hip_mm, const Workspace& workspace,
-            double elapsed_s) noexcept;
+  void followObject(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
+                    const Workspace& workspace, double elapsed_s) noexcept;
 
   std::array<Tied, kMaxObjects> tied_;
   std::array<Near, kMaxObjects> near_;

@@ -45,7 +45,7 @@ class Viewer {
     const std::size_t first = next_;
     while (next_ < frames.size() && frames[next_].time_s <= until_s + kInstant_s) {
       const std::vector<std::uint8_t>& bytes = *frames[next_++].message;
-      auto message = decode(std::span(bytes).subspan(kPrefixBytes));
+      auto message = decode(bytes);
       if (!message.ok())
         throw std::runtime_error("a frame cannot be read: " + stream_.description.name);
       receiver_.frame(std::get<HapticFrame>(std::move(message.value())));

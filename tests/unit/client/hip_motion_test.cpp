@@ -16,7 +16,7 @@ DeviceState stateAt(double t_s, double z_mm) {
   return state;
 }
 
-TEST(HipMotion, SteadyGainsAreThoseOfTheNotes) {
+TEST(HipMotion, SteadyGainsAreThePrototypes) {
   struct Row {
     double count_mm, k1, k2, k3;
   };
