@@ -19,8 +19,10 @@ using Json = nlohmann::json;
 Json objectIn(std::string_view text) {
   if (text.size() > kMaxMeta_bytes) return nullptr;
   bool too_deep = false;
-  const auto bounded = [&](int depth, Json::parse_event_t, Json&) {
-    too_deep = too_deep || depth > kMaxMetaDepth;
+  const auto bounded = [&](int depth, Json::parse_event_t event, Json&) {
+    const bool opens =
+        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+    too_deep = too_deep || (opens && depth >= kMaxMetaDepth);
     return !too_deep;
   };
   Json out = Json::parse(text.begin(), text.end(), bounded, /*allow_exceptions=*/false);

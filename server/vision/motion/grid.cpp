@@ -122,7 +122,10 @@ cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t fi
 
 CellFlow CellFlow::standing() const {
   CellFlow out = *this;
-  if (!step.empty()) out.step = cv::Mat::zeros(step.size(), step.type());
+  if (step.empty()) return out;
+  // An expression assigned to a Mat of the same size is written into it, so this is a new one.
+  const cv::Mat none = cv::Mat::zeros(step.size(), step.type());
+  out.step = none;
   return out;
 }
 

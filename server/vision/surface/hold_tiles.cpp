@@ -237,8 +237,8 @@ void HoldTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
 
 cv::Mat HoldTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
                          const RestNoise& noise, bool repeated) {
-  HoldImages now = seen;
-  now.gray = seen.gray / gainOf(held, seen);
+  const cv::Mat gray = seen.gray / gainOf(held, seen);
+  const HoldImages now{gray, seen.depth, seen.mask, seen.measured};
   const cv::Mat core = erodedBy(held.mask, kCore_px);
   std::vector<Reading> readings;
   for (int row = 0; row < rows_; ++row) {
