@@ -108,8 +108,8 @@ void App::sayOnce(const std::string& why) {
 }
 
 bool App::run() {
-  spdlog::info("connecting to {}:{} with a {}. Ctrl-C ends it.", settings_.server.host,
-               settings_.server.port, device_->description());
+  spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", toString(settings_.server),
+               device_->description());
   asio::signal_set signals(io_, SIGINT, SIGTERM);
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();

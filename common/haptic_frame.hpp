@@ -24,7 +24,10 @@ inline constexpr int kMaxHeight_px = 1080;
 inline constexpr std::size_t kMaxReliefPixels = std::size_t{2} * 1920 * 1080;
 inline constexpr int kGridCell_px = 16;  ///< cell of a MotionGrid
 /// Cells of a MotionGrid along so many pixels; the last one may reach beyond them.
-constexpr int gridCells(int px) { return (px + kGridCell_px - 1) / kGridCell_px; }
+template <class Integer>
+constexpr Integer gridCells(Integer px) {
+  return (px + Integer{kGridCell_px} - 1) / Integer{kGridCell_px};
+}
 
 /// Heights over a rectangle of the image, valid where the mask says so.
 struct Relief {

@@ -18,8 +18,7 @@ void forgetMotion(PlayObject& object) {
 
 /// Whether the grid's cells are those of this rectangle.
 bool covers(const MotionGrid& grid, const PixelRect& rect) {
-  const auto cells = [](int px) { return (px + kGridCell_px - 1) / kGridCell_px; };
-  return grid.columns == cells(rect.width) && grid.rows == cells(rect.height);
+  return grid.columns == gridCells(rect.width) && grid.rows == gridCells(rect.height);
 }
 
 /// What the loop sees of an object, except its field and grid.

@@ -120,13 +120,12 @@ std::vector<Eigen::Vector3f> vectors(const Floats& from, double limit, Check& ch
 
 std::shared_ptr<const MotionGrid> read(const proto::MotionGrid& from, const proto::Object& object,
                                        Check& check) {
-  const auto cells = [](unsigned px) { return (px + kGridCell_px - 1) / kGridCell_px; };
-  check.require(from.columns() >= 1 && from.columns() <= cells(kMaxWidth_px) && from.rows() >= 1 &&
-                    from.rows() <= cells(kMaxHeight_px),
+  check.require(from.columns() >= 1 && from.columns() <= gridCells(unsigned{kMaxWidth_px}) &&
+                    from.rows() >= 1 && from.rows() <= gridCells(unsigned{kMaxHeight_px}),
                 "a grid's size is out of range");
   if (object.has_relief()) {
-    check.require(from.columns() == cells(object.relief().width()) &&
-                      from.rows() == cells(object.relief().height()),
+    check.require(from.columns() == gridCells(object.relief().width()) &&
+                      from.rows() == gridCells(object.relief().height()),
                   "a grid does not cover its relief");
   }
   const auto values = 3ULL * from.columns() * from.rows();
