@@ -31,7 +31,7 @@ Json written(const RunResult& result) {
     }
     return true;
   };
-  const Json json = Json::parse(in, once);
+  Json json = Json::parse(in, once);
   std::remove(file.c_str());
   return json;
 }

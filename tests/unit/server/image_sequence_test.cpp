@@ -3,6 +3,7 @@
 // clips.
 #include "server/source/image_sequence.hpp"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -331,12 +332,12 @@ TEST(ClipMetaJson, IsReadAndRefused) {
   EXPECT_EQ(parseClipMeta(R"({"fps": "30", "depth": null})", "").fps, 30.0);
   EXPECT_EQ(parseClipMeta(R"({"depth_bits": 8, "depth": "16-bit"})", "").depth_bits, 8);
   EXPECT_EQ(parseClipMeta(R"({"depth_scale_m_per_unit": 0.001})", "").depth_bits, 16);
-  const std::string deep(kMaxMetaDepth, '[');
-  const std::string end(kMaxMetaDepth, ']');
+  const std::string deep = fmt::format("{{\"a\": {}{}}}", std::string(kMaxMetaDepth, '['),
+                                       std::string(kMaxMetaDepth, ']'));
+  const std::string large = fmt::format("{{\"a\": \"{}\"}}", std::string(kMaxMeta_bytes, 'x'));
   for (const std::string& bad : std::vector<std::string>{
            "", "[]", "null", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}", "{\"a",
-           "{\"a\": \"\\u12", "{\"a\": \"\xff\"}", "{\"a\": 1e999}", "{\"a\": " + deep + end + "}",
-           "{\"a\": \"" + std::string(kMaxMeta_bytes, 'x') + "\"}"}) {
+           "{\"a\": \"\\u12", "{\"a\": \"\xff\"}", "{\"a\": 1e999}", deep, large}) {
     EXPECT_THROW((void)parseClipMeta(bad, "meta.json"), SourceError) << bad.substr(0, 60);
   }
   EXPECT_THROW((void)parseClipMeta(R"({"fps": [25]})", ""), SourceError);
