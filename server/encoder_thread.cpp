@@ -61,10 +61,9 @@ void EncoderThread::run() {
 }
 
 void EncoderThread::encode(Job job) {
-  if (!described_anything_ || job.description != described_) {
-    described_anything_ = true;
+  if (described_ != job.description) {
     described_ = std::move(job.description);
-    for (StreamSink* sink : sinks_) sink->describe(described_);
+    for (StreamSink* sink : sinks_) sink->describe(*described_);
   }
   VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
   const EncodedFrame frame = encoder_.encode(std::move(job.result.frame));

@@ -7,6 +7,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -40,9 +41,8 @@ class EncoderThread {
   void stop() noexcept;
 
   std::vector<StreamSink*> sinks_;
-  FrameEncoder encoder_;             // by the thread
-  StreamDescription described_;      // by the thread
-  bool described_anything_ = false;  // by the thread
+  FrameEncoder encoder_;                        // by the thread
+  std::optional<StreamDescription> described_;  // by the thread
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Job> jobs_;        // under the mutex

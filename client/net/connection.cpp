@@ -117,8 +117,7 @@ asio::awaitable<void> Connection::watch(ConversationPtr talk) {
 }
 
 asio::awaitable<bool> Connection::send(ConversationPtr talk, Message message) {
-  co_return co_await talk->channel->write(
-      std::make_shared<const std::vector<std::uint8_t>>(encode(message)));
+  co_return co_await talk->channel->write(encodeShared(message));
 }
 
 asio::awaitable<void> Connection::ping(ConversationPtr talk) {

@@ -174,4 +174,8 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
+SharedBytes encodeShared(const Message& message) {
+  return std::make_shared<const std::vector<std::uint8_t>>(encode(message));
+}
+
 }  // namespace hapticast

@@ -12,6 +12,7 @@
 #include "common/haptic_frame.hpp"
 #include "common/result.hpp"
 #include "common/wire/error.hpp"
+#include "common/wire/framing.hpp"
 
 namespace hapticast {
 
@@ -54,6 +55,9 @@ using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, Hapt
 /// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
 /// Heights are rounded to the 16-bit values of Relief (error at most half their scale).
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
+
+/// The same, to be shared by all who send them.
+[[nodiscard]] SharedBytes encodeShared(const Message& message);
 
 /// Never throws on bad bytes; limits are checked before anything is allocated by content.
 [[nodiscard]] Result<Message, WireError> decode(std::span<const std::uint8_t> bytes);

@@ -50,7 +50,7 @@ void Broadcaster::describe(const StreamDescription& description) {
       last_frame_.reset();
       last_video_.reset();
     }
-    const auto payload = std::make_shared<const std::vector<std::uint8_t>>(encode(description_));
+    const SharedBytes payload = encodeShared(description_);
     for (const auto& session : sessions_) session->describe(payload, other_picture);
   });
 }

@@ -10,16 +10,12 @@ namespace {
 // The protocol's promise: a viewer who lost a relief has it again within a second.
 constexpr Duration kRepeatReliefs = std::chrono::seconds(1);
 
-SharedBytes shared(const Message& message) {
-  return std::make_shared<const std::vector<std::uint8_t>>(hapticast::encode(message));
-}
-
 }  // namespace
 
 SharedBytes WholeFrame::payload() {
   const std::lock_guard lock(mutex_);
   if (!payload_) {
-    payload_ = shared(std::move(*frame_));
+    payload_ = encodeShared(std::move(*frame_));
     frame_.reset();
   }
   return payload_;
@@ -39,7 +35,7 @@ EncodedFrame FrameEncoder::encode(HapticFrame frame) {
   }
   if (!left_out) last_whole_ = frame.media_time;
   epoch_ = frame.epoch;
-  encoded.lean = shared(std::move(lean));
+  encoded.lean = encodeShared(std::move(lean));
   encoded.whole = left_out ? std::make_shared<WholeFrame>(std::move(frame))
                            : std::make_shared<WholeFrame>(encoded.lean);
   return encoded;
@@ -47,7 +43,7 @@ EncodedFrame FrameEncoder::encode(HapticFrame frame) {
 
 EncodedVideo encodeVideo(VideoFrame video) {
   EncodedVideo encoded{video.id, video.media_time, nullptr};
-  encoded.payload = shared(std::move(video));
+  encoded.payload = encodeShared(std::move(video));
   return encoded;
 }
 

@@ -14,10 +14,6 @@ namespace {
 // that the peer can read why it was refused.
 constexpr std::size_t kMaxDrainBytes = 1U << 20U;
 
-SharedBytes payloadOf(const Message& message) {
-  return std::make_shared<const std::vector<std::uint8_t>>(encode(message));
-}
-
 }  // namespace
 
 Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
@@ -68,7 +64,7 @@ void Session::close(const WireError& why) {
   if (closing_since_) return;
   queue_.clear();
   pongs_.clear();
-  (void)queue_.pushControl(payloadOf(why));  // the queue was just emptied
+  (void)queue_.pushControl(encodeShared(why));  // the queue was just emptied
   host_.ending(*this, why);
   closing_since_ = host_.clock().now();
   wake_.cancel();
@@ -142,7 +138,7 @@ void Session::handle(const Hello& hello) {
   if (const auto refusal = host_.refuse(hello)) return close(*refusal);
   hello_ = hello;
   const Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
-  (void)queue_.pushControl(payloadOf(welcome));  // the first message
+  (void)queue_.pushControl(encodeShared(welcome));  // the first message
   host_.joined(*this);
   wake_.cancel();
 }
@@ -170,7 +166,7 @@ SharedBytes Session::nextPayload() {
   Pong pong = pongs_.front();
   pongs_.pop_front();
   pong.t2 = host_.mediaClock().now();
-  return payloadOf(pong);
+  return encodeShared(pong);
 }
 
 asio::awaitable<void> Session::writeAll() {

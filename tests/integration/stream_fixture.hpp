@@ -13,6 +13,7 @@
 #include "client/net/connection.hpp"
 #include "common/wire/asio.hpp"
 #include "server/stream/listener.hpp"
+#include "tests/support/flat_relief.hpp"
 #include "tests/support/framed.hpp"
 
 namespace hapticast::testing {
@@ -39,15 +40,11 @@ struct TestServer {
   /// Publishes a frame with one object whose relief is `side` x `side` px and changes in every
   /// frame or never.
   void publish(std::uint64_t id, int side = 8, bool changes = true) {
-    auto relief = std::make_shared<Relief>();
-    relief->rect = {0, 0, side, side};
-    const auto pixels = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
-    relief->height_mm.assign(pixels, 5.0F);
-    relief->mask.assign(pixels, 1);
     HapticFrame frame;
     frame.id = id;
     frame.media_time = media.now();
-    frame.objects.push_back({1, 0, changes ? id : 1, relief, {}, nullptr, {}, {}});
+    frame.objects.push_back(
+        {1, 0, changes ? id : 1, flatRelief({0, 0, side, side}), {}, nullptr, {}, {}});
     broadcaster.publish(encoder.encode(frame));
   }
 

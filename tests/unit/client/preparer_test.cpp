@@ -8,19 +8,11 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
 
 namespace hapticast::client {
 namespace {
-
-std::shared_ptr<Relief> flatRelief(PixelRect rect, float height_mm = 5.0F) {
-  auto relief = std::make_shared<Relief>();
-  relief->rect = rect;
-  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
-  relief->height_mm.assign(pixels, height_mm);
-  relief->mask.assign(pixels, 1);
-  return relief;
-}
 
 AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief) {
   AssembledFrame assembled;

@@ -6,20 +6,13 @@
 
 #include <memory>
 
+#include "tests/support/flat_relief.hpp"
+
 namespace hapticast::client {
 namespace {
 
 constexpr double kOffset_s = 500.0;  // media clock - local clock
 constexpr double kLatency_s = 0.1;   // pipeline
-
-std::shared_ptr<Relief> relief(PixelRect rect, float height_mm = 5.0F) {
-  auto relief = std::make_shared<Relief>();
-  relief->rect = rect;
-  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
-  relief->height_mm.assign(pixels, height_mm);
-  relief->mask.assign(pixels, 1);
-  return relief;
-}
 
 class ReceiverTest : public ::testing::Test {
  protected:
@@ -95,7 +88,7 @@ TEST_F(ReceiverTest, IsConnectedOnceStreamAndClockAreKnown) {
 
 TEST_F(ReceiverTest, HandsFramesToTheLoop) {
   receiver.connected(description, localTime(1));
-  HapticFrame sent = frame(1, relief({10, 20, 40, 30}));
+  HapticFrame sent = frame(1, flatRelief({10, 20, 40, 30}));
   sent.objects[0].layer = 2;
   sent.objects[0].motion.velocity_mm_s = {1, 2, 3};
   sent.objects[0].impacts = {{mediaTime(9), {0, 1, 0}}};
@@ -122,7 +115,7 @@ TEST_F(ReceiverTest, HandsFramesToTheLoop) {
 
 TEST_F(ReceiverTest, AMotionOfQualityZeroIsNone) {
   receiver.connected(description, localTime(1));
-  HapticFrame sent = frame(1, relief({10, 20, 40, 30}));
+  HapticFrame sent = frame(1, flatRelief({10, 20, 40, 30}));
   sent.objects[0].motion.position_mm = {4, 5, 6};
   sent.objects[0].motion.velocity_mm_s = {1, 2, 3};
   sent.objects[0].motion.acceleration_mm_s2 = {1, 2, 3};
@@ -143,10 +136,10 @@ TEST_F(ReceiverTest, AMotionOfQualityZeroIsNone) {
 
 TEST_F(ReceiverTest, UnchangedReliefsShareTheFieldPreparedBefore) {
   receiver.connected(description, localTime(1));
-  arrive(frame(1, relief({0, 0, 40, 30})));
+  arrive(frame(1, flatRelief({0, 0, 40, 30})));
   arrive(frame(2));
-  arrive(frame(3, relief({0, 0, 40, 30})));     // repeated for who joined
-  arrive(frame(4, relief({0, 0, 20, 20}), 4));  // changed
+  arrive(frame(3, flatRelief({0, 0, 40, 30})));     // repeated for who joined
+  arrive(frame(4, flatRelief({0, 0, 20, 20}), 4));  // changed
   arrive(frame(5, nullptr, 4));
   const HeightField* const first = take()->objects[0].field;
   EXPECT_EQ(take()->objects[0].field, first);
@@ -159,7 +152,7 @@ TEST_F(ReceiverTest, UnchangedReliefsShareTheFieldPreparedBefore) {
 TEST_F(ReceiverTest, AnUnchangedReliefThatNeverCameIsAnObjectWithoutField) {
   receiver.connected(description, localTime(1));
   arrive(frame(1));
-  arrive(frame(2, relief({0, 0, 8, 8})));
+  arrive(frame(2, flatRelief({0, 0, 8, 8})));
   arrive(frame(3, nullptr, 3));  // changed in a frame that was lost
   EXPECT_EQ(take()->objects[0].field, nullptr);
   EXPECT_NE(take()->objects[0].field, nullptr);
@@ -169,9 +162,9 @@ TEST_F(ReceiverTest, AnUnchangedReliefThatNeverCameIsAnObjectWithoutField) {
 
 TEST_F(ReceiverTest, RejectsReliefsOutsideTheAnnouncedPicture) {
   receiver.connected(description, localTime(1));
-  arrive(frame(1, relief({300, 0, 21, 8})));
-  arrive(frame(2, relief({0, 0, 8, 8}, 40.0F), 2));  // higher than the workspace
-  arrive(frame(3, relief({300, 232, 20, 8}), 3));
+  arrive(frame(1, flatRelief({300, 0, 21, 8})));
+  arrive(frame(2, flatRelief({0, 0, 8, 8}, 40.0F), 2));  // higher than the workspace
+  arrive(frame(3, flatRelief({300, 232, 20, 8}), 3));
   EXPECT_EQ(take()->objects[0].field, nullptr);
   EXPECT_EQ(take()->objects[0].field, nullptr);
   EXPECT_NE(take()->objects[0].field, nullptr);
@@ -185,13 +178,13 @@ TEST_F(ReceiverTest, CarriesGridsThatCoverTheirRelief) {
   grid->rows = 2;     // 30 px
   grid->velocity_mm_s.resize(6, Eigen::Vector3f::UnitX());
   grid->acceleration_mm_s2.resize(6, Eigen::Vector3f::Zero());
-  HapticFrame good = frame(1, relief({0, 0, 40, 30}));
+  HapticFrame good = frame(1, flatRelief({0, 0, 40, 30}));
   good.objects[0].grid = grid;
   arrive(good);
   HapticFrame lean = frame(2);
   lean.objects[0].grid = grid;
   arrive(lean);
-  HapticFrame other = frame(3, relief({0, 0, 60, 30}), 3);
+  HapticFrame other = frame(3, flatRelief({0, 0, 60, 30}), 3);
   other.objects[0].grid = grid;
   arrive(other);
   EXPECT_EQ(take()->objects[0].grid, grid.get());
@@ -230,7 +223,7 @@ TEST_F(ReceiverTest, EpochsNeverRepeat) {
 TEST_F(ReceiverTest, CountsWhatDoesNotFitThePoolAndGoesOn) {
   receiver.connected(description, localTime(1));
   for (std::uint64_t id = 1; id <= FramePool::kSlots; ++id) arrive(frame(id));
-  arrive(frame(FramePool::kSlots + 1, relief({0, 0, 8, 8}), FramePool::kSlots + 1));
+  arrive(frame(FramePool::kSlots + 1, flatRelief({0, 0, 8, 8}), FramePool::kSlots + 1));
   EXPECT_EQ(receiver.counts().no_slot, 1U);
   while (take() != nullptr) {
   }
