@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/source/playback.hpp"
+#include "server/stream/file_limit.hpp"
 
 namespace hapticast::server {
 
@@ -17,15 +18,21 @@ namespace {
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 
+SourceInfo infoOf(const RgbdSource& source, const std::string& name) {
+  SourceInfo info = source.info();
+  if (!name.empty()) info.name = name;
+  return info;
+}
+
 }  // namespace
 
 App::App(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(source_->info(), settings_.vision, &clock),
+      vision_(infoOf(*source_, settings_.name), settings_.vision, &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
-                   StreamSettings{.max_clients = settings_.max_clients}),
+                   StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {}
 
 void App::run() {
@@ -33,6 +40,7 @@ void App::run() {
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();
   });
+  spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
   std::jthread network([this] { io_.run(); });
   const auto end = [&] {
     listener_.stop();
@@ -65,8 +73,8 @@ void App::scan() {
 
 void App::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
-  spdlog::info("listening on {}; streaming {} ({} x {}, {:g} frames/s). Ctrl-C ends it.",
-               toString(listener_.address()), info.name, info.width_px, info.height_px, info.fps);
+  spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
+               info.height_px, info.fps);
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
@@ -97,7 +105,9 @@ void App::publish(VisionResult result, EncoderThread& encoder) {
 
 void App::sayWhatWasSkipped(const Pacer& pacer) {
   const MediaTime now = media_clock_.now();
-  if (pacer.skipped() == told_skipped_ || now - told_at_ < std::chrono::seconds(1)) return;
+  // At once where it begins, then once a minute with the sum.
+  const Duration pause = told_skipped_ == 0 ? std::chrono::seconds(1) : std::chrono::minutes(1);
+  if (pacer.skipped() == told_skipped_ || now - told_at_ < pause) return;
   spdlog::warn("too slow for {:g} frames/s: {} frames skipped so far", source_->info().fps,
                pacer.skipped());
   told_skipped_ = pacer.skipped();

@@ -5,10 +5,14 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace hapticast::server {
 
 namespace {
+
+// Chosen: more than the objects of a loop's round have.
+constexpr std::size_t kMostBuried = 256;
 
 bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
   return std::equal(
@@ -31,14 +35,32 @@ void tellLine(std::uint32_t id, const PlanLine& line) {
 }  // namespace
 
 void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans, MediaTime now) {
-  std::erase_if(told_, [&](const auto& each) { return !plans.contains(each.first); });
+  for (auto each = told_.begin(); each != told_.end();) {
+    if (plans.contains(each->first)) {
+      ++each;
+    } else {
+      bury(std::move(each->second));
+      each = told_.erase(each);
+    }
+  }
   for (const auto& [id, lines] : plans) {
     ToldPlan& told = told_[id];
     const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
     if (too_soon || sameDecisions(lines, told.lines)) continue;
-    told = {lines, now};
+    told.lines = lines;
+    const bool known = std::any_of(buried_.begin(), buried_.end(), [&](const Lines& before) {
+      return sameDecisions(lines, before);
+    });
+    if (known) continue;
+    told.at = now;
+    told.all.push_back(lines);
     for (const PlanLine& line : lines) tellLine(id, line);
   }
+}
+
+void PlanTeller::bury(ToldPlan plan) {
+  for (Lines& lines : plan.all) buried_.push_back(std::move(lines));
+  while (buried_.size() > kMostBuried) buried_.pop_front();
 }
 
 }  // namespace hapticast::server

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <vector>
 
@@ -14,15 +15,21 @@ namespace hapticast::server {
 class PlanTeller {
  public:
   /// Tells the plans that have changed, by object id; one object's at most once a second, because a
-  /// change that is taken back at once is not worth a line. Objects that are gone are forgotten.
+  /// change that is taken back at once is not worth a line. What was told of an object that is gone
+  /// is not told again of its successors: a clip that loops has new ones every round.
   void tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans, MediaTime now);
 
  private:
+  using Lines = std::vector<PlanLine>;
   struct ToldPlan {
-    std::vector<PlanLine> lines;
+    Lines lines;  // the newest
     MediaTime at;
+    std::vector<Lines> all;  // that were told of it
   };
+  void bury(ToldPlan plan);
+
   std::map<std::uint32_t, ToldPlan> told_;  // by object id
+  std::deque<Lines> buried_;                // of objects that are gone, oldest first
 };
 
 }  // namespace hapticast::server

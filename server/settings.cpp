@@ -8,6 +8,7 @@
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/version.hpp"
+#include "common/wire/limits.hpp"
 
 namespace hapticast::server {
 
@@ -147,6 +148,20 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "dense grid, stretched");
 }
 
+void addName(CLI::App& app, std::string& name) {
+  const auto set = [&name](const std::string& text) {
+    if (text.empty() || text.size() > limits::kStreamName) {
+      throw CLI::ValidationError("--name", "has " + std::to_string(text.size()) +
+                                               " bytes; allowed is a text of 1 to " +
+                                               std::to_string(limits::kStreamName));
+    }
+    name = text;
+  };
+  app.add_option_function<std::string>(
+         "--name", set, "What viewers see as the stream's name; default: the folder's or file's")
+      ->type_name("TEXT");
+}
+
 /// The author's say on what is touched.
 void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
@@ -174,6 +189,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       ->type_name("ADDR[:PORT]");
   addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N", "More are turned away with a message; default: 64");
+  addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
   app->add_flag("--explain", settings.explain,

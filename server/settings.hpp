@@ -21,6 +21,7 @@ struct Settings {
   std::uint64_t frames = 0;  ///< stop after so many; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};
   std::size_t max_clients = 64;
+  std::string name;  ///< what viewers see; empty: the source's own
   VisionSettings vision;
   bool explain = false;
   bool quiet = false;

@@ -37,8 +37,14 @@ class Channel {
   virtual asio::awaitable<void> drain(std::size_t most_bytes) = 0;
   /// Tells the peer that nothing more will be written.
   virtual void finishWriting() noexcept = 0;
-  /// Ends the connection at once; what waits in read() and write() comes back.
+  /// Whether the peer's side has taken all that was written: then close() leaves nothing behind.
+  [[nodiscard]] virtual bool delivered() noexcept = 0;
+  /// Ends the connection; what waits in read() and write() comes back. What was written still
+  /// travels, for as long as the peer takes.
   virtual void close() noexcept = 0;
+  /// Ends the connection and forgets what the peer has not taken: who does not read would keep it
+  /// in the system's memory for minutes.
+  virtual void abort() noexcept = 0;
 
   /// The longest payload that read() takes from now on.
   void setReadLimit(std::size_t bytes) { read_limit_bytes_ = bytes; }

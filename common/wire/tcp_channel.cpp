@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "common/wire/tcp_channel.hpp"
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
 #include <utility>
+
+#include "common/endpoint.hpp"
 
 namespace hapticast {
 
@@ -14,7 +19,12 @@ constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
 std::string addressOf(const asio::ip::tcp::socket& socket) {
   boost::system::error_code ec;
   const auto endpoint = socket.remote_endpoint(ec);
-  return ec ? "?" : endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
+  if (ec) return "?";
+  auto address = endpoint.address();
+  if (address.is_v6() && address.to_v6().is_v4_mapped()) {  // of a listener for both versions
+    address = asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
+  }
+  return toString(Endpoint{address.to_string(), endpoint.port()});
 }
 
 }  // namespace
@@ -77,9 +87,20 @@ void TcpChannel::finishWriting() noexcept {
   socket_.shutdown(asio::socket_base::shutdown_send, ignored);
 }
 
+bool TcpChannel::delivered() noexcept {
+  int unacknowledged = 0;
+  return ::ioctl(socket_.native_handle(), SIOCOUTQ, &unacknowledged) != 0 || unacknowledged == 0;
+}
+
 void TcpChannel::close() noexcept {
   boost::system::error_code ignored;
   socket_.close(ignored);
+}
+
+void TcpChannel::abort() noexcept {
+  boost::system::error_code ignored;
+  socket_.set_option(asio::socket_base::linger(true, 0), ignored);
+  close();
 }
 
 }  // namespace hapticast

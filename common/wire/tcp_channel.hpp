@@ -18,7 +18,9 @@ class TcpChannel final : public Channel {
   asio::awaitable<bool> write(SharedBytes payload) override;
   asio::awaitable<void> drain(std::size_t most_bytes) override;
   void finishWriting() noexcept override;
+  bool delivered() noexcept override;
   void close() noexcept override;
+  void abort() noexcept override;
 
  private:
   /// Reads once into chunk_; 0 bytes when the connection has ended.

@@ -40,7 +40,7 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
   }
   format_ = formatOf(first.depth, files_);
-  info_.name = folder.string();
+  info_.name = nameOf(folder);
   info_.width_px = color.image.cols;
   info_.height_px = color.image.rows;
   info_.fps = fps > 0.0 ? fps : files_.fps;

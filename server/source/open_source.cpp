@@ -68,6 +68,12 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
 
 }  // namespace
 
+std::string nameOf(const fs::path& path) {
+  std::error_code error;
+  const fs::path whole = fs::canonical(path, error);  // "." and "clip/" have names, too
+  return (error ? path : whole).filename().string();
+}
+
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps) {
   if (fps != 0.0 && !(fps >= 1.0 && fps <= 240.0)) {
     throw SourceError("frame rate " + std::to_string(fps) + ": allowed is 1 to 240 per second");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -20,7 +21,7 @@ enum class DepthKind : std::uint8_t {
 };
 
 struct SourceInfo {
-  std::string name;  ///< for people
+  std::string name;  ///< for people, also at the viewers' end: no path
   int width_px = 0;
   int height_px = 0;
   double fps = 25.0;
@@ -62,6 +63,9 @@ class RgbdSource {
   /// Back to the first frame (epoch + 1). Throws SourceError on a live source.
   virtual void rewind() = 0;
 };
+
+/// The last part of a path, which is all that viewers need to know of it.
+std::string nameOf(const std::filesystem::path& path);
 
 /// Opens what --source names: synthetic:NAME, DIR, COLOR,DEPTH or camera:N[,M]. `fps` > 0 overrides
 /// the source's own rate. Throws SourceError.

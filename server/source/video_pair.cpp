@@ -114,7 +114,7 @@ VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
                       " frames, but the colour video has " + std::to_string(std::llround(colors)) +
                       "; cut both to the same frames");
   }
-  info_.name = color_file_;
+  info_.name = nameOf(color_file_);
   info_.width_px = color.cols;
   info_.height_px = color.rows;
   info_.fps = fps > 0.0 ? fps : rateOf(color_);

@@ -4,14 +4,15 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
-#include <vector>
 
 namespace hapticast::server {
 
 namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr auto kSummaryEvery = std::chrono::seconds(1);
+constexpr const char* kServerEnds = "the server ends";
 }  // namespace
 
 Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
@@ -27,17 +28,24 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       io_, [this] { return watch(); }, asio::detached);
 }
 
+template <class Encoded>
+void Broadcaster::sendAll(const Encoded& encoded) {
+  for (const auto& viewer : viewers_) viewer->send(encoded);
+  // Whoever comes last has it some milliseconds later: not always the same one.
+  if (!viewers_.empty()) std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
+}
+
 void Broadcaster::publish(EncodedFrame frame) {
   asio::post(io_, [this, frame = std::move(frame)] {
     last_frame_ = frame;
-    for (const auto& session : sessions_) session->send(frame);
+    sendAll(frame);
   });
 }
 
 void Broadcaster::publish(EncodedVideo video) {
   asio::post(io_, [this, video = std::move(video)] {
     last_video_ = video;
-    for (const auto& session : sessions_) session->send(video);
+    sendAll(video);
   });
 }
 
@@ -51,30 +59,45 @@ void Broadcaster::describe(const StreamDescription& description) {
       last_video_.reset();
     }
     const SharedBytes payload = encodeShared(description_);
-    for (const auto& session : sessions_) session->describe(payload, other_picture);
+    for (const auto& viewer : viewers_) viewer->describe(payload, other_picture);
   });
 }
 
 void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;
-    for (const auto& session : sessions_) {
-      session->close({ErrorCode::kShuttingDown, "the server ends"});
+    const Sessions strangers = strangers_, viewers = viewers_;  // closing moves them
+    for (const Sessions* each : {&strangers, &viewers}) {
+      for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
     }
     timer_.cancel();
   });
 }
 
 void Broadcaster::accept(std::unique_ptr<Channel> channel) {
-  if (sessions_.size() >= settings_.max_clients + kStrangers) {
-    ++counts_.refused;
-    return;  // which closes it
-  }
-  auto session = std::make_shared<Session>(io_, std::move(channel),
-                                           static_cast<SessionHost&>(*this), ++last_session_id_);
-  sessions_.insert(session);
+  const auto session = std::make_shared<Session>(
+      io_, std::move(channel), static_cast<SessionHost&>(*this), ++last_session_id_);
   session->start();
-  if (stopped_) session->close({ErrorCode::kShuttingDown, "the server ends"});
+  addStranger(session);
+  if (stopped_) session->close({ErrorCode::kShuttingDown, kServerEnds});
+}
+
+void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
+  strangers_.push_back(session);
+  if (strangers_.size() <= kMaxStrangers || stopped_) return;  // at the end all hear a goodbye
+  const std::shared_ptr<Session> who = whoHasToGo();
+  ++counts_.refused;
+  say(spdlog::level::warn, "too many connections without a hello: closing " + who->label());
+  who->abort();
+}
+
+std::shared_ptr<Session> Broadcaster::whoHasToGo() const {
+  std::map<std::string, std::size_t> from;
+  for (const auto& each : strangers_) ++from[each->address()];
+  const auto most = std::max_element(
+      from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return *std::find_if(strangers_.begin(), strangers_.end(),
+                       [&](const auto& each) { return each->address() == most->first; });
 }
 
 std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
@@ -83,62 +106,74 @@ std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
                                               std::to_string(kProtocolVersion) + ", the client " +
                                               std::to_string(hello.protocol_version)};
   }
-  const auto clients = static_cast<std::size_t>(std::count_if(
-      sessions_.begin(), sessions_.end(), [](const auto& each) { return each->welcomed(); }));
-  if (clients < settings_.max_clients) return std::nullopt;
+  if (viewers_.size() < settings_.max_clients) return std::nullopt;
   return WireError{ErrorCode::kServerFull,
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
 }
 
 void Broadcaster::joined(Session& session) {
+  const auto self = session.shared_from_this();
+  std::erase(strangers_, self);
+  viewers_.push_back(self);
   ++counts_.welcomed;
-  countViewers();
+  countVideoViewers();
   if (last_frame_) session.send(*last_frame_);
   if (last_video_) session.send(*last_video_);
-  spdlog::info("{} joined", session.label());
+  say(spdlog::level::info, session.label() + " joined");
 }
 
-void Broadcaster::ending(Session& session, const WireError& why) {
-  if (why.code == ErrorCode::kShuttingDown) return;
-  ++(why.code == ErrorCode::kTimeout ? counts_.timed_out : counts_.refused);
+void Broadcaster::ending(const std::shared_ptr<Session>& session,
+                         const std::optional<WireError>& why) {
+  const bool was_viewer = std::erase(viewers_, session) > 0;
+  std::erase(strangers_, session);
+  countVideoViewers();
+  addStranger(session);
+  if (!why) {
+    if (was_viewer) say(spdlog::level::info, session->label() + " left");
+  } else if (why->code != ErrorCode::kShuttingDown) {
+    ++(why->code == ErrorCode::kTimeout ? counts_.timed_out : counts_.refused);
+    say(spdlog::level::warn, "closing " + session->label() + ": " + why->message);
+  }
+}
+
+void Broadcaster::gone(const std::shared_ptr<Session>& session) {
+  if (std::erase(strangers_, session) == 0) return;
+  counts_.sent += session->counts();
+  if (stopped_ && viewers_.empty() && strangers_.empty()) timer_.cancel();
+}
+
+void Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
   if (!log_limit_.allow(clock_.now())) return;
   const std::uint64_t hidden = log_limit_.takeSuppressed();
-  spdlog::warn("closing {}: {}{}", session.label(), why.message,
-               hidden > 0 ? " (and " + std::to_string(hidden) + " others, not shown)" : "");
+  spdlog::log(level, "{}{}", line,
+              hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
 }
 
-void Broadcaster::left(const std::shared_ptr<Session>& session) {
-  if (sessions_.erase(session) == 0) return;
-  counts_.sent += session->counts();
-  countViewers();
-  if (session->welcomed()) spdlog::info("{} left", session->label());
-  if (stopped_ && sessions_.empty()) timer_.cancel();
-}
-
-void Broadcaster::countViewers() {
-  const auto viewers = std::count_if(sessions_.begin(), sessions_.end(),
+void Broadcaster::countVideoViewers() {
+  const auto viewers = std::count_if(viewers_.begin(), viewers_.end(),
                                      [](const auto& each) { return each->wantsVideo(); });
   video_viewers_.store(static_cast<std::size_t>(viewers), std::memory_order_relaxed);
 }
 
 StreamCounts Broadcaster::counts() const {
   StreamCounts counts = counts_;
-  for (const auto& session : sessions_) {
-    counts.clients += session->welcomed() ? 1 : 0;
-    counts.sent += session->counts();
+  counts.clients = viewers_.size();
+  for (const Sessions* each : {&strangers_, &viewers_}) {
+    for (const auto& session : *each) counts.sent += session->counts();
   }
   return counts;
 }
 
 asio::awaitable<void> Broadcaster::watch() {
-  while (!stopped_ || !sessions_.empty()) {
+  while (!stopped_ || !viewers_.empty() || !strangers_.empty()) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     const LocalTime now = clock_.now();
-    // A check may end a session and take it out of the set.
-    const std::vector<std::shared_ptr<Session>> sessions(sessions_.begin(), sessions_.end());
-    for (const auto& session : sessions) session->check(now);
+    const Sessions strangers = strangers_, viewers = viewers_;  // a check may end one
+    for (const Sessions* each : {&strangers, &viewers}) {
+      for (const auto& session : *each) session->check(now);
+    }
     if (now - last_summary_ >= kSummaryEvery) summarize(now);
   }
 }
@@ -147,11 +182,12 @@ void Broadcaster::summarize(LocalTime now) {
   last_summary_ = now;
   const StreamCounts all = counts();
   if (all.sent.dropped() > summarized_.dropped()) {
-    spdlog::warn(
-        "slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; {} clients",
-        all.sent.frames_dropped_full - summarized_.frames_dropped_full,
-        all.sent.frames_dropped_old - summarized_.frames_dropped_old,
-        all.sent.videos_dropped - summarized_.videos_dropped, all.clients);
+    say(spdlog::level::warn,
+        fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
+                    "{} viewers",
+                    all.sent.frames_dropped_full - summarized_.frames_dropped_full,
+                    all.sent.frames_dropped_old - summarized_.frames_dropped_old,
+                    all.sent.videos_dropped - summarized_.videos_dropped, all.clients));
   }
   summarized_ = all.sent;
 }

@@ -3,11 +3,15 @@
 // another. Takes bytes, wherever they come from. Thread: io, except where a function says "any".
 #pragma once
 
+#include <spdlog/common.h>
+
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/wire/asio.hpp"
 #include "common/wire/messages.hpp"
@@ -21,6 +25,10 @@ namespace hapticast::server {
 
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
+  /// Connections beside the viewers' that are kept at a time: those that have not said hello yet,
+  /// and those that are being closed. Chosen: more than a healthy stream ever has.
+  static constexpr std::size_t kMaxStrangers = 32;
+
   /// Everything runs on `io`, which one thread runs; that thread ends before the Broadcaster does.
   /// The clocks outlive it.
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
@@ -42,6 +50,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
 
   /// Takes over a fresh connection.
   void accept(std::unique_ptr<Channel> channel);
+  /// Writes a line to the log unless there were too many of late: whatever strangers on the port
+  /// do, it stays readable.
+  void say(spdlog::level::level_enum level, std::string_view line);
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
 
@@ -51,13 +62,22 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] const StreamDescription& description() const override { return description_; }
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override;
   void joined(Session& session) override;
-  void ending(Session& session, const WireError& why) override;
-  void left(const std::shared_ptr<Session>& session) override;
+  void ending(const std::shared_ptr<Session>& session,
+              const std::optional<WireError>& why) override;
+  void gone(const std::shared_ptr<Session>& session) override;
 
-  static constexpr std::size_t kStrangers = 32;  // connections that are not (yet) clients
+  using Sessions = std::vector<std::shared_ptr<Session>>;
+  /// The session's connection does not count as a viewer's (yet, or any more). Above kMaxStrangers
+  /// of them one has to go.
+  void addStranger(const std::shared_ptr<Session>& session);
+  /// The oldest stranger from the address that most of them come from: so that a single host
+  /// cannot take everybody's places.
+  [[nodiscard]] std::shared_ptr<Session> whoHasToGo() const;
+  template <class Encoded>
+  void sendAll(const Encoded& encoded);
   asio::awaitable<void> watch();
   void summarize(LocalTime now);
-  void countViewers();
+  void countVideoViewers();
 
   asio::io_context& io_;
   const Clock& clock_;
@@ -65,7 +85,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamDescription description_;
   StreamSettings settings_;
   asio::steady_timer timer_;
-  std::set<std::shared_ptr<Session>> sessions_;
+  Sessions viewers_;    // welcomed and not closing; the one that is served first comes first
+  Sessions strangers_;  // no hello yet, or closing; the oldest first
   std::uint32_t last_session_id_ = 0;
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/listener.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <stdexcept>
 #include <utility>
 
@@ -67,7 +65,7 @@ asio::awaitable<void> Listener::acceptAll() {
       take(std::move(socket));
     } else if (acceptor_.is_open()) {
       // Out of file handles, say: trying again at once would spin.
-      spdlog::warn("cannot accept a connection: {}", ec.message());
+      broadcaster_.say(spdlog::level::warn, "cannot accept a connection: " + ec.message());
       pause_.expires_after(kPauseAfterError);
       co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     }

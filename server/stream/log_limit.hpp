@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Keeps strangers on the port from filling the log: so many lines in a while, the rest counted.
-// Thread: one.
+// Keeps strangers on the port from filling the log: a token bucket, what is kept back is counted.
+// At most 20 lines a minute, whatever comes. Thread: one.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "common/time.hpp"
@@ -11,20 +12,19 @@ namespace hapticast::server {
 
 class LogLimit {
  public:
-  static constexpr std::uint64_t kLines = 10;
-  static constexpr Duration kWhile = std::chrono::seconds(10);
+  static constexpr std::int64_t kLines = 10;  ///< at once, after a quiet minute
+  static constexpr Duration kRefill = std::chrono::seconds(6);
 
   /// Whether a line may be written now.
   [[nodiscard]] bool allow(LocalTime now) {
-    if (lines_ == 0 || now - since_ >= kWhile) {
-      since_ = now;
-      lines_ = 0;
-    }
-    if (lines_ == kLines) {
+    const std::int64_t earned = (now - since_) / kRefill;
+    since_ += earned * kRefill;
+    left_ = std::min(kLines, left_ + earned);
+    if (left_ == 0) {
       ++suppressed_;
       return false;
     }
-    ++lines_;
+    --left_;
     return true;
   }
   /// Lines kept back since the last call.
@@ -35,8 +35,8 @@ class LogLimit {
   }
 
  private:
-  LocalTime since_{};
-  std::uint64_t lines_ = 0;
+  LocalTime since_{};  // when the last line was earned
+  std::int64_t left_ = kLines;
   std::uint64_t suppressed_ = 0;
 };
 

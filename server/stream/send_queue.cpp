@@ -40,7 +40,7 @@ void SendQueue::pushVideo(EncodedVideo video) {
 }
 
 void SendQueue::clearFrames() {
-  if (!frames_.empty()) needs_whole_ = true;
+  needs_whole_ = true;
   frames_.clear();
   video_.reset();
 }

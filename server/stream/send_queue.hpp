@@ -38,11 +38,14 @@ class SendQueue {
   void pushDescription(SharedBytes payload) { description_ = std::move(payload); }
   void pushFrame(EncodedFrame frame);
   void pushVideo(EncodedVideo video);
-  /// Forgets frames and videos: they belong to another picture.
+  /// Forgets frames and videos: they belong to another picture, as do the reliefs that the viewer
+  /// has; the next frame is a whole one.
   void clearFrames();
   /// Forgets everything: the session ends.
   void clear();
 
+  /// Whether a control message is what pop() gives next.
+  [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
   /// What to send next (control, then frames, then video), null when nothing waits.
   [[nodiscard]] SharedBytes pop();
 

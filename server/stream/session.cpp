@@ -28,6 +28,10 @@ Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, Session
       write_progress_(started_),
       rate_since_(started_) {}
 
+std::string Session::address() const {
+  return channel_->peer().substr(0, channel_->peer().rfind(':'));
+}
+
 std::string Session::label() const {
   const std::string& peer = channel_->peer();
   return hello_ && !hello_->client_name.empty() ? peer + " (" + hello_->client_name + ")" : peer;
@@ -60,34 +64,46 @@ void Session::describe(const SharedBytes& description, bool other_picture) {
   wake_.cancel();
 }
 
-void Session::close(const WireError& why) {
+void Session::close(const WireError& why) { sayGoodbye(why, why); }
+
+void Session::sayGoodbye(const WireError& farewell, const std::optional<WireError>& why) {
   if (closing_since_) return;
+  closing_since_ = host_.clock().now();
   queue_.clear();
   pongs_.clear();
-  (void)queue_.pushControl(encodeShared(why));  // the queue was just emptied
-  host_.ending(*this, why);
-  closing_since_ = host_.clock().now();
+  (void)queue_.pushControl(encodeShared(farewell));  // the queue was just emptied
   wake_.cancel();
+  host_.ending(shared_from_this(), why);
 }
 
-void Session::disconnect() {
-  disconnected_ = true;
+void Session::end() {
+  ended_ = true;
   channel_->close();
   wake_.cancel();
-  host_.left(shared_from_this());
+  host_.gone(shared_from_this());
+}
+
+void Session::abort() {
+  channel_->abort();
+  end();
 }
 
 void Session::check(LocalTime now) {
   const StreamSettings& settings = host_.settings();
   if (closing_since_) {
-    if (now - *closing_since_ >= settings.goodbye_deadline) disconnect();
+    if (read_ended_ && write_ended_ && channel_->delivered()) {
+      end();
+    } else if (now - *closing_since_ >= settings.goodbye_deadline) {
+      abort();
+    }
   } else if (stalled(now)) {
-    host_.ending(*this, {ErrorCode::kTimeout, "takes nothing off its connection"});
-    disconnect();
+    host_.ending(shared_from_this(),
+                 WireError{ErrorCode::kTimeout, "takes nothing off its connection"});
+    abort();
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello came in time"});
   } else if (now - heard_ >= settings.idle_timeout) {
-    close({ErrorCode::kTimeout, "no ping came for too long"});
+    close({ErrorCode::kTimeout, "nothing was heard for too long"});
   }
 }
 
@@ -108,12 +124,14 @@ asio::awaitable<void> Session::readAll() {
     } else if (payload.value()) {
       take(*payload.value());
     } else {
-      disconnect();
+      // Whoever only ends its own side may still read; the host need not be told why.
+      sayGoodbye({ErrorCode::kUnexpected, "you ended your side of the connection"}, std::nullopt);
+      read_ended_ = true;
       co_return;
     }
   }
   co_await channel_->drain(kMaxDrainBytes);
-  disconnect();
+  read_ended_ = true;
 }
 
 void Session::take(Payload payload) {
@@ -162,7 +180,7 @@ void Session::handle(const Other&) {
 }
 
 SharedBytes Session::nextPayload() {
-  if (pongs_.empty()) return queue_.pop();
+  if (pongs_.empty() || queue_.controlWaits()) return queue_.pop();
   Pong pong = pongs_.front();
   pongs_.pop_front();
   pong.t2 = host_.mediaClock().now();
@@ -170,17 +188,19 @@ SharedBytes Session::nextPayload() {
 }
 
 asio::awaitable<void> Session::writeAll() {
-  while (!disconnected_) {
+  while (!ended_) {
     if (SharedBytes payload = nextPayload()) {
       writing_ = true;
       const bool written = co_await channel_->write(std::move(payload));
       writing_ = false;
       if (written) continue;
-      disconnect();
+      if (!closing_since_) host_.ending(shared_from_this(), std::nullopt);
+      end();
       co_return;
     }
     if (closing_since_) {
       channel_->finishWriting();
+      write_ended_ = true;
       co_return;
     }
     boost::system::error_code ec;

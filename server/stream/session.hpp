@@ -30,10 +30,12 @@ class SessionHost {
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
   /// The session has welcomed its client.
   virtual void joined(Session& session) = 0;
-  /// The session is about to end by our decision.
-  virtual void ending(Session& session, const WireError& why) = 0;
+  /// The session is no viewer any more: it ends by our decision, or, without a reason, by its
+  /// peer's. Said at most once.
+  virtual void ending(const std::shared_ptr<Session>& session,
+                      const std::optional<WireError>& why) = 0;
   /// The connection has ended. May be said more than once.
-  virtual void left(const std::shared_ptr<Session>& session) = 0;
+  virtual void gone(const std::shared_ptr<Session>& session) = 0;
 
  protected:
   ~SessionHost() = default;
@@ -55,12 +57,15 @@ class Session : public std::enable_shared_from_this<Session> {
   void describe(const SharedBytes& description, bool other_picture);
   /// Tells the peer why, then closes; what still waits is forgotten.
   void close(const WireError& why);
+  /// Ends it at once, without a word to the peer.
+  void abort();
   /// Looks after the deadlines; called regularly.
   void check(LocalTime now);
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
   [[nodiscard]] bool wantsVideo() const { return welcomed() && hello_->wants_video; }
-  [[nodiscard]] std::string label() const;  ///< for the log
+  [[nodiscard]] std::string label() const;    ///< for the log
+  [[nodiscard]] std::string address() const;  ///< the peer's, without its port
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
 
  private:
@@ -75,8 +80,10 @@ class Session : public std::enable_shared_from_this<Session> {
   [[nodiscard]] bool withinRate();
   /// Whether the peer has taken nothing of what is being written for too long.
   [[nodiscard]] bool stalled(LocalTime now);
+  /// Says the last word; `why` is told to the host.
+  void sayGoodbye(const WireError& farewell, const std::optional<WireError>& why);
+  void end();
   [[nodiscard]] SharedBytes nextPayload();
-  void disconnect();
 
   asio::io_context& io_;
   std::unique_ptr<Channel> channel_;
@@ -88,7 +95,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<Hello> hello_;
   LocalTime started_;
   LocalTime heard_;  // last message
-  bool disconnected_ = false;
+  bool ended_ = false;
+  bool read_ended_ = false;   // nothing more comes from the peer, or nothing that matters
+  bool write_ended_ = false;  // the last word is written
   bool writing_ = false;
   LocalTime write_progress_;  // when the peer was last seen to take something
   std::uint64_t bytes_taken_ = 0;

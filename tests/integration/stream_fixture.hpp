@@ -57,7 +57,10 @@ struct TestServer {
 /// A hand-made peer: sends any bytes, reads what comes when asked to.
 class RawPeer {
  public:
-  RawPeer(asio::io_context& io, std::uint16_t port) : socket_(io) {
+  /// `from`: the last number of its own address 127.0.0.x.
+  RawPeer(asio::io_context& io, std::uint16_t port, std::uint8_t from = 1) : socket_(io) {
+    socket_.open(asio::ip::tcp::v4());
+    socket_.bind({asio::ip::address_v4({127, 0, 0, from}), 0});
     socket_.connect({asio::ip::address_v4::loopback(), port});
     socket_.non_blocking(true);
   }
@@ -69,6 +72,8 @@ class RawPeer {
     asio::write(socket_, asio::buffer(bytes), ignored);
   }
   void send(const Message& message) { send(framed(encode(message))); }
+  /// Ends its own side: it sends nothing more, but reads.
+  void finish() { socket_.shutdown(asio::socket_base::shutdown_send); }
   /// Takes what has arrived.
   void poll() {
     std::vector<std::uint8_t> chunk(1U << 16U);

@@ -54,10 +54,12 @@ class MemoryChannel final : public Channel {
     }
   }
   void finishWriting() noexcept override { out_->end(); }
+  bool delivered() noexcept override { return true; }
   void close() noexcept override {
     in_->end();
     out_->end();
   }
+  void abort() noexcept override { close(); }
 
   /// One direction.
   struct Way {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
+
 #include "server/stream/log_limit.hpp"
 
 namespace hapticast::server {
@@ -73,13 +75,27 @@ TEST(FrameEncoder, EncodesVideo) {
 
 TEST(LogLimit, LetsSomeLinesThroughAndCountsTheRest) {
   LogLimit limit;
-  std::uint64_t allowed = 0;
+  std::int64_t allowed = 0;
   for (int i = 0; i < 100; ++i) allowed += limit.allow(localTime(5.0)) ? 1 : 0;
   EXPECT_EQ(allowed, LogLimit::kLines);
-  EXPECT_EQ(limit.takeSuppressed(), 100 - LogLimit::kLines);
+  EXPECT_EQ(limit.takeSuppressed(), 100U - LogLimit::kLines);
   EXPECT_EQ(limit.takeSuppressed(), 0U);
-  EXPECT_FALSE(limit.allow(localTime(14.9)));
-  EXPECT_TRUE(limit.allow(localTime(15.0)));
+  EXPECT_FALSE(limit.allow(localTime(5.9)));
+  EXPECT_TRUE(limit.allow(localTime(6.0))) << "a line every 6 s from the clock's zero";
+  EXPECT_FALSE(limit.allow(localTime(6.1)));
+}
+
+TEST(LogLimit, NeverLetsMoreThanTwentyLinesThroughInAMinute) {
+  LogLimit limit;
+  std::deque<double> lines_s;
+  for (double now_s = 1000.0; now_s < 1600.0; now_s += 0.05) {
+    const bool pause = now_s > 1200.0 && now_s < 1300.0;  // and what was saved up in it
+    if (pause || !limit.allow(localTime(now_s))) continue;
+    lines_s.push_back(now_s);
+    while (now_s - lines_s.front() >= 60.0) lines_s.pop_front();
+    ASSERT_LE(lines_s.size(), 20U) << now_s;
+  }
+  EXPECT_GE(lines_s.size(), 9U) << "a steady ten a minute";
 }
 
 }  // namespace

@@ -36,6 +36,15 @@ TEST(SendQueue, GivesTheFirstFrameWholeAndTheNextOnesLean) {
   EXPECT_EQ(queue.counts().dropped(), 0U);
 }
 
+TEST(SendQueue, AfterAnotherPictureTheNextFrameIsWholeAlsoWhereNoneWaited) {
+  SendQueue queue;
+  queue.pushFrame(frame(1, 0));
+  EXPECT_EQ(pop(queue), "whole1");
+  queue.clearFrames();
+  queue.pushFrame(frame(2, 40));
+  EXPECT_EQ(pop(queue), "whole2") << "the viewer has dropped its reliefs";
+}
+
 TEST(SendQueue, NewestWinsAndTheNextOneIsWhole) {
   SendQueue queue;
   queue.pushFrame(frame(1, 0));

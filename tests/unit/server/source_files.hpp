@@ -4,20 +4,16 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <string>
 
 #include "server/source/rgbd_source.hpp"
+#include "tests/support/log_lines.hpp"
 
 namespace hapticast::server {
 
@@ -51,29 +47,6 @@ class TempFolder {
 
  private:
   std::filesystem::path path_;
-};
-
-/// Collects what is logged while it lives.
-class LogLines {
- public:
-  LogLines() : before_(spdlog::default_logger()) {
-    auto sink = std::make_shared<spdlog::sinks::ostream_sink_st>(out_);
-    sink->set_pattern("%l %v");
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
-  }
-  ~LogLines() { spdlog::set_default_logger(before_); }
-  LogLines(const LogLines&) = delete;
-  LogLines& operator=(const LogLines&) = delete;
-
-  [[nodiscard]] std::string text() const { return out_.str(); }
-  [[nodiscard]] long count() const {
-    const std::string all = text();
-    return std::count(all.begin(), all.end(), '\n');
-  }
-
- private:
-  std::ostringstream out_;
-  std::shared_ptr<spdlog::logger> before_;
 };
 
 /// The line a SourceError says; "" (and a failed test) if nothing is thrown or it is not one line.

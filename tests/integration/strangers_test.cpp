@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// What strangers on the port and viewers that do not read cost the server, and whom they touch:
+// nobody.
+#include <sys/resource.h>
+
+#include <set>
+
+#include "server/stream/file_limit.hpp"
+#include "tests/integration/stream_fixture.hpp"
+#include "tests/support/log_lines.hpp"
+#include "tests/support/memory_channel.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+using StrangersTest = StreamTest;
+using server::Broadcaster;
+using std::chrono::milliseconds;
+
+TEST_F(StrangersTest, WhoSaysNothingKeepsNobodyOut) {
+  server::StreamSettings settings;
+  settings.max_clients = 2;
+  TestServer server(io, clock, settings);
+  std::vector<std::unique_ptr<RawPeer>> silent;
+  for (std::size_t i = 0; i < settings.max_clients + Broadcaster::kMaxStrangers + 8; ++i)
+    silent.push_back(std::make_unique<RawPeer>(io, server.port()));
+  const auto viewer_of_ours = viewer(server);
+  server.publish(1);
+  EXPECT_TRUE(runUntil([&] {
+    viewer_of_ours->poll();
+    return !viewer_of_ours->all<HapticFrame>().empty();
+  }));
+  std::size_t turned_out = 0;
+  for (const auto& each : silent) {
+    each->poll();
+    turned_out += each->closed ? 1 : 0;
+  }
+  EXPECT_EQ(turned_out, settings.max_clients + 9);
+  EXPECT_TRUE(silent.front()->closed) << "the oldest go first";
+  EXPECT_FALSE(silent.back()->closed);
+}
+
+TEST_F(StrangersTest, TheAddressThatMostComeFromMakesRoom) {
+  TestServer server(io, clock);
+  RawPeer other(io, server.port(), 2);  // older than all of them
+  std::vector<std::unique_ptr<RawPeer>> silent;
+  for (std::size_t i = 0; i < 3 * Broadcaster::kMaxStrangers; ++i)
+    silent.push_back(std::make_unique<RawPeer>(io, server.port()));
+  ASSERT_TRUE(runUntil([&] {
+    silent[2 * Broadcaster::kMaxStrangers]->poll();
+    return silent[2 * Broadcaster::kMaxStrangers]->closed;
+  }));
+  other.send(Hello{kProtocolVersion, "patient", false, true});
+  EXPECT_TRUE(runUntil([&] {
+    other.poll();
+    return !other.all<Welcome>().empty();
+  }));
+}
+
+TEST_F(StrangersTest, AtTheEndEveryViewerHearsGoodbye) {
+  TestServer server(io, clock);
+  std::vector<std::unique_ptr<RawPeer>> viewers;
+  for (std::size_t i = 0; i < Broadcaster::kMaxStrangers + 8; ++i)
+    viewers.push_back(viewer(server));
+  server.stop();
+  for (const auto& each : viewers) EXPECT_EQ(farewell(*each).code, ErrorCode::kShuttingDown);
+}
+
+TEST_F(StrangersTest, TheWelcomeComesBeforeThePong) {
+  TestServer server(io, clock);
+  RawPeer peer(io, server.port());
+  std::vector<std::uint8_t> both = framed(encode(Hello{kProtocolVersion, "quick", false, true}));
+  const std::vector<std::uint8_t> ping = framed(encode(Ping{localTime(1.0)}));
+  both.insert(both.end(), ping.begin(), ping.end());
+  peer.send(both);
+  ASSERT_TRUE(runUntil([&] {
+    peer.poll();
+    return peer.got.size() >= 2;
+  }));
+  EXPECT_TRUE(std::holds_alternative<Welcome>(peer.got[0]));
+  EXPECT_TRUE(std::holds_alternative<Pong>(peer.got[1]));
+}
+
+TEST_F(StrangersTest, WhoEndsOnlyItsOwnSideIsToldWhyItGetsNothingMore) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  peer->finish();
+  EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
+  EXPECT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
+}
+
+/// What a viewer that has stopped reading finds when it reads on after it was closed: the system
+/// has forgotten what it did not take, so that the connection ends in a reset.
+TEST_F(StrangersTest, AStalledViewerLeavesNothingInTheKernel) {
+  for (const bool half_closed : {false, true}) {
+    server::StreamSettings settings;
+    settings.write_timeout = milliseconds(300);
+    settings.goodbye_deadline = milliseconds(300);
+    TestServer server(io, clock, settings);
+    const auto stalled = viewer(server);
+    std::uint64_t id = 0;
+    ASSERT_TRUE(runUntil([&] {
+      server.publish(++id, 900);
+      return server.broadcaster.counts().sent.dropped() > 0;
+    })) << "its buffers are full";
+    if (half_closed) stalled->finish();
+    ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
+    const auto later = clock.now() + 2 * settings.goodbye_deadline;
+    ASSERT_TRUE(runUntil([&] { return clock.now() > later; }));
+    ASSERT_TRUE(runUntil([&] {
+      stalled->poll();
+      return stalled->closed;
+    }));
+    EXPECT_TRUE(stalled->reset) << (half_closed ? "half closed" : "open");
+    server.stop();
+    io.restart();
+    EXPECT_TRUE(runUntil([&] { return io.stopped(); }));
+  }
+}
+
+TEST_F(StrangersTest, TheLogStaysReadable) {
+  const LogLines log;
+  TestServer server(io, clock);
+  for (int i = 0; i < 60; ++i) (void)viewer(server);
+  RawPeer(io, server.port()).send(std::vector<std::uint8_t>(100, 0xFF));
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
+  EXPECT_LE(log.count(), 11);
+  EXPECT_NE(log.text().find("joined"), std::string::npos);
+}
+
+TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
+  TestServer server(io, clock);
+  std::vector<std::unique_ptr<MemoryChannel>> ours;
+  std::vector<MemoryChannel*> theirs;
+  const auto hello = std::make_shared<const std::vector<std::uint8_t>>(
+      encode(Hello{kProtocolVersion, "", false, true}));
+  for (int i = 0; i < 3; ++i) {
+    auto ends = MemoryChannel::pair(io, kMaxSmallMessageBytes);
+    ours.push_back(std::move(ends.first));
+    theirs.push_back(ends.second.get());
+    server.broadcaster.accept(std::move(ends.second));
+    asio::co_spawn(
+        io, [&, i]() -> asio::awaitable<void> { co_await ours[i]->write(hello); }, asio::detached);
+  }
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 3; }));
+  std::multiset<std::size_t> first;
+  for (std::uint64_t id = 1; id <= 6; ++id) {
+    runUntil([&, until = clock.now() + milliseconds(5)] { return clock.now() > until; });
+    std::vector<std::uint64_t> before;
+    for (const auto* each : theirs) before.push_back(each->bytesWritten());
+    server.publish(id);
+    for (bool sent = false; !sent;) {
+      io.restart();
+      io.run_one_for(milliseconds(100));
+      for (std::size_t i = 0; i < 3 && !sent; ++i) {
+        sent = theirs[i]->bytesWritten() > before[i];
+        if (sent) first.insert(i);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(first.count(i), 2U) << i;
+}
+
+TEST(FileLimit, IsRaisedToWhatTheViewersNeedOrSaysWhatFits) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit low = before;
+  low.rlim_cur = 100;
+  if (low.rlim_max < 1000) GTEST_SKIP() << "this system allows only " << low.rlim_max << " files";
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &low), 0);
+  EXPECT_EQ(server::raiseFileLimit(500), 500U);
+  rlimit raised{};
+  getrlimit(RLIMIT_NOFILE, &raised);
+  EXPECT_GE(raised.rlim_cur, 500U + Broadcaster::kMaxStrangers);
+  setrlimit(RLIMIT_NOFILE, &before);
+
+  const auto fits_only = [] {  // in a process of its own: a hard limit cannot be raised again
+    const rlimit hard{150, 150};
+    setrlimit(RLIMIT_NOFILE, &hard);
+    LogLines log;
+    const std::size_t fit = server::raiseFileLimit(2000);
+    const bool told = log.text().find("--max-clients 2000") != std::string::npos &&
+                      log.text().find("enough for " + std::to_string(fit)) != std::string::npos;
+    std::_Exit(fit == 150 - 64 - Broadcaster::kMaxStrangers && told ? 0 : 1);
+  };
+  EXPECT_EXIT(fits_only(), ::testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace hapticast::testing
