@@ -67,7 +67,7 @@ void Session::describe(const SharedBytes& description, bool other_picture) {
 void Session::close(const WireError& why) { sayGoodbye(why, why); }
 
 void Session::sayGoodbye(const WireError& farewell, const std::optional<WireError>& why) {
-  if (closing_since_) return;
+  if (closing_since_ || ended_) return;
   closing_since_ = host_.clock().now();
   queue_.clear();
   pongs_.clear();
@@ -89,6 +89,7 @@ void Session::abort() {
 }
 
 void Session::check(LocalTime now) {
+  if (ended_) return;
   const StreamSettings& settings = host_.settings();
   if (closing_since_) {
     if (read_ended_ && write_ended_ && channel_->delivered()) {
@@ -194,7 +195,7 @@ asio::awaitable<void> Session::writeAll() {
       const bool written = co_await channel_->write(std::move(payload));
       writing_ = false;
       if (written) continue;
-      if (!closing_since_) host_.ending(shared_from_this(), std::nullopt);
+      if (!closing_since_ && !ended_) host_.ending(shared_from_this(), std::nullopt);
       end();
       co_return;
     }

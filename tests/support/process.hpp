@@ -31,6 +31,7 @@ class Process {
   std::optional<int> wait(std::chrono::seconds deadline);
   void signal(int number) const;
   [[nodiscard]] bool running();
+  [[nodiscard]] pid_t id() const { return pid_; }
   /// Its resident memory in kB, 0 when it has ended.
   [[nodiscard]] long residentMemory_kB() const;
 

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: MIT
+// Fourteen attacks on the real server while a hundred honest viewers watch: each is bounded, nobody
+// else is touched, the log stays readable, and memory (the system's, too) and file handles come
+// back.
+#include <atomic>
+#include <fstream>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/integration/stream_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Peers = std::vector<std::unique_ptr<RawPeer>>;
+constexpr std::size_t kViewers = 100;
+constexpr int kPlaces = 160;
+
+/// What /proc/net/sockstat says of TCP: sockets without a process, and pages of memory.
+struct SocketMemory {
+  long orphans = 0;
+  long pages = 0;
+
+  static SocketMemory now() {
+    std::ifstream file("/proc/net/sockstat");
+    SocketMemory found;
+    for (std::string line; std::getline(file, line);) {
+      if (!line.starts_with("TCP:")) continue;
+      std::istringstream words(line.substr(4));
+      std::string key;
+      for (long value = 0; words >> key >> value;) {
+        if (key == "orphan") found.orphans = value;
+        if (key == "mem") found.pages = value;
+      }
+    }
+    return found;
+  }
+};
+
+/// A hundred viewers on a thread of their own that read every frame and ping as they should.
+class HonestViewers {
+ public:
+  explicit HonestViewers(std::uint16_t port)
+      : thread_([this, port](std::stop_token stop) {
+          for (std::size_t i = 0; i < kViewers; ++i) {
+            viewers_.push_back({std::make_unique<RawPeer>(io_, port), 0, {}});
+            viewers_.back().peer->send(Hello{kProtocolVersion, "honest", false, true});
+          }
+          for (int round = 0; !stop.stop_requested(); ++round) {
+            for (auto& viewer : viewers_) read(viewer, round % 100 == 0);
+            ++rounds_;
+            std::this_thread::sleep_for(milliseconds(10));
+          }
+        }) {}
+
+  /// Whether all have had `frames` frames more by the deadline.
+  bool receive(std::uint64_t frames) {
+    const std::uint64_t goal = slowest_ + frames;
+    return waitUntil(kSoon, [&] { return slowest_ >= goal; });
+  }
+  /// Ends them; then the counts below may be read.
+  void stop() {
+    thread_.request_stop();
+    thread_.join();
+    viewers_.clear();
+  }
+
+  std::atomic<std::uint64_t> slowest_{0};  // frames of whoever has fewest
+  std::atomic<int> rounds_{0};
+  std::uint64_t frames = 0, lost = 0, wrong = 0, closed = 0;
+
+ private:
+  struct Viewer {
+    std::unique_ptr<RawPeer> peer;
+    std::uint64_t frames = 0;
+    std::optional<std::uint64_t> last_id;
+  };
+  void read(Viewer& viewer, bool ping) {
+    if (viewer.peer->closed) return;
+    if (ping) viewer.peer->send(Ping{});
+    viewer.peer->poll();
+    closed += viewer.peer->closed ? 1 : 0;
+    for (const HapticFrame& frame : viewer.peer->all<HapticFrame>()) {
+      if (viewer.last_id) {
+        wrong += frame.id <= *viewer.last_id ? 1 : 0;
+        lost += frame.id > *viewer.last_id + 1 ? frame.id - *viewer.last_id - 1 : 0;
+      }
+      viewer.last_id = frame.id;
+      ++viewer.frames;
+      ++frames;
+    }
+    viewer.peer->got.clear();
+    std::uint64_t fewest = UINT64_MAX;
+    for (const Viewer& each : viewers_) fewest = std::min(fewest, each.frames);
+    slowest_ = fewest;
+  }
+
+  asio::io_context io_;
+  std::vector<Viewer> viewers_;
+  std::jthread thread_;  // last: it uses the others
+};
+
+class ProgramsAttacksTest : public ProgramsTest {
+ protected:
+  std::unique_ptr<RawPeer> peer() { return std::make_unique<RawPeer>(io_, port_); }
+  Peers peers(int count) {
+    Peers made;
+    for (int i = 0; i < count; ++i) made.push_back(peer());
+    return made;
+  }
+  std::unique_ptr<RawPeer> welcomed(bool wants_video = false) {
+    auto made = peer();
+    made->send(Hello{kProtocolVersion, "attacker", wants_video, true});
+    return made;
+  }
+  /// Repeats `action` for a while.
+  static void during(milliseconds time, const std::function<void()>& action) {
+    const auto end = std::chrono::steady_clock::now() + time;
+    while (std::chrono::steady_clock::now() < end) action();
+  }
+  static void pause(milliseconds time) { std::this_thread::sleep_for(time); }
+  /// How soon somebody new is welcomed; nullopt if not within a second or two.
+  std::optional<milliseconds> newcomer() {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto made = peer();
+    made->send(Hello{kProtocolVersion, "newcomer", false, true});
+    const bool in = waitUntil(seconds(2), [&] {
+      made->poll();
+      return !made->all<Welcome>().empty();
+    });
+    if (!in) return std::nullopt;
+    return std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - begin);
+  }
+  static std::size_t filesOf(const Process& server) {
+    const std::filesystem::path folder = "/proc/" + std::to_string(server.id()) + "/fd";
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+  }
+  std::vector<std::uint8_t> noise(std::size_t size) {
+    std::vector<std::uint8_t> bytes(size);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random_());
+    return bytes;
+  }
+  static std::vector<std::uint8_t> length(std::uint32_t bytes) {
+    const LengthPrefix prefix = lengthPrefix(bytes);
+    return {prefix.begin(), prefix.end()};
+  }
+  /// A report padded to 64 KiB with a field that nobody knows.
+  static std::vector<std::uint8_t> longReport() {
+    std::vector<std::uint8_t> payload = encode(ReceiverReport{});
+    const std::size_t rest = kMaxSmallMessageBytes - payload.size() - 5;
+    payload.insert(payload.end(), {0xFA, 0x7F});  // field 2047, bytes
+    for (const unsigned shift : {0U, 7U, 14U}) {
+      payload.push_back(
+          static_cast<std::uint8_t>((rest >> shift & 0x7FU) | (shift < 14 ? 0x80U : 0U)));
+    }
+    payload.resize(kMaxSmallMessageBytes, 'x');
+    return framed(payload);
+  }
+
+  struct Attack {
+    const char* name;
+    std::function<void()> run;
+  };
+  std::vector<Attack> attacks();
+
+  asio::io_context io_;
+  std::uint16_t port_ = 0;
+  std::mt19937 random_{20261122};
+};
+
+std::vector<ProgramsAttacksTest::Attack> ProgramsAttacksTest::attacks() {
+  return {
+      {"opened and left",
+       [this] {
+         for (int i = 0; i < 2000; ++i) (void)peer();
+       }},
+      {"kept full with silence",
+       [this] {
+         Peers hog;
+         during(seconds(4), [&] {
+           hog.push_back(peer());
+           if (hog.size() > kPlaces + 64) hog.erase(hog.begin());
+           if (hog.size() % 50 == 0) {
+             EXPECT_TRUE(newcomer()) << "kept out";
+           }
+         });
+       }},
+      {"a byte now and then",
+       [this] {
+         Peers slow = peers(30);
+         for (int round = 0; round < 30; ++round) {
+           for (const auto& each : slow) each->send(std::vector<std::uint8_t>{1});
+           pause(milliseconds(200));
+         }
+         for (const auto& each : slow) {
+           each->poll();
+           EXPECT_TRUE(each->closed) << "it has said no hello for six seconds";
+         }
+       }},
+      {"random bytes",
+       [this] {
+         for (int i = 0; i < 400; ++i) peer()->send(noise(2000));
+       }},
+      {"lengths",
+       [this] {
+         Peers kept;
+         for (const std::uint32_t bytes : {0U, 65537U, 0x7FFFFFFFU, 0xFFFFFFFFU, 65536U}) {
+           for (int i = 0; i < 20; ++i) {
+             kept.push_back(peer());
+             kept.back()->send(length(bytes));
+           }
+         }
+         pause(seconds(1));
+       }},
+      {"hello storm",
+       [this] {
+         for (int i = 0; i < 1500; ++i) (void)welcomed(true);
+       }},
+      {"wrong versions",
+       [this] {
+         for (int i = 0; i < 600; ++i)
+           peer()->send(Hello{kProtocolVersion + 1, "future", true, true});
+       }},
+      {"pings as fast as they go",
+       [this] {
+         const auto made = welcomed();
+         const std::vector<std::uint8_t> ping = framed(encode(Ping{}));
+         during(seconds(1), [&] { made->send(ping); });
+         made->poll();
+         EXPECT_TRUE(made->closed);
+       }},
+      {"long reports",
+       [this] {
+         const std::vector<std::uint8_t> report = longReport();
+         Peers made;
+         for (int i = 0; i < 10; ++i) made.push_back(welcomed());
+         during(seconds(2), [&] {
+           for (const auto& each : made) each->send(report);
+           pause(milliseconds(6));
+         });
+       }},
+      {"a flood of reports",
+       [this] {
+         const std::vector<std::uint8_t> report = longReport();
+         for (int i = 0; i < 20; ++i) {
+           const auto made = welcomed();
+           for (int k = 0; k < 300; ++k) made->send(report);
+         }
+       }},
+      {"hello, then never read",
+       [this] {
+         Peers stalled;
+         for (int i = 0; i < 40; ++i) stalled.push_back(welcomed(true));
+         pause(seconds(12));
+       }},
+      {"hello and garbage",
+       [this] {
+         for (int i = 0; i < 300; ++i) {
+           const auto made = welcomed();
+           made->send(i % 2 == 0 ? noise(500) : framed(noise(500)));
+         }
+       }},
+      {"half closed, never read",
+       [this] {
+         Peers half;
+         for (int i = 0; i < 40; ++i) {
+           half.push_back(welcomed(true));
+           half.back()->finish();
+         }
+         pause(seconds(2));
+       }},
+      {"more than there are places for",
+       [this] {
+         Peers many;
+         for (int i = 0; i < kPlaces; ++i) {
+           many.push_back(welcomed());
+           pause(milliseconds(2));
+         }
+         const auto late = welcomed();
+         EXPECT_TRUE(waitUntil(seconds(5), [&] {
+           late->poll();
+           return late->closed;
+         }));
+         ASSERT_FALSE(late->all<WireError>().empty());
+         EXPECT_EQ(late->all<WireError>()[0].code, ErrorCode::kServerFull);
+       }},
+  };
+}
+
+TEST_F(ProgramsAttacksTest, AreAllBounded) {
+  const auto begin = std::chrono::steady_clock::now();
+  const SocketMemory memory_before = SocketMemory::now();
+  const auto server = startServer(
+      {"--source", "synthetic:still", "--loop", "--max-clients", std::to_string(kPlaces)});
+  const std::string address = addressOf(*server);
+  port_ = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  ASSERT_TRUE(server->says("streaming", kStart));
+  const std::size_t files_before = filesOf(*server);
+  HonestViewers viewers(port_);
+  ASSERT_TRUE(viewers.receive(10)) << server->output();
+  const long resident_before_kB = server->residentMemory_kB();
+  for (const Attack& attack : attacks()) {
+    SCOPED_TRACE(attack.name);
+    attack.run();
+    EXPECT_TRUE(server->running()) << server->output();
+    const auto welcome = newcomer();
+    EXPECT_TRUE(welcome) << "nobody new gets in";
+    EXPECT_TRUE(viewers.receive(5)) << "the others get nothing any more";
+    const SocketMemory memory = SocketMemory::now();
+    std::printf(
+        "%-32s newcomer in after %3lld ms, %3zu files, RSS %+6ld kB, %3ld orphans, %5ld pages\n",
+        attack.name, welcome ? static_cast<long long>(welcome->count()) : -1LL, filesOf(*server),
+        server->residentMemory_kB() - resident_before_kB, memory.orphans, memory.pages);
+  }
+  viewers.stop();
+  std::printf("honest viewers: %llu frames, %llu lost, %llu wrong, %llu closed\n",
+              static_cast<unsigned long long>(viewers.frames),
+              static_cast<unsigned long long>(viewers.lost),
+              static_cast<unsigned long long>(viewers.wrong),
+              static_cast<unsigned long long>(viewers.closed));
+  EXPECT_EQ(viewers.closed, 0U);
+  EXPECT_EQ(viewers.wrong, 0U);
+  EXPECT_LT(viewers.lost, viewers.frames / 20) << "a starved machine loses some";
+
+  EXPECT_TRUE(waitUntil(seconds(15), [&] { return filesOf(*server) <= files_before; }))
+      << filesOf(*server) << " open files";
+  EXPECT_TRUE(waitUntil(seconds(15),
+                        [&] {
+                          const SocketMemory memory = SocketMemory::now();
+                          return memory.orphans <= memory_before.orphans &&
+                                 memory.pages <= memory_before.pages + 256;
+                        }))
+      << SocketMemory::now().orphans << " orphans, " << SocketMemory::now().pages << " pages";
+  if (kFullSpeed) {
+    EXPECT_LT(server->residentMemory_kB() - resident_before_kB, 40'000);
+  }
+  const double minutes =
+      std::chrono::duration<double, std::ratio<60>>(std::chrono::steady_clock::now() - begin)
+          .count();
+  EXPECT_LE(static_cast<double>(countOf("\n", server->output())), 10.0 + 20.0 * (minutes + 1.0))
+      << server->output();
+  interrupt(*server);
+}
+
+/// As many viewers are asked for as the system has files for, and more.
+TEST_F(ProgramsAttacksTest, FewOpenFilesAreToldAndKeepNobodyWaiting) {
+  const auto server = start(
+      "/bin/sh", {"-c", "ulimit -n 150; exec \"$0\" \"$@\"", HAPTICAST_SERVER_PROGRAM, "--source",
+                  "synthetic:still", "--loop", "--listen", "127.0.0.1:0", "--max-clients", "2000"});
+  const std::string address = addressOf(*server);
+  port_ = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  EXPECT_TRUE(server->says("--max-clients 2000: this system allows 150 open files", kSoon));
+  Peers many = peers(200);
+  for (const auto& each : many) each->send(Hello{kProtocolVersion, "many", false, true});
+  const auto late = peer();
+  late->send(Hello{kProtocolVersion, "late", false, true});
+  EXPECT_TRUE(waitUntil(seconds(5), [&] {
+    late->poll();
+    return late->closed || !late->got.empty();
+  })) << "it hears that the server is full, and does not wait";
+  EXPECT_EQ(server->output().find("cannot accept"), std::string::npos) << server->output();
+  interrupt(*server);
+}
+
+}  // namespace
+}  // namespace hapticast::testing
