@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -14,10 +15,17 @@ namespace {
 // Chosen: more than the objects of a loop's round have.
 constexpr std::size_t kMostBuried = 256;
 
+std::string withoutFigures(std::string text) {
+  std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  return text;
+}
+
+/// Another figure in a reason is no other decision.
 bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
-  return std::equal(
-      a.begin(), a.end(), b.begin(), b.end(),
-      [](const PlanLine& x, const PlanLine& y) { return x.on == y.on && x.why == y.why; });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const PlanLine& x, const PlanLine& y) {
+                      return x.on == y.on && withoutFigures(x.why) == withoutFigures(y.why);
+                    });
 }
 
 void tellLine(std::uint32_t id, const PlanLine& line) {

@@ -11,11 +11,11 @@ namespace {
 class PlanTellerTest : public ::testing::Test {
  protected:
   /// Lines that telling this has written.
-  long lines(std::uint32_t id, bool on, double at_s) {
+  long lines(std::uint32_t id, bool on, double at_s, const std::string& how = "") {
     log_.forget();
     PlanLine line;
     line.on = on;
-    line.why = on ? "it moves" : "it is at rest";
+    line.why = (on ? "it moves" : "it is at rest") + how;
     teller_.tell({{id, {line}}}, mediaTime(at_s));
     return log_.count();
   }
@@ -31,6 +31,12 @@ TEST_F(PlanTellerTest, TellsChangesOnceAndNotWhatIsTakenBackAtOnce) {
   EXPECT_EQ(lines(1, true, 5.2), 0) << "too soon";
   EXPECT_EQ(lines(1, false, 5.3), 0) << "taken back";
   EXPECT_EQ(lines(1, true, 6.2), 1);
+}
+
+TEST_F(PlanTellerTest, AnotherFigureIsNoNews) {
+  EXPECT_EQ(lines(1, true, 0.0), 1);
+  EXPECT_EQ(lines(1, true, 2.0, " by 7 mm"), 1);
+  EXPECT_EQ(lines(1, true, 4.0, " by 8.1 mm"), 0);
 }
 
 TEST_F(PlanTellerTest, TellsNothingAgainOfTheNextRoundsObjects) {
