@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "common/wire/tcp_channel.hpp"
 #include "server/stream/file_limit.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/log_lines.hpp"
@@ -126,6 +127,18 @@ TEST_F(StrangersTest, TheLogStaysReadable) {
   ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
   EXPECT_LE(log.count(), 11);
   EXPECT_NE(log.text().find("joined"), std::string::npos);
+}
+
+TEST_F(StrangersTest, AnIPv4ViewerOfAnIPv6PortIsShownAsOne) {
+  boost::system::error_code ec;
+  asio::ip::tcp::acceptor acceptor(io);
+  acceptor.open(asio::ip::tcp::v6(), ec);
+  if (ec) GTEST_SKIP() << "no IPv6 here: " << ec.message();
+  acceptor.bind({asio::ip::address_v6::any(), 0});
+  acceptor.listen();
+  const RawPeer peer(io, acceptor.local_endpoint().port());
+  const TcpChannel channel(acceptor.accept(), kMaxSmallMessageBytes);
+  EXPECT_EQ(channel.peer().rfind("127.0.0.1:", 0), 0U) << channel.peer();
 }
 
 TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
