@@ -87,7 +87,7 @@ void Session::check(LocalTime now) {
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello came in time"});
   } else if (now - heard_ >= settings.idle_timeout) {
-    close({ErrorCode::kTimeout, "no ping came for too long"});
+    close({ErrorCode::kTimeout, "no message came for too long"});
   }
 }
 
