@@ -2,18 +2,30 @@
 #include "common/cli/parse.hpp"
 
 #include <iostream>
+#include <vector>
 
 #include "common/cli/config_file.hpp"
+#include "common/cli/suggest.hpp"
+#include "common/text.hpp"
 
 namespace hapticast {
 
 namespace {
 
-/// What `app` did not know, as one text.
+/// What `app` did not know, as one text, and what its first flag may have meant.
 std::string unknownWords(const CLI::App& app) {
   std::string words;
-  for (const std::string& word : app.remaining()) words += " '" + word + "'";
-  return words;
+  std::string meant;
+  std::vector<std::string> flags;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  }
+  for (const std::string& word : app.remaining()) {
+    words += " " + inQuotes(word);
+    if (meant.empty() && word.starts_with('-'))
+      meant = didYouMean(word.substr(0, word.find('=')), flags);
+  }
+  return words + meant;
 }
 
 template <class Kind>
