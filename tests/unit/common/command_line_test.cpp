@@ -98,6 +98,8 @@ TEST_F(CommandLineTest, ComplaintsNameTheCause) {
       {{"--colour", "yellow"}, "'yellow' is not one of blue|green (--help"},
       {{"--fps", "2", "--fps", "3"}, "--fps: may be given only once"},
       {{"--loop=maybe"}, "--loop = maybe: a flag is on or off"},
+      {{"--fps"}, "--fps: its value is missing"},
+      {{"word"}, "'word'; is a flag missing in front of it?"},
   };
   for (const auto& [arguments, words] : wrong) {
     testing::internal::CaptureStderr();
@@ -166,7 +168,8 @@ TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
       {"fps = 60\nconfig = other.conf\n", ".conf:2: a config file cannot name another one"},
       {"fsp = 60\n", ".conf:1: 'fsp' is no flag's name; did you mean fps?"},
       {"help = true\n", "help"},
-      {"fps = 60\nfps = 50\n", "--fps"},
+      {"fps = 60\nfps = 50\n", ".conf: --fps: may be given only once"},
+      {"fps = 600\n", ".conf: --fps: '600' is not a number"},
       {"# " + std::string(70'000, 'x'), ".conf: larger than 64 KiB"}};
   for (const auto& [text, complaint] : wrong) {
     std::ofstream(path) << text;
