@@ -70,27 +70,33 @@ App::App(Settings settings, const Clock& clock, Views views)
                                    &log_ring_)),
       preparer_(pool_, clock, settings_.method,
                 [this](const PreparedFrame& frame) {
-                  asio::post(io_, [this, frame] { receiver_.prepared(frame); });
+                  asio::post(io_, [this, frame] { prepared(frame); });
                 }),
       receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
       connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
                   connectionEvents()),
       log_(settings_.log_file),
-      views_(std::move(views)) {
+      fault_files_(settings_.fault_folder),
+      views_(std::move(views)),
+      teller_(toString(settings_.server)) {
   requireWritable("--summary", settings_.summary_file);
 }
 
 ConnectionEvents App::connectionEvents() {
   return {.welcomed =
               [this](const auto& stream) {
-                spdlog::info("{}", greeting(stream, settings_.method));
-                told_why_.clear();
+                const std::string line = greeting(stream, settings_.method);
+                if (const auto told = teller_.connected(line, clock_.now()))
+                  spdlog::info("{}", *told);
               },
           .video = [this](const VideoFrame& video) { show(video); },
-          .disconnected = [this](const std::string& why) { sayOnce(why); },
+          .disconnected =
+              [this](const std::string& why) {
+                if (const auto told = teller_.lost(why, clock_.now())) spdlog::warn("{}", *told);
+              },
           .failed =
               [this](const std::string& why) {
-                spdlog::error("{}", why);
+                spdlog::error("{}: {}", toString(settings_.server), why);
                 failed_ = true;
                 stop();
               }};
@@ -101,16 +107,15 @@ void App::show(const VideoFrame& picture) {
   for (const auto& view : views_) view->takePicture(picture, workspace);
 }
 
-void App::sayOnce(const std::string& why) {
-  // An absent server is tried about every second; the reason is told when it is another one.
-  if (why != told_why_) spdlog::warn("{}; trying again", why);
-  told_why_ = why;
+void App::prepared(const PreparedFrame& frame) {
+  receiver_.prepared(frame);
+  if (const auto line = oddities_.take(receiver_.counts(), clock_.now())) spdlog::warn("{}", *line);
 }
 
 bool App::run() {
   spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", toString(settings_.server),
                device_->description());
-  asio::signal_set signals(io_, SIGINT, SIGTERM);
+  asio::signal_set signals(io_, SIGINT, SIGTERM, SIGHUP);
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();
   });
@@ -133,26 +138,32 @@ bool App::run() {
 
 void App::runEvents() {
   const LocalTime begin = clock_.now();
-  const auto over = [&] {
-    return settings_.seconds > 0.0 && clock_.now() - begin >= fromSeconds(settings_.seconds);
-  };
-  while (!stop_ && !over()) {
+  while (!stop_ && !time_is_over_) {
     takeReports();
-    fault_files_.take(room_->recorder());
+    takeFaults();
     tellContact();
     rearm();
     for (const auto& view : views_) {
       if (!view->turn()) stop();
     }
     std::this_thread::sleep_for(kTurn);
+    time_is_over_ =
+        settings_.seconds > 0.0 && clock_.now() - begin >= fromSeconds(settings_.seconds);
   }
 }
 
 void App::takeReports() {
   while (log_ring_.tryPop(last_report_)) {
+    if (!begin_) begin_ = last_report_.time;
+    last_report_.time = LocalTime(last_report_.time - *begin_);
     log_.write(last_report_);
     for (const auto& view : views_) view->takeReport(last_report_);
   }
+}
+
+void App::takeFaults() {
+  // A fault of the very first tick waits until its report has come.
+  if (begin_) fault_files_.take(room_->recorder(), *begin_);
 }
 
 void App::tellContact() {
@@ -178,7 +189,12 @@ RunResult App::result(const LoopThread& loop) const {
 }
 
 void App::finish(const LoopThread& loop) {
-  fault_files_.take(room_->recorder());
+  takeFaults();
+  if (time_is_over_ && !failed_ && !teller_.everConnected()) {
+    spdlog::error("no server came to {} in {:g} s ({})", toString(settings_.server),
+                  settings_.seconds, teller_.reason().empty() ? "no answer" : teller_.reason());
+    failed_ = true;
+  }
   const RealtimeGrant& realtime = loop.realtime();
   if (!realtime.fifo || !realtime.mlock) {
     spdlog::info("the loop ran without {}: ticks may be late under load (README: real time)",

@@ -5,9 +5,12 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "client/connection_teller.hpp"
 #include "client/device/open_device.hpp"
+#include "client/fault_files.hpp"
 #include "client/haptics/loop_thread.hpp"
 #include "client/haptics/room.hpp"
 #include "client/log.hpp"
@@ -25,9 +28,10 @@ class App {
   /// Opens the device; `views` are shown what happens. Throws std::runtime_error, one line.
   App(Settings settings, const Clock& clock, Views views);
 
-  /// Touches until --seconds are over, Ctrl-C, a view wants to end, or stop(). Returns false when
-  /// the server could never be reached or speaks another protocol (said in the log). Throws
-  /// std::runtime_error when a file cannot be written.
+  /// Touches until --seconds are over, a signal (SIGINT, SIGTERM, SIGHUP), a view wants to end, or
+  /// stop(); waits for a server that is not there. Returns false when none came in --seconds, or
+  /// when there can be none (said in the log). Throws std::runtime_error when a file cannot be
+  /// written.
   bool run();
   /// Thread: any.
   void stop() noexcept { stop_ = true; }
@@ -36,10 +40,11 @@ class App {
   [[nodiscard]] ConnectionEvents connectionEvents();
   // On the network's thread:
   void show(const VideoFrame& picture);
-  void sayOnce(const std::string& why);
+  void prepared(const PreparedFrame& frame);
   // On the calling thread:
   void runEvents();
   void takeReports();
+  void takeFaults();
   void tellContact();
   void rearm();
   [[nodiscard]] RunResult result(const LoopThread& loop) const;
@@ -65,9 +70,12 @@ class App {
   Views views_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
-  TickReport last_report_;  // of those taken from log_ring_
+  std::optional<LocalTime> begin_;  // of the first tick
+  TickReport last_report_;          // of those taken from log_ring_; its time counts from begin_
   bool told_contact_ = false;
-  std::string told_why_;  // the connection is down for this reason; network thread
+  bool time_is_over_ = false;
+  OddityTeller oddities_;    // network thread
+  ConnectionTeller teller_;  // network thread; after it has ended the calling one
 };
 
 }  // namespace hapticast::client

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/log.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <array>
 #include <ostream>
 #include <stdexcept>
@@ -71,23 +69,6 @@ void LogFile::close() {
   out_.close();
   if (!out_)
     throw std::runtime_error("--log " + file_ + ": not written completely; is the disk full?");
-}
-
-void FaultFiles::take(FlightRecorder& recorder) {
-  if (!recorder.frozen() || written_ == kMaxFiles) return;
-  const std::string file = fmt::format("hapticast-fault-{}.csv", ++written_);
-  const Fault fault = recorder.at(recorder.size() - 1).fault;
-  std::ofstream out(file);
-  dumpRecorder(out, recorder);
-  out.close();
-  spdlog::warn("fault: {}; the ticks before it are {}", faultName(fault),
-               out ? "in " + file : "lost, no file can be written here");
-}
-
-void dumpRecorder(std::ostream& out, FlightRecorder& recorder) {
-  writeReportHeading(out);
-  for (std::size_t i = 0; i < recorder.size(); ++i) writeReport(out, recorder.at(i));
-  recorder.rearm();
 }
 
 }  // namespace hapticast::client

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Reports of the loop as rows of text: the file of --log, and the ticks before a fault. Thread:
-// main.
+// Reports of the loop as rows of text, and the file of --log. Thread: main.
 #pragma once
 
 #include <fstream>
 #include <string>
 
-#include "client/haptics/flight_recorder.hpp"
+#include "client/haptics/tick_report.hpp"
 
 namespace hapticast::client {
 
@@ -31,21 +30,5 @@ class LogFile {
   std::string file_;
   std::ofstream out_;
 };
-
-/// The files of the ticks before a fault, hapticast-fault-N.csv in the working folder.
-class FaultFiles {
- public:
-  /// Chosen: who needs more than these has seen enough.
-  static constexpr int kMaxFiles = 10;
-  /// Writes a file if `recorder` is frozen by a fault, says so in the log, and lets it record
-  /// again. Beyond kMaxFiles it does nothing.
-  void take(FlightRecorder& recorder);
-
- private:
-  int written_ = 0;
-};
-
-/// Writes a frozen recorder's ticks, oldest first, and lets it record again. Requires frozen().
-void dumpRecorder(std::ostream& out, FlightRecorder& recorder);
 
 }  // namespace hapticast::client

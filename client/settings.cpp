@@ -21,10 +21,10 @@ const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
 const std::map<std::string, Transport> kTransports{{"tcp", Transport::kTcp}};
 
-/// The kinds of this build, by name.
+/// What --device takes: auto, and the kinds of this build.
 const std::map<std::string, std::string>& devices() {
   static const auto kDevices = [] {
-    std::map<std::string, std::string> names;
+    std::map<std::string, std::string> names{{"auto", "auto"}};
     for (const DeviceKind& kind : deviceKinds()) names.emplace(kind.name, kind.name);
     return names;
   }();
@@ -32,7 +32,7 @@ const std::map<std::string, std::string>& devices() {
 }
 
 std::string deviceHelp() {
-  std::string help = "The haptic device";
+  std::string help = "The haptic device; auto (default): the best kind there is";
   for (const DeviceKind& kind : deviceKinds()) {
     help += std::string("; ") + kind.name + ": " + kind.description;
   }
@@ -49,7 +49,7 @@ std::string builtIn() {
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
-  addChoice(app, "--device", settings.device, devices(), deviceHelp())->required();
+  addChoice(app, "--device", settings.device, devices(), deviceHelp());
   app.add_option(
          "--profile", settings.profile,
          "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines (keys: "
@@ -81,6 +81,10 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
   app.add_option("--summary", settings.summary_file,
                  "Write counters, tick times and extremes at the end")
       ->type_name("FILE.json");
+  app.add_option("--fault-dir", settings.fault_folder,
+                 "Where the ticks before a fault are written; default: hapticast in "
+                 "$XDG_STATE_HOME, else in ~/.local/state")
+      ->type_name("DIR");
   addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
             "Stop after S seconds; default: at Ctrl-C");
   app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
@@ -102,8 +106,9 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "zero.",
       "hapticast-client");
   addVersion(*app, builtIn());
-  addEndpoint(*app, "server", settings.server,
-              "Where hapticast-server listens; default: localhost:7447");
+  addEndpoint(*app, "server", settings.server, 1, "HOST[:PORT], PORT or [V6ADDRESS]:PORT",
+              "Where hapticast-server listens; default: localhost:7447. One that is not there is "
+              "waited for");
   addDeviceOptions(*app, settings);
   addChoice(*app, "--transport", settings.transport, kTransports, "How frames travel");
   addChoice(

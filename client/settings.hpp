@@ -18,7 +18,7 @@ enum class Transport : std::uint8_t { kTcp };
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
-  std::string device = "virtual";
+  std::string device = "auto";
   std::string profile = "omni";  ///< a built-in name or a file
   Transport transport = Transport::kTcp;
   SurfaceKind surface = SurfaceKind::kProxy;
@@ -26,8 +26,9 @@ struct Settings {
   std::string screenshot_file;
   std::string log_file;
   std::string summary_file;
-  bool rearm = false;    ///< after a lost device came back the force returns by itself
-  double seconds = 0.0;  ///< 0: until Ctrl-C
+  std::string fault_folder;  ///< empty: the state folder
+  bool rearm = false;        ///< after a lost device came back the force returns by itself
+  double seconds = 0.0;      ///< 0: until Ctrl-C
   Method method = Method::kHapticast;
   bool quiet = false;
 };

@@ -1,27 +1,53 @@
 // SPDX-License-Identifier: MIT
 #include "common/endpoint.hpp"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 
 #include "common/text.hpp"
 
 namespace hapticast {
 
-std::optional<Endpoint> parseEndpoint(std::string_view text) {
-  Endpoint endpoint;
-  if (text.starts_with('[')) {
-    const std::size_t close = text.find(']');
-    if (close == std::string_view::npos) return std::nullopt;
-    endpoint.host = text.substr(1, close - 1);
-    text.remove_prefix(close + 1);
-    if (!text.empty() && !text.starts_with(':')) return std::nullopt;
-  } else {
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    endpoint.host = text.substr(0, colon);
-    text.remove_prefix(colon);
+namespace {
+
+bool isPort(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// An IPv6 address without brackets, whose colons are none before a port; with its zone, if any.
+bool isBareV6(std::string_view text) {
+  in6_addr address{};
+  const std::string numbers(text.substr(0, text.find('%')));
+  return ::inet_pton(AF_INET6, numbers.c_str(), &address) == 1;
+}
+
+/// Takes the host off the front of `text`; what is left is empty or begins with ':'. False if it
+/// cannot be.
+bool takeHost(std::string_view& text, std::string& host) {
+  std::size_t size = std::min(text.find(':'), text.size());
+  const bool brackets = text.starts_with('[');
+  if (brackets) {
+    size = text.find(']');
+    if (size == std::string_view::npos) return false;
+    host = text.substr(1, size - 1);
+    text.remove_prefix(size + 1);
+    return !host.empty() && (text.empty() || text.starts_with(':'));
   }
-  if (endpoint.host.empty() || endpoint.host.find_first_of(" \t/") != std::string::npos)
-    return std::nullopt;
+  if (isBareV6(text)) size = text.size();
+  if (size > 0) host = text.substr(0, size);
+  text.remove_prefix(size);
+  return true;
+}
+
+}  // namespace
+
+std::optional<Endpoint> parseEndpoint(std::string_view text, const Endpoint& otherwise) {
+  Endpoint endpoint = otherwise;
+  const std::string with_colon = isPort(text) ? ":" + std::string(text) : std::string(text);
+  text = with_colon;
+  if (text.empty() || !takeHost(text, endpoint.host)) return std::nullopt;
+  if (endpoint.host.find_first_of(" \t/[]") != std::string::npos) return std::nullopt;
   if (text.empty()) return endpoint;
   const auto port = numberIn<std::uint16_t>(text.substr(1), 0, UINT16_MAX);
   if (!port) return std::nullopt;

@@ -17,8 +17,10 @@ struct Endpoint {
   bool operator==(const Endpoint&) const = default;
 };
 
-/// HOST, HOST:PORT, [V6ADDRESS] or [V6ADDRESS]:PORT; nullopt if it is none of them.
-[[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text);
+/// HOST, HOST:PORT, PORT or :PORT, an IPv6 address as [ADDRESS], [ADDRESS]:PORT or bare; nullopt if
+/// it is none of them. What is not said is taken from `otherwise`.
+[[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text,
+                                                    const Endpoint& otherwise);
 /// HOST:PORT or [V6ADDRESS]:PORT, which parseEndpoint() reads back.
 [[nodiscard]] std::string toString(const Endpoint& endpoint);
 

@@ -70,13 +70,15 @@ struct Impact {
   Vec3 delta_velocity_mm_s = Vec3::Zero();
 };
 
-/// What the author says of the surface. Zero or negative means "the viewer's default".
+/// What the author says of the surface, none of it negative. What is absent is the viewer's choice
+/// (client/haptics/surface/surface_model.hpp).
 struct Material {
-  double stiffness_N_mm = 0.0;
-  double damping_Ns_m = 0.0;
-  double static_friction = 0.0;
-  double dynamic_friction = 0.0;
-  double texture_K_mm = 30.0;  ///< K of Eq. 3, in mm
+  std::optional<double> stiffness_N_mm;
+  std::optional<double> damping_Ns_m;
+  std::optional<double> static_friction;
+  std::optional<double> dynamic_friction;
+  std::optional<double> texture_K_mm;  ///< K of Eq. 3, in mm
+  bool operator==(const Material&) const = default;
 };
 
 struct HapticObject {

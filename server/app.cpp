@@ -36,7 +36,7 @@ App::App(Settings settings, const Clock& clock)
       listener_(io_, settings_.listen, broadcaster_) {}
 
 void App::run() {
-  asio::signal_set signals(io_, SIGINT, SIGTERM);
+  asio::signal_set signals(io_, SIGINT, SIGTERM, SIGHUP);
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();
   });

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <exception>
+#include <string>
 
 #include "common/cli/parse.hpp"
 #include "server/app.hpp"
@@ -19,7 +20,9 @@ int serve(const hapticast::server::Settings& settings) {
     app = std::make_unique<hapticast::server::App>(settings, clock);
     app->run();
   } catch (const hapticast::server::SourceError& error) {
-    spdlog::error("{}", hapticast::oneLine(error.what()));
+    const std::string what = hapticast::oneLine(error.what());
+    // Some complaints are about another flag and begin with it.
+    spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
   } catch (const hapticast::server::AddressError& error) {
     spdlog::error("--listen: {}", hapticast::oneLine(error.what()));

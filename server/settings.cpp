@@ -183,10 +183,10 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "hapticast-server");
   addVersion(*app, "sources: synthetic, images, videos, cameras; transports: tcp");
   addSourceOptions(*app, settings);
-  addEndpoint(*app, "--listen", settings.listen,
+  addEndpoint(*app, "--listen", settings.listen, 0,
+              "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
               "Where clients connect: an IP address of this machine and a port; default: "
-              "0.0.0.0:7447 (all addresses); port 0: any free one")
-      ->type_name("ADDR[:PORT]");
+              "0.0.0.0:7447 (all addresses); port 0: any free one");
   addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N", "More are turned away with a message; default: 64");
   addName(*app, settings.name);

@@ -17,10 +17,11 @@ std::span<const DeviceKind> deviceKinds() noexcept {
 }
 
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request) {
-  std::string names;
+  if (name == "auto") return deviceKinds().front().open(request);
+  std::string names = "auto";
   for (const DeviceKind& kind : deviceKinds()) {
     if (name == kind.name) return kind.open(request);
-    names += (names.empty() ? "" : "|") + std::string(kind.name);
+    names += "|" + std::string(kind.name);
   }
   throw std::runtime_error("--device " + name + ": is not one of " + names);
 }

@@ -31,10 +31,11 @@ struct DeviceKind {
   OpenDevice* open;
 };
 
-/// All kinds of this build, the default first.
+/// All kinds of this build, the best first: `auto` opens that one.
 std::span<const DeviceKind> deviceKinds() noexcept;
 
-/// Opens a device of the kind `name`. Throws as OpenDevice does, and for an unknown name.
+/// Opens a device of the kind `name`, or `auto`. Throws as OpenDevice does, and for an unknown
+/// name.
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request);
 
 }  // namespace hapticast::client

@@ -169,7 +169,10 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
   }
   input.stiffness_factor = contact.stiffness_factor;
   input.stiffness_N_mm = stiffness_N_mm(contact.object);
-  if (contact.object != nullptr) input.damping_Ns_m = contact.object->before->material.damping_Ns_m;
+  if (contact.object != nullptr) {
+    input.damping_Ns_m =
+        contact.object->before->material.damping_Ns_m.value_or(kDefaultDamping_Ns_m);
+  }
   input.touchable = connected_ && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;
   return input;
@@ -178,8 +181,7 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
 double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
   if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
   if (object != nullptr) {
-    const double material_N_mm = object->before->material.stiffness_N_mm;
-    if (!(material_N_mm <= 0.0)) return material_N_mm;  // NaN goes on to the chain, which says so
+    return object->before->material.stiffness_N_mm.value_or(settings_.profile.stiffness_N_mm);
   }
   return settings_.profile.stiffness_N_mm;
 }

@@ -27,7 +27,9 @@ struct Connection::Conversation {
   asio::steady_timer pinger;
   asio::steady_timer watcher;
   bool welcomed = false;
+  std::optional<LocalTime> unanswered_since;  // the welcome, until a ping is answered
   bool pinging = false;
+  std::optional<LocalTime> first_frame;
   bool timed_out = false;  // closed because `deadline` passed
   LocalTime deadline{};
   const char* overdue = "";     // what did not come in time
@@ -66,21 +68,18 @@ asio::awaitable<void> Connection::run() {
   while (!stopped_) {
     const Ending ending = co_await converse();
     const bool was_welcomed = talk_ && talk_->welcomed;
+    const bool was_good =
+        talk_ && talk_->first_frame && clock_.now() - *talk_->first_frame >= settings_.good_after;
     bytes_received_ = bytesReceived();
     talk_.reset();
     if (stopped_) break;
-    if (was_welcomed) {
-      receiver_.disconnected(clock_.now());
-      pause = settings_.first_retry;
-    }
-    const std::string line = toString(settings_.server) + ": " + ending.why;
-    const bool hopeless =
-        !ever_welcomed_ && !settings_.patient && ending.code != ErrorCode::kServerFull;
-    if (hopeless || ending.code == ErrorCode::kVersion) {
-      if (events_.failed) events_.failed(line);
+    if (was_welcomed) receiver_.disconnected(clock_.now());
+    if (was_good) pause = settings_.first_retry;
+    if (hopeless(ending)) {
+      if (events_.failed) events_.failed(ending.why);
       co_return;
     }
-    if (events_.disconnected) events_.disconnected(line);
+    if (events_.disconnected) events_.disconnected(ending.why);
     retry_.expires_after(pause);
     boost::system::error_code ec;
     co_await retry_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
@@ -89,10 +88,18 @@ asio::awaitable<void> Connection::run() {
   receiver_.disconnected(clock_.now());
 }
 
+bool Connection::hopeless(const Ending& ending) const {
+  if (ending.code == ErrorCode::kVersion) return true;
+  const bool speaks_something_else = ending.code == ErrorCode::kMalformed ||
+                                     ending.code == ErrorCode::kTooLarge ||
+                                     ending.code == ErrorCode::kUnexpected;
+  return !ever_welcomed_ && (ending.no_such_server || speaks_something_else);
+}
+
 asio::awaitable<Connection::Ending> Connection::converse() {
   Dialled dialled =
       co_await settings_.dial(io_, settings_.server, settings_.connect_deadline, dial_stop_);
-  if (!dialled.ok()) co_return Ending{dialled.error().message, {}};
+  if (!dialled.ok()) co_return Ending{dialled.error().message, {}, dialled.error().no_such_server};
   auto talk = talk_ = std::make_shared<Conversation>(io_, std::move(dialled).value());
   talk->deadline = clock_.now() + settings_.connect_deadline;
   talk->overdue = "no welcome came; is it a hapticast server?";
@@ -107,6 +114,10 @@ asio::awaitable<Connection::Ending> Connection::converse() {
 
 asio::awaitable<void> Connection::watch(ConversationPtr talk) {
   while (clock_.now() < talk->deadline) {
+    if (talk->unanswered_since && clock_.now() - *talk->unanswered_since >= settings_.pong_limit) {
+      talk->overdue = "the server answers no pings, so that its clock is not known";
+      break;
+    }
     boost::system::error_code ec;
     talk->watcher.expires_after(kCheckEvery);
     co_await talk->watcher.async_wait(asio::redirect_error(asio::use_awaitable, ec));
@@ -164,6 +175,7 @@ std::optional<WireError> Connection::handleWelcome(Conversation& talk, const Mes
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
   talk.welcomed = true;
+  talk.unanswered_since = clock_.now();
   ever_welcomed_ = true;
   talk.channel->setReadLimit(kMaxMessageBytes);
   receiver_.connected(welcome->description, clock_.now());
@@ -178,6 +190,7 @@ std::optional<WireError> Connection::handle(Conversation& talk, Message message)
   if (!talk.welcomed) {
     failure = handleWelcome(talk, message);
   } else if (auto* const frame = std::get_if<HapticFrame>(&message)) {
+    if (!talk.first_frame) talk.first_frame = now;
     receiver_.frame(std::move(*frame));
   } else if (const auto* const pong = std::get_if<Pong>(&message)) {
     handlePong(talk, *pong);
@@ -198,6 +211,7 @@ void Connection::handlePong(Conversation& talk, const Pong& pong) {
   const auto asked = std::find(talk.pings.begin(), talk.pings.end(), pong.t0);
   if (asked == talk.pings.end()) return;
   talk.pings.erase(asked);
+  talk.unanswered_since.reset();
   receiver_.pong(pong, clock_.now());
 }
 

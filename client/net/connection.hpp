@@ -24,13 +24,14 @@ struct ConnectionSettings {
   Dial dial = dialTcp;
   std::string client_name = "hapticast-client";
   bool wants_video = false;
-  /// Keep trying when the server was never reached; otherwise the first failure is fatal. (A full
-  /// server is always tried again, one of another protocol version never.)
-  bool patient = false;
   Duration connect_deadline = std::chrono::seconds(5);    ///< look-up, connection and welcome, each
   Duration silence_limit = std::chrono::seconds(3);       ///< without a message from the server
   Duration first_retry = std::chrono::milliseconds(200);  ///< doubled up to `last_retry`
   Duration last_retry = std::chrono::seconds(1);
+  /// A connection that has brought frames for so long was a good one: after it, and only after it,
+  /// the pauses begin anew. Chosen: a server that errs after every welcome is tried once a second.
+  Duration good_after = std::chrono::seconds(3);
+  Duration pong_limit = std::chrono::seconds(5);  ///< welcomed, and no ping answered
   Duration ping_interval = std::chrono::seconds(1);
   Duration burst_interval =
       std::chrono::milliseconds(20);  ///< of the first ClockSync::kBurst pings
@@ -40,8 +41,8 @@ struct ConnectionSettings {
 struct ConnectionEvents {
   std::function<void(const StreamDescription&)> welcomed;  ///< a connection is made
   std::function<void(VideoFrame)> video;
-  std::function<void(const std::string&)> disconnected;  ///< one line: why; it will be tried again
-  std::function<void(const std::string&)> failed;        ///< one line: why; it is over
+  std::function<void(const std::string&)> disconnected;  ///< why, one line; it will be tried again
+  std::function<void(const std::string&)> failed;        ///< why, one line; it is over
 };
 
 class Connection {
@@ -65,9 +66,13 @@ class Connection {
   struct Ending {
     std::string why;                // one line
     std::optional<ErrorCode> code;  // where the protocol has one for it
+    bool no_such_server = false;
   };
 
   asio::awaitable<void> run();
+  /// Whether it is useless to try again: the server speaks another version of the protocol; or,
+  /// while none was ever reached, its name does not exist or it speaks something else.
+  [[nodiscard]] bool hopeless(const Ending& ending) const;
   asio::awaitable<Ending> converse();
   asio::awaitable<Ending> readAll(ConversationPtr talk);
   asio::awaitable<void> ping(ConversationPtr talk);

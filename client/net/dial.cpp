@@ -12,10 +12,10 @@ namespace hapticast::client {
 namespace {
 
 using Addresses = asio::ip::tcp::resolver::results_type;
-const Error kStopped{"stopped"};
+const DialError kStopped{"stopped"};
 
-asio::awaitable<Result<Addresses>> lookUp(asio::io_context& io, const Endpoint& server,
-                                          Duration deadline, DialStop& stop) {
+asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const Endpoint& server,
+                                                     Duration deadline, DialStop& stop) {
   // A look-up cannot be interrupted, so it is raced against a timer and left behind when it loses.
   struct Race {
     explicit Race(asio::io_context& context) : resolver(context), timer(context) {}
@@ -37,8 +37,10 @@ asio::awaitable<Result<Addresses>> lookUp(asio::io_context& io, const Endpoint& 
   co_await race->timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   stop.onStop({});
   if (stop.stopped()) co_return kStopped;
-  if (!race->ec) co_return Error{"the name look-up takes too long"};
-  if (*race->ec) co_return Error{"unknown host; is the name right? (" + race->ec->message() + ")"};
+  if (!race->ec) co_return DialError{"the name look-up takes too long"};
+  if (*race->ec == asio::error::host_not_found)
+    co_return DialError{"there is no host of this name", true};
+  if (*race->ec) co_return DialError{"the name cannot be looked up: " + race->ec->message()};
   co_return race->addresses;
 }
 
@@ -76,12 +78,9 @@ asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, D
   race->over = true;
   race->timer.cancel();
   if (stop.stopped()) co_return kStopped;
-  if (race->timed_out) co_return Error{"cannot connect: no answer"};
-  if (ec) {
-    const char* const advice =
-        ec == asio::error::connection_refused ? " (no hapticast-server listens there)" : "";
-    co_return Error{"cannot connect: " + ec.message() + advice};
-  }
+  if (race->timed_out) co_return DialError{"no answer"};
+  if (ec == asio::error::connection_refused) co_return DialError{"connection refused"};
+  if (ec) co_return DialError{ec.message()};
   co_return std::make_unique<TcpChannel>(std::move(race->socket), kMaxSmallMessageBytes);
 }
 

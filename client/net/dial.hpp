@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "common/endpoint.hpp"
 #include "common/time.hpp"
@@ -28,9 +29,14 @@ class DialStop {
   std::function<void()> on_stop_;
 };
 
-/// A channel that takes small messages only until its read limit is raised, or why there is none
-/// (one line, without the server's name).
-using Dialled = Result<std::unique_ptr<Channel>>;
+/// Why there is no channel.
+struct DialError {
+  std::string message;          ///< one line, without the server's name
+  bool no_such_server = false;  ///< its name does not exist
+};
+
+/// A channel that takes small messages only until its read limit is raised.
+using Dialled = Result<std::unique_ptr<Channel>, DialError>;
 using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const Endpoint& server,
                                                     Duration deadline, DialStop& stop)>;
 

@@ -12,12 +12,15 @@ void FrameAssembler::restart() {
 }
 
 std::optional<AssembledFrame> FrameAssembler::add(HapticFrame frame) {
-  if (last_id_ && frame.id <= *last_id_) return std::nullopt;
+  const bool behind = last_id_ && frame.id <= *last_id_;
+  const std::uint64_t jump = !last_id_ ? 0 : behind ? *last_id_ - frame.id : frame.id - *last_id_;
+  const bool resync = jump > kLargestJump;
+  if (behind && !resync) return std::nullopt;
   // The first frame after restart() belongs to the epoch that was announced to the loop.
-  if (server_epoch_ && *server_epoch_ != frame.epoch) ++epoch_;
+  if (resync || (server_epoch_ && *server_epoch_ != frame.epoch)) ++epoch_;
   server_epoch_ = frame.epoch;
-  FramePlace place{epoch_, !last_id_, 0, frame.media_time, {}};
-  if (last_id_) {
+  FramePlace place{epoch_, !last_id_, resync, 0, frame.media_time, {}};
+  if (last_id_ && !resync) {
     place.lost = frame.id - *last_id_ - 1;
     place.gap = frame.media_time - last_media_time_;
   }

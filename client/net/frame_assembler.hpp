@@ -15,9 +15,10 @@ namespace hapticast::client {
 struct FramePlace {
   std::uint32_t epoch = 0;  ///< client-side; unlike the server's it never repeats
   bool first = false;       ///< of its connection
-  std::uint64_t lost = 0;   ///< frames that are missing before it (0 for the first)
+  bool resync = false;      ///< its id is no successor of the last one's: numbering began anew
+  std::uint64_t lost = 0;   ///< frames that are missing before it (0 for the first, and a resync)
   MediaTime media_time;
-  Duration gap{0};  ///< media time since the frame before (0 for the first)
+  Duration gap{0};  ///< media time since the frame before (0 for the first, and a resync)
 };
 
 /// A whole frame in its place.
@@ -28,11 +29,16 @@ struct AssembledFrame {
 
 class FrameAssembler {
  public:
+  /// Chosen: 10 s of the fastest stream. Ids that jump further, forwards or backwards, are not
+  /// those of a network that loses or reorders.
+  static constexpr std::uint64_t kLargestJump = 2400;
+
   /// A connection is made: ids start over, and a new epoch begins.
   void restart();
   /// The client-side epoch of the next frame, unless the server begins another one with it.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
-  /// Takes a frame as it came; nullopt when it came before or when a later one did (ids rise).
+  /// Takes a frame as it came; nullopt when it came before or when a later one did (ids rise). One
+  /// whose id jumps by more than kLargestJump begins a numbering and an epoch of its own.
   [[nodiscard]] std::optional<AssembledFrame> add(HapticFrame frame);
 
  private:

@@ -64,6 +64,10 @@ void Receiver::frame(HapticFrame frame) {
     return;
   }
   counts_.lost += assembled->place.lost;
+  if (assembled->place.resync) {
+    ++counts_.resyncs;
+    preparer_.reset(latest_.workspace);  // "unchanged since frame M" was said of other frames
+  }
   counts_.overrun += preparer_.push(std::move(*assembled));
 }
 

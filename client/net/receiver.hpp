@@ -23,6 +23,7 @@ struct ReceiverCounts {
   std::uint64_t late = 0;              ///< came after they were due (they are handed on)
   std::uint64_t concealed = 0;         ///< lost, but the next came in time to interpolate across
   std::uint64_t duplicates = 0;        ///< came twice or out of order: dropped
+  std::uint64_t resyncs = 0;           ///< jumps of the ids that no loss explains
   std::uint64_t overrun = 0;           ///< dropped: they came faster than they can be prepared
   std::uint64_t no_slot = 0;           ///< dropped: the loop held every slot of the pool
   std::uint64_t reliefs_missing = 0;   ///< "unchanged", but never seen: an object without field

@@ -12,7 +12,7 @@ namespace hapticast::client {
 
 /// The largest magnitudes of some ticks in a row.
 struct ForcePoint {
-  double time_s = 0.0;  ///< local time of the first of them
+  double time_s = 0.0;  ///< of the first of them, since the first tick of the run
   double force_N = 0.0;
   double static_force_N = 0.0;
   double dynamic_force_N = 0.0;

@@ -62,9 +62,10 @@ void drawGrid(cv::Mat& plot, const Axes& axes) {
     putLabel(plot, cv::format("%.2f N", force_N), {4, row + 4}, kTextColor);
   }
   const double step_s = axes.span_s <= 12.0 ? 1.0 : std::ceil(axes.span_s / 10.0);
-  for (double time_s = 0.0; time_s <= axes.span_s; time_s += step_s) {
+  for (double time_s = step_s * std::ceil(axes.start_s / step_s);
+       time_s <= axes.start_s + axes.span_s; time_s += step_s) {
     putLabel(plot, cv::format("%.0f s", time_s),
-             {axes.column(axes.start_s + time_s) - 8, area.y + area.height + 20}, kTextColor);
+             {axes.column(time_s) - 8, area.y + area.height + 20}, kTextColor);
   }
 }
 

@@ -18,8 +18,8 @@ inline const cv::Scalar kForceColor(60, 60, 240);
 void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
 
 /// Returns a plot of all points of `history`, CV_8UC3 of `size` px (at least 100 x 100): total,
-/// static and dynamic force, a shade where there was contact, and a mark at `marked_s` (local
-/// time).
+/// static and dynamic force, a shade where there was contact, and a mark at `marked_s` (since
+/// the first tick, as all times of the plot).
 [[nodiscard]] cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size);
 
 }  // namespace hapticast::client

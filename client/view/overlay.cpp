@@ -55,7 +55,7 @@ void drawForce(cv::Mat& image, const Vec2& tip_px, const Vec3& force_N) {
 
 std::string caption(const TickReport& report) {
   return cv::format("t %.2f s   |F| %.2f N (%.2f, %.2f, %.2f)   penetration %.2f mm   %s",
-                    toSeconds(report.play_time), report.force_N.norm(), report.force_N.x(),
+                    toSeconds(report.time), report.force_N.norm(), report.force_N.x(),
                     report.force_N.y(), report.force_N.z(), report.penetration_mm,
                     report.contact ? "in contact" : "no contact");
 }

@@ -17,7 +17,8 @@ class View {
 
   /// Takes a picture of the stream, which belongs to `workspace`. Thread: any.
   virtual void takePicture(VideoFrame picture, const Workspace& workspace) = 0;
-  /// Takes the report of a tick. The ticks come in order and shortly after they happened.
+  /// Takes the report of a tick, whose `time` counts from the first tick of the run. The ticks
+  /// come in order and shortly after they happened.
   /// Thread: main.
   virtual void takeReport(const TickReport& report) = 0;
   /// The view's share of a turn of the event loop, about every 10 ms; it must not wait. Returns

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/cli/suggest.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
@@ -23,7 +24,7 @@ class KeyValueConfig : public CLI::ConfigBase {
     if (!pairs.ok()) throw ConfigFileError(pairs.error().message);
     std::vector<CLI::ConfigItem> items;
     for (const KeyValue& pair : pairs.value()) {
-      requireFlag(pair.key);
+      requireFlag(pair);
       const auto same = std::find_if(items.begin(), items.end(),
                                      [&](const auto& item) { return item.name == pair.key; });
       CLI::ConfigItem& item = same != items.end() ? *same : items.emplace_back();
@@ -34,12 +35,19 @@ class KeyValueConfig : public CLI::ConfigBase {
   }
 
  private:
-  void requireFlag(const std::string& key) const {
-    const auto options = app_.get_options();
-    const bool known = std::any_of(options.begin(), options.end(), [&](const auto* option) {
-      return option->get_configurable() && (option->check_lname(key) || option->check_name(key));
-    });
-    if (!known) throw ConfigFileError(": '" + key + "' is no flag's name");
+  void requireFlag(const KeyValue& pair) const {
+    const auto complain = [&](const std::string& what) {
+      throw ConfigFileError(":" + std::to_string(pair.line) + ": " + what);
+    };
+    if (pair.key == "config") complain("a config file cannot name another one");
+    std::vector<std::string> keys;
+    for (const CLI::Option* const option : app_.get_options()) {
+      if (!option->get_configurable()) continue;
+      if (option->check_lname(pair.key) || option->check_name(pair.key)) return;
+      keys.push_back(option->get_lnames().empty() ? option->get_name()
+                                                  : option->get_lnames().front());
+    }
+    complain(inQuotes(pair.key) + " is no flag's name" + didYouMean(pair.key, keys));
   }
 
   const CLI::App& app_;

@@ -20,16 +20,18 @@ std::optional<Vec2> parsePair(const std::string& text) {
 }
 
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
+                         std::uint16_t least_port, const std::string& form,
                          const std::string& help) {
-  const auto set = [&value, name](const std::string& text) {
-    const auto endpoint = parseEndpoint(text);
-    if (!endpoint) {
-      throw CLI::ValidationError(
-          name, inQuotes(text) + " is not HOST, HOST:PORT or [V6ADDRESS]:PORT (port 0..65535)");
+  const auto set = [&value, otherwise = value, name, least_port, form](const std::string& text) {
+    const auto endpoint = parseEndpoint(text, otherwise);
+    if (!endpoint || endpoint->port < least_port) {
+      throw CLI::ValidationError(name, inQuotes(text) + " is not " + form + " (port " +
+                                           std::to_string(least_port) + "..65535)");
     }
     value = *endpoint;
   };
-  return app.add_option_function<std::string>(name, set, help)->type_name("HOST[:PORT]");
+  return app.add_option_function<std::string>(name, set, help)
+      ->type_name(form.substr(0, form.find_first_of(" ,")));
 }
 
 template <class Number>

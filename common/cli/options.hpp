@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/cli/suggest.hpp"
 #include "common/endpoint.hpp"
 #include "common/geometry.hpp"
 #include "common/text.hpp"
@@ -22,6 +23,7 @@ std::optional<Vec2> parsePair(const std::string& text);
 /// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
 /// px".
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
+                         std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
                       const std::string& help, const std::string& form);
@@ -54,11 +56,17 @@ template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {
   std::string names;
-  for (const auto& choice : choices) names += (names.empty() ? "" : "|") + choice.first;
-  const auto set = [&value, &choices, name, names](const std::string& text) {
+  std::vector<std::string> words;
+  for (const auto& choice : choices) {
+    names += (names.empty() ? "" : "|") + choice.first;
+    words.push_back(choice.first);
+  }
+  const auto set = [&value, &choices, name, names, words](const std::string& text) {
     const auto found = choices.find(text);
-    if (found == choices.end())
-      throw CLI::ValidationError(name, inQuotes(text) + " is not one of " + names);
+    if (found == choices.end()) {
+      throw CLI::ValidationError(
+          name, inQuotes(text) + " is not one of " + names + didYouMean(text, words));
+    }
     value = found->second;
   };
   return app.add_option_function<std::string>(name, set, help)->type_name(names);

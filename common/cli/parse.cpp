@@ -1,19 +1,34 @@
 // SPDX-License-Identifier: MIT
 #include "common/cli/parse.hpp"
 
+#include <algorithm>
 #include <iostream>
+#include <vector>
 
 #include "common/cli/config_file.hpp"
+#include "common/cli/suggest.hpp"
+#include "common/text.hpp"
 
 namespace hapticast {
 
 namespace {
 
-/// What `app` did not know, as one text.
+/// What `app` did not know, as one text, and what its first flag may have meant.
 std::string unknownWords(const CLI::App& app) {
   std::string words;
-  for (const std::string& word : app.remaining()) words += " '" + word + "'";
-  return words;
+  std::string meant;
+  std::vector<std::string> flags;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  }
+  bool a_flag = false;
+  for (const std::string& word : app.remaining()) {
+    words += " " + inQuotes(word);
+    if (!word.starts_with('-')) continue;
+    a_flag = true;
+    if (meant.empty()) meant = didYouMean(word.substr(0, word.find('=')), flags);
+  }
+  return words + (a_flag ? meant : "; is a flag missing in front of it?");
 }
 
 template <class Kind>
@@ -21,26 +36,48 @@ bool is(const CLI::ParseError& error) {
   return dynamic_cast<const Kind*>(&error) != nullptr;
 }
 
-/// CLI11's complaint in words that name the flag or file and what is wrong with it.
+/// Where CLI11 found too many values for a flag, or none.
+std::string countComplaint(const CLI::App& app, const std::string& what) {
+  const std::string flag = what.substr(0, what.find(':'));
+  const CLI::Option* const option = app.get_option_no_throw(flag);
+  const bool many = option != nullptr && option->count() > 1;
+  return flag + (many ? ": may be given only once" : ": its value is missing");
+}
+
+/// CLI11's complaint in words that name the flag and what is wrong with it.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   std::string what = error.what();
-  const std::string config = "--config " + app.get_config_ptr()->as<std::string>();
-  if (is<ConfigFileError>(error)) return config + what;
-  if (is<CLI::FileError>(error)) return config + ": cannot be read";
   if (is<CLI::ConversionError>(error)) {
     // CLI11 puts its own words in front of the flag and its value.
     const std::size_t words = what.find(": ");
     return (words == std::string::npos ? what : what.substr(words + 2)) +
            ": a flag is on or off (true or false)";
   }
-  if (is<CLI::ArgumentMismatch>(error) && app.remaining().empty()) {
-    const std::string flag = what.substr(0, what.find(':'));
-    const CLI::Option* const option = app.get_option_no_throw(flag);
-    if (option != nullptr && option->count() > 1) return flag + ": may be given only once";
-  }
+  if (is<CLI::ArgumentMismatch>(error) && app.remaining().empty()) return countComplaint(app, what);
   // A mistyped flag makes a required one missing: name the cause.
   if (!app.remaining().empty()) return "not understood:" + unknownWords(app);
   return what;
+}
+
+/// Whether what `line` begins with is a flag that stands in none of the arguments.
+bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
+  const std::string flag = line.substr(0, line.find_first_of(": "));
+  if (!flag.starts_with("--")) return false;
+  return std::none_of(argv + 1, argv + argc, [&](const std::string& argument) {
+    return argument == flag || argument.starts_with(flag + "=");
+  });
+}
+
+/// The same with the config file, where the fault lies there.
+std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc,
+                      const char* const* argv) {
+  const auto file = app.get_config_ptr()->as<std::string>();
+  const std::string config = "--config " + file;
+  if (is<ConfigFileError>(error)) return config + error.what();
+  if (is<CLI::FileError>(error)) return config + ": cannot be read";
+  const std::string line = complaint(app, error);
+  const bool required = is<CLI::RequiredError>(error);
+  return !file.empty() && !required && isFromConfig(line, argc, argv) ? config + ": " + line : line;
 }
 
 }  // namespace
@@ -63,7 +100,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     std::cout << version.what() << "\n";
     return 0;
   } catch (const CLI::ParseError& error) {
-    std::cerr << app.get_name() << ": " << oneLine(complaint(app, error))
+    std::cerr << app.get_name() << ": " << oneLine(complaint(app, error, argc, argv))
               << " (--help lists what is allowed)\n";
     return 2;
   }

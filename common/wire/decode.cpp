@@ -142,14 +142,17 @@ std::shared_ptr<const MotionGrid> read(const proto::MotionGrid& from, const prot
 }
 
 Material read(const proto::Material& from, Check& check) {
-  const auto value = [&](float number, double limit) {
-    return check.magnitude(number, limit, "a material's value is out of range");
+  const auto value = [&](bool given, float number, double limit) -> std::optional<double> {
+    if (!given) return std::nullopt;
+    return check.number(number, 0.0, limit, "a material's value is out of range");
   };
-  return {value(from.stiffness_n_mm(), limits::kStiffness_N_mm),
-          value(from.damping_ns_m(), limits::kDamping_Ns_m),
-          value(from.static_friction(), limits::kFriction),
-          value(from.dynamic_friction(), limits::kFriction),
-          value(from.texture_k_mm(), limits::kWorkspace_mm)};
+  return {
+      value(from.has_stiffness_n_mm(), from.stiffness_n_mm(), limits::kStiffness_N_mm),
+      value(from.has_damping_ns_m(), from.damping_ns_m(), limits::kDamping_Ns_m),
+      value(from.has_static_friction(), from.static_friction(), limits::kFriction),
+      value(from.has_dynamic_friction(), from.dynamic_friction(), limits::kFriction),
+      value(from.has_texture_k_mm(), from.texture_k_mm(), limits::kWorkspace_mm),
+  };
 }
 
 std::span<const std::uint8_t> bytesOf(const std::string& from) {

@@ -112,11 +112,12 @@ void write(const Motion& from, proto::Motion& to) {
 }
 
 void write(const Material& from, proto::Material& to) {
-  to.set_stiffness_n_mm(static_cast<float>(from.stiffness_N_mm));
-  to.set_damping_ns_m(static_cast<float>(from.damping_Ns_m));
-  to.set_static_friction(static_cast<float>(from.static_friction));
-  to.set_dynamic_friction(static_cast<float>(from.dynamic_friction));
-  to.set_texture_k_mm(static_cast<float>(from.texture_K_mm));
+  const auto given = [](const std::optional<double>& value) { return static_cast<float>(*value); };
+  if (from.stiffness_N_mm) to.set_stiffness_n_mm(given(from.stiffness_N_mm));
+  if (from.damping_Ns_m) to.set_damping_ns_m(given(from.damping_Ns_m));
+  if (from.static_friction) to.set_static_friction(given(from.static_friction));
+  if (from.dynamic_friction) to.set_dynamic_friction(given(from.dynamic_friction));
+  if (from.texture_K_mm) to.set_texture_k_mm(given(from.texture_K_mm));
 }
 
 void write(const HapticFrame& from, proto::Message& message) {
@@ -137,7 +138,7 @@ void write(const HapticFrame& from, proto::Message& message) {
       hit.set_time_ns(impact.time.time_since_epoch().count());
       write(impact.delta_velocity_mm_s, *hit.mutable_delta_velocity_mm_s());
     }
-    write(object.material, *out.mutable_material());
+    if (object.material != Material{}) write(object.material, *out.mutable_material());
   }
 }
 

@@ -17,7 +17,7 @@
 namespace hapticast {
 
 /// Bumped by hand at every incompatible change of proto/hapticast.proto.
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 struct Hello {
   std::uint32_t protocol_version = kProtocolVersion;

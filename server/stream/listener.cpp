@@ -31,7 +31,8 @@ Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& b
     : acceptor_(io), pause_(io), broadcaster_(broadcaster), address_(address) {
   const std::string complaint = "cannot listen on " + toString(address) + ": ";
   boost::system::error_code ec;
-  const auto ip = asio::ip::make_address(address.host, ec);
+  const auto ip =
+      asio::ip::make_address(address.host == "localhost" ? "127.0.0.1" : address.host, ec);
   if (ec) {
     throw AddressError(complaint + "'" + address.host +
                        "' is not an IP address of this machine (0.0.0.0 means all)");

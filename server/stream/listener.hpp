@@ -21,8 +21,8 @@ class AddressError : public std::runtime_error {
 
 class Listener {
  public:
-  /// The host of `address` is numeric; port 0 takes a free one. Throws AddressError or
-  /// std::runtime_error with one line that names the address and what to do.
+  /// The host of `address` is numeric or localhost (127.0.0.1); port 0 takes a free one. Throws
+  /// AddressError or std::runtime_error with one line that names the address and what to do.
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster);
 
   /// Where it listens, with the port that was taken.

@@ -31,10 +31,9 @@ std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const Nomina
   }
   plan.relief(2 * smoothed->height_mm.size());
   if (plan.measureNow()) {
-    const double stiffness = settings.material.stiffness_N_mm;
     plan.costs(Stage::kSmooth,
                forceDifference_N(*smoothed, *make(false), nominal.workspace.mmPerPixel().x(),
-                                 stiffness > 0 ? stiffness : kUsualStiffness_N_mm));
+                                 settings.material.stiffness_N_mm.value_or(kUsualStiffness_N_mm)));
   }
   return smoothed;
 }

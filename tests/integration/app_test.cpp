@@ -16,6 +16,7 @@ struct Recorded {
   Workspace workspace;  // of the last picture
   std::uint64_t first_tick = 0;
   std::uint64_t last_tick = 0;
+  LocalTime begin = localTime(-1.0);
   std::size_t reports = 0;
   bool in_order = true;
   int finished = 0;
@@ -31,7 +32,10 @@ class RecordingView final : public client::View {
     ++recorded_.pictures;
   }
   void takeReport(const client::TickReport& report) override {
-    if (recorded_.reports++ == 0) recorded_.first_tick = report.tick;
+    if (recorded_.reports++ == 0) {
+      recorded_.first_tick = report.tick;
+      recorded_.begin = report.time;
+    }
     recorded_.in_order = recorded_.in_order && report.tick >= recorded_.last_tick;
     recorded_.last_tick = report.tick;
   }
@@ -86,6 +90,7 @@ TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
   EXPECT_TRUE(app->run());
   EXPECT_GE(recorded.reports, 50U);
   EXPECT_TRUE(recorded.in_order);
+  EXPECT_EQ(recorded.begin, LocalTime{}) << "time begins with the first tick";
   EXPECT_EQ(recorded.last_tick - recorded.first_tick + 1, recorded.reports) << "every tick";
   EXPECT_GE(recorded.pictures, 2);
   EXPECT_EQ(recorded.workspace, TestServer::description().workspace);

@@ -122,7 +122,6 @@ class ProgramsTest : public ::testing::Test {
     return start(HAPTICAST_SERVER_PROGRAM, std::move(arguments));
   }
   static std::unique_ptr<Process> startClient(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"--device", "virtual"});
     return start(HAPTICAST_CLIENT_PROGRAM, std::move(arguments));
   }
   /// ADDR:PORT where a server listens, as it says itself; empty (and a failure) if it does not.

@@ -95,13 +95,13 @@ TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   };
   for (const auto& [flag, value, allowed] : wrong)
     clientEnds({flag, value}, 2, {flag, "'" + value + "'", allowed});
-  clientEnds({"bad host"}, 2, {"'bad host'", "HOST:PORT"});
+  clientEnds({"bad host"}, 2, {"'bad host'", "HOST[:PORT]"});
   clientEnds({"127.0.0.1:99999"}, 2, {"127.0.0.1:99999", "65535"});
   clientEnds({"a", "b"}, 2, {"b"});
   clientEnds({"--bogus"}, 2, {"--bogus"});
   expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {"--device", "mouse"}), 2,
-            {"--device", "'mouse'", "virtual"});
-  expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {}), 2, {"--device", "required"});
+            {"--device", "'mouse'", "auto|virtual"});
+  clientEnds({"--fault-dir", write("file", "") + "/below"}, 2, {"--fault-dir", "file/below"});
   for (const char* flag : {"--log", "--summary", "--screenshot"})
     clientEnds({flag, path("missing/file.png")}, 2, {flag, "missing/file.png", "folder"});
   clientEnds({"--screenshot", path("picture.xyz")}, 2, {"--screenshot", "picture.xyz", ".png"});
@@ -150,8 +150,24 @@ TEST_F(ProgramsInputTest, FilesOfTheClient) {
 }
 
 TEST_F(ProgramsInputTest, ServersThatAreNotThere) {
-  clientEnds({"no-such-host.invalid"}, 1, {"no-such-host.invalid:7447", "unknown host"});
-  clientEnds({"127.0.0.1:1"}, 1, {"127.0.0.1:1", "no hapticast-server listens there"});
+  clientEnds({"no-such-host.invalid"}, 1, {"no-such-host.invalid:7447", "no host of this name"});
+  const auto never = startClient({"127.0.0.1:1", "--seconds", "1.5", "--quiet"});
+  EXPECT_EQ(never->wait(kSoon), 1);
+  EXPECT_EQ(countOf("waiting for a server at 127.0.0.1:1 (connection refused)", never->output()),
+            1U)
+      << never->output();
+  EXPECT_EQ(countOf("no server came to 127.0.0.1:1 in 1.5 s (connection refused)", never->output()),
+            1U)
+      << never->output();
+  EXPECT_EQ(countOf("\n", never->output()), 2U) << never->output();
+}
+
+TEST_F(ProgramsInputTest, AClientThatWaitsIsEndedBySignals) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const auto client = startClient({"127.0.0.1:1"});
+    ASSERT_TRUE(client->says("waiting for a server", kSoon)) << client->output();
+    interrupt(*client, signal);
+  }
 }
 
 TEST_F(ProgramsInputTest, ClipsThatDoNotFit) {

@@ -92,6 +92,7 @@ class ProgramsTouchTest : public ProgramsTest {
       ASSERT_GT(rows[i].t_s, rows[i - 1].t_s) << "row " << i;
     }
     ASSERT_FALSE(rows.empty());
+    EXPECT_EQ(rows.front().t_s, 0.0) << "the first tick";
     EXPECT_EQ(rows.back().force_N, Vec3::Zero()) << "left with a force";
 
     // How much of it was interpolated is timing, so it is told, not judged: a busy machine skips

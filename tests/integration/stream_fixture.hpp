@@ -124,7 +124,6 @@ struct TestClient {
       std::uint16_t port, const std::function<void(client::ConnectionSettings&)>& change) {
     client::ConnectionSettings settings;
     settings.server.port = port;
-    settings.patient = true;
     settings.burst_interval = std::chrono::milliseconds(1);
     settings.ping_interval = std::chrono::milliseconds(50);
     settings.first_retry = std::chrono::milliseconds(10);

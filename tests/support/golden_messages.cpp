@@ -60,7 +60,7 @@ HapticFrame goldenFrame() {
                  0.5};
   ball.grid = grid();
   ball.impacts = {{mediaTime(40.0), {0.0, 200.0, -1.0}}, {mediaTime(40.08), {0.0, 150.0, 0.0}}};
-  ball.material = {0.5, 1.0, 0.25, 0.125, 30.0};
+  ball.material = {0.5, 1.0, 0.25, 0.0, {}};  // no sliding friction, and of K nothing is said
   frame.objects.push_back(ball);
   HapticObject still;
   still.id = 8;
@@ -72,8 +72,8 @@ HapticFrame goldenFrame() {
 
 std::vector<std::pair<std::string, Message>> goldenMessages() {
   return {
-      {"hello", Hello{1, "viewer-1", true, true}},
-      {"welcome", Welcome{1, 42, 0x0123456789ABCDEF, goldenDescription()}},
+      {"hello", Hello{kProtocolVersion, "viewer-1", true, true}},
+      {"welcome", Welcome{kProtocolVersion, 42, 0x0123456789ABCDEF, goldenDescription()}},
       {"ping", Ping{localTime(1.25)}},
       {"pong", Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001)}},
       {"description", goldenDescription()},

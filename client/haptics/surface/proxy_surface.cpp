@@ -73,8 +73,10 @@ struct Sum {
 }  // namespace
 
 Friction frictionOf(const Material& material) noexcept {
-  const double sticking = coefficient(material.static_friction);
-  return {sticking, std::min(coefficient(material.dynamic_friction), sticking)};
+  const auto& sticking = material.static_friction;
+  const auto& sliding = material.dynamic_friction;
+  const double most = coefficient(sticking.value_or(sliding.value_or(kDefaultFriction)));
+  return {most, std::min(coefficient(sliding.value_or(most)), most)};
 }
 
 void ProxySurface::restart() noexcept {

@@ -8,8 +8,6 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kDefaultTextureK_mm = 30.0;
-
 /// v + omega x r, and the change of shape along z.
 Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_rate_mm_s) noexcept {
   const Vec2 r = nominal_mm - object.position_mm.head<2>();
@@ -102,7 +100,7 @@ Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_m
   if (kind == SurfaceKind::kNormal) {
     contact.displacement_mm = plane.displacement_mm;
   } else {
-    const double given_K_mm = object.before->material.texture_K_mm;
+    const double given_K_mm = object.before->material.texture_K_mm.value_or(kDefaultTextureK_mm);
     contact.displacement_mm = perturbedDisplacement(
         depth_mm, std::max(point.sample.height_mm, 0.0), gradient,
         given_K_mm >= 0.0 ? given_K_mm : kDefaultTextureK_mm, workspace.depth_mm);

@@ -9,6 +9,13 @@
 
 namespace hapticast::client {
 
+// What this viewer takes where the author's Material says nothing (stiffness: the device
+// profile's). Chosen: a surface as it is without an author, and the thesis's K. One of the two
+// coefficients of friction alone says both.
+inline constexpr double kDefaultDamping_Ns_m = 0.0;  // beside what keeps the wall stable
+inline constexpr double kDefaultFriction = 0.0;
+inline constexpr double kDefaultTextureK_mm = 30.0;
+
 enum class SurfaceKind : std::uint8_t {
   kPerturbed,  ///< Eq. 3 over k, as printed
   kNormal,     ///< distance to the tangent plane, d / (1 + |g|²) along M

@@ -27,7 +27,7 @@ void usual(RoomScene& s, const std::function<void(PlayObject&, double)>& change 
     Vec3& at_mm = object.motion.position_mm;
     const int shift_px = static_cast<int>(std::lround(at_mm.x() / kRoomPixel_mm));
     at_mm.x() = shift_px * kRoomPixel_mm;
-    s.naive_stiffness_N_mm = object.material.stiffness_N_mm;
+    s.naive_stiffness_N_mm = object.material.stiffness_N_mm.value_or(0.0);
     object.field = s.reliefs.at(shift_px, at_mm.z(), dome);
     s.add(frame, object);
   };

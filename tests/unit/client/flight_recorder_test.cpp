@@ -2,10 +2,17 @@
 #include "client/haptics/flight_recorder.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <regex>
+#include <set>
 #include <sstream>
 
+#include "client/fault_files.hpp"
 #include "client/log.hpp"
 
 namespace hapticast::client {
@@ -45,17 +52,86 @@ TEST(FlightRecorder, DumpsRowsAndRecordsAgain) {
   fault.lookup = Lookup::kExtrapolated;
   recorder->record(fault);
   std::ostringstream out;
-  dumpRecorder(out, *recorder);
+  dumpRecorder(out, *recorder, localTime(0.001));
   EXPECT_EQ(out.str(),
             "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,"
             "penetration_mm,lookup\n"
-            "0.001000,0.000000,0,0,0,0,0,0,0,0,0,0,0,0,0,none\n"
-            "0.002000,-0.250000,1.5,-2,3,0,0.25,1,0,0,0,0,0,0,2.5,extrapolated\n");
+            "0.000000,0.000000,0,0,0,0,0,0,0,0,0,0,0,0,0,none\n"
+            "0.001000,-0.250000,1.5,-2,3,0,0.25,1,0,0,0,0,0,0,2.5,extrapolated\n");
   EXPECT_FALSE(recorder->frozen());
   EXPECT_EQ(recorder->size(), 0u);
   recorder->record(fault);
   EXPECT_EQ(recorder->size(), 1u);
   EXPECT_TRUE(recorder->frozen());
+}
+
+class FaultFilesTest : public ::testing::Test {
+ protected:
+  FaultFilesTest() { std::filesystem::remove_all(folder_); }
+  ~FaultFilesTest() override { std::filesystem::remove_all(folder_); }
+  void fault() {
+    TickReport report = numbered(++tick_);
+    report.fault = Fault::kDeviceLost;
+    recorder_->record(report);
+  }
+  [[nodiscard]] std::set<std::string> files() const {
+    std::set<std::string> names;
+    if (!std::filesystem::exists(folder_)) return names;
+    for (const auto& file : std::filesystem::directory_iterator(folder_))
+      names.insert(file.path().filename().string());
+    return names;
+  }
+  std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) /
+                                  ("hapticast_faults_" + std::to_string(getpid()));
+  std::unique_ptr<FlightRecorder> recorder_ = std::make_unique<FlightRecorder>();
+  std::uint64_t tick_ = 0;
+};
+
+TEST_F(FaultFilesTest, OfEveryRunStay) {
+  for (int run = 0; run < 2; ++run) {
+    FaultFiles out(folder_ / "made");
+    for (int i = 0; i < 2 * FaultFiles::kMaxFiles; ++i) {
+      fault();
+      out.take(*recorder_, localTime(0.0));
+    }
+    recorder_ = std::make_unique<FlightRecorder>();
+  }
+  folder_ /= "made";
+  const auto names = files();
+  EXPECT_EQ(names.size(), 2U * FaultFiles::kMaxFiles) << "ten of each run";
+  const std::regex form(R"(hapticast-fault-\d{8}T\d{6}Z-\d+\.csv)");
+  for (const std::string& name : names) EXPECT_TRUE(std::regex_match(name, form)) << name;
+  folder_ = folder_.parent_path();
+}
+
+TEST_F(FaultFilesTest, AFolderThatCannotBeMadeIsToldAtOnce) {
+  std::ofstream(folder_.string()) << "a file";
+  try {
+    const FaultFiles out(folder_ / "below");
+    FAIL() << "taken";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find("--fault-dir " + folder_.string()), 0U)
+        << error.what();
+  }
+}
+
+TEST_F(FaultFilesTest, WithoutAFlagLieInTheStateFolderAndTheRunGoesOnWithoutOne) {
+  std::filesystem::create_directories(folder_);
+  ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
+  EXPECT_EQ(stateFolder(), folder_ / "hapticast");
+  FaultFiles out("");
+  EXPECT_TRUE(files().empty()) << "made when it is needed";
+  fault();
+  out.take(*recorder_, localTime(0.0));
+  EXPECT_EQ(files(), std::set<std::string>{"hapticast"});
+  std::ofstream((folder_ / "file").string()) << "in the way";
+  ::setenv("XDG_STATE_HOME", (folder_ / "file").c_str(), 1);
+  FaultFiles nowhere("");
+  fault();
+  nowhere.take(*recorder_, localTime(0.0));
+  EXPECT_FALSE(recorder_->frozen()) << "it records again";
+  ::unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(stateFolder().filename(), "hapticast");
 }
 
 TEST(FlightRecorder, ManyDaysKeepTheirMicroseconds) {

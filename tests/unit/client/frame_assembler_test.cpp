@@ -39,6 +39,38 @@ TEST(FrameAssembler, DropsWhatCameBeforeOrTooLate) {
   EXPECT_TRUE(assembler.add(frameOf(6)));
 }
 
+TEST(FrameAssembler, OneAbsurdIdDoesNotSilenceTheStream) {
+  FrameAssembler assembler;
+  assembler.restart();
+  const std::uint32_t begin = assembler.epoch();
+  ASSERT_TRUE(assembler.add(frameOf(81)));
+  HapticFrame absurd = frameOf(82);
+  absurd.id = ~std::uint64_t{0};
+  const auto jumped = assembler.add(absurd);
+  ASSERT_TRUE(jumped);
+  EXPECT_TRUE(jumped->place.resync);
+  EXPECT_FALSE(jumped->place.first);
+  EXPECT_EQ(jumped->place.lost, 0U) << "18446744073709551534 frames were never there";
+  EXPECT_EQ(jumped->place.epoch, begin + 1);
+  const auto back = assembler.add(frameOf(83));
+  ASSERT_TRUE(back) << "the stream goes on";
+  EXPECT_TRUE(back->place.resync);
+  EXPECT_EQ(back->place.epoch, begin + 2);
+  EXPECT_FALSE(assembler.add(frameOf(84))->place.resync);
+}
+
+TEST(FrameAssembler, WhatANetworkDoesIsNoJump) {
+  FrameAssembler assembler;
+  assembler.restart();
+  constexpr std::uint64_t kJump = FrameAssembler::kLargestJump;
+  ASSERT_TRUE(assembler.add(frameOf(10)));
+  const auto far = assembler.add(frameOf(10 + kJump));
+  EXPECT_FALSE(far->place.resync);
+  EXPECT_EQ(far->place.lost, kJump - 1);
+  EXPECT_FALSE(assembler.add(frameOf(10))) << "a straggler";
+  EXPECT_TRUE(assembler.add(frameOf(9))->place.resync) << "numbers that began anew";
+}
+
 TEST(FrameAssembler, EpochsRiseWithTheServersAndWithEveryConnection) {
   FrameAssembler assembler;
   assembler.restart();

@@ -36,11 +36,19 @@ TEST(OpenDevice, AVirtualOneSaysItsProfileAndItsHand) {
   EXPECT_EQ(device->description(), "virtual device (falcon) in a hand that does: slide");
 }
 
+TEST(OpenDevice, AutoIsTheBestKindThereIs) {
+  const ManualClock clock;
+  LatestValue<TickReport> seen;
+  const auto device = openDevice("auto", {.clock = clock, .seen = seen});
+  EXPECT_EQ(device->description(),
+            openDevice(deviceKinds().front().name, {.clock = clock, .seen = seen})->description());
+}
+
 TEST(OpenDevice, ComplaintsNameTheFlag) {
   const ManualClock clock;
   LatestValue<TickReport> seen;
   EXPECT_EQ(complaintOf("spoon", {.clock = clock, .seen = seen}),
-            "--device spoon: is not one of virtual");
+            "--device spoon: is not one of auto|virtual");
   EXPECT_EQ(complaintOf("virtual", {.profile = "/nowhere", .clock = clock, .seen = seen})
                 .find("--profile /nowhere: "),
             0U);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 
 #include "tests/unit/client/proxy_bench.hpp"
 
@@ -62,12 +63,27 @@ TEST_F(Rubbed, HoldsOnAWallToo) {
   }
 }
 
+Friction given(std::optional<double> sticking, std::optional<double> sliding) {
+  Material material;
+  material.static_friction = sticking;
+  material.dynamic_friction = sliding;
+  return frictionOf(material);
+}
+
+TEST(Friction, WhatTheAuthorLeavesOutIsTheViewersAndZeroIsAValue) {
+  EXPECT_EQ(given({}, {}).sticking, kDefaultFriction);
+  EXPECT_EQ(given({}, {}).sliding, kDefaultFriction);
+  EXPECT_EQ(given(0.0, 0.0).sticking, 0.0);
+  EXPECT_EQ(given(0.0, 0.0).sliding, 0.0);
+  // One alone says both: a surface that sticks and then slides as on ice is nobody's wish.
+  EXPECT_EQ(given(0.5, {}).sliding, 0.5);
+  EXPECT_EQ(given({}, 0.3).sticking, 0.3);
+}
+
 TEST_F(Rubbed, CoefficientsAreBounded) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  const auto of = [](double sticking, double sliding) {
-    return frictionOf({.static_friction = sticking, .dynamic_friction = sliding});
-  };
+  const auto of = [](double sticking, double sliding) { return given(sticking, sliding); };
   EXPECT_EQ(of(kNan, 0.3).sticking, 0.0);
   EXPECT_EQ(of(kNan, 0.3).sliding, 0.0);
   EXPECT_EQ(of(0.5, kNan).sliding, 0.0);

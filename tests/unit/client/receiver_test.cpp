@@ -203,6 +203,21 @@ TEST_F(ReceiverTest, DropsDuplicatesAndCountsLosses) {
   for (const std::uint64_t id : {10U, 11U, 14U, 15U}) EXPECT_EQ(take()->id, id);
 }
 
+TEST_F(ReceiverTest, ANumberingThatBeginsAnewIsAnotherStream) {
+  receiver.connected(description, localTime(1));
+  arrive(frame(10'000, flatRelief({0, 0, 8, 8}), 3));
+  arrive(frame(5, nullptr, 3));
+  arrive(frame(6, flatRelief({0, 0, 8, 8}), 3));
+  EXPECT_EQ(receiver.counts().resyncs, 1U);
+  EXPECT_EQ(receiver.counts().received, 3U);
+  EXPECT_EQ(receiver.counts().lost, 0U);
+  EXPECT_NE(take()->objects[0].field, nullptr);
+  const PlayFrame* const anew = take();
+  EXPECT_EQ(anew->epoch, stream.load().first_epoch + 1);
+  EXPECT_EQ(anew->objects[0].field, nullptr) << "frame 3 was another one";
+  EXPECT_NE(take()->objects[0].field, nullptr) << "until it is repeated";
+}
+
 TEST_F(ReceiverTest, EpochsNeverRepeat) {
   receiver.connected(description, localTime(1));
   HapticFrame cut = frame(2);

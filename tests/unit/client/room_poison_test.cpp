@@ -138,7 +138,7 @@ double chaos(const RoomSettings& room, unsigned seed, bool moving) {
                                      between(-fast, fast)};
       object.motion.acceleration_mm_s2 = 30.0 * Vec3::Constant(between(-fast, fast));
       object.motion.angular_velocity_rad_s = chance(0.1) ? between(-100.0, 100.0) : 0.0;
-      object.material.stiffness_N_mm = chance(0.3) ? between(0.0, 8.0) : 0.0;
+      if (chance(0.3)) object.material.stiffness_N_mm = between(0.0, 8.0);
       if (chance(0.1)) object.impacts[object.impact_count++] = {frame.media_time, {0, 0, fast}};
       if (chance(0.02)) kPoisons[random() % std::size(kPoisons)](object, kNaN);
       attack.add(frame, object);

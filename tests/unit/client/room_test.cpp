@@ -91,10 +91,11 @@ TEST(Room, ReportsWhatIsBelowTheTip) {
 
 TEST(Room, StiffnessIsTheSettingsElseTheMaterialsElseTheProfiles) {
   struct Case {
-    double setting, material, expected;
+    double setting;
+    std::optional<double> material;
+    double expected;
   };
-  for (const Case& c :
-       {Case{0.0, 0.0, 0.5}, Case{0.0, 0.3, 0.3}, Case{0.8, 0.3, 0.8}, Case{0.0, -1.0, 0.5}}) {
+  for (const Case& c : {Case{0.0, {}, 0.5}, Case{0.0, 0.3, 0.3}, Case{0.8, 0.3, 0.8}}) {
     RoomSettings settings;
     settings.stiffness_N_mm = c.setting;
     Stage stage(settings, nullptr);

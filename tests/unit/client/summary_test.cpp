@@ -55,6 +55,8 @@ RunResult eventful() {
   result.frames.lost = 6;
   result.frames.late = 7;
   result.frames.concealed = 8;
+  result.frames.resyncs = 9;
+  result.frames.reliefs_rejected = 10;
   result.bytes_received = 12'345'678'901ULL;
   result.playout_delay_ms = 41.5;
   result.clock_offset_us = -1234567890.125;
@@ -67,7 +69,8 @@ TEST(Summary, EveryKeyWithItsNumber) {
   Json expected = Json::parse(R"({
     "ticks": 10000, "late_ticks": 3,
     "tick_ns": {"p50": 10000, "p99": 10000, "p999": 10000, "max": 10000},
-    "frames": {"received": 250, "lost": 6, "late": 7, "concealed": 8},
+    "frames": {"received": 250, "lost": 6, "late": 7, "concealed": 8, "resyncs": 9,
+               "reliefs_refused": 10},
     "bytes_received": 12345678901,
     "lookup": {"none": 1, "interpolated": 2, "extrapolated": 3, "held": 4, "faded": 5},
     "contact_lookup": {"none": 0, "interpolated": 1500, "extrapolated": 400, "held": 100, "faded": 0},

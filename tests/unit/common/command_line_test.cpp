@@ -11,21 +11,6 @@
 namespace hapticast {
 namespace {
 
-TEST(CommandLine, EndpointTakesEveryForm) {
-  EXPECT_EQ(parseEndpoint("localhost"), (Endpoint{"localhost", kDefaultPort}));
-  EXPECT_EQ(parseEndpoint("10.0.0.7:81"), (Endpoint{"10.0.0.7", 81}));
-  EXPECT_EQ(parseEndpoint("[::1]"), (Endpoint{"::1", kDefaultPort}));
-  EXPECT_EQ(parseEndpoint("[fe80::2]:7000"), (Endpoint{"fe80::2", 7000}));
-  EXPECT_EQ(parseEndpoint("host:0"), (Endpoint{"host", 0}));
-}
-
-TEST(CommandLine, EndpointRefusesTheRest) {
-  for (const char* text :
-       {"", ":80", "host:", "host:65536", "host:-1", "host:8x", "a b", "[::1", "[::1]x", "a/b"}) {
-    EXPECT_FALSE(parseEndpoint(text)) << text;
-  }
-}
-
 TEST(CommandLine, PairIsTwoFiniteNumbers) {
   EXPECT_EQ(parsePair("505,330"), Vec2(505.0, 330.0));
   EXPECT_EQ(parsePair("-1.5,2e1"), Vec2(-1.5, 20.0));
@@ -38,11 +23,12 @@ class CommandLineTest : public testing::Test {
  protected:
   CommandLineTest() : app_("test", "program") {
     addPairs(app_, "--object", points_, "points", "U,V in px");
-    addEndpoint(app_, "--listen", listen_, "where");
+    addEndpoint(app_, "--listen", listen_, 0, "HOST:PORT", "where");
     addNumber(app_, "--fps", fps_, 1.0, 240.0, "1..240", "rate");
     addNumber(app_, "--frames", frames_, std::uint64_t{1}, std::uint64_t{1000}, "N", "how many");
     addNumber(app_, "--mass", mass_kg_, 0.001, 100.0, "KG", "optional");
     app_.add_flag("--loop", loop_, "again");
+    addChoice(app_, "--colour", colour_, colours_, "which");
     addConfigFile(app_);
   }
 
@@ -58,6 +44,8 @@ class CommandLineTest : public testing::Test {
   std::uint64_t frames_ = 0;
   std::optional<double> mass_kg_;
   bool loop_ = false;
+  const std::map<std::string, int> colours_{{"green", 1}, {"blue", 2}};
+  int colour_ = 0;
 };
 
 TEST_F(CommandLineTest, PointsRepeat) {
@@ -103,9 +91,15 @@ TEST_F(CommandLineTest, NumbersAreWholeTextsWithinTheirRange) {
 
 TEST_F(CommandLineTest, ComplaintsNameTheCause) {
   const std::vector<std::pair<std::vector<const char*>, std::string>> wrong = {
-      {{"--bogus", "1"}, "'--bogus'"},
+      {{"--bogus", "1"}, "'--bogus' '1' (--help"},
+      {{"--frame=3"}, "'--frame=3'; did you mean --frames?"},
+      {{"x", "--lop"}, "'x' '--lop'; did you mean --loop?"},
+      {{"--colour", "gren"}, "'gren' is not one of blue|green; did you mean green?"},
+      {{"--colour", "yellow"}, "'yellow' is not one of blue|green (--help"},
       {{"--fps", "2", "--fps", "3"}, "--fps: may be given only once"},
       {{"--loop=maybe"}, "--loop = maybe: a flag is on or off"},
+      {{"--fps"}, "--fps: its value is missing"},
+      {{"word"}, "'word'; is a flag missing in front of it?"},
   };
   for (const auto& [arguments, words] : wrong) {
     testing::internal::CaptureStderr();
@@ -117,6 +111,18 @@ TEST_F(CommandLineTest, ComplaintsNameTheCause) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(parse({"--sourc", "x"}), 2);
   EXPECT_NE(testing::internal::GetCapturedStderr().find("'--sourc'"), std::string::npos);
+}
+
+TEST(CommandLine, SuggestsWhatIsNearOnly) {
+  const std::vector<std::string> words = {"--seconds", "--summary", "--log", "on"};
+  EXPECT_EQ(didYouMean("--second", words), "; did you mean --seconds?");
+  EXPECT_EQ(didYouMean("--sumamry", words), "; did you mean --summary?") << "swapped";
+  EXPECT_EQ(didYouMean("--lgo", words), "; did you mean --log?");
+  EXPECT_EQ(didYouMean("no", words), "; did you mean on?");
+  EXPECT_EQ(didYouMean("x", words), "");
+  EXPECT_EQ(didYouMean("--other", words), "");
+  EXPECT_EQ(didYouMean("", words), "");
+  EXPECT_EQ(didYouMean(std::string(100'000, '-'), words), "");
 }
 
 TEST(CommandLine, ForeignTextCannotSteerATerminal) {
@@ -159,9 +165,11 @@ TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
       {"fps = 60\n[section]\n", ".conf:2: '[section]' is not a `key = value` line"},
       {"fps\n", ".conf:1: 'fps' is not a `key = value` line"},
       {"-- = 1\n", ".conf:1: '-- = 1' is not a `key = value` line"},
-      {"config = other.conf\n", "config"},
+      {"fps = 60\nconfig = other.conf\n", ".conf:2: a config file cannot name another one"},
+      {"fsp = 60\n", ".conf:1: 'fsp' is no flag's name; did you mean fps?"},
       {"help = true\n", "help"},
-      {"fps = 60\nfps = 50\n", "--fps"},
+      {"fps = 60\nfps = 50\n", ".conf: --fps: may be given only once"},
+      {"fps = 600\n", ".conf: --fps: '600' is not a number"},
       {"# " + std::string(70'000, 'x'), ".conf: larger than 64 KiB"}};
   for (const auto& [text, complaint] : wrong) {
     std::ofstream(path) << text;

@@ -70,6 +70,16 @@ TEST(WireRefuses, NumbersThatAreNotOrAreAbsurd) {
   }
 }
 
+TEST(WireRefuses, MaterialsThatAreNegative) {
+  for (const auto field :
+       {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
+        &Material::dynamic_friction, &Material::texture_K_mm}) {
+    HapticFrame frame = goldenFrame();
+    frame.objects[0].material.*field = -0.001;
+    EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
+  }
+}
+
 TEST(WireRefuses, ReliefsThatDoNotFit) {
   const auto with = [](PixelRect rect, float height_mm) {
     HapticFrame frame = goldenFrame();

@@ -145,11 +145,26 @@ TEST(Wire, CarriesEveryFieldOfAFrame) {
   EXPECT_EQ(ball.material.stiffness_N_mm, 0.5);
   EXPECT_EQ(ball.material.damping_Ns_m, 1.0);
   EXPECT_EQ(ball.material.static_friction, 0.25);
-  EXPECT_EQ(ball.material.dynamic_friction, 0.125);
-  EXPECT_EQ(ball.material.texture_K_mm, 30.0);
+  EXPECT_EQ(ball.material.dynamic_friction, 0.0) << "none, which is not the viewer's default";
+  EXPECT_EQ(ball.material.texture_K_mm, std::nullopt) << "nothing was said of it";
+  EXPECT_EQ(got.objects[1].material, Material{});
   EXPECT_FALSE(got.objects[1].relief) << "left out means unchanged";
   EXPECT_FALSE(got.objects[1].grid);
   EXPECT_EQ(got.objects[1].changed_in_frame, 990U);
+}
+
+TEST(Wire, CarriesEachFieldOfAMaterialAloneAndItsZero) {
+  const std::vector<std::optional<double> Material::*> fields = {
+      &Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
+      &Material::dynamic_friction, &Material::texture_K_mm};
+  for (const auto field : fields) {
+    for (const double value : {0.0, 0.5}) {
+      HapticFrame frame = goldenFrame();
+      frame.objects[0].material = {};
+      frame.objects[0].material.*field = value;
+      EXPECT_EQ(roundTrip(frame).objects[0].material, frame.objects[0].material);
+    }
+  }
 }
 
 TEST(Wire, HeightsKeepWithinHalfAStepAndMasksExactly) {

@@ -90,7 +90,7 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--frames", "0", ""},
       {"--frames", "1e30", ""},
       {"--frames", "many", ""},
-      {"--listen", "::1:80", "HOST:PORT"},
+      {"--listen", "a:b:80", "[ADDR:]PORT"},
       {"--max-clients", "0", "1"},
       {"--max-clients", "10001", "10000"},
       {"--object", "12", "U,V in px"},

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "client/connection_teller.hpp"
+
+namespace hapticast::client {
+
+std::optional<std::string> ConnectionTeller::connected(const std::string& greeting, LocalTime now) {
+  ever_connected_ = true;
+  reason_.clear();
+  told_ = false;
+  return limited(greeting, now);
+}
+
+std::optional<std::string> ConnectionTeller::lost(const std::string& why, LocalTime now) {
+  if (told_ && why == reason_ && now - told_at_ < kWhile) return std::nullopt;
+  reason_ = why;
+  told_ = true;
+  told_at_ = now;
+  return limited(ever_connected_ ? server_ + ": " + why + "; trying again"
+                                 : "waiting for a server at " + server_ + " (" + why + ")",
+                 now);
+}
+
+std::optional<std::string> ConnectionTeller::limited(std::string line, LocalTime now) {
+  if (lines_ == 0 || now - while_began_ >= kWhile) {
+    while_began_ = now;
+    lines_ = 0;
+  }
+  if (lines_ == kLines) return std::nullopt;
+  if (++lines_ == kLines) line += " (that is all of it for a minute)";
+  return line;
+}
+
+std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, LocalTime now) {
+  if (told_at_ && now - *told_at_ < ConnectionTeller::kWhile) return std::nullopt;
+  std::string text;
+  const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {
+    if (count > told) text += (text.empty() ? "" : "; ") + std::to_string(count - told) + what;
+  };
+  add(counts.reliefs_rejected, told_.reliefs_rejected,
+      " reliefs outside the announced picture or higher than announced: their objects are not "
+      "shown");
+  add(counts.resyncs, told_.resyncs, " jumps of the frames' ids: the touch begins anew");
+  if (text.empty()) return std::nullopt;
+  told_ = counts;
+  told_at_ = now;
+  return "the server errs: " + text;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// What a person is told of the connection: a line for what is new, none for what is known, and not
+// more than a person can read, whatever the server does. Thread: one.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/net/receiver.hpp"
+#include "common/time.hpp"
+
+namespace hapticast::client {
+
+class ConnectionTeller {
+ public:
+  /// The same again is told once a while.
+  static constexpr Duration kWhile = std::chrono::minutes(1);
+  /// Chosen: as many lines a while, beyond which a server that comes and goes is only noise.
+  static constexpr int kLines = 12;
+
+  /// `server`: HOST:PORT.
+  explicit ConnectionTeller(std::string server) : server_(std::move(server)) {}
+
+  /// A connection is made; `greeting` is the line for it.
+  std::optional<std::string> connected(const std::string& greeting, LocalTime now);
+  /// There is no connection, because of `why`; it will be tried again.
+  std::optional<std::string> lost(const std::string& why, LocalTime now);
+
+  [[nodiscard]] bool everConnected() const { return ever_connected_; }
+  /// Why there is no connection now; empty while there is one or none was tried.
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ private:
+  std::optional<std::string> limited(std::string line, LocalTime now);
+
+  std::string server_;
+  std::string reason_;
+  LocalTime told_at_{};  // reason_
+  bool told_ = false;    // reason_
+  bool ever_connected_ = false;
+  LocalTime while_began_{};
+  int lines_ = 0;  // since while_began_
+};
+
+/// What a stream brings that is not shown, a line a minute at most.
+class OddityTeller {
+ public:
+  /// `counts`: of the run so far.
+  std::optional<std::string> take(const ReceiverCounts& counts, LocalTime now);
+
+ private:
+  ReceiverCounts told_;
+  std::optional<LocalTime> told_at_;
+};
+
+}  // namespace hapticast::client

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// wrong_inputs.txt: what a newcomer may type, with the line and the exit code that he gets.
+#include <regex>
+
+#include "tests/integration/programs_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+/// One record of the table.
+struct WrongInput {
+  std::string program;
+  int exit_code = 0;
+  std::string arguments;
+  std::string lines;
+};
+
+/// Words as a shell splits them, '...' round what is empty or has spaces.
+std::vector<std::string> wordsOf(const std::string& text) {
+  static const std::regex kWord(R"('([^']*)'|(\S+))");
+  std::vector<std::string> words;
+  for (std::sregex_iterator at(text.begin(), text.end(), kWord), end; at != end; ++at)
+    words.push_back((*at)[1].matched ? (*at)[1].str() : (*at)[2].str());
+  return words;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at)) {
+    text.replace(at, what.size(), by);
+    at += by.size();
+  }
+  return text;
+}
+
+/// What a program said, without its name or the time in front of each line.
+std::string linesOf(const std::string& output) {
+  static const std::regex kFront(R"(^(hapticast-(server|client): |[0-9:.]+ (warning|error) ))",
+                                 std::regex::multiline);
+  return std::regex_replace(output, kFront, "");
+}
+
+class ProgramsWrongInputsTest : public ProgramsTest {
+ protected:
+  /// The table; its files are made.
+  [[nodiscard]] std::vector<WrongInput> readTable() const {
+    std::ifstream in(std::string(HAPTICAST_TESTS) + "/integration/wrong_inputs.txt");
+    std::vector<WrongInput> table;
+    for (std::string line; std::getline(in, line);) {
+      if (line.empty() || line.starts_with('#')) continue;
+      if (line.starts_with("    ")) {
+        table.back().lines += line.substr(4) + "\n";
+        continue;
+      }
+      std::istringstream words(line);
+      std::string first;
+      std::string second;
+      words >> first >> second;
+      std::string rest;
+      std::getline(words >> std::ws, rest);
+      if (first == "file") {
+        write(second, replaced(rest, "\\n", "\n"));
+      } else {
+        table.push_back({first, std::stoi(second), rest, ""});
+      }
+    }
+    return table;
+  }
+};
+
+TEST_F(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
+  const auto table = readTable();
+  EXPECT_GE(table.size(), 60U);
+  const auto other = startServer({"--source", makeClip("clip"), "--loop"});
+  const std::string used = addressOf(*other);
+  const std::string folder = path("").substr(0, path("").size() - 1);
+  for (const WrongInput& each : table) {
+    const std::string arguments =
+        replaced(replaced(each.arguments, "{DIR}", folder), "{USED}", used);
+    const char* const program =
+        each.program == "server" ? HAPTICAST_SERVER_PROGRAM : HAPTICAST_CLIENT_PROGRAM;
+    const auto process = start(program, wordsOf(arguments));
+    EXPECT_EQ(process->wait(kSoon), each.exit_code) << each.program << " " << each.arguments;
+    EXPECT_EQ(linesOf(process->output()),
+              replaced(replaced(each.lines, "{DIR}", folder), "{USED}", used))
+        << each.program << " " << each.arguments;
+  }
+  interrupt(*other);
+}
+
+}  // namespace
+}  // namespace hapticast::testing
