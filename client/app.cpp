@@ -90,6 +90,11 @@ ConnectionEvents App::connectionEvents() {
                   spdlog::info("{}", *told);
               },
           .video = [this](const VideoFrame& video) { show(video); },
+          .preparing =
+              [this](double share) {
+                if (const auto told = teller_.preparing(share, clock_.now()))
+                  spdlog::info("{}", *told);
+              },
           .disconnected =
               [this](const std::string& why) {
                 if (const auto told = teller_.lost(why, clock_.now())) spdlog::warn("{}", *told);

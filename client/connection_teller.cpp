@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "client/connection_teller.hpp"
 
+#include <cmath>
+
 namespace hapticast::client {
 
 std::optional<std::string> ConnectionTeller::connected(const std::string& greeting, LocalTime now) {
   ever_connected_ = true;
   reason_.clear();
   told_ = false;
+  told_share_.reset();
   return limited(greeting, now);
+}
+
+std::optional<std::string> ConnectionTeller::preparing(double share, LocalTime now) {
+  if (told_share_ && share < *told_share_ + 0.25) return std::nullopt;
+  told_share_ = share;
+  return limited("the server looks through its clip first: " +
+                     std::to_string(std::lround(100.0 * share)) + " % done",
+                 now);
 }
 
 std::optional<std::string> ConnectionTeller::lost(const std::string& why, LocalTime now) {

@@ -23,6 +23,8 @@ class ConnectionTeller {
 
   /// A connection is made; `greeting` is the line for it.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
+  /// The server looks through its clip and has done this share of it: told when a quarter more is.
+  std::optional<std::string> preparing(double share, LocalTime now);
   /// There is no connection, because of `why`; it will be tried again.
   std::optional<std::string> lost(const std::string& why, LocalTime now);
 
@@ -35,8 +37,9 @@ class ConnectionTeller {
 
   std::string server_;
   std::string reason_;
-  LocalTime told_at_{};  // reason_
-  bool told_ = false;    // reason_
+  std::optional<double> told_share_;  // on this connection
+  LocalTime told_at_{};               // reason_
+  bool told_ = false;                 // reason_
   bool ever_connected_ = false;
   LocalTime while_began_{};
   int lines_ = 0;  // since while_began_

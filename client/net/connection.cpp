@@ -196,6 +196,8 @@ std::optional<WireError> Connection::handle(Conversation& talk, Message message)
     handlePong(talk, *pong);
   } else if (auto* const video = std::get_if<VideoFrame>(&message)) {
     if (events_.video) events_.video(std::move(*video));
+  } else if (const auto* const preparing = std::get_if<Preparing>(&message)) {
+    if (events_.preparing) events_.preparing(preparing->share);
   } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
     receiver_.describe(*description, now);
   } else {

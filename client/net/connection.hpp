@@ -41,6 +41,7 @@ struct ConnectionSettings {
 struct ConnectionEvents {
   std::function<void(const StreamDescription&)> welcomed;  ///< a connection is made
   std::function<void(VideoFrame)> video;
+  std::function<void(double)> preparing;  ///< the share of its clip a server has looked through
   std::function<void(const std::string&)> disconnected;  ///< why, one line; it will be tried again
   std::function<void(const std::string&)> failed;        ///< why, one line; it is over
 };

@@ -235,6 +235,10 @@ WireError read(const proto::Error& from, Check& check) {
   return {static_cast<ErrorCode>(from.code()), text(from.message(), limits::kErrorText, check)};
 }
 
+Preparing read(const proto::Preparing& from, Check& check) {
+  return {check.number(from.share(), 0.0, 1.0, "a share is out of range")};
+}
+
 /// Counts what may repeat before the parser allocates it.
 void checkCounts(std::span<const std::uint8_t> bytes, Check& check) {
   const auto frames = submessages(bytes, proto::Message::kFrameFieldNumber, 1);
@@ -270,6 +274,8 @@ Message readContent(const proto::Message& from, Check& check) {
       return read(from.report(), check);
     case proto::Message::kError:
       return read(from.error(), check);
+    case proto::Message::kPreparing:
+      return read(from.preparing(), check);
     case proto::Message::CONTENT_NOT_SET:
       break;
   }

@@ -165,6 +165,10 @@ void write(const WireError& from, proto::Message& message) {
   message.mutable_error()->set_message(printable(from.message, limits::kErrorText));
 }
 
+void write(const Preparing& from, proto::Message& message) {
+  message.mutable_preparing()->set_share(static_cast<float>(from.share));
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode(const Message& message) {

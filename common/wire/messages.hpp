@@ -49,8 +49,13 @@ struct ReceiverReport {
   bool in_contact = false;
 };
 
+/// No frame can come yet: the server looks through its clip first.
+struct Preparing {
+  double share = 0.0;  ///< of the clip, 0..1
+};
+
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame,
-                             ReceiverReport, WireError>;
+                             ReceiverReport, WireError, Preparing>;
 
 /// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
 /// Heights are rounded to the 16-bit values of Relief (error at most half their scale).

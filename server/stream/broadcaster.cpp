@@ -38,6 +38,7 @@ void Broadcaster::sendAll(const Encoded& encoded) {
 void Broadcaster::publish(EncodedFrame frame) {
   asio::post(io_, [this, frame = std::move(frame)] {
     last_frame_ = frame;
+    preparing_ = nullptr;
     sendAll(frame);
   });
 }
@@ -46,6 +47,13 @@ void Broadcaster::publish(EncodedVideo video) {
   asio::post(io_, [this, video = std::move(video)] {
     last_video_ = video;
     sendAll(video);
+  });
+}
+
+void Broadcaster::prepare(double share) {
+  asio::post(io_, [this, share] {
+    preparing_ = encodeShared(Preparing{share});
+    sendAll(preparing_);
   });
 }
 
@@ -117,6 +125,7 @@ void Broadcaster::joined(Session& session) {
   viewers_.push_back(self);
   ++counts_.welcomed;
   countVideoViewers();
+  if (preparing_) session.send(preparing_);
   if (last_frame_) session.send(*last_frame_);
   if (last_video_) session.send(*last_video_);
   say(spdlog::level::info, session.label() + " joined");

@@ -38,6 +38,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void publish(EncodedFrame frame) override;
   /// Sends a picture to those who want it. Thread: any.
   void publish(EncodedVideo video) override;
+  /// Tells viewers and who joins before the first frame how much of the clip is looked through.
+  /// Thread: any.
+  void prepare(double share);
   /// Announces another stream. A change of the workspace voids the frames before it. Thread: any.
   void describe(const StreamDescription& description) override;
   /// Whether encoding pictures is worth it. Thread: any.
@@ -88,6 +91,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   Sessions viewers_;    // welcomed and not closing; the one that is served first comes first
   Sessions strangers_;  // no hello yet, or closing; the oldest first
   std::uint32_t last_session_id_ = 0;
+  SharedBytes preparing_;  // until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
   std::atomic<std::size_t> video_viewers_{0};

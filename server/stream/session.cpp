@@ -57,6 +57,12 @@ void Session::send(const EncodedVideo& video) {
   wake_.cancel();
 }
 
+void Session::send(const SharedBytes& control) {
+  if (!welcomed()) return;
+  (void)queue_.pushControl(control);  // who does not read need not be told
+  wake_.cancel();
+}
+
 void Session::describe(const SharedBytes& description, bool other_picture) {
   if (!welcomed()) return;
   if (other_picture) queue_.clearFrames();

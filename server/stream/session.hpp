@@ -53,6 +53,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void start();
   void send(const EncodedFrame& frame);
   void send(const EncodedVideo& video);
+  void send(const SharedBytes& control);
   /// `other_picture`: what waits belongs to another workspace and is forgotten.
   void describe(const SharedBytes& description, bool other_picture);
   /// Tells the peer why, then closes; what still waits is forgotten.

@@ -288,5 +288,25 @@ TEST_F(ConnectionTest, TwentyClientsGetEveryFrame) {
   EXPECT_EQ(server.broadcaster.counts().sent.dropped(), 0U);
 }
 
+TEST_F(ConnectionTest, HearsHowFarTheServerIsBeforeTheFirstFrame) {
+  TestServer server(io, clock);
+  TestClient early(io, clock, server.port());
+  ASSERT_TRUE(runUntil([&] { return early.welcomes == 1; }));
+  server.broadcaster.prepare(0.25);
+  server.broadcaster.prepare(0.5);
+  ASSERT_TRUE(runUntil([&] { return early.shares.size() == 2; }));
+  EXPECT_EQ(early.shares, (std::vector{0.25, 0.5}));
+  TestClient late(io, clock, server.port());
+  ASSERT_TRUE(runUntil([&] { return late.shares.size() == 1; }));
+  EXPECT_EQ(late.shares, std::vector{0.5});
+  server.publish(1);
+  TestClient last(io, clock, server.port());
+  ASSERT_TRUE(runUntil([&] {
+    last.drain();
+    return !last.frames.empty();
+  }));
+  EXPECT_TRUE(last.shares.empty());
+}
+
 }  // namespace
 }  // namespace hapticast::testing

@@ -134,6 +134,7 @@ struct TestClient {
   client::ConnectionEvents events() {
     return {[this](const StreamDescription&) { ++welcomes; },
             [this](VideoFrame frame) { videos.push_back(std::move(frame)); },
+            [this](double share) { shares.push_back(share); },
             [this](const std::string& line) { lost.push_back(line); },
             [this](const std::string& line) { failure = line; }};
   }
@@ -157,6 +158,7 @@ struct TestClient {
   std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
   bool last_has_field = false;
   std::vector<VideoFrame> videos;
+  std::vector<double> shares;
   std::vector<std::string> lost;
   std::string failure;
   int welcomes = 0;

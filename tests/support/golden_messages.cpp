@@ -80,6 +80,7 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"frame", goldenFrame()},
       {"video", VideoFrame{3, 1000, mediaTime(40.04), {0xFF, 0xD8, 0xFF, 0xE0, 0xFF, 0xD9}}},
       {"report", ReceiverReport{1000, 3, 2, 52.5, 125.0, true}},
+      {"preparing", Preparing{0.5}},
       {"error", WireError{ErrorCode::kServerFull, "all 64 places are taken"}},
   };
 }

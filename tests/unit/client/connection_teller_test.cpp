@@ -17,6 +17,17 @@ TEST(ConnectionTeller, SaysOnceWhatItWaitsForAndThenOnceAMinute) {
   EXPECT_EQ(teller.reason(), "connection refused");
 }
 
+TEST(ConnectionTeller, SaysHowFarTheServerIsInQuarters) {
+  ConnectionTeller teller("here:1");
+  (void)teller.connected("connected: x", localTime(0));
+  EXPECT_EQ(teller.preparing(0.1, localTime(1)),
+            "the server looks through its clip first: 10 % done");
+  EXPECT_FALSE(teller.preparing(0.3, localTime(2)));
+  EXPECT_TRUE(teller.preparing(0.4, localTime(3)));
+  (void)teller.connected("connected: x", localTime(4));
+  EXPECT_TRUE(teller.preparing(0.4, localTime(5))) << "another connection";
+}
+
 TEST(ConnectionTeller, SaysEveryNewReasonAndEveryConnection) {
   ConnectionTeller teller("here:1");
   EXPECT_TRUE(teller.lost("connection refused", localTime(0)));

@@ -268,6 +268,8 @@ TEST(WireRefuses, BadVideoReportsAndErrors) {
   EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(8), "x"}), ErrorCode::kMalformed);
+  for (const double share : {-0.01, 1.01, kNan, kInfinity})
+    EXPECT_EQ(refusal(Preparing{share}), ErrorCode::kMalformed) << share;
 }
 
 TEST(WireRefuses, MakesTextsShortAndPrintable) {
