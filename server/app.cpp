@@ -30,8 +30,10 @@ App::App(Settings settings, const Clock& clock)
 
 void App::run() {
   asio::signal_set signals(io_, SIGINT, SIGTERM);
-  signals.async_wait([this](const boost::system::error_code& error, int) {
-    if (!error) stop();
+  signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
+    if (error) return;
+    stop();
+    signals.clear();  // a second one ends what does not hear the first
   });
   std::jthread network([this] { io_.run(); });
   const auto end = [&] {

@@ -238,7 +238,22 @@ TEST_F(ImageSequenceFolder, AnotherKindOfDepthInTheMiddleIsLeftOut) {
   const LogLines log;
   EXPECT_EQ(source.read()->index, 0U);
   EXPECT_EQ(source.read()->index, 3U);
-  EXPECT_EQ(log.count(), 2);
+  EXPECT_EQ(log.count(), 1) << "one line for a run of them";
+  EXPECT_THAT(log.text(),
+              AllOf(HasSubstr("000001.png: "), HasSubstr("frames 1 to 2 are left out")));
+}
+
+TEST_F(ImageSequenceFolder, FilesThatVanishEndTheNextRoundInOneLine) {
+  fill();
+  ImageSequence source(folder.string(), 0.0);
+  const LogLines log;
+  EXPECT_EQ(source.read()->index, 0U);
+  fs::remove_all(folder / "rgb");
+  EXPECT_FALSE(source.read()) << "of this round there was one";
+  source.rewind();
+  EXPECT_THAT(errorOf([&] { (void)source.read(); }),
+              AllOf(HasSubstr("rgb/000000.png: cannot be read"), HasSubstr("put the files back")));
+  EXPECT_EQ(log.count(), 1) << log.text();
 }
 
 TEST_F(ImageSequenceFolder, AnUnreadableFirstFrameIsRefused) {
