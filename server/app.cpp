@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/clip_look.hpp"
 #include "server/source/playback.hpp"
 
 namespace hapticast::server {
@@ -16,6 +17,8 @@ namespace {
 
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
+// Whoever waits looks so often whether stop() was called; chosen.
+constexpr Duration kSlice = std::chrono::milliseconds(20);
 
 }  // namespace
 
@@ -42,7 +45,7 @@ void App::run() {
     asio::post(io_, [&signals] { signals.cancel(); });
   };
   try {
-    scan();
+    look();
     EncoderThread encoder({&broadcaster_});  // a further sink is named here
     if (!stop_) play(encoder);
     encoder.finish();
@@ -53,22 +56,27 @@ void App::run() {
   end();
 }
 
-void App::scan() {
-  MediaTime told = media_clock_.now();
-  const auto progress = [&](std::uint64_t done, std::uint64_t total) {
-    if (stop_ || media_clock_.now() - told < std::chrono::seconds(1)) return !stop_;
-    told = media_clock_.now();
-    spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done,
-                 total);
-    return true;
-  };
-  if (vision_.scan(*source_, progress)) broadcaster_.describe(vision_.description());
+void App::look() {
+  const SourceInfo& info = source_->info();
+  if (settings_.vision.fov_deg && info.camera) {
+    spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
+                 *settings_.vision.fov_deg, info.camera->fieldOfView_deg(info.width_px));
+  }
+  if (lookThrough(vision_, *source_, media_clock_, stop_, {}))
+    broadcaster_.describe(vision_.description());
+}
+
+void App::waitForViewer() const {
+  if (broadcaster_.viewers() > 0) return;
+  spdlog::info("waiting for the first viewer");
+  while (!stop_ && broadcaster_.viewers() == 0) waitUntil(media_clock_.now() + kSlice);
 }
 
 void App::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
   spdlog::info("listening on {}; streaming {} ({} x {}, {:g} frames/s). Ctrl-C ends it.",
                toString(listener_.address()), info.name, info.width_px, info.height_px, info.fps);
+  if (settings_.wait_for_viewer) waitForViewer();
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
@@ -107,8 +115,6 @@ void App::sayWhatWasSkipped(const Pacer& pacer) {
 }
 
 void App::waitUntil(MediaTime due) const {
-  // In slices, so that stop() is heard.
-  constexpr Duration kSlice = std::chrono::milliseconds(20);
   while (!stop_) {
     const Duration left = due - media_clock_.now();
     if (left <= Duration::zero()) return;

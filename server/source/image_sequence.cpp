@@ -47,6 +47,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
   info_.depth_kind = format_.kind;
   info_.frame_count = files_.frames.size();
   info_.camera = files_.camera;
+  if (!info_.camera && files_.fov_deg)
+    info_.camera = CameraModel::ofFieldOfView(*files_.fov_deg, info_.width_px, info_.height_px);
   RgbdFrame frame;
   if (const std::string problem = load(0, frame); !problem.empty()) {
     throw SourceError(problem + "; mend this first frame");

@@ -116,9 +116,12 @@ void Broadcaster::left(const std::shared_ptr<Session>& session) {
 }
 
 void Broadcaster::countViewers() {
-  const auto viewers = std::count_if(sessions_.begin(), sessions_.end(),
-                                     [](const auto& each) { return each->wantsVideo(); });
-  video_viewers_.store(static_cast<std::size_t>(viewers), std::memory_order_relaxed);
+  const auto count = [this](bool (Session::*is)() const) {
+    return static_cast<std::size_t>(std::count_if(
+        sessions_.begin(), sessions_.end(), [is](const auto& each) { return (*each.*is)(); }));
+  };
+  viewers_.store(count(&Session::welcomed), std::memory_order_relaxed);
+  video_viewers_.store(count(&Session::wantsVideo), std::memory_order_relaxed);
 }
 
 StreamCounts Broadcaster::counts() const {

@@ -36,6 +36,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
   }
+  /// How many have been welcomed and have not left. Thread: any.
+  [[nodiscard]] std::size_t viewers() const { return viewers_.load(std::memory_order_relaxed); }
   /// Tells every viewer that the server ends and closes them within the goodbye deadline; `io` then
   /// runs out of work. Thread: any.
   void stop();
@@ -69,6 +71,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::uint32_t last_session_id_ = 0;
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
+  std::atomic<std::size_t> viewers_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
   StreamCounts counts_;    // clients and sent: of those who left

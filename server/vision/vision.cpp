@@ -72,7 +72,8 @@ class Vision::Impl {
   }
 
   bool scan(RgbdSource& source, const Progress& progress) {
-    if (info_.live) return true;
+    const bool nothing_to_find = range_ && !settings_.moves();
+    if (info_.live || nothing_to_find) return true;
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, start_);
     ClipMotion clip;

@@ -201,6 +201,45 @@ TEST_F(ProgramsLifeTest, AServerThatIsToldToEndSaysGoodbye) {
   EXPECT_EQ(log().back().force_N, Vec3::Zero());
 }
 
+TEST_F(ProgramsLifeTest, FilesThatVanishEndALoopWithOneLine) {
+  const std::string clip = makeClip("clip");
+  const auto server = startServer({"--source", clip, "--loop"});
+  ASSERT_NE(addressOf(*server), "");
+  ASSERT_FALSE(waitUntil(std::chrono::seconds(1), [&] { return !server->running(); }));
+  std::filesystem::remove_all(clip + "/rgb");
+  EXPECT_EQ(server->wait(kSoon), 1) << server->output();
+  const std::string text = server->output();
+  const std::string last = text.substr(text.rfind('\n', text.size() - 2) + 1);
+  EXPECT_NE(last.find("clip/rgb/100.png: cannot be read"), std::string::npos) << text;
+  EXPECT_LE(countOf("cannot be read", text), 2U) << "the rest of the round, and the end";
+}
+
+TEST_F(ProgramsLifeTest, AServerThatWaitsPlaysForItsFirstViewer) {
+  const std::string clip = makeClip("clip");
+  const auto server = startServer({"--source", clip, "--wait-for-viewer"});
+  const std::string address = addressOf(*server);
+  ASSERT_TRUE(server->says("waiting for the first viewer", kSoon)) << server->output();
+  EXPECT_FALSE(waitUntil(std::chrono::seconds(2), [&] { return !server->running(); }))
+      << "longer than the clip lasts";
+  const auto client = startClient({address, "--summary", path("summary.json")});
+  EXPECT_EQ(server->wait(kSoon), 0) << server->output();
+  EXPECT_EQ(countOf("waiting for the first viewer", server->output()), 1U);
+  interrupt(*client);
+  EXPECT_EQ(summaryIn(path("summary.json"))["frames"]["received"], 6) << "all of the clip";
+  const auto other = startServer({"--source", clip, "--wait-for-viewer"});
+  ASSERT_TRUE(other->says("waiting for the first viewer", kSoon)) << other->output();
+  interrupt(*other);
+}
+
+TEST_F(ProgramsLifeTest, TheFieldOfViewOverrulesTheClipWithALine) {
+  const std::string clip = makeClip("clip");
+  (void)write("clip/meta.json", R"({"fov_deg": 60})");
+  const auto server = startServer({"--source", clip, "--fov", "75", "--frames", "1"});
+  EXPECT_EQ(server->wait(kStart), 0) << server->output();
+  EXPECT_EQ(countOf("--fov 75: overrules", server->output()), 1U) << server->output();
+  EXPECT_EQ(countOf("(60.0 degrees)", server->output()), 1U) << server->output();
+}
+
 TEST_F(ProgramsLifeTest, AClipWithoutLoopEndsTheServer) {
   const auto server = startServer({"--source", makeClip("clip")});
   EXPECT_EQ(server->wait(kStart), 0) << server->output();

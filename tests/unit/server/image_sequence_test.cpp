@@ -97,6 +97,16 @@ TEST_F(ImageSequenceFolder, MetaGivesRateScaleAndCamera) {
   EXPECT_EQ(ImageSequence(folder.string(), 60.0).info().fps, 60.0) << "the caller overrides";
 }
 
+TEST_F(ImageSequenceFolder, MetaMayGiveTheFieldOfViewInPlaceOfIntrinsics) {
+  fill();
+  folder.write("meta.json", std::string(R"({"fov_deg": 90})"));
+  const ImageSequence source(folder.string(), 0.0);
+  ASSERT_TRUE(source.info().camera);
+  EXPECT_NEAR(source.info().camera->fx_px, 16.0, 1e-9);
+  folder.write("meta.json", std::string(R"({"fov_deg": 5})"));
+  EXPECT_THAT(openError(), AllOf(HasSubstr("\"fov_deg\" is"), HasSubstr("from 10 to 170")));
+}
+
 TEST_F(ImageSequenceFolder, BadMetaIsRefused) {
   fill();
   folder.write("meta.json", "{\"fps\": 30");
@@ -297,6 +307,8 @@ TEST_F(ImageSequenceFolder, TumListsAreAssociatedByTime) {
   ImageSequence source(folder.string(), 0.0);
   EXPECT_NEAR(source.info().fps, 1.0 / 0.03, 0.01);
   EXPECT_EQ(source.info().depth_kind, DepthKind::kMetric);
+  ASSERT_TRUE(source.info().camera) << "a Kinect's";
+  EXPECT_NEAR(source.info().camera->fx_px / source.info().width_px, 525.0 / 640.0, 0.001);
   std::vector<int> colors;
   std::vector<float> depths;
   while (const auto frame = source.read()) {
