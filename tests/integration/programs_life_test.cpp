@@ -50,11 +50,11 @@ std::uint16_t portOf(const std::string& address) {
 class ProgramsLifeTest : public ProgramsTest {
  protected:
   /// A still scene long enough that no wrap of it disturbs a touch.
-  [[nodiscard]] std::string stillClip() const {
+  [[nodiscard]] std::string stillClip(int frames = 300) const {
     std::string clip = makeClip("still", 1);
     for (const char* part : {"rgb", "depth", "mask"}) {
       const std::string folder = clip + "/" + part + "/";
-      for (int i = 101; i < 400; ++i)
+      for (int i = 101; i < 100 + frames; ++i)
         std::filesystem::create_hard_link(folder + "100.png", folder + std::to_string(i) + ".png");
     }
     return clip;
@@ -187,6 +187,28 @@ TEST_F(ProgramsLifeTest, AServerThatDiesAndComesBackIsTouchedAgain) {
   if (kFullSpeed) {
     EXPECT_LT(back_s, 2.0);
     EXPECT_LT(faded->t_s - killed_s, 1.0);
+  }
+}
+
+TEST_F(ProgramsLifeTest, AStillClipIsFeltWithoutAThumpWhereItBeginsAgain) {
+  const auto server = startServer({"--source", stillClip(25), "--loop"});
+  const auto client = follow(addressOf(*server));
+  ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
+  const double settled_s = log().back().t_s + 2.0;
+  // Rounds of a second each.
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return log().back().t_s > settled_s + 4.0; }));
+  interrupt(*client);
+  interrupt(*server);
+  double least_N = 1e9;
+  double most_N = 0.0;
+  for (const LogRow& row : log()) {
+    if (row.t_s < settled_s || row.t_s > settled_s + 4.0) continue;
+    least_N = std::min(least_N, row.force_N.norm());
+    most_N = std::max(most_N, row.force_N.norm());
+  }
+  std::cout << "force over four wraps: " << least_N << " to " << most_N << " N\n";
+  if (kFullSpeed) {
+    EXPECT_GT(least_N, 0.5 * most_N);
   }
 }
 
