@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/clip_look.hpp"
 #include "server/source/playback.hpp"
 #include "server/stream/file_limit.hpp"
 
@@ -17,6 +18,8 @@ namespace {
 
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
+// Whoever waits looks so often whether stop() was called; chosen.
+constexpr Duration kSlice = std::chrono::milliseconds(20);
 
 SourceInfo infoOf(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
@@ -37,8 +40,10 @@ App::App(Settings settings, const Clock& clock)
 
 void App::run() {
   asio::signal_set signals(io_, SIGINT, SIGTERM, SIGHUP);
-  signals.async_wait([this](const boost::system::error_code& error, int) {
-    if (!error) stop();
+  signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
+    if (error) return;
+    stop();
+    signals.clear();  // a second one ends what does not hear the first
   });
   spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
   std::jthread network([this] { io_.run(); });
@@ -48,7 +53,7 @@ void App::run() {
     asio::post(io_, [&signals] { signals.cancel(); });
   };
   try {
-    scan();
+    look();
     EncoderThread encoder({&broadcaster_});  // a further sink is named here
     if (!stop_) play(encoder);
     encoder.finish();
@@ -59,20 +64,31 @@ void App::run() {
   end();
 }
 
-void App::scan() {
-  MediaTime told = media_clock_.now();
-  const auto progress = [&](std::uint64_t done, std::uint64_t total) {
-    if (stop_ || media_clock_.now() - told < std::chrono::seconds(1)) return !stop_;
-    told = media_clock_.now();
-    spdlog::info("looking through the clip for its depth range and motion: {} of {} frames", done,
-                 total);
-    return true;
+void App::look() {
+  const SourceInfo& info = source_->info();
+  if (settings_.vision.fov_deg && info.camera) {
+    spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
+                 *settings_.vision.fov_deg, info.camera->fieldOfView_deg(info.width_px));
+  }
+  double told = 0.0;
+  const auto tell = [&](double share) {
+    if (share < told + 0.01) return;  // viewers need no more
+    told = share;
+    broadcaster_.prepare(share);
   };
-  if (vision_.scan(*source_, progress)) broadcaster_.describe(vision_.description());
+  if (lookThrough(vision_, *source_, media_clock_, stop_, tell))
+    broadcaster_.describe(vision_.description());
+}
+
+void App::waitForViewer() const {
+  if (broadcaster_.viewers() > 0) return;
+  spdlog::info("waiting for the first viewer");
+  while (!stop_ && broadcaster_.viewers() == 0) waitUntil(media_clock_.now() + kSlice);
 }
 
 void App::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
+  if (settings_.wait_for_viewer) waitForViewer();
   spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
                info.height_px, info.fps);
   Pacer pacer(info.fps, media_clock_.now());
@@ -115,8 +131,6 @@ void App::sayWhatWasSkipped(const Pacer& pacer) {
 }
 
 void App::waitUntil(MediaTime due) const {
-  // In slices, so that stop() is heard.
-  constexpr Duration kSlice = std::chrono::milliseconds(20);
   while (!stop_) {
     const Duration left = due - media_clock_.now();
     if (left <= Duration::zero()) return;

@@ -34,7 +34,8 @@ class App {
   [[nodiscard]] bool streaming() const { return last_published_ != MediaTime{}; }
 
  private:
-  void scan();
+  void look();
+  void waitForViewer() const;
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
   void publish(VisionResult result, EncoderThread& encoder);

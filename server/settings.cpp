@@ -109,6 +109,8 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
+  app.add_flag("--wait-for-viewer", settings.wait_for_viewer,
+               "Begin to play when the first viewer has joined");
   addNumber(app, "--frames", settings.frames, std::uint64_t{1}, std::uint64_t{1'000'000'000}, "N",
             "Stop after N frames");
 }
@@ -126,6 +128,9 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "around its contour, or "
             "closed Canny edges. auto: the source's mask if there is one, else band");
   addDepthRange(app, vision.depth_range);
+  addNumber(
+      app, "--fov", vision.fov_deg, 10.0, 170.0, "DEG 10..170",
+      "How wide the colour camera sees, left to right; default: the clip's intrinsics, else 56");
   app.add_flag("--stretch", vision.stretch,
                "Stretch the picture over the whole 160 x 120 mm (the thesis's two scales)");
   addChoice(app, "--motion", vision.motion, kMotionModes,

@@ -18,6 +18,7 @@ struct Settings {
   std::string source;
   double fps = 0.0;  ///< 0: the source's own
   bool loop = false;
+  bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< stop after so many; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};
   std::size_t max_clients = 64;

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace hapticast::server {
 
@@ -11,17 +12,21 @@ namespace {
 
 std::string deviceName(int number) { return "/dev/video" + std::to_string(number); }
 
-void openDevice(cv::VideoCapture& capture, int number, double fps) {
+constexpr int kMostBad = 25;  // chosen, frames in a row: about a second
+
+std::unique_ptr<cv::VideoCapture> openDevice(int number, double fps) {
   const std::string name = deviceName(number);
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
     throw SourceError(name + ": no such camera; see /dev/video* for those there are");
   }
-  if (!capture.open(number, cv::CAP_V4L2)) {
+  auto capture = std::make_unique<cv::VideoCapture>();
+  if (!capture->open(number, cv::CAP_V4L2)) {
     throw SourceError(name +
                       ": cannot be opened; is it used by another program, or access denied?");
   }
-  if (fps > 0.0) capture.set(cv::CAP_PROP_FPS, fps);
+  if (fps > 0.0) capture->set(cv::CAP_PROP_FPS, fps);
+  return capture;
 }
 
 cv::Mat firstPicture(cv::VideoCapture& capture, const std::string& name) {
@@ -47,24 +52,29 @@ DepthKind kindOf(const cv::Mat& raw, const std::string& name) {
 
 }  // namespace
 
+// In braces: what is said first is opened first.
 Camera::Camera(int color, int depth, double fps)
-    : color_name_(deviceName(color)), depth_name_(deviceName(depth)) {
-  openDevice(color_, color, fps);
-  openDevice(depth_, depth, fps);
+    : Camera{CameraDevice{openDevice(color, fps), deviceName(color)},
+             CameraDevice{openDevice(depth, fps), deviceName(depth)}, fps} {
+  info_.name = "camera:" + std::to_string(color) + "," + std::to_string(depth);
+}
+
+Camera::Camera(CameraDevice color, CameraDevice depth, double fps)
+    : color_(std::move(color)), depth_(std::move(depth)) {
   // Otherwise 16-bit depth would be squeezed into 8 bits.
-  depth_.set(cv::CAP_PROP_CONVERT_RGB, 0.0);
-  const cv::Mat picture = firstPicture(color_, color_name_);
-  const cv::Mat raw = firstPicture(depth_, depth_name_);
-  format_.kind = kindOf(raw, depth_name_);
+  depth_.capture->set(cv::CAP_PROP_CONVERT_RGB, 0.0);
+  const cv::Mat picture = firstPicture(*color_.capture, color_.name);
+  const cv::Mat raw = firstPicture(*depth_.capture, depth_.name);
+  format_.kind = kindOf(raw, depth_.name);
   if (picture.type() != CV_8UC3)
-    throw SourceError(color_name_ + ": gives no colour; choose another camera");
+    throw SourceError(color_.name + ": gives no colour; choose another camera");
   if (raw.size() != picture.size()) {
-    throw SourceError(depth_name_ + ": gives " + sizeText(raw.cols, raw.rows) + ", but " +
-                      color_name_ + " " + sizeText(picture.cols, picture.rows) +
+    throw SourceError(depth_.name + ": gives " + sizeText(raw.cols, raw.rows) + ", but " +
+                      color_.name + " " + sizeText(picture.cols, picture.rows) +
                       "; set both to the same format");
   }
-  const double claimed = color_.get(cv::CAP_PROP_FPS);
-  info_.name = "camera:" + std::to_string(color) + "," + std::to_string(depth);
+  const double claimed = color_.capture->get(cv::CAP_PROP_FPS);
+  info_.name = color_.name + "," + depth_.name;
   info_.width_px = picture.cols;
   info_.height_px = picture.rows;
   info_.fps = fps > 0.0 ? fps : (claimed >= 1.0 && claimed <= 240.0 ? claimed : 25.0);
@@ -73,33 +83,45 @@ Camera::Camera(int color, int depth, double fps)
 }
 
 void Camera::grab() {
-  const bool color = color_.grab();
-  if (color && depth_.grab()) {
+  const bool color = color_.capture->grab();
+  if (color && depth_.capture->grab()) {
     ++next_;
     return;
   }
-  throw SourceError((color ? depth_name_ : color_name_) +
+  throw SourceError((color ? depth_.name : color_.name) +
                     ": gives no more pictures; is it still plugged in?");
 }
 
+std::string Camera::retrieve(const CameraDevice& device, cv::Mat& picture) const {
+  if (!device.capture->retrieve(picture) || picture.empty())
+    return device.name + ": gives pictures that cannot be decoded";
+  if (picture.size() == cv::Size(info_.width_px, info_.height_px)) return "";
+  return device.name + ": gives " + sizeText(picture.cols, picture.rows) + ", but began with " +
+         sizeText(info_.width_px, info_.height_px);
+}
+
 std::optional<RgbdFrame> Camera::read() {
-  const cv::Size size(info_.width_px, info_.height_px);
-  for (;;) {
+  std::string problem;
+  for (int bad = 0; bad < kMostBad; ++bad) {
     grab();
     RgbdFrame frame;
     frame.index = next_ - 1;
     frame.clip_time_s = static_cast<double>(frame.index) / info_.fps;
     cv::Mat color;
     cv::Mat raw;
-    if (color_.retrieve(color) && depth_.retrieve(raw) && color.size() == size &&
-        raw.size() == size) {
+    problem = retrieve(color_, color);
+    if (problem.empty()) problem = retrieve(depth_, raw);
+    if (problem.empty()) {
       ImageResult depth = toDepth(raw, format_);
       frame.color = color.clone();
       frame.depth = depth.image;
       if (depth.ok()) return frame;
+      problem = depth_.name + ": " + depth.problem;
     }
-    spdlog::warn("{}: frame {} cannot be decoded; it is left out", info_.name, frame.index);
+    if (bad == 0) spdlog::warn("{}; frame {} is left out", problem, frame.index);
   }
+  throw SourceError(problem + ", " + std::to_string(kMostBad) +
+                    " frames in a row; start the server again");
 }
 
 bool Camera::skip() {

@@ -3,6 +3,9 @@
 // of the synthetic scenes can be used anywhere. Thread: any.
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "common/geometry.hpp"
 
 namespace hapticast::server {
@@ -18,6 +21,17 @@ struct DepthRange {
 /// pixel larger than in OpenCV's convention.
 struct CameraModel {
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
+
+  /// A camera with square pixels that looks through the middle of a picture `fov_deg` wide.
+  [[nodiscard]] static CameraModel ofFieldOfView(double fov_deg, double width_px,
+                                                 double height_px) {
+    const double focal_px = 0.5 * width_px / std::tan(fov_deg * std::numbers::pi / 360.0);
+    return {focal_px, focal_px, 0.5 * width_px, 0.5 * height_px};
+  }
+  /// How wide a picture of so many pixels is, as if its middle were on the axis.
+  [[nodiscard]] double fieldOfView_deg(double width_px) const {
+    return 360.0 / std::numbers::pi * std::atan(0.5 * width_px / fx_px);
+  }
 
   /// Where a point of the camera's frame, mm, is seen: px. Z must not be 0.
   [[nodiscard]] Vec2 project(const Vec3& at_mm) const {

@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Of TUM's recordings: the focal length of 525 px at 640 px that the data set's pages recommend.
+constexpr double kKinect_deg = 62.7;
 constexpr std::uintmax_t kMaxText_bytes = 16U << 20U;
 
 std::string readText(const fs::path& file) {
@@ -168,6 +170,7 @@ ClipFiles findTum(const fs::path& folder) {
   clip.fps = medianRate(times_s);
   clip.declared_depth_bits = 16;
   clip.mm_per_unit = 0.2;
+  clip.fov_deg = kKinect_deg;
   return clip;
 }
 
@@ -176,6 +179,7 @@ void applyMeta(const fs::path& file, ClipFiles& clip) {
   clip.fps = meta.fps.value_or(clip.fps);
   clip.mm_per_unit = meta.mm_per_unit.value_or(clip.mm_per_unit);
   if (meta.depth_bits) clip.declared_depth_bits = meta.depth_bits;
+  if (meta.fov_deg) clip.fov_deg = meta.fov_deg;
   clip.camera = meta.camera;
 }
 

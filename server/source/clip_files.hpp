@@ -24,12 +24,13 @@ struct ClipFiles {
   std::optional<int> declared_depth_bits;  ///< 8 or 16
   double mm_per_unit = 1.0;                ///< of 16-bit depth
   std::optional<CameraModel> camera;
+  std::optional<double> fov_deg;  ///< how wide the picture is, where only that is known
 };
 
 /// Layouts:
 /// * TUM RGB-D: rgb.txt and depth.txt with lines "timestamp file", each colour frame with the
 /// nearest depth
-///   frame within 20 ms (used once); 5000 units per metre.
+///   frame within 20 ms (used once); 5000 units per metre, a Kinect's field of view.
 /// * otherwise rgb/ or color/, depth/ and perhaps mask/, each with the same number of PNG or JPEG
 /// files, paired
 ///   in order of their names (numbers in names by value).

@@ -99,6 +99,7 @@ ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
   if (const auto scale = meta.number("depth_scale_m_per_unit", 1e-6, 1.0))
     out.mm_per_unit = 1000.0 * *scale;
   out.depth_bits = depthBits(meta, out.mm_per_unit.has_value());
+  out.fov_deg = meta.number("fov_deg", 10.0, 170.0);
   const Json& intrinsics = meta.at("intrinsics");
   if (intrinsics.is_object()) out.camera = cameraIn({intrinsics, name, "intrinsics."});
   return out;

@@ -16,6 +16,7 @@ struct ClipMeta {
   std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m
   std::optional<int> depth_bits;  ///< 8 or 16: "depth_bits", else "depth" in words, else 16 where
                                   ///< a scale is given
+  std::optional<double> fov_deg;  ///< "fov_deg", 10..170: how wide the picture is
   std::optional<CameraModel> camera;  ///< "intrinsics" {fx, fy, cx, cy} in OpenCV's convention
 };
 

@@ -47,6 +47,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
   info_.depth_kind = format_.kind;
   info_.frame_count = files_.frames.size();
   info_.camera = files_.camera;
+  if (!info_.camera && files_.fov_deg)
+    info_.camera = CameraModel::ofFieldOfView(*files_.fov_deg, info_.width_px, info_.height_px);
   RgbdFrame frame;
   if (const std::string problem = load(0, frame); !problem.empty()) {
     throw SourceError(problem + "; mend this first frame");
@@ -54,14 +56,35 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
 }
 
 std::optional<RgbdFrame> ImageSequence::read() {
+  const std::uint64_t first = next_;
+  std::string problem;  // of frame `first`
   while (next_ < files_.frames.size()) {
     const std::uint64_t index = next_++;
     RgbdFrame frame;
-    const std::string problem = load(index, frame);
-    if (problem.empty()) return frame;
-    if (reported_.insert(index).second) spdlog::warn("{}; frame {} is left out", problem, index);
+    const std::string what = load(index, frame);
+    if (what.empty()) {
+      leaveOut(first, index, problem);
+      any_read_ = true;
+      return frame;
+    }
+    if (index == first) problem = what;
   }
+  if (!any_read_ && !problem.empty())
+    throw SourceError(problem + ", and no frame after it can be read either; put the files back");
+  leaveOut(first, next_, problem);
   return std::nullopt;
+}
+
+void ImageSequence::leaveOut(std::uint64_t first, std::uint64_t end, const std::string& problem) {
+  bool is_new = false;
+  for (std::uint64_t index = first; index < end; ++index)
+    is_new = reported_.insert(index).second || is_new;
+  if (!is_new) return;
+  if (end - first == 1) {
+    spdlog::warn("{}; frame {} is left out", problem, first);
+  } else {
+    spdlog::warn("{}; frames {} to {} are left out", problem, first, end - 1);
+  }
 }
 
 bool ImageSequence::skip() {
@@ -72,6 +95,7 @@ bool ImageSequence::skip() {
 
 void ImageSequence::rewind() {
   next_ = 0;
+  any_read_ = false;
   ++epoch_;
 }
 

@@ -20,6 +20,7 @@ class ImageSequence final : public RgbdSource {
   ImageSequence(const std::filesystem::path& folder, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  /// Throws SourceError where no frame of a round could be read: the files have gone.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;
@@ -27,12 +28,16 @@ class ImageSequence final : public RgbdSource {
  private:
   /// Decodes frame `index` into `frame`; what is wrong with it (naming the file), or "".
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
+  /// Warns of the frames first .. end - 1, which were passed over; does nothing where there are
+  /// none or all were warned of in an earlier round. `problem`: the first one's.
+  void leaveOut(std::uint64_t first, std::uint64_t end, const std::string& problem);
 
   ClipFiles files_;
   SourceInfo info_;
   DepthFormat format_;
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
+  bool any_read_ = false;  // of this round
   std::set<std::uint64_t>
       reported_;  // unreadable frames, so that a loop does not repeat its warnings
 };

@@ -137,6 +137,10 @@ bool VideoPair::grab() {
     return true;
   }
   ended_ = true;
+  if (next_ == 0) {
+    throw SourceError((color ? depth_file_ : color_file_) +
+                      ": has no frame that can be decoded any more; put the file back");
+  }
   if (color != depth && !cut_reported_) {
     cut_reported_ = true;
     spdlog::warn("{}: ends after {} frames, before {}; the clip is cut there",
@@ -146,6 +150,7 @@ bool VideoPair::grab() {
 }
 
 std::optional<RgbdFrame> VideoPair::read() {
+  std::string problem;  // of the first frame that cannot be used
   while (grab()) {
     RgbdFrame frame;
     frame.index = next_ - 1;
@@ -153,15 +158,23 @@ std::optional<RgbdFrame> VideoPair::read() {
     frame.clip_time_s = static_cast<double>(frame.index) / info_.fps;
     cv::Mat raw;
     const cv::Size size(info_.width_px, info_.height_px);
-    if (color_.retrieve(frame.color) && depth_.retrieve(raw) && frame.color.size() == size &&
-        raw.size() == size) {
+    const bool color = color_.retrieve(frame.color) && frame.color.size() == size;
+    const bool depth = depth_.retrieve(raw) && raw.size() == size;
+    if (color && depth) {
       // The decoder reuses its buffer for the next frame; toDepth makes its own.
       frame.color = frame.color.clone();
       frame.depth = toDepth(raw, {DepthKind::kHeight}).image;
+      any_read_ = true;
       return frame;
     }
-    spdlog::warn("{}: frame {} cannot be decoded or changes its size; it is left out", color_file_,
-                 frame.index);
+    if (!problem.empty()) continue;
+    problem = (color ? depth_file_ : color_file_) + ": frame " + std::to_string(frame.index) +
+              " cannot be decoded or is not " + sizeText(size.width, size.height);
+    if (any_read_)
+      spdlog::warn("{}; it and those after it that cannot either are left out", problem);
+  }
+  if (!any_read_) {
+    throw SourceError(problem + ", and no frame after it can be used either; put the file back");
   }
   return std::nullopt;
 }
@@ -172,6 +185,7 @@ void VideoPair::rewind() {
   open();
   next_ = 0;
   ended_ = false;
+  any_read_ = false;
   ++epoch_;
 }
 

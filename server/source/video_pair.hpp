@@ -17,14 +17,16 @@ class VideoPair final : public RgbdSource {
   VideoPair(std::string color_file, std::string depth_file, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Ends with the shorter of the two.
+  /// Ends with the shorter of the two. Throws SourceError where a round has no frame: the files
+  /// have gone or are others.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;
 
  private:
   void open();
-  /// Both at the next frame; false at the end of either.
+  /// Both at the next frame; false at the end of either. Throws SourceError where that is the
+  /// first.
   bool grab();
 
   std::string color_file_;
@@ -35,6 +37,7 @@ class VideoPair final : public RgbdSource {
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool ended_ = false;
+  bool any_read_ = false;  // of this round
   bool cut_reported_ = false;
 };
 

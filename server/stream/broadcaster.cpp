@@ -124,7 +124,7 @@ void Broadcaster::joined(Session& session) {
   std::erase(strangers_, self);
   viewers_.push_back(self);
   ++counts_.welcomed;
-  countVideoViewers();
+  countViewers();
   if (preparing_) session.send(preparing_);
   if (last_frame_) session.send(*last_frame_);
   if (last_video_) session.send(*last_video_);
@@ -135,7 +135,7 @@ void Broadcaster::ending(const std::shared_ptr<Session>& session,
                          const std::optional<WireError>& why) {
   const bool was_viewer = std::erase(viewers_, session) > 0;
   std::erase(strangers_, session);
-  countVideoViewers();
+  countViewers();
   addStranger(session);
   if (!why) {
     if (was_viewer) say(spdlog::level::info, session->label() + " left");
@@ -158,10 +158,11 @@ void Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
               hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
 }
 
-void Broadcaster::countVideoViewers() {
+void Broadcaster::countViewers() {
   const auto viewers = std::count_if(viewers_.begin(), viewers_.end(),
                                      [](const auto& each) { return each->wantsVideo(); });
   video_viewers_.store(static_cast<std::size_t>(viewers), std::memory_order_relaxed);
+  viewer_count_.store(viewers_.size(), std::memory_order_relaxed);
 }
 
 StreamCounts Broadcaster::counts() const {

@@ -47,6 +47,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
   }
+  /// How many have been welcomed and have not left. Thread: any.
+  [[nodiscard]] std::size_t viewers() const {
+    return viewer_count_.load(std::memory_order_relaxed);
+  }
   /// Tells every viewer that the server ends and closes them within the goodbye deadline; `io` then
   /// runs out of work. Thread: any.
   void stop();
@@ -80,7 +84,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void sendAll(const Encoded& encoded);
   asio::awaitable<void> watch();
   void summarize(LocalTime now);
-  void countVideoViewers();
+  void countViewers();
 
   asio::io_context& io_;
   const Clock& clock_;
@@ -94,6 +98,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   SharedBytes preparing_;  // until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
+  std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
   StreamCounts counts_;    // clients and sent: of those who left

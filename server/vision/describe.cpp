@@ -8,8 +8,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kUsualStiffness_N_mm = 0.5;  // of an Omni, the default of the viewers
-constexpr double kStep_mm = 3.0;              // nominal, chosen: the least that is felt as a gap
+constexpr double kStep_mm = 3.0;  // nominal, chosen: the least that is felt as a gap
 
 bool equalReliefs(const Relief& a, const Relief& b) {
   return a.rect == b.rect && a.mask == b.mask && a.height_mm == b.height_mm;
@@ -33,7 +32,7 @@ std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const Nomina
   if (plan.measureNow()) {
     plan.costs(Stage::kSmooth,
                forceDifference_N(*smoothed, *make(false), nominal.workspace.mmPerPixel().x(),
-                                 settings.material.stiffness_N_mm.value_or(kUsualStiffness_N_mm)));
+                                 settings.stiffness_N_mm()));
   }
   return smoothed;
 }

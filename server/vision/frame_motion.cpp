@@ -108,7 +108,9 @@ void FrameMotion::takeFromClip(HapticObject& object, MediaTime media_time, const
   const ClipMotion::Moment* const known = clip_.at(in_clip, clip_frame, measured_mm);
   if (known == nullptr) return;
   const Motion windowed = object.motion;
-  object.motion = known->motion;
+  const bool still = windowed.velocity_mm_s.isZero(0.0) && windowed.acceleration_mm_s2.isZero(0.0);
+  // What is held at rest may still have been settling here when the clip was looked through.
+  if (!still) object.motion = known->motion;
   object.motion.reference_point = windowed.reference_point;
   object.motion.quality = windowed.quality;
   object.motion.visible_fraction = windowed.visible_fraction;

@@ -11,6 +11,7 @@
 #include "server/vision/frame_motion.hpp"
 #include "server/vision/surface/range.hpp"
 #include "server/vision/tracker.hpp"
+#include "server/vision/wrap.hpp"
 
 namespace hapticast::server {
 
@@ -79,7 +80,8 @@ class Vision::Impl {
   }
 
   bool scan(RgbdSource& source, const Progress& progress) {
-    if (info_.live) return true;
+    const bool nothing_to_find = range_ && !settings_.moves();
+    if (info_.live || nothing_to_find) return true;
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, start_);
     ClipMotion clip;
@@ -103,9 +105,8 @@ class Vision::Impl {
   }
 
   std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time) {
-    if (!tracker_ || frame.epoch != source_epoch_) restart(frame.epoch);
     const double time_s = toSeconds(media_time);
-    const std::vector<TrackedObject> objects = tracker_->next(frame, time_s);
+    const std::vector<TrackedObject>& objects = track(frame, time_s);
     if (tracker_->sceneCut()) startEpoch();
     if (!range_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
@@ -166,6 +167,24 @@ class Vision::Impl {
     return {description_.workspace, range_.value_or(kHeightRange)};
   }
 
+  // The objects of the next frame. A clip that begins again where it ended goes on: nothing has
+  // moved, so nothing of it is to be felt.
+  const std::vector<TrackedObject>& track(const RgbdFrame& frame, double time_s) {
+    const bool wraps = tracker_ && frame.epoch != source_epoch_;
+    if (wraps && sameObjects(tracked_, began_)) {
+      std::vector<TrackedObject> now = tracker_->next(frame, time_s);
+      if (!tracker_->sceneCut() && nothingMoved(tracked_, now, nominal(), settings_)) {
+        source_epoch_ = frame.epoch;
+        return tracked_ = std::move(now);
+      }
+    }
+    const bool begins = !tracker_ || wraps;
+    if (begins) restart(frame.epoch);
+    tracked_ = tracker_->next(frame, time_s);
+    if (begins) began_ = tracked_;
+    return tracked_;
+  }
+
   // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
   void startEpoch() {
     while (!pending_.empty()) complete();
@@ -221,6 +240,8 @@ class Vision::Impl {
   std::uint32_t source_epoch_ = 0;
   RememberedStart start_;  // a clip that is looped, or was scanned, starts as it did
   std::unique_ptr<Tracker> tracker_;
+  std::vector<TrackedObject> tracked_;  // in the last frame
+  std::vector<TrackedObject> began_;    // in the tracker's first frame
   FrameMotion motion_;
   std::map<std::uint32_t, LayerCutter> cutters_;  // by object id
   std::vector<HapticObject> last_objects_;

@@ -34,8 +34,8 @@ class Vision {
   /// Told after each frame of a scan; returns whether to go on.
   using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
   /// Goes through a recorded clip once for its clip-wide depth range and largest acceleration, then
-  /// rewinds it; does nothing with a live source. False where `progress` (may be null) broke it
-  /// off: nothing is known then.
+  /// rewinds it; does nothing with a live source, or where the range is given and no motion asked
+  /// for. False where `progress` (may be null) broke it off: nothing is known then.
   bool scan(RgbdSource& source, const Progress& progress);
 
   /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -40,6 +41,8 @@ struct PlanSettings {
   double error_budget_N = 0.007;
 };
 
+inline constexpr double kUsualStiffness_N_mm = 0.5;  ///< of an Omni, the default of the viewers
+
 struct VisionSettings {
   Method method = Method::kHapticast;
   SegmentMode segment = SegmentMode::kAuto;
@@ -47,6 +50,7 @@ struct VisionSettings {
   std::vector<Vec2> object_points_px;     ///< --object; empty: the nearest compact object
   std::vector<Vec2> not_points_px;        ///< --not
   std::optional<DepthRange> depth_range;  ///< --depth-range
+  std::optional<double> fov_deg;          ///< --fov, 10..170; overrules the source's camera
   bool stretch = false;
   Material material;              ///< --stiffness, --friction
   std::optional<double> mass_kg;  ///< --mass
@@ -55,6 +59,16 @@ struct VisionSettings {
   bool low_latency = false;
   /// --compensate-pan: accelerations and impacts against the background instead of the picture.
   bool compensate_pan = false;
+
+  /// What a touch is reckoned with: the author's, else the usual one.
+  [[nodiscard]] double stiffness_N_mm() const {
+    return material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
+  }
+  /// Whether motion is measured at all: --motion, --plan.
+  [[nodiscard]] bool moves() const {
+    return motion != MotionMode::kNone &&
+           plan.forced[static_cast<std::size_t>(Stage::kMotion)].value_or(true);
+  }
 };
 
 }  // namespace hapticast::server

@@ -51,11 +51,11 @@ std::uint16_t portOf(const std::string& address) {
 class ProgramsLifeTest : public ProgramsTest {
  protected:
   /// A still scene long enough that no wrap of it disturbs a touch.
-  [[nodiscard]] std::string stillClip() const {
+  [[nodiscard]] std::string stillClip(int frames = 300) const {
     std::string clip = makeClip("still", 1);
     for (const char* part : {"rgb", "depth", "mask"}) {
       const std::string folder = clip + "/" + part + "/";
-      for (int i = 101; i < 400; ++i)
+      for (int i = 101; i < 100 + frames; ++i)
         std::filesystem::create_hard_link(folder + "100.png", folder + std::to_string(i) + ".png");
     }
     return clip;
@@ -221,6 +221,28 @@ TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsLifeTest, AStillClipIsFeltWithoutAThumpWhereItBeginsAgain) {
+  const auto server = startServer({"--source", stillClip(25), "--loop"});
+  const auto client = follow(addressOf(*server));
+  ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
+  const double settled_s = log().back().t_s + 2.0;
+  // Rounds of a second each.
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return log().back().t_s > settled_s + 4.0; }));
+  interrupt(*client);
+  interrupt(*server);
+  double least_N = 1e9;
+  double most_N = 0.0;
+  for (const LogRow& row : log()) {
+    if (row.t_s < settled_s || row.t_s > settled_s + 4.0) continue;
+    least_N = std::min(least_N, row.force_N.norm());
+    most_N = std::max(most_N, row.force_N.norm());
+  }
+  std::cout << "force over four wraps: " << least_N << " to " << most_N << " N\n";
+  if (kFullSpeed) {
+    EXPECT_GT(least_N, 0.5 * most_N);
+  }
+}
+
 TEST_F(ProgramsLifeTest, AServerThatIsToldToEndSaysGoodbye) {
   const auto server = startServer({"--source", stillClip(), "--loop"});
   const auto client = follow(addressOf(*server));
@@ -230,6 +252,45 @@ TEST_F(ProgramsLifeTest, AServerThatIsToldToEndSaysGoodbye) {
   EXPECT_TRUE(feelsNothingAfter(log().back().t_s));
   interrupt(*client, SIGTERM);
   EXPECT_EQ(log().back().force_N, Vec3::Zero());
+}
+
+TEST_F(ProgramsLifeTest, FilesThatVanishEndALoopWithOneLine) {
+  const std::string clip = makeClip("clip");
+  const auto server = startServer({"--source", clip, "--loop"});
+  ASSERT_NE(addressOf(*server), "");
+  ASSERT_FALSE(waitUntil(std::chrono::seconds(1), [&] { return !server->running(); }));
+  std::filesystem::remove_all(clip + "/rgb");
+  EXPECT_EQ(server->wait(kSoon), 1) << server->output();
+  const std::string text = server->output();
+  const std::string last = text.substr(text.rfind('\n', text.size() - 2) + 1);
+  EXPECT_NE(last.find("clip/rgb/100.png: cannot be read"), std::string::npos) << text;
+  EXPECT_LE(countOf("cannot be read", text), 2U) << "the rest of the round, and the end";
+}
+
+TEST_F(ProgramsLifeTest, AServerThatWaitsPlaysForItsFirstViewer) {
+  const std::string clip = makeClip("clip");
+  const auto server = startServer({"--source", clip, "--wait-for-viewer"});
+  const std::string address = addressOf(*server);
+  ASSERT_TRUE(server->says("waiting for the first viewer", kSoon)) << server->output();
+  EXPECT_FALSE(waitUntil(std::chrono::seconds(2), [&] { return !server->running(); }))
+      << "longer than the clip lasts";
+  const auto client = startClient({address, "--summary", path("summary.json")});
+  EXPECT_EQ(server->wait(kSoon), 0) << server->output();
+  EXPECT_EQ(countOf("waiting for the first viewer", server->output()), 1U);
+  interrupt(*client);
+  EXPECT_EQ(summaryIn(path("summary.json"))["frames"]["received"], 6) << "all of the clip";
+  const auto other = startServer({"--source", clip, "--wait-for-viewer"});
+  ASSERT_TRUE(other->says("waiting for the first viewer", kSoon)) << other->output();
+  interrupt(*other);
+}
+
+TEST_F(ProgramsLifeTest, TheFieldOfViewOverrulesTheClipWithALine) {
+  const std::string clip = makeClip("clip");
+  (void)write("clip/meta.json", R"({"fov_deg": 60})");
+  const auto server = startServer({"--source", clip, "--fov", "75", "--frames", "1"});
+  EXPECT_EQ(server->wait(kStart), 0) << server->output();
+  EXPECT_EQ(countOf("--fov 75: overrules", server->output()), 1U) << server->output();
+  EXPECT_EQ(countOf("(60.0 degrees)", server->output()), 1U) << server->output();
 }
 
 TEST_F(ProgramsLifeTest, AClipWithoutLoopEndsTheServer) {

@@ -14,6 +14,7 @@ constexpr int kChooseEvery = 3;   // chosen, frames: choosing by itself costs as
 constexpr int kForgetAfter = 15;  // chosen, frames lost, until an object that was chosen by itself
                                   // is given up for another
 constexpr int kNewPlanesAfter = 5;      // chosen, frames: RANSAC costs more than a frame
+constexpr double kSameObject = 0.5;     // chosen: of what is found, that another object has already
 constexpr double kPlaneIsObject = 0.3;  // chosen: of an object's pixels that lie on a new plane
 
 }  // namespace
@@ -47,16 +48,16 @@ void BandSegmenter::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
   followPlanes(frames.now);
   followObjects(frames.now, flows);
-  shareOut();
   if (frame_ == 0) startAtPoints(frames.now);
   if (points_.empty()) chooseByItself(frames.now);
+  shareOut();
   if (frame_ == 0) remember(frames.now);
 }
 
 void BandSegmenter::followObjects(const FrameImages& images, const Flows& flows) {
   for (BandObject& object : objects_) {
     if (!object.present()) {
-      if (auto again = object.search(images, scene_)) {
+      if (auto again = object.search(images, scene_); again && !isAnother(*again)) {
         again->rename(next_id_++);
         object = std::move(*again);
       }
@@ -136,7 +137,16 @@ void BandSegmenter::chooseByItself(const FrameImages& images) {
 void BandSegmenter::begin(const FrameImages& images, const cv::Mat& first_mask,
                           const cv::Point& point) {
   const cv::Mat mask = cutByColor(images, first_mask, scene_.planes, point, not_points_);
-  objects_.emplace_back(next_id_++, mask, images, scene_);
+  BandObject object(next_id_, mask, images, scene_);
+  if (isAnother(object)) return;  // two points on one body name one object
+  ++next_id_;
+  objects_.push_back(std::move(object));
+}
+
+bool BandSegmenter::isAnother(const BandObject& found) const {
+  return std::any_of(objects_.begin(), objects_.end(), [&](const BandObject& other) {
+    return other.present() && found.shareIn(other) > kSameObject;
+  });
 }
 
 // No pixel belongs to two objects: where they touch, the first has it.

@@ -36,6 +36,8 @@ class BandSegmenter final : public Segmenter {
   void startAtPoints(const FrameImages& images);
   void chooseByItself(const FrameImages& images);
   void begin(const FrameImages& images, const cv::Mat& first_mask, const cv::Point& point);
+  /// Whether what was just found is an object that is followed already.
+  [[nodiscard]] bool isAnother(const BandObject& found) const;
   void shareOut();
   void remember(const FrameImages& images) const;
   bool recall(const FrameImages& images);

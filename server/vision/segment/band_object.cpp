@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/segment/band_object.hpp"
 
+#include <algorithm>
+
 #include "server/vision/segment/search.hpp"
 #include "server/vision/segment/segment.hpp"
 #include "server/vision/segment/start.hpp"
@@ -90,6 +92,10 @@ void BandObject::yieldTo(const BandObject& other) {
   cv::bitwise_and(mask_, ~other.mask_, rest);
   mask_ = rest;
   if (cv::countNonZero(mask_) < kSmallestObject_px) lose();
+}
+
+double BandObject::shareIn(const BandObject& other) const {
+  return double(cv::countNonZero(mask_ & other.mask_)) / std::max(1, cv::countNonZero(mask_));
 }
 
 void BandObject::lose() {

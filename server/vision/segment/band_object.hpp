@@ -37,6 +37,8 @@ class BandObject {
   /// Leaves to `other` the pixels that both have; lost when next to nothing is left.
   void yieldTo(const BandObject& other);
   void lose();
+  /// The part of its pixels, 0..1, that `other` has, too.
+  [[nodiscard]] double shareIn(const BandObject& other) const;
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }

@@ -4,6 +4,7 @@
 // (band.hpp).
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/segment.hpp"
@@ -50,6 +51,7 @@ class EdgeSegmenter final : public Segmenter {
       start(images);
     } else {
       for (Segment& segment : objects_) follow(segment, flows, count);
+      shareOut();
       std::erase_if(objects_, [](const Segment& s) { return s.quality <= 0.0; });
       if (objects_.empty()) started_ = !points_.empty();
     }
@@ -68,16 +70,31 @@ class EdgeSegmenter final : public Segmenter {
   }
 
   void start(const FrameImages& images) {
+    std::set<int> started;
     for (const Vec2& point : points_) {
       const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
       if (label == 0) throwNothingAt(point, "only edges there");
+      if (!started.insert(label).second) continue;  // two points on one body name one object
       objects_.push_back({next_id_++, regionOf(label), 1.0});
     }
     if (points_.empty()) {
       const cv::Mat compact = nearestCompact(images, labels_);
       if (!compact.empty()) objects_.push_back({next_id_++, regionOf(labelUnder(compact)), 1.0});
     }
+    shareOut();
     started_ = !objects_.empty();
+  }
+
+  // No pixel belongs to two objects: where they touch, the first has it.
+  void shareOut() {
+    for (std::size_t later = 1; later < objects_.size(); ++later) {
+      Segment& object = objects_[later];
+      for (std::size_t first = 0; first < later; ++first) {
+        const cv::Mat rest = object.mask & ~objects_[first].mask;
+        object.mask = rest;
+      }
+      if (cv::countNonZero(object.mask) < kSmallestObject_px) object.quality = 0.0;
+    }
   }
 
   int nearestLabel(const cv::Point& point) const {

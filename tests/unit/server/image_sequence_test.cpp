@@ -97,6 +97,16 @@ TEST_F(ImageSequenceFolder, MetaGivesRateScaleAndCamera) {
   EXPECT_EQ(ImageSequence(folder.string(), 60.0).info().fps, 60.0) << "the caller overrides";
 }
 
+TEST_F(ImageSequenceFolder, MetaMayGiveTheFieldOfViewInPlaceOfIntrinsics) {
+  fill();
+  folder.write("meta.json", std::string(R"({"fov_deg": 90})"));
+  const ImageSequence source(folder.string(), 0.0);
+  ASSERT_TRUE(source.info().camera);
+  EXPECT_NEAR(source.info().camera->fx_px, 16.0, 1e-9);
+  folder.write("meta.json", std::string(R"({"fov_deg": 5})"));
+  EXPECT_THAT(openError(), AllOf(HasSubstr("\"fov_deg\" is"), HasSubstr("from 10 to 170")));
+}
+
 TEST_F(ImageSequenceFolder, BadMetaIsRefused) {
   fill();
   folder.write("meta.json", "{\"fps\": 30");
@@ -238,7 +248,22 @@ TEST_F(ImageSequenceFolder, AnotherKindOfDepthInTheMiddleIsLeftOut) {
   const LogLines log;
   EXPECT_EQ(source.read()->index, 0U);
   EXPECT_EQ(source.read()->index, 3U);
-  EXPECT_EQ(log.count(), 2);
+  EXPECT_EQ(log.count(), 1) << "one line for a run of them";
+  EXPECT_THAT(log.text(),
+              AllOf(HasSubstr("000001.png: "), HasSubstr("frames 1 to 2 are left out")));
+}
+
+TEST_F(ImageSequenceFolder, FilesThatVanishEndTheNextRoundInOneLine) {
+  fill();
+  ImageSequence source(folder.string(), 0.0);
+  const LogLines log;
+  EXPECT_EQ(source.read()->index, 0U);
+  fs::remove_all(folder / "rgb");
+  EXPECT_FALSE(source.read()) << "of this round there was one";
+  source.rewind();
+  EXPECT_THAT(errorOf([&] { (void)source.read(); }),
+              AllOf(HasSubstr("rgb/000000.png: cannot be read"), HasSubstr("put the files back")));
+  EXPECT_EQ(log.count(), 1) << log.text();
 }
 
 TEST_F(ImageSequenceFolder, AnUnreadableFirstFrameIsRefused) {
@@ -282,6 +307,8 @@ TEST_F(ImageSequenceFolder, TumListsAreAssociatedByTime) {
   ImageSequence source(folder.string(), 0.0);
   EXPECT_NEAR(source.info().fps, 1.0 / 0.03, 0.01);
   EXPECT_EQ(source.info().depth_kind, DepthKind::kMetric);
+  ASSERT_TRUE(source.info().camera) << "a Kinect's";
+  EXPECT_NEAR(source.info().camera->fx_px / source.info().width_px, 525.0 / 640.0, 0.001);
   std::vector<int> colors;
   std::vector<float> depths;
   while (const auto frame = source.read()) {

@@ -139,7 +139,7 @@ TEST(Playback, LoopsIntoANewEpochAndNeverSkipsItsFirstFrame) {
   EXPECT_EQ(readOn(source, 0, true)->index, 1U);
 }
 
-TEST(Playback, LoopingOverFramesThatHaveAllBecomeUnreadableEnds) {
+TEST(Playback, LoopingOverFramesThatHaveAllBecomeUnreadableIsAnError) {
   const TempFolder folder;
   for (const char* name : {"1.png", "2.png", "3.png"}) {
     folder.write(std::string("rgb/") + name, cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(9)));
@@ -149,8 +149,9 @@ TEST(Playback, LoopingOverFramesThatHaveAllBecomeUnreadableEnds) {
   EXPECT_EQ(readOn(source, 1, true)->index, 1U);
   std::filesystem::remove_all(folder / "rgb");
   const LogLines log;
-  EXPECT_FALSE(readOn(source, 3, true));
-  EXPECT_EQ(log.count(), 3);
+  const std::string error = errorOf([&] { (void)readOn(source, 3, true); });
+  EXPECT_NE(error.find("rgb/1.png: cannot be read"), std::string::npos) << error;
+  EXPECT_EQ(log.count(), 0) << log.text();
 }
 
 }  // namespace

@@ -242,25 +242,73 @@ TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
   EXPECT_LT(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 0.97);
 }
 
-TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
-  std::uint32_t id = 1;
+// Else its force were felt twice.
+TEST(Segment, TwoPointsOnOneBodyAreOneObject) {
   test::BallScene scene;
   scene.with_mask = false;
   VisionSettings settings;
-  settings.object_points_px = {{100, 100}, {104, 100}};  // both are on the ball
+  settings.object_points_px = {{100, 100}, {104, 100}};
+  std::uint32_t id = 1;
   RememberedStart start;
-  const FramePair frames = FramePairs(scene.info(), true).takeIn(scene.frame(0, 100, 100), 0.0);
+  for (int round = 0; round < 2; ++round) {  // a loop, too
+    Runner runner{scene.info(), makeSegmenter(settings, false, id, &start), {}, {}};
+    for (std::uint64_t i = 0; i < 3; ++i)
+      EXPECT_EQ(runner.next(scene.frame(i, 100 + double(i), 100)).size(), 1U) << round << " " << i;
+  }
+}
+
+TEST(Segment, TwoPointsInOneRegionOfEdgesAreOneObject) {
+  std::uint32_t id = 1;
+  VisionSettings settings;
+  settings.segment = SegmentMode::kEdges;
+  settings.object_points_px = {{100, 100}, {110, 105}};
+  RgbdFrame frame;
+  frame.color = cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(40));
+  frame.depth = cv::Mat(240, 320, CV_32FC1, cv::Scalar(1500));
+  const cv::Rect box(60, 70, 80, 60);
+  cv::rectangle(frame.color, box, {60, 160, 230}, cv::FILLED);
+  cv::rectangle(frame.depth, box, 900, cv::FILLED);
+  SourceInfo info;
+  info.width_px = 320;
+  info.height_px = 240;
+  Runner runner{info, makeSegmenter(settings, false, id), {}, {}};
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(runner.next(frame).size(), 1U) << i;
+}
+
+// Two balls of one look, far apart.
+RgbdFrame twoBalls(const test::BallScene& scene) {
+  RgbdFrame frame = scene.frame(0, 80, 120);
+  const RgbdFrame other = scene.frame(0, 240, 120);
+  const cv::Rect right(160, 0, 160, 240);
+  other.color(right).copyTo(frame.color(right));
+  other.depth(right).copyTo(frame.depth(right));
+  return frame;
+}
+
+TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
+  std::uint32_t id = 1;
+  const test::BallScene scene{.radius_px = 30, .with_mask = false};
+  VisionSettings settings;
+  settings.object_points_px = {{80, 120}, {240, 120}};
+  RememberedStart start;
+  const FramePair frames = FramePairs(scene.info(), true).takeIn(twoBalls(scene), 0.0);
   const auto segmenter = makeSegmenter(settings, false, id, &start);
   const std::vector<Segment> begun = segmenter->next(frames, {});
   ASSERT_EQ(begun.size(), 2U);
-  const int area_px = cv::countNonZero(begun[1].mask);
+  const cv::Mat second = begun[1].mask.clone();
+  // The first is followed onto the second, which has to leave its pixels to it.
+  ObjectFlow onto;
+  onto.similarity(0, 2) = 160;
+  onto.reliable = true;
   ObjectFlow rests;
   rests.stays = true;
-  (void)segmenter->next(frames, {{begun[0].id, rests}, {begun[1].id, rests}});
-  EXPECT_EQ(cv::countNonZero(begun[1].mask), area_px) << "what was handed out stays, too";
+  const std::vector<Segment> shared =
+      segmenter->next(frames, {{begun[0].id, onto}, {begun[1].id, rests}});
+  ASSERT_TRUE(shared.size() == 1 || overlap(shared[1].mask, second) < 0.5);
+  EXPECT_EQ(overlap(begun[1].mask, second), 1.0) << "what was handed out stays, too";
   const std::vector<Segment> again = makeSegmenter(settings, false, id, &start)->next(frames, {});
   ASSERT_EQ(again.size(), 2U);
-  EXPECT_EQ(cv::countNonZero(again[1].mask), area_px);
+  EXPECT_EQ(overlap(again[1].mask, second), 1.0);
 }
 
 TEST(Segment, APointOfNotKeepsAnotherThingOfTheSameDepthOut) {

@@ -34,6 +34,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.listen, (Endpoint{"127.0.0.1", 0}));
   EXPECT_EQ(settings.max_clients, 3U);
   EXPECT_TRUE(settings.quiet);
+  EXPECT_TRUE(settings.wait_for_viewer);
   const VisionSettings& vision = settings.vision;
   EXPECT_EQ(vision.object_points_px, (std::vector<Vec2>{{505.0, 330.0}, {10.0, 20.0}}));
   EXPECT_EQ(vision.not_points_px, (std::vector<Vec2>{{300.0, 400.0}}));
@@ -41,6 +42,7 @@ void expectAll(const Settings& settings) {
   ASSERT_TRUE(vision.depth_range.has_value());
   EXPECT_EQ(vision.depth_range->near_mm, 500.0);
   EXPECT_EQ(vision.depth_range->far_mm, 1500.0);
+  EXPECT_EQ(vision.fov_deg, 70.0);
   EXPECT_TRUE(vision.stretch);
   EXPECT_EQ(vision.motion, MotionMode::kLk);
   EXPECT_EQ(vision.material.stiffness_N_mm, 0.4);
@@ -63,6 +65,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"stiffness", "0.4"},  {"mass", "0.25"},
     {"method", "thesis"},  {"friction", "0.5,0.3"},
     {"damping", "2.5"},    {"texture-depth", "1.5"},
+    {"fov", "70"},         {"wait-for-viewer", "true"},
 };
 
 TEST(ServerSettings, EveryFlag) {

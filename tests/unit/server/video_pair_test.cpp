@@ -82,6 +82,27 @@ TEST_F(VideoPairFiles, EndsWithTheShorterAndSaysSoOnce) {
   EXPECT_THAT(log.text(), AllOf(HasSubstr("d.avi: ends after 6 frames"), HasSubstr("c.avi")));
 }
 
+TEST_F(VideoPairFiles, AFileThatVanishesOrIsAnotherEndsTheNextRoundInOneLine) {
+  const std::string color = video("c.avi", 4);
+  VideoPair source(color, video("d.avi", 4), 0.0);
+  while (source.read()) {
+  }
+  const LogLines log;
+  (void)video("d.avi", 4, {32, 24});
+  source.rewind();
+  EXPECT_THAT(errorOf([&] { (void)source.read(); }),
+              AllOf(HasSubstr("d.avi: frame 0"), HasSubstr("64x48")));
+  (void)video("d.avi", 0);
+  EXPECT_THAT(errorOf([&] {
+                source.rewind();
+                (void)source.read();
+              }),
+              HasSubstr("d.avi: "));
+  std::filesystem::remove(folder / "d.avi");
+  EXPECT_THAT(errorOf([&] { source.rewind(); }), HasSubstr("d.avi: no such file"));
+  EXPECT_EQ(log.count(), 0) << log.text();
+}
+
 TEST_F(VideoPairFiles, VeryDifferentCountsAreRefused) {
   EXPECT_THAT(openError(video("c.avi", 20), video("d.avi", 10)),
               HasSubstr("d.avi: has 10 frames, but the colour video has 20"));
