@@ -13,7 +13,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kClean_mm = 0.1;    // chosen: at 0.5 N/mm and a usual range a few mN
+constexpr double kClean_mm = 0.1;  // chosen: at 0.5 N/mm and a usual range a few mN
 // Chosen: four times what rounding to float leaves at 10 m, a fifth of what a sensor's noise
 // correlated over 2 px reads at 0.6 m.
 constexpr double kExact_mm = 0.002;
