@@ -93,7 +93,7 @@ struct HapticObject {
 };
 
 struct HapticFrame {
-  std::uint32_t epoch = 0;            ///< new at every cut, seek, loop wrap, range change
+  std::uint32_t epoch = 0;            ///< new at every cut, seek, wrap that moves, range change
   std::uint64_t id = 0;               ///< counts up without reuse over the server's life
   MediaTime media_time;               ///< capture time
   std::vector<HapticObject> objects;  ///< at most kMaxObjects

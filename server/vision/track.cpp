@@ -139,7 +139,8 @@ Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
     if (!clean && !measure && raw.allMeasured()) return raw;
   }
   const Lap lap(settings_->clock, plan, Stage::kClean);
-  Surface out = cleanSurface(frames.now.depth, segment.mask, frames.noise, method);
+  Surface out =
+      cleanSurface(frames.now.depth, segment.mask, frames.noise, method, settings_->exact_masks);
   if (measure) {
     // A mask of our own may take in some background in any frame, not just in those that are
     // measured.

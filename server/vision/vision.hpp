@@ -39,8 +39,8 @@ class Vision {
   bool scan(RgbdSource& source, const Progress& progress);
 
   /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`
-  /// increases by frames. A frame of a new source epoch, a cut to another scene or a change of
-  /// range starts a new stream epoch.
+  /// increases by frames. A frame of a new source epoch in which something has moved, a cut to
+  /// another scene or a change of range starts a new stream epoch.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
   /// What is still inside at the end of the stream, oldest first.
   [[nodiscard]] std::vector<VisionResult> flush();

@@ -13,7 +13,10 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kClean_mm = 0.1;    // chosen: at 0.5 N/mm and a usual range a few mN
+constexpr double kClean_mm = 0.1;  // chosen: at 0.5 N/mm and a usual range a few mN
+// Chosen: four times what rounding to float leaves at 10 m, a fifth of what a sensor's noise
+// correlated over 2 px reads at 0.6 m.
+constexpr double kExact_mm = 0.002;
 constexpr double kUnknown_mm = 0.5;  // chosen: between a clean and a usual sensor
 // What rounding alone reads as noise on a slope: second differences of one quantum, 1.48 / sqrt(6).
 // Finer quanta read the same when a sensor's correlated noise is on them.
@@ -23,11 +26,14 @@ constexpr std::size_t kLargestNoiseBins = 400;   // 100 m, the largest depth tha
 constexpr std::size_t kFewestInBin = 200;        // chosen: a median of so many is good to a tenth
 constexpr std::size_t kMostValues = 4000;        // more of them tell no better quantum
 constexpr std::size_t kFewestGaps = 8;           // between a few flat things gaps are no step
-constexpr double kLargestQuantum_mm = 20.0;      // chosen: coarser than 8 bits over 5 m
+constexpr double kOffLattice = 0.1;  // chosen, of a step, and of the gaps: so many may be off it
+constexpr double kLargestQuantum_mm = 20.0;  // chosen: coarser than 8 bits over 5 m
 
-// Absolute second differences along the rows, per bin of range, and the values that occur.
+// Absolute second and fourth differences along the rows, per bin of range, and the values that
+// occur.
 struct DepthStatistics {
   std::vector<std::vector<double>> differences{1};
+  std::vector<std::vector<double>> fourths{1};
   std::set<float> values;
 };
 
@@ -41,8 +47,16 @@ DepthStatistics statisticsOf(const cv::Mat& depth) {
       const double second = std::abs(double(row[u - 1]) - 2 * double(z) + double(row[u + 1]));
       const auto bin = static_cast<std::size_t>(double(z) / DepthNoise::kBin_mm);
       if (second > kLargestDifference_mm || bin >= kLargestNoiseBins) continue;
-      if (bin >= out.differences.size()) out.differences.resize(bin + 1);
+      if (bin >= out.differences.size()) {
+        out.differences.resize(bin + 1);
+        out.fourths.resize(bin + 1);
+      }
       out.differences[bin].push_back(second);
+      if (u >= 2 && u + 2 < depth.cols && row[u - 2] > 0 && row[u + 2] > 0) {
+        out.fourths[bin].push_back(std::abs(double(row[u - 2]) - 4 * double(row[u - 1]) +
+                                            6 * double(z) - 4 * double(row[u + 1]) +
+                                            double(row[u + 2])));
+      }
       if (out.values.size() < kMostValues) out.values.insert(z);
     }
   }
@@ -55,7 +69,24 @@ double quantumOf(const std::set<float>& values) {
        ++next) {
     gaps.push_back(double(*std::next(next)) - double(*next));
   }
-  return gaps.size() < kFewestGaps ? 0.0 : std::min(kLargestQuantum_mm, medianOf(gaps));
+  if (gaps.size() < kFewestGaps) return 0.0;
+  std::sort(gaps.begin(), gaps.end());
+  const double least = gaps[gaps.size() / 20];
+  const auto between = std::count_if(gaps.begin(), gaps.end(), [least](double gap) {
+    return std::abs(gap / least - std::round(gap / least)) > kOffLattice;
+  });
+  // A clean depth takes any value: what lies between two is no step.
+  if (static_cast<double>(between) > kOffLattice * static_cast<double>(gaps.size())) return 0.0;
+  return std::min(kLargestQuantum_mm, medianOf(gaps));
+}
+
+// The bend of a clean surface is no noise: it is in the second differences, hardly in the fourth.
+// Of correlated noise these read too little, so they count only where there is none at all.
+double sigmaOf(std::vector<double>& seconds, std::vector<double>& fourths) {
+  const double sigma = sigmaByMedian(seconds) / std::sqrt(6.0);
+  if (fourths.size() < kFewestInBin) return sigma;
+  const double unbent = sigmaByMedian(fourths) / std::sqrt(70.0);
+  return unbent <= kExact_mm ? std::min(sigma, unbent) : sigma;
 }
 
 }  // namespace
@@ -77,9 +108,10 @@ DepthNoise measureNoise(const cv::Mat& depth) {
   DepthStatistics statistics = statisticsOf(depth);
   DepthNoise noise;
   std::optional<double> last;
-  for (auto& bin : statistics.differences) {
-    const bool nearest = !last && bin.size() >= kFewestInBin;
-    if (bin.size() >= kFewestInBin) last = sigmaByMedian(bin) / std::sqrt(6.0);
+  for (std::size_t i = 0; i < statistics.differences.size(); ++i) {
+    const bool known = statistics.differences[i].size() >= kFewestInBin;
+    const bool nearest = !last && known;
+    if (known) last = sigmaOf(statistics.differences[i], statistics.fourths[i]);
     // What comes nearer than anything was is not noisier.
     if (nearest) std::fill(noise.sigma_mm.begin(), noise.sigma_mm.end(), *last);
     noise.sigma_mm.push_back(last.value_or(kUnknown_mm));

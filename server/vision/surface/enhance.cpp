@@ -9,119 +9,18 @@
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/fill.hpp"
+#include "server/vision/surface/gate.hpp"
 #include "server/vision/surface/quadratic_fit.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kRim_px = 5;           // measured: sensors mix object and background so far in
-constexpr double kSmooth_mm = 0.65;  // measured: 0.6 to 0.75 are equally good
+constexpr double kSmooth_mm = 0.65;             // measured: 0.6 to 0.75 are equally good
 constexpr std::array kWider_mm{1.0, 1.6, 2.6};  // chosen: each about 1.6 times the one before
 constexpr double kFinest_px_mm = 12.0;   // chosen: smoothed over no more pixels in finer pictures
 constexpr double kThesisSigma_px = 2.0;  // of the thesis
-constexpr double kMixed = 0.1;           // chosen, of the pixels at an edge
 constexpr double kFewestDepth = 0.02;    // chosen, of a mask, to make a surface of
-constexpr int kFewestBeside = 20;        // chosen: pixels that tell what is inside and what around
-
-// Fewer than `wanted` of the eight neighbours are known and hang together with this pixel.
-bool lonely(const cv::Mat& depth, const cv::Mat& known, int u, int v, double sigma, int wanted) {
-  const float z = depth.at<float>(v, u);
-  const auto step = static_cast<float>(8 + 5 * sigma);
-  int near = 0;
-  for (int j = std::max(0, v - 1); j <= std::min(depth.rows - 1, v + 1); ++j) {
-    const auto* row = depth.ptr<float>(j);
-    const auto* is_known = known.ptr<unsigned char>(j);
-    for (int i = std::max(0, u - 1); i <= std::min(depth.cols - 1, u + 1); ++i) {
-      if ((i == u && j == v) || is_known[i] == 0 || std::abs(row[i] - z) > step) continue;
-      if (++near >= wanted) return false;
-    }
-  }
-  return true;
-}
-
-// The depths around a pixel of the rim: the object's core and what is behind it, carried on to it.
-struct Sides {
-  cv::Mat object;  // CV_32FC1 at half size; both empty where one of them is not known
-  cv::Mat behind;
-  bool sharp = false;  // clean depth that jumps from one to the other
-
-  [[nodiscard]] double objectAt(int u, int v) const {
-    return double(object.at<float>(v / 2, u / 2));
-  }
-  [[nodiscard]] double behindAt(int u, int v) const {
-    return double(behind.at<float>(v / 2, u / 2));
-  }
-};
-
-bool background(double z, double object, double behind, double sigma, bool sharp) {
-  const double gap = behind - object;
-  if (std::abs(gap) <= 15 + 6 * sigma) return false;  // contact: nothing to tell them apart by
-  const double off = z - object;
-  const double near_behind = std::abs(z - behind);
-  // A steep rim, as of a ball, goes far off the core; where no pixel is mixed it is all the
-  // object's.
-  if (sharp) return near_behind < std::min(std::abs(off), 3 + 4 * sigma);
-  const bool same_side = off * gap > 0;
-  if (same_side) return near_behind < std::abs(off) && std::abs(off) > 12 + 4 * sigma;
-  return std::abs(off) > 60 + 6 * sigma;
-}
-
-// Whether hardly a pixel just outside the mask lies between object and background.
-bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides, double sigma) {
-  const cv::Mat ring = dilatedBy(mask, 3) & (mask == 0) & (depth > 0);
-  const double tolerance = 12 + 4 * sigma;
-  int between = 0;
-  int all = 0;
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      if (ring.at<uchar>(v, u) == 0) continue;
-      const auto z = double(depth.at<float>(v, u));
-      between += std::abs(z - sides.behindAt(u, v)) > tolerance &&
-                         std::abs(z - sides.objectAt(u, v)) > tolerance
-                     ? 1
-                     : 0;
-      ++all;
-    }
-  }
-  return between < kMixed * all;
-}
-
-Sides sidesOf(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
-              const DepthNoise& noise) {
-  const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
-  if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
-    return {};
-  Sides out{filledAtHalfSize(depth, core_known), filledAtHalfSize(depth, around)};
-  const double depth_mm = cv::mean(depth, core_known)[0];
-  const double sigma = noise.at(depth_mm);
-  out.sharp = noise.clean(depth_mm) && sharpEdges(depth, mask, out, sigma);
-  return out;
-}
-
-// Of the pixels `known` (measured, inside `mask`): those that are the object's.
-cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-              const DepthNoise& noise) {
-  const cv::Mat core = erodedBy(mask, kRim_px);
-  const Sides sides = sidesOf(depth, mask, core & known, noise);
-  cv::Mat keep = known.clone();
-  for (int v = 0; v < depth.rows; ++v) {
-    const auto* is_known = known.ptr<unsigned char>(v);
-    const auto* is_core = core.ptr<unsigned char>(v);
-    for (int u = 0; u < depth.cols; ++u) {
-      if (is_known[u] == 0) continue;
-      const auto z = double(depth.at<float>(v, u));
-      const double sigma = noise.at(z);
-      const bool rim = is_core[u] == 0;
-      const bool drop =
-          (rim && !sides.object.empty() &&
-           background(z, sides.objectAt(u, v), sides.behindAt(u, v), sigma, sides.sharp)) ||
-          (!(rim && sides.sharp) && lonely(depth, known, u, v, sigma, rim ? 2 : 3));
-      if (drop) keep.at<unsigned char>(v, u) = 0;
-    }
-  }
-  return keep;
-}
 
 // Depth that is only rounded: the truth is within half a step of it. What a fit makes of a rim that
 // bends too much for it is cut to that.
@@ -184,17 +83,19 @@ Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& 
 }
 
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
-                     Method method) {
+                     Method method, bool exact_mask) {
   Surface out = rawSurface(depth, mask, noise);
   if (method == Method::kThesis) {
     out.quantum_mm = 0.0;
     return out;
   }
-  const cv::Rect wide = boxAround(mask, 3 * kRim_px);
+  const cv::Rect wide = boxAround(mask, kGateReach_px);
   const cv::Rect inner(out.box.tl() - wide.tl(), out.box.size());
   const cv::Mat object = mask(wide);
   const cv::Mat near_depth = depth(wide);
-  const cv::Mat measured = gated(near_depth, object, object & (near_depth > 0), noise);
+  const cv::Mat known = object & (near_depth > 0);
+  const bool trusted = exact_mask && agree(near_depth, object, known, noise);
+  const cv::Mat measured = trusted ? known : gated(near_depth, object, known, noise);
   out.depth = filled(near_depth, measured, object)(inner).clone();
   out.measured = measured(inner).clone();
   return out;

@@ -31,10 +31,10 @@ struct Surface {
 };
 
 /// Drops what belongs to the background (two-sided gate at the 5 px rim, lonely pixels) and fills
-/// the holes. The thesis's method keeps all measured depth and fills nothing (holes are 0). Linear
-/// in the box.
+/// the holes. `exact_mask`: the source's own; where depth ends at its contour, nothing is dropped.
+/// The thesis's method keeps all measured depth and fills nothing (holes are 0). Linear in the box.
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
-                     Method method);
+                     Method method, bool exact_mask = false);
 
 /// The depth as it was measured, nothing dropped or filled: enough where it is clean.
 Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise);

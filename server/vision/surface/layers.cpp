@@ -182,7 +182,7 @@ std::vector<int> layersOf(const Borders& borders, const std::vector<double>& dep
 
 Surface partOf(const Surface& surface, const cv::Mat& mask) {
   const cv::Rect box = cv::boundingRect(mask);
-  return {box + surface.box.tl(), mask(box).clone(), surface.depth(box),
+  return {box + surface.box.tl(), mask(box).clone(), surface.depth(box).clone(),
           surface.measured(box) & mask(box), surface.quantum_mm};
 }
 

@@ -26,11 +26,14 @@ TEST(Tracker, ARepeatedFrameLeavesTheMotionOfTheFrameBeforeAsItWas) {
 }
 
 TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
-  for (const bool with_mask : {true, false}) {
+  const auto check = [](bool with_mask, SegmentMode segment, Method method, MotionMode motion) {
     test::BallScene scene;
     scene.with_mask = with_mask;
     VisionSettings settings;
     settings.object_points_px = {{100, 120}};
+    settings.segment = segment;
+    settings.method = method;
+    settings.motion = motion;
     settings.compensate_pan = true;
     Vision vision(scene.info(), settings);
     for (std::uint64_t i = 0; i < 6; ++i) {
@@ -40,7 +43,11 @@ TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
       (void)vision.push(frame, mediaTime(double(i) / 25));
       EXPECT_TRUE(equalImages(before, {frame.color, {}, frame.depth, frame.mask}));
     }
-  }
+  };
+  for (const bool with_mask : {true, false})
+    check(with_mask, SegmentMode::kAuto, Method::kHapticast, MotionMode::kAuto);
+  check(true, SegmentMode::kSource, Method::kThesis, MotionMode::kLk);
+  check(false, SegmentMode::kEdges, Method::kThesis, MotionMode::kDepth);
 }
 
 }  // namespace
