@@ -91,6 +91,7 @@ void App::play(EncoderThread& encoder) {
   if (settings_.wait_for_viewer) waitForViewer();
   spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
                info.height_px, info.fps);
+  streaming_ = true;
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {

@@ -31,7 +31,7 @@ class App {
   /// Ends run() soon. Thread: any, also a signal handler.
   void stop() noexcept { stop_ = true; }
   /// Whether frames have begun to go out: what fails later is no wrong input.
-  [[nodiscard]] bool streaming() const { return last_published_ != MediaTime{}; }
+  [[nodiscard]] bool streaming() const { return streaming_; }
 
  private:
   void look();
@@ -51,6 +51,7 @@ class App {
   Listener listener_;
   PlanTeller plan_teller_;
   std::atomic<bool> stop_{false};
+  bool streaming_ = false;
   MediaTime last_published_{};
   std::uint64_t told_skipped_ = 0;
   MediaTime told_at_{};

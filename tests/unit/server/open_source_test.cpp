@@ -68,7 +68,7 @@ TEST(OpenSource, FilesWithCommasInTheirNames) {
   };
   const std::string color = write("a,b.avi");
   const std::string depth = write("c,d.avi");
-  EXPECT_EQ(openSource(color + "," + depth, 0.0)->info().name, color);
+  EXPECT_EQ(openSource(color + "," + depth, 0.0)->info().name, "a,b.avi") << "no path";
 }
 
 TEST(OpenSource, AFolderOfImages) {
