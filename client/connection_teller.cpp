@@ -45,12 +45,11 @@ std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, Loca
   if (told_at_ && now - *told_at_ < ConnectionTeller::kWhile) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {
-    if (count > told) text += (text.empty() ? "" : "; ") + std::to_string(count - told) + what;
+    if (count > told) text += (text.empty() ? "" : "; ") + (what + std::to_string(count - told));
   };
   add(counts.reliefs_rejected, told_.reliefs_rejected,
-      " reliefs outside the announced picture or higher than announced: their objects are not "
-      "shown");
-  add(counts.resyncs, told_.resyncs, " jumps of the frames' ids: the touch begins anew");
+      "reliefs outside the announced picture or too high, whose objects are not shown: ");
+  add(counts.resyncs, told_.resyncs, "jumps of the frames' ids, after which touch begins anew: ");
   if (text.empty()) return std::nullopt;
   told_ = counts;
   told_at_ = now;

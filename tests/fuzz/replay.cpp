@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     for (const auto& file : files) {
       if (!replayFile(file)) {
         std::fprintf(stderr, "%s cannot be read\n", file.c_str());
-        return 1;
+        return 2;
       }
       ++count;
     }

@@ -90,6 +90,21 @@ TEST_F(ProgramsInputTest, AddressesOfTheServer) {
   interrupt(*first);
 }
 
+TEST_F(ProgramsInputTest, AServerListensWhereItIsTold) {
+  const std::string clip = makeClip("clip");
+  const std::vector<std::pair<std::string, std::string>> forms = {
+      {":0", "0.0.0.0:"}, {"0", "0.0.0.0:"}, {"localhost:0", "localhost:"}};
+  for (const auto& [given, told] : forms) {
+    const auto server = startServer({"--source", clip, "--loop"}, given);
+    const std::string address = addressOf(*server);
+    EXPECT_TRUE(address.starts_with(told)) << address;
+    const auto client = startClient({address.substr(address.rfind(':') + 1)});
+    EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
+    interrupt(*client);
+    interrupt(*server);
+  }
+}
+
 TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   const std::vector<std::array<std::string, 3>> wrong = {
       {"--seconds", "0", "from 0.001"},       {"--seconds", "nan", "from 0.001"},

@@ -215,7 +215,8 @@ TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
   ASSERT_TRUE(client->says("waiting for a server at " + address + " (connection refused)", kSoon))
       << client->output();
   const auto server = startServer({"--source", clip, "--loop"}, address);
-  EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
+  EXPECT_TRUE(client->says("connected: clip, 128 x 96", kSoon))
+      << "the clip's name without the server's folders: " << client->output();
   EXPECT_EQ(countOf("waiting for", client->output()), 1U) << client->output();
   interrupt(*client, SIGHUP);
   interrupt(*server);

@@ -66,15 +66,14 @@ TEST(OddityTeller, SaysWhatIsNotShownOnceAMinute) {
   EXPECT_FALSE(teller.take(counts, localTime(0))) << "a network may do that";
   counts.reliefs_rejected = 1;
   EXPECT_EQ(teller.take(counts, localTime(1)),
-            "the server errs: 1 reliefs outside the announced picture or higher than announced: "
-            "their objects are not shown");
+            "the server errs: reliefs outside the announced picture or too high, whose objects are "
+            "not shown: 1");
   counts.reliefs_rejected = 1500;
   counts.resyncs = 2;
   EXPECT_FALSE(teller.take(counts, localTime(60)));
   EXPECT_EQ(teller.take(counts, localTime(62)),
-            "the server errs: 1499 reliefs outside the announced picture or higher than "
-            "announced: their objects are not shown; 2 jumps of the frames' ids: the touch begins "
-            "anew");
+            "the server errs: reliefs outside the announced picture or too high, whose objects are "
+            "not shown: 1499; jumps of the frames' ids, after which touch begins anew: 2");
   EXPECT_FALSE(teller.take(counts, localTime(200))) << "nothing new";
 }
 

@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "client/view/force_plot.hpp"
+
 namespace hapticast::client {
 namespace {
 
@@ -58,6 +60,20 @@ TEST(Overlay, PlotKeepsPeaksBetweenItsPoints) {
   const cv::Mat a = drawOverlay({}, pressing(999, 0.0), workspace, flat);
   const cv::Mat b = drawOverlay({}, pressing(999, 0.0), workspace, peak);
   EXPECT_GT(differing(a, b).height, 100);
+}
+
+TEST(Overlay, TheAxisOfThePlotShowsTheTimeOfTheRun) {
+  ForceHistory begin, later;
+  for (int tick = 0; tick < 5000; ++tick) {
+    begin.add(pressing(tick, 1.0));
+    later.add(pressing(tick + 60'000, 1.0));
+  }
+  const cv::Size size(960, 260);
+  const double mark_s = 0.0;  // before both
+  const cv::Rect differs =
+      differing(drawForcePlot(begin, mark_s, size), drawForcePlot(later, mark_s, size));
+  EXPECT_GT(differs.area(), 0);
+  EXPECT_GT(differs.y, 220) << "the labels alone";
 }
 
 TEST(Overlay, AHipBesideThePictureIsShownAtItsEdge) {

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// A client's receiver with its relief cache against any server: what the loop is handed is within
+// the announced picture, and the counts stay sane. The input is a script: a byte says what comes, a
+// few bytes what is in it; or it is a message as it is, two bytes its length.
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "client/net/receiver.hpp"
+#include "tests/support/flat_relief.hpp"
+#include "tests/support/manual_clock.hpp"
+
+namespace {
+
+using namespace hapticast;
+using namespace hapticast::client;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+struct Script {
+  std::span<const std::uint8_t> rest;
+
+  int byte() {
+    if (rest.empty()) return 0;
+    const int value = rest.front();
+    rest = rest.subspan(1);
+    return value;
+  }
+  std::span<const std::uint8_t> bytes() {
+    const auto size = static_cast<std::size_t>(byte() + 256 * byte());
+    const auto taken = rest.first(std::min(size, rest.size()));
+    rest = rest.subspan(taken.size());
+    return taken;
+  }
+};
+
+struct Client {
+  Client() { receiver.connected(stream, clock.now()); }
+
+  void take(Message message) {
+    if (auto* const frame = std::get_if<HapticFrame>(&message)) {
+      receiver.frame(std::move(*frame));
+    } else if (const auto* const pong = std::get_if<Pong>(&message)) {
+      receiver.pong(*pong, clock.now());
+    } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
+      stream = *description;
+      receiver.describe(stream, clock.now());
+    }
+  }
+  /// A frame of up to three objects that share few ids, as the rules of caches are about those.
+  void takeFrame(Script& script) {
+    HapticFrame frame;
+    const int jump = script.byte();
+    id_ = jump < 250 ? id_ + static_cast<std::uint64_t>(jump % 8) : id_ * 31 - 7;
+    frame.id = id_;
+    frame.epoch = static_cast<std::uint32_t>(script.byte() / 64);
+    frame.media_time = mediaTime(script.byte() - 100);
+    for (int i = script.byte() % 4; i > 0; --i) {
+      HapticObject object;
+      object.id = static_cast<std::uint32_t>(i * 16 + script.byte() % 64);
+      object.changed_in_frame =
+          frame.id - std::min(frame.id, static_cast<std::uint64_t>(script.byte() % 4));
+      const PixelRect rect{script.byte(), script.byte(), 1 + script.byte() % 32,
+                           1 + script.byte() % 32};
+      if (script.byte() % 2 == 0)
+        object.relief = flatRelief(rect, 0.2F * static_cast<float>(script.byte()));
+      object.motion.quality = script.byte() / 255.0;
+      if (script.byte() % 4 == 0) {
+        auto grid = std::make_shared<MotionGrid>();
+        grid->columns = gridCells(rect.width);
+        grid->rows = gridCells(rect.height);
+        const auto cells = static_cast<std::size_t>(grid->columns * grid->rows);
+        grid->velocity_mm_s.resize(cells, Eigen::Vector3f::Zero());
+        grid->acceleration_mm_s2.resize(cells, Eigen::Vector3f::Zero());
+        object.grid = grid;
+      }
+      frame.objects.push_back(object);
+    }
+    receiver.frame(frame);
+  }
+  /// What the loop sees.
+  void play() {
+    FramePool::Index index = 0;
+    while (pool->take(index)) {
+      const PlayFrame& frame = pool->frame(index);
+      require(frame.object_count <= kMaxObjects);
+      for (std::size_t i = 0; i < frame.object_count; ++i) check(frame.objects[i]);
+      pool->giveBack(index);
+    }
+  }
+  void check(const PlayObject& object) const {
+    require(object.impact_count <= kMaxImpacts);
+    if (object.field == nullptr) return;
+    const PixelRect& rect = object.field->rect();
+    require(rect.u >= 0 && rect.v >= 0 && rect.u + rect.width <= stream.workspace.width_px &&
+            rect.v + rect.height <= stream.workspace.height_px);
+    if (object.grid == nullptr) return;
+    require(object.grid->columns == gridCells(rect.width) &&
+            object.grid->rows == gridCells(rect.height));
+    require(object.grid->velocity_mm_s.size() ==
+            static_cast<std::size_t>(object.grid->columns * object.grid->rows));
+  }
+
+  ManualClock clock;
+  StreamDescription stream{
+      .name = "", .workspace = {.width_px = 64, .height_px = 48}, .mass_kg = {}};
+  std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
+  LatestValue<StreamState> state;
+  Preparer preparer{*pool, clock, Method::kHapticast,
+                    [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+  Receiver receiver{preparer, state, 1};
+
+ private:
+  std::uint64_t id_ = 1;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Client client;
+  Script script{{data, size}};
+  std::uint64_t frames = 0;
+  for (int step = 0; !script.rest.empty() && step < 200; ++step) {
+    switch (script.byte() % 8) {
+      case 0: {
+        auto message = decode(script.bytes());
+        if (message.ok()) client.take(std::move(message).value());
+        ++frames;
+        break;
+      }
+      case 1:
+        client.clock.advance(std::chrono::milliseconds(script.byte()));
+        break;
+      case 2:  // an answer to a ping of this moment
+        client.receiver.pong({client.clock.now(), mediaTime(script.byte()), mediaTime(100)},
+                             client.clock.now());
+        break;
+      case 3:
+        while (client.preparer.step()) {
+        }
+        client.play();  // what waits in the pool belongs to the picture that is announced
+        client.stream.workspace.width_px = 32 + script.byte();
+        client.receiver.describe(client.stream, client.clock.now());
+        break;
+      case 4:
+        client.receiver.connected(client.stream, client.clock.now());
+        break;
+      default:
+        client.takeFrame(script);
+        ++frames;
+        if (script.byte() % 4 != 0) (void)client.preparer.step();
+        client.play();
+    }
+  }
+  while (client.preparer.step()) {
+  }
+  client.play();
+  const ReceiverCounts& counts = client.receiver.counts();
+  require(counts.received + counts.duplicates + counts.no_slot <= frames);
+  require(counts.lost <= frames * FrameAssembler::kLargestJump);
+  return 0;
+}

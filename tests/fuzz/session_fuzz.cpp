@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// A server's session against any peer: what it answers is always in the order of the protocol, it
+// never keeps more than it may, and it always ends. The input is a script of steps: a byte says
+// what happens, two bytes how much of the rest is a payload.
+#include <spdlog/spdlog.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "server/stream/session.hpp"
+#include "tests/support/flat_relief.hpp"
+#include "tests/support/manual_clock.hpp"
+#include "tests/support/memory_channel.hpp"
+
+namespace {
+
+using namespace hapticast;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+struct Host final : server::SessionHost {
+  Host() : media(manual) { spdlog::set_level(spdlog::level::off); }
+  [[nodiscard]] const Clock& clock() const override { return manual; }
+  [[nodiscard]] const MediaClock& mediaClock() const override { return media; }
+  [[nodiscard]] const server::StreamSettings& settings() const override { return stream_settings; }
+  [[nodiscard]] const StreamDescription& description() const override { return stream; }
+  [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override {
+    if (hello.protocol_version == kProtocolVersion) return std::nullopt;
+    return WireError{ErrorCode::kVersion, "another version"};
+  }
+  void joined(server::Session&) override { ++welcomed; }
+  void ending(server::Session&, const WireError&) override {}
+  void left(const std::shared_ptr<server::Session>&) override { gone = true; }
+
+  ManualClock manual;
+  LocalMediaClock media;
+  server::StreamSettings stream_settings;
+  StreamDescription stream;
+  int welcomed = 0;
+  bool gone = false;
+};
+
+asio::awaitable<void> tell(testing::MemoryChannel& peer, SharedBytes bytes) {
+  co_await peer.write(std::move(bytes));
+}
+
+/// The peer's end: checks what comes.
+asio::awaitable<void> hear(testing::MemoryChannel& peer) {
+  bool first = true;
+  bool over = false;
+  for (;;) {
+    const auto payload = co_await peer.read();
+    if (!payload.ok() || !payload.value()) co_return;
+    const auto message = decode(*payload.value());
+    require(message.ok() && !over);
+    over = std::holds_alternative<WireError>(message.value());
+    require(first == (std::holds_alternative<Welcome>(message.value()) || (first && over)));
+    first = false;
+  }
+}
+
+struct Script {
+  std::span<const std::uint8_t> rest;
+
+  std::size_t byte() {
+    if (rest.empty()) return 0;
+    const std::size_t value = rest.front();
+    rest = rest.subspan(1);
+    return value;
+  }
+  SharedBytes payload() {
+    const std::size_t wanted = byte() + 256 * byte();
+    const std::size_t size = std::min(wanted, rest.size());
+    const auto bytes = rest.first(size);
+    rest = rest.subspan(size);
+    return std::make_shared<const std::vector<std::uint8_t>>(bytes.begin(), bytes.end());
+  }
+};
+
+server::EncodedFrame frameOf(std::uint64_t id, const MediaClock& clock) {
+  HapticFrame frame;
+  frame.id = id;
+  frame.media_time = clock.now();
+  frame.objects.push_back({1, 0, 1, flatRelief({0, 0, 8, 8}), {}, nullptr, {}, {}});
+  return server::FrameEncoder().encode(frame);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const SharedBytes kHello = encodeShared(Hello{kProtocolVersion, "fuzz", true, true});
+  asio::io_context io;
+  Host host;
+  auto [peer, ours] = testing::MemoryChannel::pair(io, kMaxMessageBytes);
+  ours->setReadLimit(kMaxSmallMessageBytes);
+  const auto session = std::make_shared<server::Session>(io, std::move(ours), host, 1);
+  session->start();
+  asio::co_spawn(io, hear(*peer), asio::detached);
+  const auto say = [&io, &peer = peer](SharedBytes bytes) {
+    if (bytes->empty()) return;  // no channel carries that
+    asio::co_spawn(io, tell(*peer, std::move(bytes)), asio::detached);
+  };
+  Script script{{data, size}};
+  for (std::uint64_t step = 1; !script.rest.empty() && step < 500; ++step) {
+    switch (script.byte() % 8) {
+      case 0:
+        say(script.payload());
+        break;
+      case 1:
+        say(kHello);
+        break;
+      case 2:
+        say(encodeShared(Ping{host.manual.now()}));
+        break;
+      case 3:
+        say(encodeShared(ReceiverReport{}));
+        break;
+      case 4:
+        session->send(frameOf(step, host.media));
+        break;
+      case 5:
+        session->describe(encodeShared(host.stream), script.byte() % 2 == 0);
+        break;
+      case 6:
+        host.manual.advance(std::chrono::milliseconds(10 * script.byte()));
+        session->check(host.manual.now());
+        break;
+      default:
+        session->send(server::encodeVideo({0, step, host.media.now(), {0xFF, 0xD8}}));
+        break;
+    }
+    io.restart();
+    io.poll();
+  }
+  require(host.welcomed <= 1);
+  // A peer that falls silent is left after the longest of the deadlines, whatever it said before.
+  for (int i = 0; i < 30 && !host.gone; ++i) {
+    host.manual.advance(std::chrono::seconds(1));
+    session->check(host.manual.now());
+    io.restart();
+    io.poll();
+  }
+  require(host.gone);
+  peer->close();
+  io.restart();
+  io.poll();
+  return 0;
+}
