@@ -45,7 +45,6 @@ void App::run() {
     stop();
     signals.clear();  // a second one ends what does not hear the first
   });
-  spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
   std::jthread network([this] { io_.run(); });
   const auto end = [&] {
     listener_.stop();
@@ -72,12 +71,20 @@ void App::look() {
   }
   double told = 0.0;
   const auto tell = [&](double share) {
+    open();
     if (share < told + 0.01) return;  // viewers need no more
     told = share;
     broadcaster_.prepare(share);
   };
   if (lookThrough(vision_, *source_, media_clock_, stop_, tell))
     broadcaster_.describe(vision_.description());
+}
+
+void App::open() {
+  if (open_) return;
+  open_ = true;
+  spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
+  listener_.start();
 }
 
 void App::waitForViewer() const {
@@ -88,6 +95,7 @@ void App::waitForViewer() const {
 
 void App::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
+  open();
   if (settings_.wait_for_viewer) waitForViewer();
   spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
                info.height_px, info.fps);

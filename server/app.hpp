@@ -35,6 +35,8 @@ class App {
 
  private:
   void look();
+  /// Lets viewers in, once: not before the source has shown that there is nothing to complain of.
+  void open();
   void waitForViewer() const;
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
@@ -51,6 +53,7 @@ class App {
   Listener listener_;
   PlanTeller plan_teller_;
   std::atomic<bool> stop_{false};
+  bool open_ = false;
   bool streaming_ = false;
   MediaTime last_published_{};
   std::uint64_t told_skipped_ = 0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Protobuf bytes -> domain structs, with every number checked (the other direction:
-// wire_encode.cpp).
+// Protobuf bytes -> domain structs, with every number checked (the other direction: encode.cpp).
 #include "common/wire/messages.hpp"
 
 #include <google/protobuf/stubs/logging.h>
@@ -25,17 +24,15 @@ const google::protobuf::LogSilencer kSilence;
 /// Texts end up in logs and on screens: control characters become '?'.
 std::string text(const std::string& from, std::size_t limit, Check& check) {
   check.bound(from.size(), limit, "a text is too long");
-  if (check.error()) return {};
-  std::string clean = from;
-  std::replace_if(
-      clean.begin(), clean.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  std::string clean = check.error() ? std::string() : from;
+  const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
+  std::replace_if(clean.begin(), clean.end(), control, '?');
   return clean;
 }
 
 Vec3 read(const proto::Vec3& from, double limit, Check& check) {
-  for (const float each : {from.x(), from.y(), from.z()}) {
+  for (const float each : {from.x(), from.y(), from.z()})
     check.magnitude(each, limit, "a vector is out of range");
-  }
   return {from.x(), from.y(), from.z()};
 }
 

@@ -11,7 +11,8 @@ namespace hapticast::server {
 
 namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
-constexpr auto kSummaryEvery = std::chrono::seconds(1);
+constexpr auto kCountEvery = std::chrono::seconds(1);
+constexpr auto kTellSlowEvery = std::chrono::minutes(1);  // and at once where it begins
 constexpr const char* kServerEnds = "the server ends";
 }  // namespace
 
@@ -23,7 +24,8 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       description_(std::move(description)),
       settings_(settings),
       timer_(io),
-      last_summary_(clock.now()) {
+      counted_(clock.now()),
+      told_slow_(counted_ - kTellSlowEvery) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
 }
@@ -152,8 +154,9 @@ void Broadcaster::gone(const std::shared_ptr<Session>& session) {
 }
 
 void Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
-  if (!log_limit_.allow(clock_.now())) return;
-  const std::uint64_t hidden = log_limit_.takeSuppressed();
+  LogLimit& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
+  if (!limit.allow(clock_.now())) return;
+  const std::uint64_t hidden = limit.takeSuppressed();
   spdlog::log(level, "{}{}", line,
               hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
 }
@@ -184,22 +187,23 @@ asio::awaitable<void> Broadcaster::watch() {
     for (const Sessions* each : {&strangers, &viewers}) {
       for (const auto& session : *each) session->check(now);
     }
-    if (now - last_summary_ >= kSummaryEvery) summarize(now);
+    if (now - counted_ >= kCountEvery) tellSlowViewers(now);
   }
 }
 
-void Broadcaster::summarize(LocalTime now) {
-  last_summary_ = now;
+void Broadcaster::tellSlowViewers(LocalTime now) {
+  counted_ = now;
+  if (now - told_slow_ < kTellSlowEvery) return;
   const StreamCounts all = counts();
-  if (all.sent.dropped() > summarized_.dropped()) {
-    say(spdlog::level::warn,
-        fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
-                    "{} viewers",
-                    all.sent.frames_dropped_full - summarized_.frames_dropped_full,
-                    all.sent.frames_dropped_old - summarized_.frames_dropped_old,
-                    all.sent.videos_dropped - summarized_.videos_dropped, all.clients));
-  }
-  summarized_ = all.sent;
+  if (all.sent.dropped() == told_.dropped()) return;
+  say(spdlog::level::warn,
+      fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
+                  "{} viewers",
+                  all.sent.frames_dropped_full - told_.frames_dropped_full,
+                  all.sent.frames_dropped_old - told_.frames_dropped_old,
+                  all.sent.videos_dropped - told_.videos_dropped, all.clients));
+  told_ = all.sent;
+  told_slow_ = now;
 }
 
 }  // namespace hapticast::server

@@ -58,7 +58,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Takes over a fresh connection.
   void accept(std::unique_ptr<Channel> channel);
   /// Writes a line to the log unless there were too many of late: whatever strangers on the port
-  /// do, it stays readable.
+  /// do, there are at most 20 a minute, half of them warnings.
   void say(spdlog::level::level_enum level, std::string_view line);
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
@@ -83,7 +83,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   template <class Encoded>
   void sendAll(const Encoded& encoded);
   asio::awaitable<void> watch();
-  void summarize(LocalTime now);
+  void tellSlowViewers(LocalTime now);
   void countViewers();
 
   asio::io_context& io_;
@@ -101,10 +101,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
-  StreamCounts counts_;    // clients and sent: of those who left
-  SendCounts summarized_;  // what the last summary line has told
-  LocalTime last_summary_;
-  LogLimit log_limit_;
+  StreamCounts counts_;  // clients and sent: of those who left
+  SendCounts told_;      // of slow viewers
+  LocalTime counted_;
+  LocalTime told_slow_;
+  LogLimit comings_and_goings_;  // apart, so that a crowd does not hide what is wrong
+  LogLimit problems_;
 };
 
 }  // namespace hapticast::server

@@ -46,8 +46,11 @@ Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& b
   require(acceptor_.bind(endpoint, ec));
   require(acceptor_.listen(asio::socket_base::max_listen_connections, ec));
   address_.port = acceptor_.local_endpoint().port();
+}
+
+void Listener::start() {
   asio::co_spawn(
-      io, [this] { return acceptAll(); }, asio::detached);
+      acceptor_.get_executor(), [this] { return acceptAll(); }, asio::detached);
 }
 
 void Listener::stop() {

@@ -23,8 +23,11 @@ class Listener {
  public:
   /// The host of `address` is numeric or localhost (127.0.0.1); port 0 takes a free one. Throws
   /// AddressError or std::runtime_error with one line that names the address and what to do.
+  /// Who connects waits until start().
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster);
 
+  /// Lets them in. Thread: any, once.
+  void start();
   /// Where it listens, with the port that was taken.
   [[nodiscard]] const Endpoint& address() const { return address_; }
   /// No new connections from now on. Thread: any.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Keeps strangers on the port from filling the log: a token bucket, what is kept back is counted.
-// At most 20 lines a minute, whatever comes. Thread: one.
+// At most 10 lines a minute, whatever comes. Thread: one.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@ namespace hapticast::server {
 
 class LogLimit {
  public:
-  static constexpr std::int64_t kLines = 10;  ///< at once, after a quiet minute
-  static constexpr Duration kRefill = std::chrono::seconds(6);
+  static constexpr std::int64_t kLines = 6;  ///< at once, after quiet minutes
+  static constexpr Duration kRefill = std::chrono::seconds(15);
 
   /// Whether a line may be written now.
   [[nodiscard]] bool allow(LocalTime now) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <sstream>
 
@@ -21,12 +20,6 @@ namespace {
 constexpr std::uint64_t kLongestScan = 600;
 constexpr double kClipMargin = 0.05;  // chosen, of the objects' span in depth, on either side
 constexpr double kLiveMargin = 0.5;   // chosen: there is more to come than the first frame shows
-
-/// What viewers are told of a source: where on this machine a clip lies is not their business.
-std::string publicName(const std::string& name) {
-  const std::filesystem::path path(name);
-  return (path.has_filename() ? path : path.parent_path()).filename();
-}
 
 void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const char* flag) {
   for (const Vec2& point : points) {
@@ -64,7 +57,7 @@ class Vision::Impl {
         motion_(info_, settings_, lookahead_) {
     checkPoints(info_, settings_.object_points_px, "--object");
     checkPoints(info_, settings_.not_points_px, "--not");
-    description_.name = publicName(info_.name);
+    description_.name = info_.name;
     description_.fps = info_.fps;
     description_.workspace.width_px = info_.width_px;
     description_.workspace.height_px = info_.height_px;

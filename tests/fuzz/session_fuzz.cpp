@@ -34,15 +34,15 @@ struct Host final : server::SessionHost {
     return WireError{ErrorCode::kVersion, "another version"};
   }
   void joined(server::Session&) override { ++welcomed; }
-  void ending(server::Session&, const WireError&) override {}
-  void left(const std::shared_ptr<server::Session>&) override { gone = true; }
+  void ending(const std::shared_ptr<server::Session>&, const std::optional<WireError>&) override {}
+  void gone(const std::shared_ptr<server::Session>&) override { has_ended = true; }
 
   ManualClock manual;
   LocalMediaClock media;
   server::StreamSettings stream_settings;
   StreamDescription stream;
   int welcomed = 0;
-  bool gone = false;
+  bool has_ended = false;
 };
 
 asio::awaitable<void> tell(testing::MemoryChannel& peer, SharedBytes bytes) {
@@ -139,13 +139,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   require(host.welcomed <= 1);
   // A peer that falls silent is left after the longest of the deadlines, whatever it said before.
-  for (int i = 0; i < 30 && !host.gone; ++i) {
+  for (int i = 0; i < 30 && !host.has_ended; ++i) {
     host.manual.advance(std::chrono::seconds(1));
     session->check(host.manual.now());
     io.restart();
     io.poll();
   }
-  require(host.gone);
+  require(host.has_ended);
   peer->close();
   io.restart();
   io.poll();

@@ -24,7 +24,9 @@ struct TestServer {
              std::uint16_t port = 0)
       : media(clock),
         broadcaster(io, clock, media, description(), settings),
-        listener(io, {"127.0.0.1", port}, broadcaster) {}
+        listener(io, {"127.0.0.1", port}, broadcaster) {
+    listener.start();
+  }
 
   [[nodiscard]] std::uint16_t port() const { return listener.address().port; }
 
