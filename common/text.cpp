@@ -42,6 +42,15 @@ std::string inQuotes(std::string_view text) {
          (text.size() > kMostQuoted_bytes ? "...'" : "'");
 }
 
+std::string join(const std::vector<std::string>& words, std::string_view separator) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += separator;
+    text += word;
+  }
+  return text;
+}
+
 std::optional<double> parseNumber(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -20,6 +20,8 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 /// In quotes, cut after 40 bytes: what an error message says of a wrong value.
 [[nodiscard]] std::string inQuotes(std::string_view text);
+/// "a, b, c" with the separator ", ".
+[[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
 /// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 

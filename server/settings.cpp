@@ -80,14 +80,12 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
   const auto set = [&plan](const std::string& text) {
     const std::optional<PlanSettings> parsed = parsePlan(text);
     if (!parsed) {
-      std::string stages;
-      for (const std::string_view name : kStageNames)
-        stages += (stages.empty() ? "" : ", ") + std::string(name);
+      const std::vector<std::string> stages(kStageNames.begin(), kStageNames.end());
       throw CLI::ValidationError("--plan",
                                  inQuotes(text) +
                                      " is not auto, everything or STAGE=on|off,... with the "
                                      "stages " +
-                                     stages);
+                                     join(stages, ", "));
     }
     plan.everything = parsed->everything;
     plan.forced = parsed->forced;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "common/suggest.hpp"
 #include "common/text.hpp"
 
 namespace hapticast::client {
@@ -159,7 +160,8 @@ PlantProfile loadDeviceProfile(const std::string& name_or_file) {
   if (!in) {
     throw std::runtime_error(name_or_file +
                              ": cannot be read as a device profile (allowed are omni, falcon or a "
-                             "readable file)");
+                             "readable file)" +
+                             didYouMean(name_or_file, {"omni", "falcon"}));
   }
   return readDeviceProfile(in, name_or_file);
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "client/device/hand_script.hpp"
+#include "common/suggest.hpp"
 
 namespace hapticast::client {
 
@@ -23,7 +24,8 @@ constexpr double kFarthest_mm = 1000.0;
 std::runtime_error unreadable(const std::string& file) {
   return std::runtime_error(file +
                             ": cannot be read (allowed are press, slide, follow or a file of "
-                            "t_s,x_mm,y_mm,z_mm rows)");
+                            "t_s,x_mm,y_mm,z_mm rows)" +
+                            didYouMean(file, {"press", "slide", "follow"}));
 }
 
 /// Four numbers separated by commas, or false.

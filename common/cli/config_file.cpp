@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/cli/suggest.hpp"
+#include "common/suggest.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "common/cli/suggest.hpp"
 #include "common/endpoint.hpp"
 #include "common/geometry.hpp"
+#include "common/suggest.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
@@ -55,12 +55,9 @@ CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Num
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {
-  std::string names;
   std::vector<std::string> words;
-  for (const auto& choice : choices) {
-    names += (names.empty() ? "" : "|") + choice.first;
-    words.push_back(choice.first);
-  }
+  for (const auto& choice : choices) words.push_back(choice.first);
+  const std::string names = join(words, "|");
   const auto set = [&value, &choices, name, names, words](const std::string& text) {
     const auto found = choices.find(text);
     if (found == choices.end()) {

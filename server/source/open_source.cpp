@@ -4,7 +4,10 @@
 #include <cmath>
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
+#include "common/suggest.hpp"
+#include "common/text.hpp"
 #include "server/source/camera.hpp"
 #include "server/source/image_sequence.hpp"
 #include "server/source/rgbd_source.hpp"
@@ -18,13 +21,14 @@ namespace fs = std::filesystem;
 namespace {
 
 std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
-  std::string names;
+  std::vector<std::string> names;
   for (const SceneName& scene : kSceneNames) {
     if (scene.name == name)
       return std::make_unique<SyntheticSource>(scene.kind, fps > 0.0 ? fps : 25.0);
-    names += (names.empty() ? "" : ", ") + std::string(scene.name);
+    names.emplace_back(scene.name);
   }
-  throw SourceError("synthetic:" + std::string(name) + ": no such scene; there are " + names);
+  throw SourceError("synthetic:" + std::string(name) + ": no such scene; there are " +
+                    join(names, ", ") + didYouMean(name, names));
 }
 
 std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view numbers,

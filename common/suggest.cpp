@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/cli/suggest.hpp"
+#include "common/suggest.hpp"
 
 #include <algorithm>
 #include <cstddef>
