@@ -67,7 +67,7 @@ void App::look() {
   const SourceInfo& info = source_->info();
   if (settings_.vision.fov_deg && info.camera) {
     spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
-                 *settings_.vision.fov_deg, info.camera->fieldOfView_deg(info.width_px));
+                 *settings_.vision.fov_deg, info.camera->degreesAcross(info.width_px));
   }
   double told = 0.0;
   const auto tell = [&](double share) {

@@ -56,9 +56,8 @@ void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plan
     const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
     if (too_soon || sameDecisions(lines, told.lines)) continue;
     told.lines = lines;
-    const bool known = std::any_of(buried_.begin(), buried_.end(), [&](const Lines& before) {
-      return sameDecisions(lines, before);
-    });
+    const auto same = [&told](const Lines& before) { return sameDecisions(told.lines, before); };
+    const bool known = std::any_of(buried_.begin(), buried_.end(), same);
     if (known) continue;
     told.at = now;
     told.all.push_back(lines);

@@ -29,7 +29,7 @@ struct CameraModel {
     return {focal_px, focal_px, 0.5 * width_px, 0.5 * height_px};
   }
   /// How wide a picture of so many pixels is, as if its middle were on the axis.
-  [[nodiscard]] double fieldOfView_deg(double width_px) const {
+  [[nodiscard]] double degreesAcross(double width_px) const {
     return 360.0 / std::numbers::pi * std::atan(0.5 * width_px / fx_px);
   }
 

@@ -3,6 +3,7 @@
 // stays found. Fails on an empty folder.
 #include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -21,14 +22,13 @@ bool replayFile(const std::filesystem::path& path) {
   return true;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// Replays files and all files of folders; the exit code.
+int replay(const std::vector<std::filesystem::path>& paths) {
   int count = 0;
-  for (int i = 1; i < argc; ++i) {
-    std::vector<std::filesystem::path> files{argv[i]};
-    if (std::filesystem::is_directory(argv[i])) {
-      files.assign(std::filesystem::directory_iterator(argv[i]), {});
+  for (const auto& path : paths) {
+    std::vector<std::filesystem::path> files{path};
+    if (std::filesystem::is_directory(path)) {
+      files.assign(std::filesystem::directory_iterator(path), {});
     }
     for (const auto& file : files) {
       if (!replayFile(file)) {
@@ -40,4 +40,15 @@ int main(int argc, char** argv) {
   }
   std::printf("%d inputs\n", count);
   return count > 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return replay({argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
 }

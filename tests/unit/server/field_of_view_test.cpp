@@ -19,7 +19,7 @@ TEST(FieldOfView, IsThePinholesFocalLength) {
   EXPECT_NEAR(camera.fy_px, 320, 1e-9);
   EXPECT_EQ(camera.cx_px, 320);
   EXPECT_EQ(camera.cy_px, 240);
-  EXPECT_NEAR(camera.fieldOfView_deg(640), 90, 1e-9);
+  EXPECT_NEAR(camera.degreesAcross(640), 90, 1e-9);
   // A point at the picture's border, 45 degrees off the axis.
   EXPECT_NEAR(camera.project({100, 0, 100}).x(), 640, 1e-9);
 }
@@ -64,7 +64,7 @@ TEST(FieldOfView, TheFlagIsTheCameraAndOverrulesTheSources) {
   VisionSettings by_flag;
   by_flag.depth_range = DepthRange{550, 900};
   VisionSettings no_flag = by_flag;
-  by_flag.fov_deg = scene.camera().fieldOfView_deg(scene.width);
+  by_flag.fov_deg = scene.camera().degreesAcross(scene.width);
   const std::vector<Motion> right = swing(scene, known, no_flag);
   EXPECT_LT(difference(swing(scene, unknown, by_flag), right), 1e-6);
   EXPECT_LT(difference(swing(scene, wrong, by_flag), right), 1e-6);
@@ -81,8 +81,8 @@ TEST(FieldOfView, WidthsScaleWithIt) {
   const Vec3 b = 800 * wide.ray(260, 120);
   EXPECT_DOUBLE_EQ(b.x(), 2 * a.x());
   EXPECT_DOUBLE_EQ(b.z(), a.z());
-  EXPECT_NEAR(std::tan(wide.fieldOfView_deg(320) * std::numbers::pi / 360),
-              2 * std::tan(narrow.fieldOfView_deg(320) * std::numbers::pi / 360), 1e-12);
+  EXPECT_NEAR(std::tan(wide.degreesAcross(320) * std::numbers::pi / 360),
+              2 * std::tan(narrow.degreesAcross(320) * std::numbers::pi / 360), 1e-12);
 }
 
 }  // namespace
