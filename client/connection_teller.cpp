@@ -14,7 +14,7 @@ std::optional<std::string> ConnectionTeller::connected(const std::string& greeti
 }
 
 std::optional<std::string> ConnectionTeller::preparing(double share, LocalTime now) {
-  if (told_share_ && share < *told_share_ + 0.25) return std::nullopt;
+  if (share >= 1.0 || (told_share_ && share < *told_share_ + 0.25)) return std::nullopt;
   told_share_ = share;
   return limited("the server looks through its clip first: " +
                      std::to_string(std::lround(100.0 * share)) + " % done",

@@ -26,6 +26,7 @@ TEST(ConnectionTeller, SaysHowFarTheServerIsInQuarters) {
   EXPECT_TRUE(teller.preparing(0.4, localTime(3)));
   (void)teller.connected("connected: x", localTime(4));
   EXPECT_TRUE(teller.preparing(0.4, localTime(5))) << "another connection";
+  EXPECT_FALSE(teller.preparing(1.0, localTime(6))) << "nothing is waited for";
 }
 
 TEST(ConnectionTeller, SaysEveryNewReasonAndEveryConnection) {
