@@ -8,6 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/cli/hang_up.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -120,9 +122,10 @@ void App::prepared(const PreparedFrame& frame) {
 bool App::run() {
   spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", toString(settings_.server),
                device_->description());
-  asio::signal_set signals(io_, SIGINT, SIGTERM, SIGHUP);
+  asio::signal_set signals(io_, SIGINT, SIGTERM);
+  if (!hangUpIgnored()) signals.add(SIGHUP);
   signals.async_wait([this](const boost::system::error_code& error, int) {
-    if (!error) stop();
+    if (!error) stop();  // a second one is not heard: the force has to come down first
   });
   preparer_.start();
   connection_.start();

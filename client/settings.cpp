@@ -53,7 +53,7 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
   app.add_option(
          "--profile", settings.profile,
          "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines (keys: "
-         "README, Safety)")
+         "client/README.md, Profiles)")
       ->type_name("NAME|FILE");
   app.add_option(
          "--hand", settings.hand,

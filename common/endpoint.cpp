@@ -18,8 +18,10 @@ bool isPort(std::string_view text) {
 /// An IPv6 address without brackets, whose colons are none before a port; with its zone, if any.
 bool isBareV6(std::string_view text) {
   in6_addr address{};
-  const std::string numbers(text.substr(0, text.find('%')));
-  return ::inet_pton(AF_INET6, numbers.c_str(), &address) == 1;
+  const std::size_t zone = std::min(text.find('%'), text.size());
+  const std::string numbers(text.substr(0, zone));
+  return text.find(':', zone) == std::string_view::npos &&
+         ::inet_pton(AF_INET6, numbers.c_str(), &address) == 1;
 }
 
 /// Takes the host off the front of `text`; what is left is empty or begins with ':'. False if it

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/cli/hang_up.hpp"
 #include "server/clip_look.hpp"
 #include "server/source/playback.hpp"
 #include "server/stream/file_limit.hpp"
@@ -18,6 +19,8 @@ namespace {
 
 // How long viewers get to play out the end of a clip before the server says goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
+// The protocol's page promises viewers a word about once a second.
+constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 // Whoever waits looks so often whether stop() was called; chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
 
@@ -39,7 +42,8 @@ App::App(Settings settings, const Clock& clock)
       listener_(io_, settings_.listen, broadcaster_) {}
 
 void App::run() {
-  asio::signal_set signals(io_, SIGINT, SIGTERM, SIGHUP);
+  asio::signal_set signals(io_, SIGINT, SIGTERM);
+  if (!hangUpIgnored()) signals.add(SIGHUP);
   signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
     if (error) return;
     stop();
@@ -69,11 +73,12 @@ void App::look() {
     spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
                  *settings_.vision.fov_deg, info.camera->degreesAcross(info.width_px));
   }
-  double told = 0.0;
+  MediaTime told{};
   const auto tell = [&](double share) {
     open();
-    if (share < told + 0.01) return;  // viewers need no more
-    told = share;
+    const MediaTime now = media_clock_.now();
+    if (told != MediaTime{} && now - told < kPrepareEvery) return;
+    told = now;
     broadcaster_.prepare(share);
   };
   if (lookThrough(vision_, *source_, media_clock_, stop_, tell))

@@ -14,6 +14,7 @@ namespace {
 
 // Chosen: more than the objects of a loop's round have.
 constexpr std::size_t kMostBuried = 256;
+constexpr Duration kSameAgain = std::chrono::minutes(1);
 
 std::string withoutFigures(std::string text) {
   std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
@@ -56,17 +57,28 @@ void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plan
     const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
     if (too_soon || sameDecisions(lines, told.lines)) continue;
     told.lines = lines;
-    const auto same = [&told](const Lines& before) { return sameDecisions(told.lines, before); };
-    const bool known = std::any_of(buried_.begin(), buried_.end(), same);
-    if (known) continue;
+    if (!isNews(told, now)) continue;
     told.at = now;
-    told.all.push_back(lines);
     for (const PlanLine& line : lines) tellLine(id, line);
   }
 }
 
+bool PlanTeller::isNews(ToldPlan& told, MediaTime now) const {
+  const auto same = [&told](const Lines& lines) { return sameDecisions(told.lines, lines); };
+  if (std::any_of(buried_.begin(), buried_.end(), same)) return false;
+  const auto before = std::find_if(told.all.begin(), told.all.end(),
+                                   [&](const Told& each) { return same(each.lines); });
+  if (before == told.all.end()) {
+    told.all.push_back({told.lines, now});
+    return true;
+  }
+  if (now - before->at < kSameAgain) return false;
+  before->at = now;
+  return true;
+}
+
 void PlanTeller::bury(ToldPlan plan) {
-  for (Lines& lines : plan.all) buried_.push_back(std::move(lines));
+  for (Told& each : plan.all) buried_.push_back(std::move(each.lines));
   while (buried_.size() > kMostBuried) buried_.pop_front();
 }
 

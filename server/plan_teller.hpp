@@ -15,17 +15,24 @@ namespace hapticast::server {
 class PlanTeller {
  public:
   /// Tells the plans that have changed, by object id; one object's at most once a second, because a
-  /// change that is taken back at once is not worth a line. What was told of an object that is gone
-  /// is not told again of its successors: a clip that loops has new ones every round.
+  /// change that is taken back at once is not worth a line, and the same plan at most once a
+  /// minute. What was told of an object that is gone is not told again of its successors: a clip
+  /// that loops has new ones every round.
   void tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans, MediaTime now);
 
  private:
   using Lines = std::vector<PlanLine>;
+  struct Told {
+    Lines lines;
+    MediaTime at;
+  };
   struct ToldPlan {
     Lines lines;  // the newest
     MediaTime at;
-    std::vector<Lines> all;  // that were told of it
+    std::vector<Told> all;  // that were told of it, each once
   };
+  /// Whether its newest plan is to be told; then it counts as told.
+  bool isNews(ToldPlan& told, MediaTime now) const;
   void bury(ToldPlan plan);
 
   std::map<std::uint32_t, ToldPlan> told_;  // by object id

@@ -59,19 +59,21 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   return what;
 }
 
-/// Whether what `line` begins with is a flag that stands in none of the arguments.
+/// Whether what `line` complains of stands in none of the arguments: neither the flag that it
+/// begins with nor, where that is a key without one, the value.
 bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
-  const std::string flag = line.substr(0, line.find_first_of(": "));
-  if (!flag.starts_with("--")) return false;
+  const std::string key = line.substr(0, line.find_first_of(": "));
   return std::none_of(argv + 1, argv + argc, [&](const std::string& argument) {
-    return argument == flag || argument.starts_with(flag + "=");
+    if (!key.starts_with("--")) return line.find(inQuotes(argument)) != std::string::npos;
+    return argument == key || argument.starts_with(key + "=");
   });
 }
 
 /// The same with the config file, where the fault lies there.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc,
                       const char* const* argv) {
-  const auto file = app.get_config_ptr()->as<std::string>();
+  const auto files = app.get_config_ptr()->results();  // more than one is a complaint itself
+  const std::string file = files.empty() ? "" : files.back();
   const std::string config = "--config " + file;
   if (is<ConfigFileError>(error)) return config + error.what();
   if (is<CLI::FileError>(error)) return config + ": cannot be read";

@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <bit>
 #include <filesystem>
 #include <utility>
 
@@ -118,7 +119,9 @@ std::optional<RgbdFrame> Camera::read() {
       if (depth.ok()) return frame;
       problem = depth_.name + ": " + depth.problem;
     }
-    if (bad == 0) spdlog::warn("{}; frame {} is left out", problem, frame.index);
+    // The first time and at every doubling: a camera that fails now and then would fill the log.
+    if (bad == 0 && std::has_single_bit(++faults_))
+      spdlog::warn("{}; frame {} is left out (time {})", problem, frame.index, faults_);
   }
   throw SourceError(problem + ", " + std::to_string(kMostBad) +
                     " frames in a row; start the server again");

@@ -45,6 +45,7 @@ class Camera final : public RgbdSource {
   SourceInfo info_;
   DepthFormat format_;
   std::uint64_t next_ = 0;
+  std::uint64_t faults_ = 0;  // how often frames were left out
 };
 
 }  // namespace hapticast::server

@@ -69,10 +69,16 @@ std::optional<RgbdFrame> ImageSequence::read() {
     }
     if (index == first) problem = what;
   }
-  if (!any_read_ && !problem.empty())
+  if (!problem.empty() && (!any_read_ || vanished(files_.frames.back())))
     throw SourceError(problem + ", and no frame after it can be read either; put the files back");
   leaveOut(first, next_, problem);
   return std::nullopt;
+}
+
+bool ImageSequence::vanished(const FrameFiles& frame) {
+  std::error_code error;
+  return !std::filesystem::exists(frame.color, error) ||
+         !std::filesystem::exists(frame.depth, error);
 }
 
 void ImageSequence::leaveOut(std::uint64_t first, std::uint64_t end, const std::string& problem) {

@@ -30,6 +30,8 @@ class ImageSequence final : public RgbdSource {
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
   /// Warns of the frames first .. end - 1, which were passed over; does nothing where there are
   /// none or all were warned of in an earlier round. `problem`: the first one's.
+  /// Whether its files, which were there when the clip was opened, are gone.
+  static bool vanished(const FrameFiles& frame);
   void leaveOut(std::uint64_t first, std::uint64_t end, const std::string& problem);
 
   ClipFiles files_;

@@ -150,7 +150,12 @@ bool VideoPair::grab() {
 }
 
 std::optional<RgbdFrame> VideoPair::read() {
-  std::string problem;  // of the first frame that cannot be used
+  std::string problem;  // of frame `first_bad`
+  std::uint64_t first_bad = 0;
+  const auto tell = [&] {  // once, not in every round
+    if (problem.empty() || !reported_.insert(first_bad).second) return;
+    spdlog::warn("{}; it and those after it that cannot either are left out", problem);
+  };
   while (grab()) {
     RgbdFrame frame;
     frame.index = next_ - 1;
@@ -165,17 +170,18 @@ std::optional<RgbdFrame> VideoPair::read() {
       frame.color = frame.color.clone();
       frame.depth = toDepth(raw, {DepthKind::kHeight}).image;
       any_read_ = true;
+      tell();
       return frame;
     }
     if (!problem.empty()) continue;
+    first_bad = frame.index;
     problem = (color ? depth_file_ : color_file_) + ": frame " + std::to_string(frame.index) +
               " cannot be decoded or is not " + sizeText(size.width, size.height);
-    if (any_read_)
-      spdlog::warn("{}; it and those after it that cannot either are left out", problem);
   }
   if (!any_read_) {
     throw SourceError(problem + ", and no frame after it can be used either; put the file back");
   }
+  tell();
   return std::nullopt;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <opencv2/videoio.hpp>
+#include <set>
 #include <string>
 
 #include "server/source/rgbd_source.hpp"
@@ -39,6 +40,7 @@ class VideoPair final : public RgbdSource {
   bool ended_ = false;
   bool any_read_ = false;  // of this round
   bool cut_reported_ = false;
+  std::set<std::uint64_t> reported_;  // frames that cannot be used, the first of each run
 };
 
 /// Whether a pixel format (CAP_PROP_CODEC_PIXEL_FORMAT: FFmpeg's tag of raw video) is known to have

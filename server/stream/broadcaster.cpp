@@ -14,6 +14,16 @@ constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr auto kCountEvery = std::chrono::seconds(1);
 constexpr auto kTellSlowEvery = std::chrono::minutes(1);  // and at once where it begins
 constexpr const char* kServerEnds = "the server ends";
+/// Of an IPv6 address the first 64 bits, since a single host has all that follow them.
+std::string networkOf(const std::string& address) {
+  boost::system::error_code ec;
+  const auto v6 = asio::ip::make_address_v6(
+      address.starts_with('[') ? address.substr(1, address.size() - 2) : address, ec);
+  if (ec) return address;
+  const auto bytes = v6.to_bytes();
+  return {bytes.begin(), bytes.begin() + 8};
+}
+
 }  // namespace
 
 Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
@@ -33,8 +43,6 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
 template <class Encoded>
 void Broadcaster::sendAll(const Encoded& encoded) {
   for (const auto& viewer : viewers_) viewer->send(encoded);
-  // Whoever comes last has it some milliseconds later: not always the same one.
-  if (!viewers_.empty()) std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
 }
 
 void Broadcaster::publish(EncodedFrame frame) {
@@ -42,6 +50,8 @@ void Broadcaster::publish(EncodedFrame frame) {
     last_frame_ = frame;
     preparing_ = nullptr;
     sendAll(frame);
+    // Whoever comes last has it some milliseconds later: not always the same one.
+    if (!viewers_.empty()) std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
   });
 }
 
@@ -97,17 +107,19 @@ void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
   if (strangers_.size() <= kMaxStrangers || stopped_) return;  // at the end all hear a goodbye
   const std::shared_ptr<Session> who = whoHasToGo();
   ++counts_.refused;
-  say(spdlog::level::warn, "too many connections without a hello: closing " + who->label());
+  say(spdlog::level::warn, "too many connections beside the viewers': closing " + who->label());
   who->abort();
 }
 
 std::shared_ptr<Session> Broadcaster::whoHasToGo() const {
   std::map<std::string, std::size_t> from;
-  for (const auto& each : strangers_) ++from[each->address()];
+  for (const auto& each : strangers_) ++from[networkOf(each->address())];
   const auto most = std::max_element(
       from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return *std::find_if(strangers_.begin(), strangers_.end(),
-                       [&](const auto& each) { return each->address() == most->first; });
+  // Where several have as many it is the oldest of them all.
+  return *std::find_if(strangers_.begin(), strangers_.end(), [&](const auto& each) {
+    return from[networkOf(each->address())] == most->second;
+  });
 }
 
 std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
@@ -153,12 +165,24 @@ void Broadcaster::gone(const std::shared_ptr<Session>& session) {
   if (stopped_ && viewers_.empty() && strangers_.empty()) timer_.cancel();
 }
 
-void Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
+bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
   LogLimit& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
-  if (!limit.allow(clock_.now())) return;
+  if (!limit.allow(clock_.now())) return false;
   const std::uint64_t hidden = limit.takeSuppressed();
   spdlog::log(level, "{}{}", line,
               hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
+  return true;
+}
+
+void Broadcaster::tellHidden() {
+  for (LogLimit* limit : {&comings_and_goings_, &problems_}) {
+    if (limit->suppressed() == 0 || !(stopped_ || limit->earned(clock_.now()))) continue;
+    const std::uint64_t hidden = limit->takeSuppressed();
+    (void)limit->allow(clock_.now());
+    spdlog::info(
+        "not shown: {} more about {}", hidden,
+        limit == &problems_ ? "connections that were closed" : "viewers that came and went");
+  }
 }
 
 void Broadcaster::countViewers() {
@@ -187,21 +211,26 @@ asio::awaitable<void> Broadcaster::watch() {
     for (const Sessions* each : {&strangers, &viewers}) {
       for (const auto& session : *each) session->check(now);
     }
-    if (now - counted_ >= kCountEvery) tellSlowViewers(now);
+    if (now - counted_ < kCountEvery) continue;
+    counted_ = now;
+    tellSlowViewers(now);
+    tellHidden();
   }
+  tellHidden();
 }
 
 void Broadcaster::tellSlowViewers(LocalTime now) {
-  counted_ = now;
   if (now - told_slow_ < kTellSlowEvery) return;
   const StreamCounts all = counts();
   if (all.sent.dropped() == told_.dropped()) return;
-  say(spdlog::level::warn,
+  const bool told = say(
+      spdlog::level::warn,
       fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
                   "{} viewers",
                   all.sent.frames_dropped_full - told_.frames_dropped_full,
                   all.sent.frames_dropped_old - told_.frames_dropped_old,
                   all.sent.videos_dropped - told_.videos_dropped, all.clients));
+  if (!told) return;
   told_ = all.sent;
   told_slow_ = now;
 }

@@ -59,7 +59,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void accept(std::unique_ptr<Channel> channel);
   /// Writes a line to the log unless there were too many of late: whatever strangers on the port
   /// do, there are at most 20 a minute, half of them warnings.
-  void say(spdlog::level::level_enum level, std::string_view line);
+  /// Returns whether it was written.
+  bool say(spdlog::level::level_enum level, std::string_view line);
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
 
@@ -84,6 +85,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void sendAll(const Encoded& encoded);
   asio::awaitable<void> watch();
   void tellSlowViewers(LocalTime now);
+  /// How many lines were kept back, where nothing more has come to say it with.
+  void tellHidden();
   void countViewers();
 
   asio::io_context& io_;

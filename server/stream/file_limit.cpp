@@ -23,7 +23,14 @@ std::size_t raiseFileLimit(std::size_t viewers) {
   limit.rlim_cur = std::min(needed, limit.rlim_max);
   if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
   if (limit.rlim_cur >= needed) return viewers;
-  const rlim_t fit = limit.rlim_cur > kBeside ? limit.rlim_cur - kBeside : 1;
+  if (limit.rlim_cur <= kBeside) {
+    spdlog::warn(
+        "this system allows {} open files, fewer than the server itself may need ({}): "
+        "one viewer is let in (ulimit -Hn {} allows {})",
+        limit.rlim_cur, kBeside, needed, viewers);
+    return 1;
+  }
+  const rlim_t fit = limit.rlim_cur - kBeside;
   spdlog::warn(
       "--max-clients {}: this system allows {} open files, which is enough for {} viewers; more "
       "of them are turned away (ulimit -Hn {} allows all)",

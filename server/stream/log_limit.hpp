@@ -15,18 +15,23 @@ class LogLimit {
   static constexpr std::int64_t kLines = 6;  ///< at once, after quiet minutes
   static constexpr Duration kRefill = std::chrono::seconds(15);
 
-  /// Whether a line may be written now.
+  /// Whether there is a line left to write.
+  [[nodiscard]] bool earned(LocalTime now) {
+    const std::int64_t lines = (now - since_) / kRefill;
+    since_ += lines * kRefill;
+    left_ = std::min(kLines, left_ + lines);
+    return left_ > 0;
+  }
+  /// Whether a line may be written now, which takes one; otherwise it counts as kept back.
   [[nodiscard]] bool allow(LocalTime now) {
-    const std::int64_t earned = (now - since_) / kRefill;
-    since_ += earned * kRefill;
-    left_ = std::min(kLines, left_ + earned);
-    if (left_ == 0) {
+    if (!earned(now)) {
       ++suppressed_;
       return false;
     }
     --left_;
     return true;
   }
+  [[nodiscard]] std::uint64_t suppressed() const { return suppressed_; }
   /// Lines kept back since the last call.
   [[nodiscard]] std::uint64_t takeSuppressed() {
     const std::uint64_t count = suppressed_;

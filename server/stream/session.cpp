@@ -123,9 +123,9 @@ bool Session::stalled(LocalTime now) {
 }
 
 asio::awaitable<void> Session::readAll() {
-  while (!closing_since_) {
+  while (!closing_since_ && !ended_) {
     const auto payload = co_await channel_->read();
-    if (closing_since_) break;
+    if (closing_since_ || ended_) break;  // what it has read then comes too late
     if (!payload.ok()) {
       close(payload.error());
     } else if (payload.value()) {

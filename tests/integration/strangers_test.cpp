@@ -59,6 +59,43 @@ TEST_F(StrangersTest, TheAddressThatMostComeFromMakesRoom) {
   }));
 }
 
+TEST_F(StrangersTest, WhereAllComeFromDifferentAddressesTheOldestMakesRoom) {
+  TestServer server(io, clock);
+  std::vector<std::unique_ptr<RawPeer>> silent;
+  for (std::uint8_t i = 0; i < Broadcaster::kMaxStrangers; ++i) {
+    silent.push_back(
+        std::make_unique<RawPeer>(io, server.port(), static_cast<std::uint8_t>(20 + i)));
+  }
+  (void)viewer(server);  // of an address below all of them
+  silent.front()->poll();
+  EXPECT_TRUE(silent.front()->closed);
+}
+
+/// What it had sent has been read already when it is turned out: a hello that comes too late.
+TEST_F(StrangersTest, WhoIsTurnedOutIsNoViewerAnyMore) {
+  TestServer server(io, clock);
+  std::vector<std::unique_ptr<MemoryChannel>> ours;
+  const auto stranger = [&] {
+    auto ends = MemoryChannel::pair(io, kMaxSmallMessageBytes);
+    ours.push_back(std::move(ends.first));
+    server.broadcaster.accept(std::move(ends.second));
+  };
+  for (std::size_t i = 0; i < Broadcaster::kMaxStrangers; ++i) stranger();
+  io.restart();
+  io.poll();  // all of them wait for a hello
+  const auto hello = std::make_shared<const std::vector<std::uint8_t>>(encode(Hello{}));
+  asio::co_spawn(
+      io, [&]() -> asio::awaitable<void> { co_await ours[0]->write(hello); }, asio::detached);
+  io.poll_one();  // it is written, and not yet read
+  stranger();
+  io.restart();
+  io.poll();
+  EXPECT_EQ(server.broadcaster.counts().welcomed, 0U);
+  server.stop();
+  io.restart();
+  EXPECT_TRUE(runUntil([&] { return io.stopped(); })) << "nobody is left behind";
+}
+
 TEST_F(StrangersTest, AtTheEndEveryViewerHearsGoodbye) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<RawPeer>> viewers;
@@ -148,8 +185,8 @@ TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
   std::vector<std::unique_ptr<MemoryChannel>> ours;
   std::vector<MemoryChannel*> theirs;
   const auto hello = std::make_shared<const std::vector<std::uint8_t>>(
-      encode(Hello{kProtocolVersion, "", false, true}));
-  for (int i = 0; i < 3; ++i) {
+      encode(Hello{kProtocolVersion, "", true, true}));
+  for (std::size_t i = 0; i < 2; ++i) {
     auto ends = MemoryChannel::pair(io, kMaxSmallMessageBytes);
     ours.push_back(std::move(ends.first));
     theirs.push_back(ends.second.get());
@@ -157,23 +194,24 @@ TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
     asio::co_spawn(
         io, [&, i]() -> asio::awaitable<void> { co_await ours[i]->write(hello); }, asio::detached);
   }
-  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 3; }));
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 2; }));
   std::multiset<std::size_t> first;
   for (std::uint64_t id = 1; id <= 6; ++id) {
     runUntil([&, until = clock.now() + milliseconds(5)] { return clock.now() > until; });
-    std::array<std::uint64_t, 3> before{};
-    for (std::size_t i = 0; i < 3; ++i) before[i] = theirs[i]->bytesWritten();
+    std::array<std::uint64_t, 2> before{};
+    for (std::size_t i = 0; i < 2; ++i) before[i] = theirs[i]->bytesWritten();
     server.publish(id);
+    server.broadcaster.publish(server::encodeVideo({0, id, server.media.now(), {0xFF, 0xD8}}));
     for (bool sent = false; !sent;) {
       io.restart();
       io.run_one_for(milliseconds(100));
-      for (std::size_t i = 0; i < 3 && !sent; ++i) {
+      for (std::size_t i = 0; i < 2 && !sent; ++i) {
         sent = theirs[i]->bytesWritten() > before[i];
         if (sent) first.insert(i);
       }
     }
   }
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(first.count(i), 2U) << i;
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(first.count(i), 3U) << i;
 }
 
 TEST(FileLimit, IsRaisedToWhatTheViewersNeedOrSaysWhatFits) {

@@ -71,6 +71,18 @@ TEST(Camera, AFrameOfAnotherSizeIsLeftOutWithOneWarning) {
   EXPECT_THAT(log.text(), HasSubstr("/dev/video7: gives 32x24, but began with 64x48; frame 1"));
 }
 
+TEST(Camera, OneThatFailsNowAndThenDoesNotFillTheLog) {
+  std::vector<cv::Size> sizes;
+  sizes.reserve(201);
+  for (int i = 0; i < 200; ++i) sizes.push_back(i % 2 == 1 ? kOther : kSize);
+  sizes.push_back(kSize);
+  Camera camera = cameraOf(sizes, {kSize});
+  const LogLines log;
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(camera.read());
+  EXPECT_GE(log.count(), 2);
+  EXPECT_LE(log.count(), 8) << log.text();
+}
+
 TEST(Camera, FramesThatStayOfAnotherSizeEndItInOneLine) {
   Camera camera = cameraOf({kSize}, {kSize, kSize, kOther});
   const LogLines log;

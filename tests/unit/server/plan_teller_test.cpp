@@ -30,7 +30,9 @@ TEST_F(PlanTellerTest, TellsChangesOnceAndNotWhatIsTakenBackAtOnce) {
   EXPECT_EQ(lines(1, false, 5.1), 1);
   EXPECT_EQ(lines(1, true, 5.2), 0) << "too soon";
   EXPECT_EQ(lines(1, false, 5.3), 0) << "taken back";
-  EXPECT_EQ(lines(1, true, 6.2), 1);
+  EXPECT_EQ(lines(1, true, 6.2), 0) << "told within the minute";
+  EXPECT_EQ(lines(1, false, 63.0), 0);
+  EXPECT_EQ(lines(1, true, 65.0), 1);
 }
 
 TEST_F(PlanTellerTest, AnotherFigureIsNoNews) {
