@@ -265,7 +265,7 @@ TEST_F(ImageSequenceFolder, FilesThatVanishEndItInOneLineWhereNoneIsLeft) {
   source.rewind();
   EXPECT_THAT(errorOf([&] { (void)source.read(); }),
               AllOf(HasSubstr("rgb/000000.png: cannot be read"), HasSubstr("put the files back")));
-  EXPECT_EQ(log.count(), 1) << log.text();
+  EXPECT_EQ(log.count(), 0) << "the error says it";
 }
 
 TEST_F(ImageSequenceFolder, AnUnreadableFirstFrameIsRefused) {
