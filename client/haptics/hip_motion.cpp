@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/hip_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "client/haptics/safety/wall_law.hpp"
 #include "common/tick.hpp"
 
 namespace hapticast::client {
@@ -37,7 +39,21 @@ KalmanGains steadyGains(double count_mm) noexcept {
   return {gain.x(), gain.y(), gain.z()};
 }
 
-HipMotion::HipMotion(double count_mm) noexcept : gains_(steadyGains(count_mm)) {}
+HipMotion::HipMotion(const DeviceProfile& profile) noexcept
+    : gains_(steadyGains(profile.count_mm)),
+      observer_(profile),
+      wall_N_mm_(profile.stiffness_N_mm) {
+  setDelay(profile.delay_ticks);
+}
+
+void HipMotion::setDelay(int delay_ticks) noexcept {
+  delay_ticks_ = std::clamp(delay_ticks, 0, kMostDelay_ticks);
+}
+
+void HipMotion::sent(const Vec3& force_N, double wall_N_mm) noexcept {
+  sent_.add(force_N);
+  wall_N_mm_ = wall_N_mm;
+}
 
 const HipEstimate& HipMotion::update(const DeviceState& state) noexcept {
   estimate_.restarted = false;
@@ -58,6 +74,7 @@ const HipEstimate& HipMotion::update(const DeviceState& state) noexcept {
   }
   last_time_ = state.time;
   estimate_.position_mm = state.position_mm;
+  estimate_.ahead = observer_.ahead(sent_, delay_ticks_);
   return estimate_;
 }
 
@@ -66,7 +83,8 @@ void HipMotion::restart(const DeviceState& state) noexcept {
   estimate_.restarted = true;
   estimate_.velocity_mm_s = estimate_.acceleration_m_s2 = Vec3::Zero();
   x_mm_ = state.position_mm;
-  a_mm_s2_ = difference_mm_s_ = smooth_m_s2_ = Vec3::Zero();
+  a_mm_s2_ = smooth_m_s2_ = Vec3::Zero();
+  observer_.restart({state.position_mm, Vec3::Zero()}, acting_N());
 }
 
 void HipMotion::follow(const Vec3& measured_mm) noexcept {
@@ -78,9 +96,9 @@ void HipMotion::follow(const Vec3& measured_mm) noexcept {
   v_mm_s += gains_.velocity_per_s * residual_mm;
   a_mm_s2_ += gains_.acceleration_per_s2 * residual_mm;
 
-  const Vec3 difference_mm_s = (measured_mm - estimate_.position_mm) / kTick_s;
-  filterAcceleration((difference_mm_s - difference_mm_s_) / (kTick_s * 1000.0));
-  difference_mm_s_ = difference_mm_s;
+  const Vec3 before_mm_s = observer_.tip().velocity_mm_s;
+  observer_.follow(measured_mm, acting_N(), wall_N_mm_);
+  filterAcceleration((observer_.tip().velocity_mm_s - before_mm_s) / (kTick_s * 1000.0));
 }
 
 // Predicting through the gap would spike by the stale acceleration; the mean velocity over it is
@@ -89,7 +107,7 @@ void HipMotion::bridge(const Vec3& measured_mm, double gap_s) noexcept {
   x_mm_ = measured_mm;
   estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;
   a_mm_s2_ = Vec3::Zero();
-  difference_mm_s_ = estimate_.velocity_mm_s;
+  observer_.restart({measured_mm, estimate_.velocity_mm_s}, acting_N());
   filterAcceleration(Vec3::Zero());
 }
 

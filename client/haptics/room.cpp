@@ -66,7 +66,7 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamStat
       user_(user),
       published_(published),
       log_(log),
-      motion_(settings.profile.count_mm),
+      motion_(settings.profile),
       lookup_(pool, settings.interpolation),
       dynamic_(settings.profile),
       safety_(settings.profile),
@@ -76,18 +76,21 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamState& stream = stream_.load();
   const UserControls& user = user_.load();
   const bool world_changed = follow(stream, user);
+  motion_.setDelay(safety_.delay_ticks());
+  motion_.sent(report_.force_N, safety_.wall_N_mm());
   const HipEstimate& hip = motion_.update(state);
   const MediaTime play_time = playout_.advance(now, stream, safety_.acts(), user);
   const Scene& scene = lookup_.at(play_time, stream, user);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
   if (world_changed || hip.restarted) proxies_.restart();
-  const Contact contact = contactAt(scene, report_.hip_mm);
+  const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
+  const Contact contact = contactAt(scene, ahead_mm);
   SafetyInput input = safetyInput(hip, contact, scene);
   input.scene_step_s = secondsBetween(report_.play_time, play_time);
   input.world_jumped = world_changed || scene.jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
-  const Vec3 contact_mm = report_.hip_mm + contact.displacement_mm;
+  const Vec3 contact_mm = ahead_mm + contact.displacement_mm;
   if (!paused_) {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         play_time, stream, mapping_.scale, &contact_mm);
@@ -160,6 +163,7 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
   SafetyInput input;
   input.position_mm = hip.finite ? hip.position_mm : Vec3::Constant(std::nan(""));
   input.velocity_mm_s = hip.velocity_mm_s;
+  input.ahead = hip.ahead;
   input.measurement_jumped = hip.restarted;
   input.contact = contact.contact;
   input.displacement_mm = contact.displacement_mm * mapping_.scale;

@@ -29,7 +29,7 @@ class Rig {
   Rig(const DeviceProfile& told, const PlantProfile& real, const Hand& hand,
       const SafetyLinks& links = {})
       : device(real, hand, clock),
-        motion(told.count_mm),
+        motion(told),
         chain(told, links),
         told_(told),
         real_delay_ticks_(real.delay_ticks) {
@@ -43,13 +43,16 @@ class Rig {
     work(from_mm, period);
     if (blind) state.position_mm.setConstant(std::nan(""));
     if (lost) state.status = DeviceStatus::kLost;
+    motion.setDelay(chain.delay_ticks());
+    motion.sent(out.force_N, chain.wall_N_mm());
     const HipEstimate& hip = motion.update(state);
     SafetyInput input;
     input.position_mm = hip.position_mm;
     input.velocity_mm_s = hip.velocity_mm_s;
     input.measurement_jumped = hip.restarted;
     input.device_lost = lost;
-    const double depth_mm = wall_mm - hip.position_mm.z();
+    input.ahead = hip.ahead;
+    const double depth_mm = wall_mm - hip.ahead.position_mm.z();
     input.contact = wall_present && depth_mm > 0.0;
     input.displacement_mm = input.contact ? Vec3(0.0, 0.0, depth_mm) : Vec3(Vec3::Zero());
     if (nan_heights) input.displacement_mm.setConstant(std::nan(""));
@@ -124,16 +127,18 @@ class Rig {
     Vec3 explained_N = Vec3::Zero();
     double spring_N = 0.0;
     const Vec3 moved_mm = hip.position_mm - last_position_mm_;
-    const bool entered = !was_contact_ && out.contact && out.penetration_mm <= -moved_mm.z();
+    const bool entered = !was_contact_ && out.contact &&
+                         out.penetration_mm <= last_ahead_mm_ - hip.ahead.position_mm.z();
     if (!hip.restarted && (was_contact_ || entered)) {
       const double k = was_contact_ ? last_stiffness_N_mm_ : renderedStiffness_N_mm();
-      const double b_mm = (k * 1e3 * wallLead_s(told_.delay_ticks) + 1.0) * 1e-3;
+      const double b_mm = wallDamping_Ns_m(k, told_.mass_kg) * 1e-3;
       const double from_mm_s = was_contact_ ? last_velocity_mm_s_.z() : 0.0;
       const double most_mm_s = was_contact_ ? 600.0 : 300.0;
       const double damper_N =
           b_mm * std::clamp(from_mm_s - hip.velocity_mm_s.z(), -most_mm_s, most_mm_s);
       explained_N.z() = std::clamp(rest_N.z(), std::min(damper_N, 0.0), std::max(damper_N, 0.0));
-      spring_N = k * (was_contact_ ? moved_mm.norm() : out.penetration_mm);
+      spring_N =
+          k * (was_contact_ ? moved_mm.norm() : std::min(moved_mm.norm(), out.penetration_mm));
     }
     rest_N -= explained_N;
     const bool rises = out.force_N.norm() > (before_N + explained_N).norm();
@@ -157,6 +162,7 @@ class Rig {
     was_contact_ = out.contact;
     last_stiffness_N_mm_ = renderedStiffness_N_mm();
     last_position_mm_ = hip.position_mm;
+    last_ahead_mm_ = hip.ahead.position_mm.z();
     last_velocity_mm_s_ = hip.velocity_mm_s;
   }
 
@@ -166,6 +172,7 @@ class Rig {
   bool was_contact_ = false;
   double last_stiffness_N_mm_ = 0.0;
   Vec3 last_position_mm_ = Vec3::Zero();
+  double last_ahead_mm_ = 0.0;
   Vec3 last_velocity_mm_s_ = Vec3::Zero();
 };
 

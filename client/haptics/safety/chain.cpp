@@ -21,6 +21,12 @@ double springEnergy_mJ(double stiffness_N_mm, double depth_mm, double limit_N) n
   return force_N <= limit_N ? 0.5 * force_N * depth_mm
                             : limit_N * (depth_mm - 0.5 * limit_N / stiffness_N_mm);
 }
+
+/// The wall is touched ahead of the tip: how deep its count is.
+double countedDepth_mm(const StepState& state) noexcept {
+  return std::max(0.0,
+                  state.depth_mm - (state.position_mm - state.ahead.position_mm).dot(state.normal));
+}
 }  // namespace
 
 SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links) noexcept
@@ -29,6 +35,7 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
       residue_step_N_(profile.residue_N_per_tick),
       mass_kg_(profile.mass_kg),
       profile_delay_ticks_(profile.delay_ticks),
+      wall_N_mm_(profile.stiffness_N_mm),
       limit_N_(profile.peak_N),
       steps_(profile),
       ports_(profile.delay_ticks, profile.count_mm),
@@ -40,7 +47,6 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
 
 void SafetyChain::setDelay(int delay_ticks) noexcept {
   delay_ticks_ = delay_ticks;
-  lead_s_ = wallLead_s(delay_ticks);
   stiffness_limit_N_mm_ = stiffnessLimit_N_mm(mass_kg_, delay_ticks);
   damping_limit_Ns_m_ = dampingLimit_Ns_m(mass_kg_, delay_ticks);
   ports_.setDelay(delay_ticks);
@@ -87,6 +93,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   out.penetration_mm = geometry.size_mm;
   last_ = now;
   geometry_ = geometry;
+  if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
   return out;
 }
 
@@ -110,10 +117,14 @@ StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
                                bool not_finite) const noexcept {
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
+                .ahead = in.ahead,
                 .contact = geometry.contact};
-  if (not_finite && !(now.position_mm + now.velocity_mm_s).allFinite()) {
+  if (not_finite &&
+      !(in.position_mm + in.velocity_mm_s + in.ahead.position_mm + in.ahead.velocity_mm_s)
+           .allFinite()) {
     now.position_mm = last_.position_mm;
     now.velocity_mm_s = last_.velocity_mm_s;
+    now.ahead = last_.ahead;
   }
   if (!now.contact) return now;
   now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
@@ -133,9 +144,10 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
                 .jump = jump};
   const StepState& wall = now.contact ? now : last_;
   const double gain = smoothstep(fade_);
-  tick.stored_mJ = gain * springEnergy_mJ(wall.local_stiffness_N_mm, now.depth_mm, limit_N_);
+  tick.stored_mJ =
+      gain * springEnergy_mJ(wall.local_stiffness_N_mm, countedDepth_mm(now), limit_N_);
   tick.stored_before_mJ =
-      gain * springEnergy_mJ(wall.local_stiffness_N_mm, last_.depth_mm, limit_N_);
+      gain * springEnergy_mJ(wall.local_stiffness_N_mm, countedDepth_mm(last_), limit_N_);
   tank_.take(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
@@ -157,12 +169,13 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
                             SafetyOutput& out) const noexcept {
   if (!geometry.contact) return Vec3::Zero();
   const double u_mm_s =
-      std::clamp((geometry.surface_velocity_mm_s - now.velocity_mm_s).dot(geometry.normal),
+      std::clamp((geometry.surface_velocity_mm_s - now.ahead.velocity_mm_s).dot(geometry.normal),
                  -kDamperSpeed_mm_s, kDamperSpeed_mm_s);
   const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
   const double insurance_Ns_m = links_.passivity ? ports_.damping_Ns_m(u_mm_s) : 0.0;
   if (insurance_Ns_m > 0.0) out.interferences |= bit(Interference::kPassivity);
-  const double damper_N = (geometry.damping_Ns_m + insurance_Ns_m) * u_mm_s * 1e-3;
+  const double damper_N = std::min((geometry.damping_Ns_m + insurance_Ns_m) * u_mm_s * 1e-3,
+                                   mostDamper_N(spring_N.dot(geometry.normal)));
   const double pull_limit_N = -spring_N.dot(geometry.normal);
   if (damper_N < pull_limit_N) out.interferences |= bit(Interference::kNoPull);
   return spring_N + std::max(damper_N, pull_limit_N) * geometry.normal;

@@ -14,6 +14,7 @@
 #include "client/haptics/safety/step_limit.hpp"
 #include "client/haptics/safety/thermal_budget.hpp"
 #include "client/haptics/safety/wall_law.hpp"
+#include "client/haptics/tip_observer.hpp"
 
 namespace hapticast::client {
 
@@ -57,9 +58,10 @@ struct SafetyLinks {
 
 /// Device frame, device mm.
 struct SafetyInput {
-  // The tip.
+  // The tip, by its counts.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
+  TipState ahead;  ///< where this tick's force will find it: there the wall is touched
   bool measurement_jumped =
       false;                 ///< position and velocity are not connected with the last tick's
   bool device_lost = false;  ///< latched; only rearm() ends it
@@ -98,6 +100,10 @@ class SafetyChain {
   SafetyOutput step(const SafetyInput& input) noexcept;
   /// A force acts on the device (it did at the last tick).
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
+  /// Ticks between reading a position and the begin of its force, as far as is known.
+  [[nodiscard]] int delay_ticks() const noexcept { return delay_ticks_; }
+  /// Stiffness along the normal of the wall that was touched last.
+  [[nodiscard]] double wall_N_mm() const noexcept { return wall_N_mm_; }
   /// From outside, after a lost device came back or stop(): the force may return, from zero.
   void rearm() noexcept;
   /// Ramps the force to zero and keeps it there until rearm().
@@ -125,7 +131,7 @@ class SafetyChain {
   void setDelay(int delay_ticks) noexcept;
   Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
-  Geometry heldGeometry(const Vec3& position_mm) const noexcept;
+  Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
   StepState stateOf(const SafetyInput& input, const Geometry& geometry,
                     bool not_finite) const noexcept;
@@ -142,8 +148,9 @@ class SafetyChain {
   double peak_N_, residue_step_N_, mass_kg_;
   int profile_delay_ticks_;
   int delay_ticks_ = 0;
+  double wall_N_mm_;
   double limit_N_;  // of the force in this tick: the motors' heat, the peak
-  double lead_s_ = 0.0, stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
+  double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   StepLimit steps_;
   EnergyPorts ports_;
   UserTank tank_;

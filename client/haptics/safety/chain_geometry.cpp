@@ -16,8 +16,9 @@ constexpr double kFarthest_mm = 1000.0;  // a displacement beyond any device is 
 
 bool believable(const SafetyInput& in) noexcept {
   // A sum is finite where all are (or so huge that none of it is to be believed).
-  const Vec3 vectors =
-      in.position_mm + in.velocity_mm_s + in.displacement_mm + in.normal + in.surface_velocity_mm_s;
+  const Vec3 vectors = in.position_mm + in.velocity_mm_s + in.ahead.position_mm +
+                       in.ahead.velocity_mm_s + in.displacement_mm + in.normal +
+                       in.surface_velocity_mm_s;
   const double numbers =
       in.scene_step_s + in.stiffness_factor + in.stiffness_N_mm + in.damping_Ns_m;
   return std::isfinite(vectors.sum() + numbers) &&
@@ -30,7 +31,7 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   if (!believable(in)) {
     out.not_finite = true;
     out.interferences |= bit(Interference::kNotFinite);
-    return heldGeometry(in.position_mm);
+    return heldGeometry(in.ahead.position_mm);
   }
   Geometry geometry;
   const double depth_mm = in.displacement_mm.norm();
@@ -72,7 +73,7 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
   }
   if (!links_.damping) return;
   const double law_Ns_m =
-      wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor, lead_s_);
+      wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor, mass_kg_);
   const double most_Ns_m = std::max(0.0, damping_limit_Ns_m_ - law_Ns_m);
   if (in.damping_Ns_m > most_Ns_m) out.interferences |= bit(Interference::kDamping);
   geometry.damping_Ns_m = law_Ns_m + std::clamp(in.damping_Ns_m, 0.0, most_Ns_m);
@@ -80,12 +81,12 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
 
 /// The last geometry standing still as a plane: the tip moves against it, the surface does not
 /// move.
-SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& position_mm) const noexcept {
+SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& ahead_mm) const noexcept {
   Geometry held = geometry_;
   held.surface_velocity_mm_s = held.surface_step_mm = Vec3::Zero();
-  if (!held.contact || !position_mm.allFinite()) return held;
+  if (!held.contact || !ahead_mm.allFinite()) return held;
   const Vec3 direction = held.displacement_mm / held.size_mm;
-  const double now_mm = held.size_mm - direction.dot(position_mm - last_.position_mm);
+  const double now_mm = held.size_mm - direction.dot(ahead_mm - last_.ahead.position_mm);
   if (now_mm <= 0.0) return {};
   held.displacement_mm = now_mm * direction;
   held.size_mm = now_mm;
@@ -97,7 +98,7 @@ bool SafetyChain::jumped(const SafetyInput& in, const Geometry& geometry) const 
   // Without contact the displacement is zero: a surface that vanishes jumps like one that appears.
   const double change_mm = std::abs(geometry.size_mm - geometry_.size_mm);
   if (change_mm <= kJump_mm) return false;
-  const double moved_mm = (in.position_mm - last_.position_mm).norm();
+  const double moved_mm = (in.ahead.position_mm - last_.ahead.position_mm).norm();
   return change_mm > kJump_mm + (1.0 + geometry.stiffness_factor) * moved_mm;
 }
 

@@ -21,15 +21,16 @@ Explained explainedByHand(const StepState& now, const StepState& last) noexcept 
   if (!now.contact && !last.contact) return {};
   const StepState& wall = last.contact ? last : now;
   const Vec3 moved_mm = now.position_mm - last.position_mm;
-  const double inwards_mm = -moved_mm.dot(wall.normal);
+  const double inwards_mm = -(now.ahead.position_mm - last.ahead.position_mm).dot(wall.normal);
   const bool entering = !last.contact;
   if (entering && now.depth_mm > inwards_mm) return {};  // the surface came, not the hand
   const Vec3 change_mm_s = entering ? now.velocity_mm_s : now.velocity_mm_s - last.velocity_mm_s;
   // The damper's own limit: full speed when it begins, from one end to the other later.
   const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
   const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
+  const double way_mm = moved_mm.norm();
   return {wall.damping_Ns_m * 1e-3 * damped_mm_s * wall.normal,
-          wall.local_stiffness_N_mm * (entering ? now.depth_mm : moved_mm.norm())};
+          wall.local_stiffness_N_mm * (entering ? std::min(now.depth_mm, way_mm) : way_mm)};
 }
 
 StepLimit::StepLimit(const DeviceProfile& profile) noexcept

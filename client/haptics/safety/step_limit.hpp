@@ -4,6 +4,7 @@
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/tip_observer.hpp"
 
 namespace hapticast::client {
 
@@ -15,6 +16,7 @@ struct StepState {
   Vec3 force_N = Vec3::Zero();
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
+  TipState ahead;  ///< where the wall is touched
   // Without contact: zero.
   bool contact = false;
   double local_stiffness_N_mm = 0.0;  ///< along the normal
@@ -28,10 +30,11 @@ struct Explained {
   Vec3 damper_N = Vec3::Zero();  ///< this vector or a part of it: the damper acts along the normal
   double spring_N = 0.0;         ///< this much in any direction: a relief is curved
 };
-/// Knows the tip's motion and the wall it touched *before* this tick, not the force: K|dx| in any
-/// direction, B dv along the normal, and where the tip itself enters (the depth is at most its way
-/// inwards) K depth and B v; velocities no larger than the damper's limit. What the stream does to
-/// stiffness, surface or contact in this tick explains nothing.
+/// Knows the tip's motion by its counts and the wall it touched *before* this tick, not the force:
+/// K|dx| in any direction, B dv along the normal, and where the tip itself enters (the depth is at
+/// most its way inwards) K depth and B v; velocities no larger than the damper's limit. What the
+/// stream does to stiffness, surface or contact in this tick explains nothing, and a motion that is
+/// only foreseen explains nothing either: where it does not happen a stream would make the steps.
 Explained explainedByHand(const StepState& now, const StepState& last) noexcept;
 
 /// The step of the force that a device's user may feel in a tick: what the hand explains and the

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "common/tick.hpp"
@@ -10,11 +11,11 @@
 namespace hapticast::client {
 
 namespace {
-constexpr double kBaseDamping_Ns_m = 1.0;  // B_0: measured, margin for a soft wall
-constexpr double kStiffest_N_mm = 10.0;    // measured: above, one-count chatter at 1 kHz
-constexpr double kMassShare = 0.64;        // measured
-constexpr double kDampingShare = 0.2;      // chosen: a damper is stable far below m / (T/2 + td)
-constexpr double kArmDepth_mm = 2.0;       // chosen
+constexpr double kFirstTouch_N = 0.1;    // measured: half of it runs away with a delay too low
+constexpr double kStiffest_N_mm = 10.0;  // measured: above, one-count chatter at 1 kHz
+constexpr double kMassShare = 0.64;      // measured
+constexpr double kDampingShare = 0.35;   // measured: up to half of m / (T/2 + td) is as quiet
+constexpr double kArmDepth_mm = 2.0;     // chosen
 }  // namespace
 
 double wallLead_s(int delay_ticks) noexcept {
@@ -32,9 +33,11 @@ double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept {
   return stiffnessLimit_N_mm(profile.mass_kg, profile.delay_ticks);
 }
 
-double wallDamping_Ns_m(double stiffness_N_mm, double lead_s) noexcept {
-  return stiffness_N_mm * 1e3 * lead_s + kBaseDamping_Ns_m;
+double wallDamping_Ns_m(double stiffness_N_mm, double mass_kg) noexcept {
+  return std::sqrt(stiffness_N_mm * 1e3 * mass_kg);
 }
+
+double mostDamper_N(double spring_N) noexcept { return spring_N + kFirstTouch_N; }
 
 double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept {
   const double delay_s = (0.5 + std::clamp(delay_ticks, 0, kMostDelay_ticks)) * kTick_s;

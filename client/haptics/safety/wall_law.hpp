@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a wall may be made of on a given device: stiffness up to K_max, damping tied to stiffness
-// and delay. Law and measurements: client/haptics/README.md. Real-time room.
+// and mass. Law and measurements: client/haptics/README.md. Real-time room.
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
@@ -9,14 +9,17 @@ namespace hapticast::client {
 
 inline constexpr int kMostDelay_ticks = 5;  ///< beyond it nothing is known
 
-/// tau of the wall law in s for a delay in ticks (0..5, beyond: 5).
+/// tau in s for a delay in ticks (0..5, beyond: 5): what a wall's K_max depends on.
 double wallLead_s(int delay_ticks) noexcept;
 /// K_max = min(10, 0.64 m / tau²) in N/mm: the stiffest that leaves at most 2 counts after an
 /// impact (measured; 0.65 leaves 2.08 counts of 0.038 mm at a delay of one tick).
 double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept;
 double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
-/// Damping of the wall law in N·s/m for a local stiffness: B = K tau + B_0.
-double wallDamping_Ns_m(double stiffness_N_mm, double lead_s) noexcept;
+/// Damping of the wall law in N·s/m for a local stiffness: B = sqrt(K m).
+double wallDamping_Ns_m(double stiffness_N_mm, double mass_kg) noexcept;
+/// What the damper may add at most: the spring's own force and a little more, so that no first
+/// touch is a blow.
+double mostDamper_N(double spring_N) noexcept;
 /// What the law and an author's damping may come to together, N·s/m: a share of m / (T/2 + td),
 /// where the damper's own delay makes it unstable. The law alone may be above it.
 double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The `proxy` surface model: one proxy for each object and layer of the scene, their displacements
-// summed. Real-time room.
+// The `proxy` surface model: one proxy for each object and layer of the scene, which share one
+// stiffness where they push alike. Real-time room.
 #pragma once
 
 #include <array>
@@ -22,12 +22,13 @@ class ProxySurface {
   /// 10 cm/s, none on smooth ones.
   static constexpr int kSamples = 24;
 
-  /// The contact of the HIP with all objects: displacements summed; normal and surface velocity are
-  /// the mean over the contacts, weighted by their displacements; `object` the one with the
-  /// longest. Proxies are kept by object id and layer, and dropped with their object. A jump of the
-  /// geometry (an object appears, its surface or pose changes by more than motion explains) never
-  /// steps: its force fades in here, so Contact::jump says only that the epoch changed; deeper than
-  /// `deepest_mm` (nominal) after a jump there is none until the HIP is out of the object.
+  /// The contact of the HIP with all objects: the shortest way out of all of them (two that overlap
+  /// do not add up, walls across each other do); normal and surface velocity are the mean over the
+  /// contacts, weighted by their displacements; `object` the one with the longest. Proxies are kept
+  /// by object id and layer, and dropped with their object. A jump of the geometry (an object
+  /// appears, its surface or pose changes by more than motion explains) never steps: its force
+  /// fades in here, so Contact::jump says only that the epoch changed; deeper than `deepest_mm`
+  /// (nominal) after a jump there is none until the HIP is out of the object.
   Contact touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                 double deepest_mm) noexcept;
 

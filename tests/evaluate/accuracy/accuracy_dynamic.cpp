@@ -126,8 +126,8 @@ struct Cursor {
   std::function<Vec3(const client::DeviceState&)> acceleration_m_s2;
 };
 
-std::vector<Cursor> cursors(double count_mm) {
-  const auto motion = std::make_shared<client::HipMotion>(count_mm);
+std::vector<Cursor> cursors(const client::DeviceProfile& profile) {
+  const auto motion = std::make_shared<client::HipMotion>(profile);
   const auto last = std::make_shared<std::array<Vec3, 2>>();
   const auto known = std::make_shared<int>(0);
   return {
@@ -167,7 +167,8 @@ double cursorError_N(const Cursor& cursor, double count_mm,
 }
 
 Outcome measureCursor() {
-  const double count_mm = client::loadDeviceProfile("omni").count_mm;
+  const client::PlantProfile profile = client::loadDeviceProfile("omni");
+  const double count_mm = profile.count_mm;
   // A hand that rests trembles, at some 9 Hz by some hundredths of a millimetre, and drifts.
   const auto rest = [](double t) {
     const double w = 2.0 * std::numbers::pi * 9.0;
@@ -182,7 +183,7 @@ Outcome measureCursor() {
   Goal noise{"inertia term at rest: noise", "N rms", 0.015, 0.01};
   Goal error{"inertia term at 2 Hz, 30 mm: error", "N rms", 0.04, 0.03};
   for (const bool at_rest : {true, false}) {
-    for (const Cursor& cursor : cursors(count_mm)) {
+    for (const Cursor& cursor : cursors(profile)) {
       const bool ours = cursor.name == "2 x 20 Hz";
       double tick_us = 0;
       const double got = at_rest ? cursorError_N(cursor, count_mm, rest, tick_us)

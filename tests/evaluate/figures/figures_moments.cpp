@@ -29,7 +29,7 @@ std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const
                              const HandAcceleration& hand_m_s2, const MotionAt& body) {
   static const client::PlantProfile profile = client::loadDeviceProfile("omni");
   client::DynamicForce dynamic(profile);
-  client::HipMotion motion(profile.count_mm);
+  client::HipMotion motion(profile);
   std::vector<Moment> out;
   feel(stream, variant, hand, {},
        [&](const client::Scene& scene, const client::StreamState& stream,

@@ -19,6 +19,8 @@ using namespace client;
 class Estimator {
  public:
   virtual ~Estimator() = default;
+  /// What was sent to the device since the last one.
+  virtual void sent(double /*force_N*/, double /*wall_N_mm*/) {}
   virtual double next(double position_mm) = 0;
 };
 
@@ -111,6 +113,10 @@ class Kalman final : public Estimator {
 /// What the room uses.
 class Product final : public Estimator {
  public:
+  explicit Product(int delay) { motion_.setDelay(delay); }
+  void sent(double force_N, double wall_N_mm) override {
+    motion_.sent({0.0, 0.0, force_N}, wall_N_mm);
+  }
   double next(double position_mm) override {
     DeviceState state;
     state.position_mm = {0.0, 0.0, position_mm};
@@ -119,25 +125,27 @@ class Product final : public Estimator {
   }
 
  private:
-  HipMotion motion_{0.055};
+  HipMotion motion_{DeviceProfile{}};
   std::int64_t ticks_ = 0;
 };
 
 struct Named {
   const char* name;
-  std::function<std::unique_ptr<Estimator>()> make;
+  std::function<std::unique_ptr<Estimator>(int delay)> make;
   bool is_default = false;
 };
 
 template <class T, class... Arguments>
-std::function<std::unique_ptr<Estimator>()> maker(Arguments... arguments) {
-  return [=] { return std::make_unique<T>(arguments...); };
+std::function<std::unique_ptr<Estimator>(int)> maker(Arguments... arguments) {
+  return [=](int) { return std::make_unique<T>(arguments...); };
 }
 
 std::vector<Named> estimators() {
   return {{"double difference", maker<Difference>(0, 1.0)},
           {"+ 2 poles 50 Hz", maker<Difference>(2, 50.0)},
-          {"2 x 20 Hz (the room's)", maker<Product>(), true},
+          {"+ 2 poles 20 Hz", maker<Difference>(2, 20.0)},
+          {"observer, 2 x 20 Hz (the room's)",
+           [](int delay) { return std::make_unique<Product>(delay); }, true},
           {"SG n = 15", maker<SavitzkyGolay>(15)},
           {"SG n = 31", maker<SavitzkyGolay>(31)},
           {"Kalman 1e2", maker<Kalman>(1e2)},
@@ -151,10 +159,10 @@ bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int del
             const Hand& hand) {
   PlantProfile profile = omni(stiffness_N_mm, delay);
   AxisPlant plant(profile, hand);
-  HipMotion motion(0.055);
-  const auto estimator = what.make();
+  HipMotion motion(profile);
+  const auto estimator = what.make(delay);
   const double k = std::min(stiffness_N_mm, stiffnessLimit_N_mm(profile));
-  const double damping_Ns_m = wallDamping_Ns_m(k, wallLead_s(delay));
+  const double damping_Ns_m = wallDamping_Ns_m(k, kOmniMass_kg);
   plant.reset(1e-3, 0.0);
   double sent_N[8] = {};
   double early = 0.0;
@@ -165,8 +173,11 @@ bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int del
     DeviceState state;
     state.position_mm = {0.0, 0.0, x_mm};
     state.time = localTime(1.0) + Duration(1'000'000) * i;
-    const double v_mm_s = motion.update(state).velocity_mm_s.z();
-    const double force_N = -k * x_mm - damping_Ns_m * 1e-3 * v_mm_s -
+    motion.sent({0.0, 0.0, sent_N[0]}, k);
+    estimator->sent(sent_N[0], k);
+    const TipState& ahead = motion.update(state).ahead;
+    const double force_N = -k * ahead.position_mm.z() -
+                           damping_Ns_m * 1e-3 * ahead.velocity_mm_s.z() -
                            mass_ratio * kOmniMass_kg * estimator->next(x_mm);
     for (int j = 7; j > 0; --j) sent_N[j] = sent_N[j - 1];
     sent_N[0] = force_N;
@@ -190,7 +201,7 @@ double largestRatio(const Named& what, double stiffness_N_mm, int delay, const H
 
 /// rms of m a at rest somewhere between two counts with a tremor of a few micrometres.
 double noise_N(const Named& what) {
-  const auto estimator = what.make();
+  const auto estimator = what.make(0);
   double square = 0.0;
   for (int i = 0; i < 10'000; ++i) {
     const double x_mm = 0.0275 + 0.01 * std::sin(0.0628 * i) + 0.004 * std::sin(1.7 * i);
@@ -202,7 +213,7 @@ double noise_N(const Named& what) {
 
 /// rms error of m a in a hand's motion of 2 Hz, 30 mm.
 double error_N(const Named& what) {
-  const auto estimator = what.make();
+  const auto estimator = what.make(0);
   const double w = 4.0 * std::numbers::pi;
   double square = 0.0;
   for (int i = 0; i < 10'000; ++i) {

@@ -120,7 +120,7 @@ void draw(const StabilityReport& to, const Axes& axes, const std::vector<MapCell
       out << "EOD\n$law << EOD\n";
       const double most = stiffnessLimit_N_mm(0.045, delay);
       for (double k = 0.1; k <= most; k *= 1.02) {
-        out << std::log10(k) << ' ' << axes.row(wallDamping_Ns_m(k, wallLead_s(delay))) << '\n';
+        out << std::log10(k) << ' ' << axes.row(wallDamping_Ns_m(k, kOmniMass_kg)) << '\n';
       }
       out << "EOD\n";
       if (d == 0) {

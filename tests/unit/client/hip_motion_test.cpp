@@ -30,7 +30,7 @@ TEST(HipMotion, SteadyGainsAreThePrototypes) {
 }
 
 TEST(HipMotion, FollowsAConstantAccelerationExactly) {
-  HipMotion motion(0.055);
+  HipMotion motion(DeviceProfile{});
   HipEstimate estimate;
   for (int i = 0; i <= 400; ++i) {
     const double t = i * 1e-3;
@@ -44,7 +44,7 @@ TEST(HipMotion, FollowsAConstantAccelerationExactly) {
 TEST(HipMotion, CountsDoNotDrownTheAcceleration) {
   // 2 Hz, 30 mm, counts of 0.055 mm: a double difference is off by 38 m/s² rms, the filter by 0.7
   // (lag included).
-  HipMotion motion(0.055);
+  HipMotion motion(DeviceProfile{});
   double square = 0.0;
   int count = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -60,7 +60,7 @@ TEST(HipMotion, CountsDoNotDrownTheAcceleration) {
 }
 
 TEST(HipMotion, LateTickTakesTheMeanVelocityOfTheGap) {
-  HipMotion motion(0.055);
+  HipMotion motion(DeviceProfile{});
   for (int i = 0; i < 50; ++i) (void)motion.update(stateAt(i * 1e-3, 0.0));
   const HipEstimate& late = motion.update(stateAt(49e-3 + 10e-3, 1.0));
   EXPECT_FALSE(late.restarted);
@@ -72,7 +72,7 @@ TEST(HipMotion, LateTickTakesTheMeanVelocityOfTheGap) {
 
 TEST(HipMotion, StartsOverWhenTimeJumps) {
   for (const double t : {0.0, 0.1, -5.0}) {  // standing, too late, backwards
-    HipMotion motion(0.055);
+    HipMotion motion(DeviceProfile{});
     (void)motion.update(stateAt(-1e-3, -1.0));
     (void)motion.update(stateAt(0.0, 0.0));
     const HipEstimate& estimate = motion.update(stateAt(t, 5.0));
@@ -83,14 +83,14 @@ TEST(HipMotion, StartsOverWhenTimeJumps) {
 }
 
 TEST(HipMotion, ALeapIsNotAMovement) {
-  HipMotion motion(0.055);
+  HipMotion motion(DeviceProfile{});
   (void)motion.update(stateAt(0.0, 0.0));
   EXPECT_FALSE(motion.update(stateAt(1e-3, 2.0)).restarted);  // 2 m/s: a hand
   EXPECT_TRUE(motion.update(stateAt(2e-3, 60.0)).restarted);  // 58 m/s: the device was re-homed
 }
 
 TEST(HipMotion, KeepsTheLastWhenTheDeviceSaysNothingOrNonsense) {
-  HipMotion motion(0.055);
+  HipMotion motion(DeviceProfile{});
   for (int i = 0; i < 20; ++i) (void)motion.update(stateAt(i * 1e-3, 0.1 * i));
   const double before_mm_s = motion.update(stateAt(20e-3, 2.0)).velocity_mm_s.z();
   const HipEstimate nan = motion.update(stateAt(21e-3, std::nan("")));

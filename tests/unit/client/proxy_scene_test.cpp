@@ -37,6 +37,26 @@ TEST(Proxy, TwoLayersAreFeltAsTwoSurfaces) {
   EXPECT_LE(table.most_samples, ProxySurface::kSamples + 5);
 }
 
+TEST(Proxy, ObjectsThatOverlapShareOneStiffness) {
+  Table one;
+  one.put(1, relief(15.0, level(10.0)));
+  const Vec3 alone_mm = one.move(Vec3(1.0, 1.0, 12.0), Vec3(1.0, 1.0, 7.0)).displacement_mm;
+  EXPECT_NEAR(alone_mm.z(), 3.0, 0.01);
+  for (const double deeper_mm : {0.0, 0.5, 2.0}) {
+    Table table;
+    table.put(1, relief(15.0, level(10.0)));
+    table.put(2, relief(15.0, level(10.0 - deeper_mm)));
+    const Contact contact = table.move(Vec3(1.0, 1.0, 12.0), Vec3(1.0, 1.0, 7.0));
+    EXPECT_NEAR((contact.displacement_mm - alone_mm).norm(), 0.0, 1e-9) << deeper_mm;
+  }
+  // Two roofs' slopes of 27 degrees: the tip leaves both along their ridge, not twice as far.
+  Table roofs;
+  roofs.put(1, relief(15.0, [](const Vec2& at) { return 10.0 - 0.5 * at.x(); }));
+  roofs.put(2, relief(15.0, [](const Vec2& at) { return 10.0 + 0.5 * at.x(); }));
+  const Vec3 up_mm = roofs.move(Vec3(0.0, 0.0, 12.0), Vec3(0.0, 0.0, 9.0)).displacement_mm;
+  EXPECT_NEAR((up_mm - Vec3(0.0, 0.0, 1.0)).norm(), 0.0, 0.02);
+}
+
 TEST(Proxy, ManyObjectsShareTheSamples) {
   Table table;
   for (std::uint32_t i = 0; i < kMaxObjects; ++i) {

@@ -50,7 +50,7 @@ TEST(SafetyChain, ConstantsOfTheWallLaw) {
   EXPECT_DOUBLE_EQ(wallLead_s(1), 2.4e-3);
   EXPECT_DOUBLE_EQ(wallLead_s(-3), 1.2e-3);
   EXPECT_DOUBLE_EQ(wallLead_s(99), 8.0e-3);
-  EXPECT_DOUBLE_EQ(wallDamping_Ns_m(0.5, 2.4e-3), 2.2);
+  EXPECT_DOUBLE_EQ(wallDamping_Ns_m(0.5, 0.045), std::sqrt(500.0 * 0.045));
 }
 
 TEST(SafetyChain, RestingForceIsStiffnessTimesDisplacement) {
@@ -66,12 +66,19 @@ TEST(SafetyChain, DampsAlongTheNormalOnlyAndNeverPulls) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   SafetyInput input = pressed(2.0);
   (void)settled(chain, input);
-  input.velocity_mm_s = {500.0, 0.0, -100.0};  // slides and presses: 2.2 N·s/m x 0.1 m/s
-  EXPECT_NEAR((chain.step(input).static_force_N - Vec3(0.0, 0.0, 1.22)).norm(), 0.0, 1e-12);
-  input.velocity_mm_s = {0.0, 0.0, -5000.0};  // inside the damper at most 0.3 m/s
-  EXPECT_NEAR(chain.step(input).static_force_N.z(), 1.0 + 0.66, 1e-12);
+  input.velocity_mm_s =
+      input.ahead.velocity_mm_s = {500.0, 0.0, -100.0};  // slides and presses: 4.7 N·s/m x 0.1 m/s
+  EXPECT_NEAR(
+      (chain.step(input).static_force_N - Vec3(0.0, 0.0, 1.0 + wallDamping_Ns_m(0.5, 0.045) * 0.1))
+          .norm(),
+      0.0, 1e-12);
+  input.velocity_mm_s =
+      input.ahead.velocity_mm_s = {0.0, 0.0, -5000.0};  // inside the damper at most 0.3 m/s
+  // (and it adds the spring's own 1 N and 0.1 at most)
+  EXPECT_NEAR(chain.step(input).static_force_N.z(), 1.0 + 1.1, 1e-12);
   input.displacement_mm = {0.0, 0.0, 0.5};
-  input.velocity_mm_s = {0.0, 0.0, 300.0};  // leaves quickly: 0.25 N of spring, no pull
+  input.velocity_mm_s =
+      input.ahead.velocity_mm_s = {0.0, 0.0, 300.0};  // leaves quickly: 0.25 N of spring, no pull
   const SafetyOutput out = chain.step(input);
   EXPECT_NEAR(out.static_force_N.z(), 0.0, 1e-12);
   EXPECT_TRUE(out.interferences & bit(Interference::kNoPull));
@@ -81,7 +88,7 @@ TEST(SafetyChain, SurfaceVelocityCountsAgainstTheHands) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   SafetyInput input = pressed(2.0);
   (void)settled(chain, input);
-  input.velocity_mm_s =
+  input.velocity_mm_s = input.ahead.velocity_mm_s =
       input.surface_velocity_mm_s = {0.0, 0.0, 80.0};  // carried along: no damping
   EXPECT_NEAR(chain.step(input).static_force_N.z(), 1.0, 1e-12);
   input.surface_velocity_mm_s = {1e6, 0.0, 0.0};
@@ -218,13 +225,15 @@ TEST(SafetyChain, ALostDeviceIsRearmedOnlyFromOutside) {
 TEST(SafetyChain, NonFiniteGeometryHoldsThePlaneAndFades) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   (void)settled(chain, pressed(2.0));
-  for (int field = 0; field < 5; ++field) {
+  for (int field = 0; field < 7; ++field) {
     SafetyInput input = pressed(2.0);
     if (field == 0) input.displacement_mm.x() = kNan;
     if (field == 1) input.normal.setConstant(kNan);
     if (field == 2) input.surface_velocity_mm_s.z() = std::numeric_limits<double>::infinity();
     if (field == 3) input.stiffness_N_mm = kNan;
     if (field == 4) input.stiffness_factor = kNan;
+    if (field == 5) input.ahead.position_mm.y() = kNan;
+    if (field == 6) input.ahead.velocity_mm_s.z() = kNan;
     const SafetyOutput out = chain.step(input);
     EXPECT_TRUE(out.not_finite) << field;
     EXPECT_NEAR(out.force_N.z(), 1.0, 0.02) << field;
@@ -232,7 +241,8 @@ TEST(SafetyChain, NonFiniteGeometryHoldsThePlaneAndFades) {
   }
   SafetyInput input = pressed(2.0);
   input.displacement_mm.setConstant(kNan);
-  input.position_mm.z() = 0.5;  // the tip leaves the held plane by 0.5 mm
+  input.position_mm.z() = input.ahead.position_mm.z() =
+      0.5;  // the tip leaves the held plane by 0.5 mm
   EXPECT_NEAR(chain.step(input).static_force_N.z(), 0.75, 1e-9);
   for (int i = 0; i < 150; ++i) (void)chain.step(input);
   EXPECT_EQ(chain.step(input).force_N.z(), 0.0);
@@ -244,7 +254,7 @@ TEST(SafetyChain, SenselessNormalsDoNotPull) {
     SafetyInput input = pressed(2.0);
     input.normal = normal;
     (void)settled(chain, input);
-    input.velocity_mm_s = {0.0, 0.0, 1000.0};
+    input.velocity_mm_s = input.ahead.velocity_mm_s = {0.0, 0.0, 1000.0};
     EXPECT_GE(chain.step(input).static_force_N.z(), 0.0);
   }
 }
