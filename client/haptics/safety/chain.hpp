@@ -135,7 +135,8 @@ class SafetyChain {
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
-  void limitStep(StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
+  Vec3 limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
+                 SafetyOutput& out) const noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
@@ -158,8 +159,10 @@ class SafetyChain {
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid one
   Vec3 residue_N_ = Vec3::Zero();
-  bool check_depth_ = true;  // the next touchable geometry decides whether we may arm
-  bool blocked_ = false;     // too deep after a jump
+  Vec3 residue_static_N_ = Vec3::Zero();  // the wall's share of it
+  Vec3 static_N_ = Vec3::Zero();          // the wall's share of the force that was sent last
+  bool check_depth_ = true;               // the next touchable geometry decides whether we may arm
+  bool blocked_ = false;                  // too deep after a jump
 };
 
 }  // namespace hapticast::client
