@@ -78,8 +78,8 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   now.force_N = faded_N * tank;
   const double again = clampFactor(now.force_N, out);
   now.force_N *= again;
-  const Vec3 wanted_N = (out.static_force_N * gain + residue_static_N_) * (tank * again);
-  static_N_ = limitStep(now, wanted_N, in.measurement_jumped, out);  // 8
+  const Vec3 own_N = (out.static_force_N + inertia_N_ * dynamic_fade_) * gain + residue_static_N_;
+  static_N_ = limitStep(now, own_N * (tank * again), in.measurement_jumped, out);  // 8
 
   ports_.sent(now.force_N, now.force_N - static_N_);
   thermal_.add(now.force_N.squaredNorm());
@@ -91,8 +91,8 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   return out;
 }
 
-/// Returns the wall's share of what is sent: it steps as far as it might if it were alone, and what
-/// is held back beyond that was the dynamic force's.
+/// Returns the share of wall and inertia in what is sent: it steps as far as it might if it were
+/// alone, and what is held back beyond that was the object's.
 Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                             SafetyOutput& out) const noexcept {
   const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_);
@@ -182,8 +182,9 @@ Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
   }
   const bool valid = finite && in.dynamic_valid;
   if (valid) dynamic_N_ = in.dynamic_N;
+  if (valid && in.inertia_N.allFinite()) inertia_N_ = in.inertia_N;
   dynamic_fade_ = std::clamp(dynamic_fade_ + (valid ? kFadeOut : -kFadeOut), 0.0, 1.0);
-  if (!geometry.contact) dynamic_N_ = Vec3::Zero();
+  if (!geometry.contact) dynamic_N_ = inertia_N_ = Vec3::Zero();
   return dynamic_N_ * dynamic_fade_;
 }
 

@@ -13,9 +13,9 @@ namespace hapticast::client {
 
 /// Work of the force on the hand since the beginning, mJ; > 0: into the hand.
 struct PortWork {
-  double relative_mJ = 0.0;  ///< of the static force against the surface's motion: must be passive
-  double surface_mJ = 0.0;   ///< of the static force along it: the intended push
-  double object_mJ = 0.0;    ///< of the dynamic force
+  double relative_mJ = 0.0;  ///< of wall and inertia against the surface's motion: must be passive
+  double surface_mJ = 0.0;   ///< of wall and inertia along it: the intended push
+  double object_mJ = 0.0;    ///< of the object's force
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 
@@ -48,7 +48,7 @@ class EnergyPorts {
   /// Meters a tick with the force that acted in it: the one sent 1 + delay ticks before. Returns
   /// its work on the hand, mJ.
   double meter(const PortTick& tick) noexcept;
-  /// What goes to the device after this tick; `dynamic_N`: the dynamic force's share of it.
+  /// What goes to the device after this tick; `dynamic_N`: the object's share of it.
   void sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept;
 
   /// Damping to be added along the normal at the relative speed u: (G - 3 mJ) / (T u²), at most
