@@ -21,6 +21,7 @@ RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile
   RoomSettings room;
   room.profile = profile;
   room.method = settings.method;
+  room.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
   room.surface = settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
   return room;
 }

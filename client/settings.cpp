@@ -61,6 +61,9 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
          "the object, 1 mm "
          "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
       ->type_name("press|slide|follow|FILE.csv");
+  addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
+            "The stiffest wall that an author may ask for; default: three times the profile's "
+            "stiffness");
   app.add_flag("--rearm", settings.rearm,
                "After a lost device has come back the force returns by itself, faded in; without "
                "it, only at the next start");

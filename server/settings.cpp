@@ -40,7 +40,7 @@ void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
       ->type_name("MM,MM");
 }
 
-constexpr double kMostFriction = 10.0;
+constexpr double kMostFriction = limits::kFriction;
 
 void addFriction(CLI::App& app, Material& material) {
   const auto take = [&material](const Vec2& pair) {
@@ -49,7 +49,7 @@ void addFriction(CLI::App& app, Material& material) {
     material.dynamic_friction = pair.y();
     return true;
   };
-  addPair(app, "--friction", take, "S,D with 0 <= D <= S <= 10",
+  addPair(app, "--friction", take, "S,D with 0 <= D <= S <= 1.5",
           "The surface's coefficients of static and dynamic friction; default: each viewer's own");
 }
 

@@ -20,6 +20,9 @@ constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
 constexpr double kUnknownMass_kg = 0.5;
 constexpr double kPulse_s = 0.015;
 constexpr double kKnee = 0.8;  // of the pulse limit
+// Chosen: whatever acceleration a stream announces, half of what the device can do is the
+// surface's.
+constexpr double kObjectShare = 0.5;
 
 /// Device metres per nominal millimetre: beta of Eq. 6.
 double metresPerMillimetre(double scale) noexcept { return scale * 1e-3; }
@@ -156,16 +159,22 @@ Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
                             const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                             const StreamState& stream, double scale,
                             const Vec3* contact_mm) noexcept {
+  inertia_N_.setZero();
   if (object == nullptr || !(penetration_mm > 0.0)) return Vec3::Zero();
   const double to_metres = metresPerMillimetre(scale);
   const double mass_kg = objectMass_kg(stream, scale);
   const Vec3 acceleration_mm_s2 = accelerationAt(
       *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
-  const Vec3 force_N = mass_kg * to_metres * acceleration_mm_s2 -
-                       cursorMass_kg() * cursor_acceleration_m_s2 +
-                       pulse_N(*object->before, object->after, play_time, mass_kg * to_metres);
+  const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
+  const Vec3 force_N =
+      shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N) +
+      inertia_N + pulse_N(*object->before, object->after, play_time, mass_kg * to_metres);
   if (!force_N.allFinite()) return Vec3::Zero();
-  return std::min(1.0, penetration_mm / kFullWeight_mm) * shortened(force_N, profile_.peak_N);
+  const double length_N = force_N.norm();
+  const double share = std::min(1.0, penetration_mm / kFullWeight_mm) *
+                       (length_N > profile_.peak_N ? profile_.peak_N / length_N : 1.0);
+  inertia_N_ = share * inertia_N;
+  return share * force_N;
 }
 
 }  // namespace hapticast::client

@@ -20,12 +20,16 @@ class DynamicForce {
   /// acceleration of the object is taken at the contact point (centre + rotation), a_cursor in
   /// device m/s². The weight min(1, d/0.2 mm) of the penetration is applied here. Zero without
   /// contact, when not finite. `contact_mm`: the contact in nominal mm, where rotation
-  /// and grid are evaluated; without it the object's reference point stands for all of it. Longer
-  /// than the device's peak it is shortened. An impact pushes along its change of velocity: a
-  /// half-sine of 15 ms from the impact's time on.
+  /// and grid are evaluated; without it the object's reference point stands for all of it. The
+  /// object's share is at most half of the device's peak, all of it at most the peak. An impact
+  /// pushes along its change of velocity: a half-sine of 15 ms from the impact's time on.
   Vec3 evaluate(const ObjectNow* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamState& stream, double scale, const Vec3* contact_mm = nullptr) noexcept;
+
+  /// The share of -m_cursor a_cursor in the force of the last evaluate(): the viewer's own, not the
+  /// stream's.
+  [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
   /// m_object = min(author's (0.5 kg when none is given), the device's continuous force / largest
   /// a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
@@ -42,6 +46,7 @@ class DynamicForce {
   bool has_pulse_ = false;
   Impact pulse_;
   std::uint32_t pulse_object_ = 0;
+  Vec3 inertia_N_ = Vec3::Zero();
 };
 
 }  // namespace hapticast::client

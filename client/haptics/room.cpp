@@ -14,6 +14,8 @@ namespace {
 // Without a word from the device for this long its last position says nothing any more (chosen:
 // the longest gap that HipMotion bridges).
 constexpr int kSilentTicks = 20;
+// Of the profile's stiffness: an author may ask for this much unless the user allows more (chosen).
+constexpr double kStiffnessShare = 3.0;
 
 /// A point of the frame `before` (nominal mm) carried to where the object is now.
 Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
@@ -94,10 +96,15 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   if (!paused_) {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         play_time, stream, mapping_.scale, &contact_mm);
+    input.inertia_N = dynamic_.inertia_N();
   }
+  followMaterial(input);
   const SafetyOutput out = safety_.step(input);
 
   reportTick(now, play_time, scene, out);
+  if (out.contact && softened(contact.object)) {
+    report_.interferences |= bit(Interference::kStiffness);
+  }
   report_.device = state.status;
   report_.fault = faultOf(out, hip, input.device_lost);
   reportObject(contact, scene);
@@ -184,10 +191,25 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
 
 double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
   if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
-  if (object != nullptr) {
-    return object->before->material.stiffness_N_mm.value_or(settings_.profile.stiffness_N_mm);
-  }
-  return settings_.profile.stiffness_N_mm;
+  const double usual_N_mm = settings_.profile.stiffness_N_mm;
+  if (object == nullptr) return usual_N_mm;
+  const double limit_N_mm = settings_.stiffness_limit_N_mm > 0.0 ? settings_.stiffness_limit_N_mm
+                                                                 : kStiffnessShare * usual_N_mm;
+  const double asked_N_mm = object->before->material.stiffness_N_mm.value_or(usual_N_mm);
+  return asked_N_mm > limit_N_mm ? limit_N_mm : asked_N_mm;  // a NaN is the chain's to judge
+}
+
+/// The author asked for more than the user allows.
+bool Room::softened(const ObjectNow* object) const noexcept {
+  return object != nullptr && settings_.stiffness_N_mm == 0.0 &&
+         object->before->material.stiffness_N_mm.value_or(0.0) > stiffness_N_mm(object);
+}
+
+/// After a jump the force begins at zero, with the material that is there.
+void Room::followMaterial(SafetyInput& input) noexcept {
+  const bool in_contact = report_.contact && input.contact && !input.world_jumped;
+  input.stiffness_N_mm = stiffness_.step(input.stiffness_N_mm, in_contact);
+  input.damping_Ns_m = damping_.step(input.damping_Ns_m, in_contact);
 }
 
 /// What the chain arms at most, by the stiffest object of the scene, in nominal mm.

@@ -10,6 +10,7 @@
 #include "client/haptics/dynamic_force.hpp"
 #include "client/haptics/flight_recorder.hpp"
 #include "client/haptics/hip_motion.hpp"
+#include "client/haptics/material_ramp.hpp"
 #include "client/haptics/safety/chain.hpp"
 #include "client/haptics/surface/proxy_surface.hpp"
 #include "client/haptics/surface/surface_model.hpp"
@@ -26,6 +27,8 @@ struct RoomSettings {
   Interpolation interpolation = Interpolation::kHermite;
   Method method = Method::kHapticast;  ///< kThesis: forces interpolated by cubics between frames
   double stiffness_N_mm = 0.0;         ///< > 0: instead of the material's and the profile's
+  double stiffness_limit_N_mm =
+      0.0;  ///< of what an author may ask for; 0: three times the profile's
 };
 
 /// Holds about 1 MB (the flight recorder): not for the stack.
@@ -54,6 +57,8 @@ class Room {
   SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
                           const Scene& scene) const noexcept;
   double stiffness_N_mm(const ObjectNow* object) const noexcept;
+  bool softened(const ObjectNow* object) const noexcept;
+  void followMaterial(SafetyInput& input) noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
   void reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
                   const SafetyOutput& out) noexcept;
@@ -72,6 +77,8 @@ class Room {
   ThesisInterpolation thesis_;
   ProxySurface proxies_;
   DynamicForce dynamic_;
+  MaterialRamp stiffness_;
+  MaterialRamp damping_;
   SafetyChain safety_;
   Workspace workspace_;
   DeviceMapping mapping_;

@@ -84,9 +84,10 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   now.force_N = faded_N * tank;
   const double again = clampFactor(now.force_N, out);
   now.force_N *= again;
-  limitStep(now, in.measurement_jumped, out);  // 8
+  const Vec3 own_N = (out.static_force_N + inertia_N_ * dynamic_fade_) * gain + residue_static_N_;
+  static_N_ = limitStep(now, own_N * (tank * again), in.measurement_jumped, out);  // 8
 
-  ports_.sent(now.force_N, out.dynamic_force_N * (gain * tank * again));
+  ports_.sent(now.force_N, now.force_N - static_N_);
   thermal_.add(now.force_N.squaredNorm());
   out.force_N = now.force_N;
   out.contact = geometry.contact;
@@ -97,14 +98,19 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   return out;
 }
 
-void SafetyChain::limitStep(StepState& now, bool measurement_jumped,
+/// Returns the share of wall and inertia in what is sent: it steps as far as it might if it were
+/// alone, and what is held back beyond that was the object's.
+Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                             SafetyOutput& out) const noexcept {
   const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
-  if (!(out.step_excess_N > 0.0) || !links_.slew) return;
+  if (!(out.step_excess_N > 0.0) || !links_.slew) return static_N;
   now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
   out.interferences |= bit(Interference::kSlew);
+  return steps_.excess_N(static_N, static_N_, hand) > 0.0
+             ? steps_.limited(static_N, static_N_, hand)
+             : static_N;
 }
 
 void SafetyChain::rearm() noexcept {
@@ -142,12 +148,10 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
                 .surface_mm = geometry.surface_step_mm,
                 .contact = geometry.contact,
                 .jump = jump};
-  const StepState& wall = now.contact ? now : last_;
   const double gain = smoothstep(fade_);
-  tick.stored_mJ =
-      gain * springEnergy_mJ(wall.local_stiffness_N_mm, countedDepth_mm(now), limit_N_);
+  tick.stored_mJ = gain * springEnergy_mJ(now.local_stiffness_N_mm, countedDepth_mm(now), limit_N_);
   tick.stored_before_mJ =
-      gain * springEnergy_mJ(wall.local_stiffness_N_mm, countedDepth_mm(last_), limit_N_);
+      gain * springEnergy_mJ(last_.local_stiffness_N_mm, countedDepth_mm(last_), limit_N_);
   tank_.take(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
@@ -190,8 +194,9 @@ Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
   }
   const bool valid = finite && in.dynamic_valid;
   if (valid) dynamic_N_ = in.dynamic_N;
+  if (valid && in.inertia_N.allFinite()) inertia_N_ = in.inertia_N;
   dynamic_fade_ = std::clamp(dynamic_fade_ + (valid ? kFadeOut : -kFadeOut), 0.0, 1.0);
-  if (!geometry.contact) dynamic_N_ = Vec3::Zero();
+  if (!geometry.contact) dynamic_N_ = inertia_N_ = Vec3::Zero();
   return dynamic_N_ * dynamic_fade_;
 }
 
@@ -199,6 +204,7 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
                              SafetyOutput& out) noexcept {
   if (jump) {
     residue_N_ = links_.fade ? last_.force_N : Vec3(Vec3::Zero());
+    residue_static_N_ = links_.fade ? static_N_ : Vec3(Vec3::Zero());
     fade_ = 0.0;
     check_depth_ = true;
     out.interferences |= bit(Interference::kJump);
@@ -213,9 +219,12 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
                        : std::clamp(fade_ + (armed ? kFadeIn : -kFadeOut), 0.0, 1.0);
   if (!touchable && fade_ == 0.0) check_depth_ = true;
 
+  if (residue_N_ == Vec3::Zero()) residue_static_N_.setZero();  // two shares that cancelled out
   if (residue_N_ != Vec3::Zero()) {
     const double residue_N = residue_N_.norm();
-    residue_N_ *= residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
+    const double left = residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
+    residue_N_ *= left;
+    residue_static_N_ *= left;
     if (residue_N_ != Vec3::Zero()) out.interferences |= bit(Interference::kResidue);
   }
   if (geometry.contact && blocked_) out.interferences |= bit(Interference::kUnarmed);

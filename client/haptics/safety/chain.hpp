@@ -77,7 +77,8 @@ struct SafetyInput {
   bool world_jumped = false;  ///< epoch, connection, mapping
   bool touchable = false;     ///< the scene is fresh enough to be felt
   Vec3 dynamic_N = Vec3::Zero();
-  bool dynamic_valid = false;  ///< else the dynamic force fades out
+  Vec3 inertia_N = Vec3::Zero();  ///< of the tip, in dynamic_N: the contact's own, as the wall is
+  bool dynamic_valid = false;     ///< else the dynamic force fades out
 };
 
 struct SafetyOutput {
@@ -141,7 +142,8 @@ class SafetyChain {
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
-  void limitStep(StepState& now, bool measurement_jumped, SafetyOutput& out) const noexcept;
+  Vec3 limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
+                 SafetyOutput& out) const noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
@@ -164,9 +166,12 @@ class SafetyChain {
   double fade_ = 0.0;    // 0..1, smoothed before use
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid one
+  Vec3 inertia_N_ = Vec3::Zero();  // in it
   Vec3 residue_N_ = Vec3::Zero();
-  bool check_depth_ = true;  // the next touchable geometry decides whether we may arm
-  bool blocked_ = false;     // too deep after a jump
+  Vec3 residue_static_N_ = Vec3::Zero();  // of wall and inertia
+  Vec3 static_N_ = Vec3::Zero();          // of wall and inertia, as sent last
+  bool check_depth_ = true;               // the next touchable geometry decides whether we may arm
+  bool blocked_ = false;                  // too deep after a jump
 };
 
 }  // namespace hapticast::client

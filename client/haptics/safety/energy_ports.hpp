@@ -13,9 +13,9 @@ namespace hapticast::client {
 
 /// Work of the force on the hand since the beginning, mJ; > 0: into the hand.
 struct PortWork {
-  double relative_mJ = 0.0;  ///< of the static force against the surface's motion: must be passive
-  double surface_mJ = 0.0;   ///< of the static force along it: the intended push
-  double object_mJ = 0.0;    ///< of the dynamic force
+  double relative_mJ = 0.0;  ///< of wall and inertia against the surface's motion: must be passive
+  double surface_mJ = 0.0;   ///< of wall and inertia along it: the intended push
+  double object_mJ = 0.0;    ///< of the object's force
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 
@@ -24,8 +24,9 @@ struct PortTick {
   Vec3 position_mm = Vec3::Zero();  ///< of the tip, measured
   bool connected = true;            ///< with the last one; else the tip made no way
   Vec3 surface_mm = Vec3::Zero();   ///< the surface at the contact, as it was announced
-  // Energy of the spring at this tick's depth and at the last one's, both with this tick's gain:
-  // else a force that fades in would read as generated.
+  // Energy of the spring at this tick's depth and at the last one's, each with the stiffness of its
+  // own tick (a stream that stiffens a pressed spring gives energy), both with this tick's gain
+  // (else a force that fades in would read as generated).
   double stored_mJ = 0.0;
   double stored_before_mJ = 0.0;
   bool contact = false;
@@ -47,7 +48,7 @@ class EnergyPorts {
   /// Meters a tick with the force that acted in it: the one sent 1 + delay ticks before. Returns
   /// its work on the hand, mJ.
   double meter(const PortTick& tick) noexcept;
-  /// What goes to the device after this tick; `dynamic_N`: the dynamic force's share of it.
+  /// What goes to the device after this tick; `dynamic_N`: the object's share of it.
   void sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept;
 
   /// Damping to be added along the normal at the relative speed u: (G - 3 mJ) / (T u²), at most
@@ -66,6 +67,8 @@ class EnergyPorts {
 
   double half_count_mm_;
   Vec3 at_mm_ = Vec3::Zero();
+  Vec3 counted_mm_ = Vec3::Zero();  // as measured last
+  Vec3 leap_mm_ = Vec3::Zero();     // the last one of each axis
   // Of the ticks since each axis last moved.
   Vec3 static_sum_N_ = Vec3::Zero();
   Vec3 dynamic_sum_N_ = Vec3::Zero();
@@ -79,20 +82,24 @@ class EnergyPorts {
 };
 
 /// Energy that the force may give to the hand: refilled by a constant power and by the hand itself.
+/// What was given beyond the content is a debt, to be refilled first (at most one tank, so that one
+/// broken number does not end the touch). The power comes out of a reserve that is worth 0.3 s of
+/// it and grows by a fifth of it, and by what the hand gives to a full tank: over any 10 s a stream
+/// gives at most the tank, the reserve and 10 s of that fifth (Omni: 475 mJ), however it shakes.
 class UserTank {
  public:
-  explicit UserTank(const DeviceProfile& profile) noexcept
-      : most_mJ_(profile.tank_mJ), refill_W_(profile.tank_W), content_mJ_(profile.tank_mJ) {}
+  explicit UserTank(const DeviceProfile& profile) noexcept;
   /// Takes out the work of a tick (mJ, > 0: into the hand); the tip's velocity is smoothed within
   /// 5 ms, since that of single counts would make the limit chatter.
   void take(double work_mJ, const Vec3& velocity_mm_s) noexcept;
   /// What the force is to be multiplied with: below 1 where it drives the hand faster than 10 mm/s
   /// with more than the tank could pay for 20 ms.
   [[nodiscard]] double factor(const Vec3& force_N) const noexcept;
-  [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }
+  [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }  ///< < 0: a debt
 
  private:
   double most_mJ_, refill_W_, content_mJ_;
+  double most_reserve_mJ_, reserve_mJ_;
   Vec3 velocity_mm_s_ = Vec3::Zero();
 };
 

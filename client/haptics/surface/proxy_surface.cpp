@@ -12,7 +12,7 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kMostFriction = 10.0;
+constexpr double kMostFriction = 1.5;  // of the wire as well
 // What moves on for longer than this without being felt has jumped.
 constexpr double kLongestTick_s = 5e-3;
 constexpr double kFastestObject_mm_s = 1500.0;  // nor does the chain believe in more
@@ -115,6 +115,14 @@ Friction frictionOf(const Material& material) noexcept {
   const auto& sliding = material.dynamic_friction;
   const double most = coefficient(sticking.value_or(sliding.value_or(kDefaultFriction)));
   return {most, std::min(coefficient(sliding.value_or(most)), most)};
+}
+
+/// Of what it touches, changing slowly while it does.
+Friction ProxySurface::friction(Tied& tied, const ObjectNow& object) noexcept {
+  const bool in_contact = tied.touch.displacement_mm != Vec3::Zero();
+  const Friction wanted = frictionOf(object.before->material);
+  const double sticking = tied.sticking.step(wanted.sticking, in_contact);
+  return {sticking, std::min(tied.sliding.step(wanted.sliding, in_contact), sticking)};
 }
 
 void ProxySurface::restart() noexcept {
@@ -233,8 +241,7 @@ Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm, const Worksp
     if (left > 0) {
       const int fair = std::max(1, left / static_cast<int>(near_count_ - i));
       tied.touch = tied.proxy.touch(
-          tied.relief,
-          {near.hip_mm, frictionOf(near.object->before->material), fair, near.jumped, deepest_mm});
+          tied.relief, {near.hip_mm, friction(tied, *near.object), fair, near.jumped, deepest_mm});
       used_ += tied.proxy.samplesUsed();
     }
   }

@@ -7,12 +7,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "client/haptics/material_ramp.hpp"
 #include "client/haptics/surface/proxy.hpp"
 #include "client/haptics/surface/surface_model.hpp"
 
 namespace hapticast::client {
 
-/// Of an author's coefficients: finite, 0 <= sliding <= sticking <= 10; a NaN is none.
+/// Of an author's coefficients: finite, 0 <= sliding <= sticking <= 1.5; a NaN is none.
 Friction frictionOf(const Material& material) noexcept;
 
 class ProxySurface {
@@ -46,6 +47,8 @@ class ProxySurface {
     MovingRelief relief;
     Proxy proxy;
     ProxyTouch touch;  // the last one
+    MaterialRamp sticking;
+    MaterialRamp sliding;
     Vec3 position_mm = Vec3::Zero();
     Vec3 velocity_mm_s = Vec3::Zero();
     double angle_rad = 0.0;
@@ -64,6 +67,7 @@ class ProxySurface {
   static bool poseJumped(const Tied& tied, const ObjectNow& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
+  static Friction friction(Tied& tied, const ObjectNow& object) noexcept;
   void followObject(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
                     const Workspace& workspace, double elapsed_s) noexcept;
 

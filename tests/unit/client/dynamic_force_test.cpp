@@ -51,6 +51,11 @@ TEST_F(DynamicForceTest, IsEq6) {
   EXPECT_NEAR((force(0.0, kDeep_mm, cursor, 0.8) - expected).norm(), 0.0, 1e-12);
 }
 
+TEST_F(DynamicForceTest, AnAbsurdAccelerationHasHalfOfThePeak) {
+  now.acceleration_mm_s2 = {0, -1e8, 0};
+  EXPECT_NEAR((force() - Vec3(0, -0.5 * profile.peak_N, 0)).norm(), 0.0, 1e-12);
+}
+
 TEST_F(DynamicForceTest, CursorMassNeverExceedsTheDevices) {
   profile.mass_kg = 0.02;
   EXPECT_NEAR(force(0.0, kDeep_mm, {1, 0, 0}).x(), -0.02, 1e-12);

@@ -162,9 +162,46 @@ TEST(UserTank, IsEmptiedByTheForceAndFilledByTheHandAndByPower) {
   tank.take(-3.0, kRest);  // the hand pressed
   EXPECT_NEAR(tank.content_mJ(), 8.4, 1e-12);
   tank.take(1000.0, kRest);
-  EXPECT_EQ(tank.content_mJ(), 0.0);
-  for (int i = 0; i < 1000; ++i) tank.take(0.0, kRest);
+  for (int i = 0; i < 3000; ++i) tank.take(0.0, kRest);
   EXPECT_EQ(tank.content_mJ(), 15.0);
+}
+
+TEST(UserTank, RemembersWhatWasGivenBeyondItsContent) {
+  UserTank tank{DeviceProfile{}};
+  const Vec3 fast_mm_s(500.0, 0.0, 0.0);
+  tank.take(20.0, fast_mm_s);
+  EXPECT_NEAR(tank.content_mJ(), -4.8, 1e-12);
+  EXPECT_EQ(tank.factor(fast_mm_s), 0.0);
+  for (int i = 0; i < 23; ++i) tank.take(0.0, fast_mm_s);
+  EXPECT_LT(tank.content_mJ(), 0.0);
+  tank.take(1000.0, kRest);  // a broken number is no debt for life
+  EXPECT_NEAR(tank.content_mJ(), -14.8, 1e-12);
+}
+
+/// Takes what the tank has for as long as it lasts; mJ in so many ticks.
+double drained_mJ(UserTank& tank, int ticks, double hand_mJ = 0.0) {
+  double sum_mJ = 0.0;
+  for (int i = 0; i < ticks; ++i) {
+    const double work_mJ = i % 2 == 0 ? std::max(0.0, tank.content_mJ()) : -hand_mJ;
+    tank.take(work_mJ, kRest);
+    sum_mJ += work_mJ;
+  }
+  return sum_mJ;
+}
+
+TEST(UserTank, ShakesForAMomentOnly) {
+  UserTank tank{DeviceProfile{}};
+  EXPECT_NEAR(drained_mJ(tank, 300), 15.0 + 0.2 * 300, 0.5);  // as ever
+  EXPECT_LT(drained_mJ(tank, 9700), 15.0 + 0.04 * 9700 + 15.0);
+  // What the hand gives back fills the reserve again: a bouncing surface is not tired out.
+  UserTank given{DeviceProfile{}};
+  double sum_mJ = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    sum_mJ += drained_mJ(given, 250);
+    for (int j = 0; j < 250; ++j, sum_mJ -= 0.5) given.take(-0.5, kRest);
+    EXPECT_NEAR(given.content_mJ(), 15.0, 0.21) << i;
+  }
+  EXPECT_LT(sum_mJ, 500.0);
 }
 
 /// What a full (or empty) tank leaves of `force_N` at a lasting velocity.

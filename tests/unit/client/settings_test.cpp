@@ -17,6 +17,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.device, "auto");
   EXPECT_EQ(run.settings.profile, "omni");
   EXPECT_FALSE(run.settings.rearm);
+  EXPECT_EQ(run.settings.stiffness_limit_N_mm, 0.0);
   EXPECT_EQ(run.settings.fault_folder, "");
   EXPECT_EQ(run.settings.transport, Transport::kTcp);
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
@@ -42,15 +43,16 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.seconds, 2.5);
   EXPECT_EQ(settings.fault_folder, "d");
   EXPECT_TRUE(settings.rearm);
+  EXPECT_EQ(settings.stiffness_limit_N_mm, 2.5);
   EXPECT_TRUE(settings.quiet);
 }
 
 std::vector<std::pair<std::string, std::string>> everyFlag() {
   std::vector<std::pair<std::string, std::string>> flags = {
-      {"server", "[::1]:99"}, {"device", "virtual"},    {"profile", "falcon"}, {"hand", "slide"},
-      {"transport", "tcp"},   {"surface", "perturbed"}, {"method", "thesis"},  {"log", "a.csv"},
-      {"summary", "b.json"},  {"seconds", "2.5"},       {"quiet", "true"},     {"rearm", "true"},
-      {"fault-dir", "d"}};
+      {"server", "[::1]:99"}, {"device", "virtual"},     {"profile", "falcon"}, {"hand", "slide"},
+      {"transport", "tcp"},   {"surface", "perturbed"},  {"method", "thesis"},  {"log", "a.csv"},
+      {"summary", "b.json"},  {"seconds", "2.5"},        {"quiet", "true"},     {"rearm", "true"},
+      {"fault-dir", "d"},     {"stiffness-limit", "2.5"}};
   if (hasViewer()) flags.emplace_back("screenshot", "c.png");
   return flags;
 }

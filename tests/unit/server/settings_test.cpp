@@ -105,11 +105,11 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--depth-range", "0,1e300", "NEAR,FAR in mm"},
       {"--motion", "rgb", "auto|depth|lk|none"},
       {"--stiffness", "inf", "0.01 to 10"},
-      {"--friction", "0.3", "0 <= D <= S <= 10"},
-      {"--friction", "0.3,0.5", "0 <= D <= S <= 10"},
-      {"--friction", "11,1", "0 <= D <= S <= 10"},
-      {"--friction", "0.3,-0.1", "0 <= D <= S <= 10"},
-      {"--friction", "nan,nan", "0 <= D <= S <= 10"},
+      {"--friction", "0.3", "0 <= D <= S <= 1.5"},
+      {"--friction", "0.3,0.5", "0 <= D <= S <= 1.5"},
+      {"--friction", "1.6,1", "0 <= D <= S <= 1.5"},
+      {"--friction", "0.3,-0.1", "0 <= D <= S <= 1.5"},
+      {"--friction", "nan,nan", "0 <= D <= S <= 1.5"},
       {"--mass", "nan", "0.001 to 100"},
       {"--method", "best", "hapticast|thesis"}};
   for (const auto& [flag, value, allowed] : wrong) {
