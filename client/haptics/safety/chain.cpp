@@ -149,9 +149,11 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
                 .contact = geometry.contact,
                 .jump = jump};
   const double gain = smoothstep(fade_);
-  tick.stored_mJ = gain * springEnergy_mJ(now.local_stiffness_N_mm, countedDepth_mm(now), limit_N_);
-  tick.stored_before_mJ =
-      gain * springEnergy_mJ(last_.local_stiffness_N_mm, countedDepth_mm(last_), limit_N_);
+  // Each with the stiffness of its own tick; where only one of them touches, with that one's.
+  const double stiffness_N_mm = (now.contact ? now : last_).local_stiffness_N_mm;
+  const double before_N_mm = (last_.contact ? last_ : now).local_stiffness_N_mm;
+  tick.stored_mJ = gain * springEnergy_mJ(stiffness_N_mm, countedDepth_mm(now), limit_N_);
+  tick.stored_before_mJ = gain * springEnergy_mJ(before_N_mm, countedDepth_mm(last_), limit_N_);
   tank_.take(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
