@@ -33,7 +33,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option(
       "--only", options.only,
-      "Of the scenes of motion or the parts of stability (theory, maps, chain, links, inertia, "
+      "Of the scenes of motion or the parts of stability (theory, maps, chain, silence, links, inertia, "
       "integrators, life, cases), only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag("--check", options.check, "Fail where a required figure is missed (accuracy)");

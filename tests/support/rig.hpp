@@ -52,7 +52,7 @@ class Rig {
     input.measurement_jumped = hip.restarted;
     input.device_lost = lost;
     input.ahead = hip.ahead;
-    const double depth_mm = wall_mm - hip.ahead.position_mm.z();
+    const double depth_mm = wall_mm - (by_counts ? hip.position_mm : hip.ahead.position_mm).z();
     input.contact = wall_present && depth_mm > 0.0;
     input.displacement_mm = input.contact ? Vec3(0.0, 0.0, depth_mm) : Vec3(Vec3::Zero());
     if (nan_heights) input.displacement_mm.setConstant(std::nan(""));
@@ -83,6 +83,7 @@ class Rig {
   SafetyChain chain;
   SafetyOutput out;
   std::function<SafetyOutput(const SafetyInput&)> law;  ///< empty: the chain
+  bool by_counts = false;  ///< a law that knows no look-ahead touches the wall where the count is
   double wall_mm = 0.0;
   double wall_velocity_mm_s = 0.0;
   double stiffness_N_mm = 0.5;

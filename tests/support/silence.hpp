@@ -82,7 +82,7 @@ inline Silence pressSteadily(const DeviceProfile& told, const PlantProfile& real
       (free ? 0.0 : 1e3 / hand.stiffness_N_m) + 1.0 / rig.renderedStiffness_N_mm();
   rig.device.reset({0.0, 0.0, 20.0}, Vec3::Zero());
   rig.run(250);
-  rig.device.reset({0.0, 0.0, free ? 5.0 : 20.0}, {0.0, 0.0, free ? -press.speed_mm_s : 0.0});
+  if (free) rig.device.reset({0.0, 0.0, 20.0}, {0.0, 0.0, -press.speed_mm_s});  // no jump
   const int approach = static_cast<int>(20e3 / press.speed_mm_s);
   for (int i = 0; i < approach; ++i) {
     rig.device.setPush({0.0, 0.0, free ? -press.push_N * std::min(1.0, i / 200.0) : 0.0});

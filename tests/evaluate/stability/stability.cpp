@@ -75,10 +75,15 @@ void evaluateStability(const Options& options) {
   const struct {
     const char* name;
     void (*run)(const StabilityReport&);
-  } parts[] = {{"theory", stabilityTheory},   {"maps", stabilityMaps},
-               {"chain", stabilityChain},     {"links", stabilityLinks},
-               {"inertia", stabilityInertia}, {"integrators", stabilityIntegrators},
-               {"life", stabilityLife},       {"cases", stabilityCases}};
+  } parts[] = {{"theory", stabilityTheory},
+               {"maps", stabilityMaps},
+               {"chain", stabilityChain},
+               {"silence", stabilitySilence},
+               {"links", stabilityLinks},
+               {"inertia", stabilityInertia},
+               {"integrators", stabilityIntegrators},
+               {"life", stabilityLife},
+               {"cases", stabilityCases}};
   for (const auto& [name, run] : parts) {
     if (!options.only.empty() && options.only != name) continue;
     const auto begin = std::chrono::steady_clock::now();

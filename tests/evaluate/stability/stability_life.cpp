@@ -29,7 +29,8 @@ void live(Run& run, int seconds) {
   PlantProfile profile = loadDeviceProfile(run.profile);
   profile.stiffness_N_mm = run.stiffness_N_mm;
   Rig rig(profile, profile, run.hand->hand, {.tank = run.variant != "no tank"});
-  if (run.variant == "naive") rig.law = bareLaw(0.0, profile.peak_N);
+  rig.by_counts = run.variant == "naive";
+  if (rig.by_counts) rig.law = bareLaw(0.0, profile.peak_N);
   run.life = Life(rig, run.seed).live(seconds);
   run.work = rig.chain.work();
   run.user_mJ = rig.true_work_mJ;

@@ -67,19 +67,20 @@ void withAndWithout(const StabilityReport& to) {
     to.claims.add(text("%s: %s", link, what), "better with it",
                   text("%.3g with, %.3g without (%s)", with, without, unit), better);
   };
-  const Hand none = Hand::none();
-  double with = counts({}, 10.0, 2, 2, none);
-  double without = counts({.stiffness_limit = false}, 10.0, 2, 2, none);
-  line("K_max", "10 N/mm asked at d 2 without a hand: residual", "counts", with, without,
+  double with = counts({}, 10.0, 3, 3, Hand::firmGrip());
+  double without = counts({.stiffness_limit = false}, 10.0, 3, 3, Hand::firmGrip());
+  line("K_max", "10 N/mm asked at d 3, firm grip: residual", "counts", with, without,
        with <= 2.0 && without > 10.0);
-  with = counts({}, 2.0, 1, 1, none);
-  without = counts({.damping = false}, 2.0, 1, 1, none);
-  line("damping B = K tau + 1", "2 N/mm at d 1 without a hand: residual", "counts", with, without,
-       with <= 2.0 && without > 10.0);
-  with = counts({.damping = false, .latency_watch = false}, 1.9, 2, 2, Hand::lightGrip());
-  without = counts({.damping = false, .passivity = false, .latency_watch = false}, 1.9, 2, 2,
-                   Hand::lightGrip());
-  line("passivity controller", "the damper missing, 1.9 N/mm at d 2, light grip: residual",
+  with = counts({.latency_watch = false}, 2.0, 1, 2, Hand::none());
+  without = counts({.damping = false, .latency_watch = false}, 2.0, 1, 2, Hand::none());
+  line("damping B = sqrt(K m)", "2 N/mm told d 1, really 2, without a hand: residual", "counts",
+       with, without, with <= 2.0 && without > 10.0);
+  const SafetyLinks loose{.stiffness_limit = false, .damping = false, .latency_watch = false};
+  SafetyLinks uninsured = loose;
+  uninsured.passivity = false;
+  with = counts(loose, 5.0, 3, 3, Hand::lightGrip());
+  without = counts(uninsured, 5.0, 3, 3, Hand::lightGrip());
+  line("passivity controller", "damper and K_max missing, 5 N/mm at d 3, light grip: residual",
        "counts", with, without, with < without);
   with = counts({}, 5.0, 1, 3, Hand::lightGrip());
   without = counts({.latency_watch = false}, 5.0, 1, 3, Hand::lightGrip());
@@ -168,8 +169,8 @@ void remedies(const StabilityReport& to) {
       {"force low-pass 100 Hz", [](Rig& rig) { lowPass(rig, 100.0); }},
       {"force low-pass 30 Hz", [](Rig& rig) { lowPass(rig, 30.0); }},
       {"stiffness adaptation", adaptation},
-      {"B = 5 for every K", [](Rig& rig) { rig.law = bareLaw(5.0, 8.0); }},
-      {"spring alone", [](Rig& rig) { rig.law = bareLaw(0.0, 8.0); }}};
+      {"B = 5 for every K", [](Rig& rig) { rig.by_counts = true, rig.law = bareLaw(5.0, 8.0); }},
+      {"spring alone", [](Rig& rig) { rig.by_counts = true, rig.law = bareLaw(0.0, 8.0); }}};
   struct Cell {
     const Remedy* remedy;
     double stiffness_N_mm;

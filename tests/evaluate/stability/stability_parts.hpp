@@ -50,6 +50,7 @@ Law bareLaw(double damping_Ns_m, double peak_N);
 void stabilityMaps(const StabilityReport& to);
 void stabilityTheory(const StabilityReport& to);
 void stabilityChain(const StabilityReport& to);
+void stabilitySilence(const StabilityReport& to);
 void stabilityLinks(const StabilityReport& to);
 void stabilityInertia(const StabilityReport& to);
 void stabilityIntegrators(const StabilityReport& to);

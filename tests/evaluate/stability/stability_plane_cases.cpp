@@ -26,6 +26,7 @@ CaseOutcome happens(const Plane& what, bool naive) {
   PlantProfile profile = loadDeviceProfile(what.device);
   profile.stiffness_N_mm = what.stiffness_N_mm;
   Rig rig(profile, profile, Hand::light());
+  rig.by_counts = naive;
   if (naive) rig.law = bareLaw(0.0, profile.peak_N);
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   rig.run(300);
