@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "client/log.hpp"
 
@@ -27,6 +28,29 @@ Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
   Json object;
   for (std::size_t i = 0; i < N; ++i) object[name(i)] = counts[i];
   return object;
+}
+
+/// What the safety chain did, for a person: in how many ticks it did what. Empty: nothing that a
+/// hand notices (fades and the wall law's own limits are no news).
+std::string chainInWords(const LoopStats& loop) {
+  constexpr std::array<std::pair<Interference, const char*>, 9> kTold = {
+      {{Interference::kStiffness, "a wall was made softer"},
+       {Interference::kSurfaceSpeed, "a surface was slowed down"},
+       {Interference::kPassivity, "what a contact gave was damped"},
+       {Interference::kTank, "energy into the hand was held back"},
+       {Interference::kSlew, "a step was slowed"},
+       {Interference::kPeak, "the force was cut at the device's peak"},
+       {Interference::kThermal, "the force was cut for warm motors"},
+       {Interference::kUnarmed, "there was no force until the hand had left"},
+       {Interference::kNotFinite, "a number that was none was left out"}}};
+  std::string text;
+  for (const auto& [which, what] : kTold) {
+    const std::uint64_t ticks = loop.interferences[static_cast<std::size_t>(which)];
+    if (ticks > 0)
+      text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
+                          ticks == 1 ? "tick" : "ticks");
+  }
+  return text.empty() ? text : "The safety chain worked: " + text + ".\n";
 }
 
 /// The names of the faults that were raised.
@@ -111,10 +135,14 @@ std::string inWords(const RunResult& result) {
   text += fmt::format(
       "{} frames received ({} lost, {} late), played {:.0f} ms behind their arrival's clock.\n",
       result.frames.received, result.frames.lost, result.frames.late, result.playout_delay_ms);
-  text += loop.step_excess_max_N == 0.0
-              ? "No force step that the hand's own motion does not explain.\n"
-              : fmt::format("WARNING: a force step exceeded its limit by {:.3f} N.\n",
-                            loop.step_excess_max_N);
+  const std::string chain = chainInWords(loop);
+  if (loop.step_excess_max_N != 0.0) {
+    text += fmt::format("WARNING: a force step exceeded its limit by {:.3f} N.\n",
+                        loop.step_excess_max_N);
+  } else if (chain.empty()) {
+    text += "No force step that the hand's own motion does not explain.\n";
+  }
+  text += chain;
   const Json faults = faultNames(loop.faults);
   if (!faults.empty()) text += "Faults: " + faults.dump() + "\n";
   return text;

@@ -126,12 +126,29 @@ TEST(Summary, AFileThatCannotBeWrittenIsNamed) {
 }
 
 TEST(SummaryInWords, OfARun) {
-  EXPECT_EQ(inWords(eventful()),
-            "10.0 s at 1 kHz, 3 ticks late; a tick takes 10.0 us (median), 10.0 us (99.9 %).\n"
-            "In contact for 20 % of the time, 75.0 % of it between two received frames; strongest "
-            "force 1.25 N.\n"
-            "250 frames received (6 lost, 7 late), played 42 ms behind their arrival's clock.\n"
-            "No force step that the hand's own motion does not explain.\n");
+  EXPECT_EQ(
+      inWords(eventful()),
+      "10.0 s at 1 kHz, 3 ticks late; a tick takes 10.0 us (median), 10.0 us (99.9 %).\n"
+      "In contact for 20 % of the time, 75.0 % of it between two received frames; strongest "
+      "force 1.25 N.\n"
+      "250 frames received (6 lost, 7 late), played 42 ms behind their arrival's clock.\n"
+      "The safety chain worked: a wall was made softer (102 ticks); a surface was slowed down "
+      "(101 ticks); what a contact gave was damped (111 ticks); energy into the hand was held "
+      "back (112 ticks); a step was slowed (105 ticks); the force was cut at the device's peak "
+      "(104 ticks); the force was cut for warm motors (113 ticks); there was no force until the "
+      "hand had left (107 ticks); a number that was none was left out (100 ticks).\n");
+}
+
+TEST(SummaryInWords, OfAChainThatHadLittleToDo) {
+  RunResult result;
+  result.loop.interferences[static_cast<std::size_t>(Interference::kFade)] = 300;
+  EXPECT_NE(inWords(result).find("No force step that the hand's own motion does not explain.\n"),
+            std::string::npos);
+  result.loop.interferences[static_cast<std::size_t>(Interference::kTank)] = 1;
+  const std::string words = inWords(result);
+  EXPECT_NE(words.find("worked: energy into the hand was held back (1 tick).\n"),
+            std::string::npos);
+  EXPECT_EQ(words.find("No force step"), std::string::npos);
 }
 
 TEST(SummaryInWords, OfNothingFaultsAndSteps) {
