@@ -136,8 +136,8 @@ TEST(SafetyMeters, AStreamThatPumpsStiffnessIsMeteredAndGivesLittle) {
     EXPECT_NEAR(free.relative_mJ, free.true_mJ, tolerance_mJ(free.true_mJ));
     EXPECT_NEAR(damped.relative_mJ, damped.true_mJ, tolerance_mJ(damped.true_mJ));
     // In four seconds; the wall's own damper takes the rest.
-    EXPECT_LT(free.true_mJ, 16.0) << frequency_hz;
-    EXPECT_LT(damped.true_mJ, 16.0) << frequency_hz;
+    EXPECT_LT(free.true_mJ, 25.0) << frequency_hz;
+    EXPECT_LT(damped.true_mJ, 25.0) << frequency_hz;
   }
 }
 
