@@ -81,9 +81,8 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   const double gain = clamp * smoothstep(fade_);
   const Vec3 faded_N = sum_N * gain + residue_N_;
   const double tank = tankFactor(faded_N, out);  // 5
-  now.force_N = faded_N * tank;
-  const double again = clampFactor(now.force_N, out);
-  now.force_N *= again;
+  const double again = clampFactor(faded_N * tank, out);
+  now.force_N = faded_N * tank * again;
   const Vec3 own_N = (out.static_force_N + inertia_N_ * dynamic_fade_) * gain + residue_static_N_;
   static_N_ = limitStep(now, own_N * (tank * again), in.measurement_jumped, out);  // 8
 
