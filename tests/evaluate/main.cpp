@@ -31,10 +31,10 @@ int run(int argc, char** argv) {
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
-  app.add_option(
-      "--only", options.only,
-      "Of the scenes of motion or the parts of stability (theory, maps, chain, silence, links, inertia, "
-      "integrators, life, cases), only this one");
+  app.add_option("--only", options.only,
+                 "Of the scenes of motion or the parts of stability (theory, maps, chain, silence, "
+                 "links, inertia, "
+                 "integrators, life, cases), only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag("--check", options.check, "Fail where a required figure is missed (accuracy)");
   try {
