@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "tests/support/flat_relief.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::client {
 namespace {
