@@ -78,7 +78,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamState& stream = stream_.load();
   const UserControls& user = user_.load();
   const bool world_changed = follow(stream, user);
-  motion_.setDelay(safety_.delay_ticks());
+  motion_.setDelay(safety_.delayTicks());
   motion_.sent(report_.force_N, safety_.wall_N_mm());
   const HipEstimate& hip = motion_.update(state);
   const MediaTime play_time = playout_.advance(now, stream, safety_.acts(), user);

@@ -56,6 +56,7 @@ template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {
   std::vector<std::string> words;
+  words.reserve(choices.size());
   for (const auto& choice : choices) words.push_back(choice.first);
   const std::string names = join(words, "|");
   const auto set = [&value, &choices, name, names, words](const std::string& text) {

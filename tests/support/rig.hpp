@@ -43,7 +43,7 @@ class Rig {
     work(from_mm, period);
     if (blind) state.position_mm.setConstant(std::nan(""));
     if (lost) state.status = DeviceStatus::kLost;
-    motion.setDelay(chain.delay_ticks());
+    motion.setDelay(chain.delayTicks());
     motion.sent(out.force_N, chain.wall_N_mm());
     const HipEstimate& hip = motion.update(state);
     SafetyInput input;

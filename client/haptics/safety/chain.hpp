@@ -102,7 +102,7 @@ class SafetyChain {
   /// A force acts on the device (it did at the last tick).
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
   /// Ticks between reading a position and the begin of its force, as far as is known.
-  [[nodiscard]] int delay_ticks() const noexcept { return delay_ticks_; }
+  [[nodiscard]] int delayTicks() const noexcept { return delay_ticks_; }
   /// Stiffness along the normal of the wall that was touched last.
   [[nodiscard]] double wall_N_mm() const noexcept { return wall_N_mm_; }
   /// From outside, after a lost device came back or stop(): the force may return, from zero.
