@@ -97,6 +97,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         play_time, stream, mapping_.scale, &contact_mm);
     input.inertia_N = dynamic_.inertia_N();
+    input.doubted = dynamic_.doubted();
   }
   followMaterial(input);
   const SafetyOutput out = safety_.step(input);

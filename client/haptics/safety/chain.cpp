@@ -62,6 +62,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
     trust_profile_ = false;
     setDelay(profile_delay_ticks_);
   }
+  if (in.doubted) out.interferences |= bit(Interference::kDoubted);
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
   const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = (in.device_lost || stop_requested_) && !halted_;

@@ -35,10 +35,11 @@ enum class Interference : std::uint8_t {
   kTank,          ///< shortened: too much energy into the hand
   kThermal,       ///< shortened: the motors are warm
   kLatency,       ///< the delay is longer than the profile says: a softer, more damped wall
+  kDoubted,       ///< the stream's own frames do not bear out what it says: not believed
 };
-inline constexpr std::array<const char*, 15> kInterferenceNames = {
-    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",   "unarmed",
-    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency"};
+inline constexpr std::array<const char*, 16> kInterferenceNames = {
+    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",    "unarmed",
+    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency", "doubted"};
 constexpr std::uint32_t bit(Interference which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }
@@ -79,6 +80,7 @@ struct SafetyInput {
   Vec3 dynamic_N = Vec3::Zero();
   Vec3 inertia_N = Vec3::Zero();  ///< of the tip, in dynamic_N: the contact's own, as the wall is
   bool dynamic_valid = false;     ///< else the dynamic force fades out
+  bool doubted = false;           ///< it was cut to what the stream's frames bear out
 };
 
 struct SafetyOutput {

@@ -178,7 +178,8 @@ const PlayFrame* FrameLookup::nextOf(std::size_t before, const StreamState& stre
   return connected ? &next : nullptr;
 }
 
-void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double interval_s) noexcept {
+void FrameLookup::pairUp(std::size_t before, const PlayFrame* next, double interval_s) noexcept {
+  const PlayFrame& now = frame(before);
   if (pair_.now == &now && pair_.next == next && pair_.interval_s == interval_s) return;
   pair_.now = &now;
   pair_.next = next;
@@ -189,6 +190,28 @@ void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double int
     pair_.after[i] = findObject(next, keyOf(object));
     if (pair_.after[i] == nullptr) continue;
     pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
+  }
+  believe(before, next);
+}
+
+void FrameLookup::believe(std::size_t before, const PlayFrame* next) noexcept {
+  const std::uint32_t epoch = frame(before).epoch;
+  const auto ofEpoch = [&](std::size_t i) noexcept {
+    return i < held_count_ && frame(i).epoch == epoch ? &frame(i) : nullptr;
+  };
+  const std::array<const PlayFrame*, 4> frames = {
+      before > 0 ? ofEpoch(before - 1) : nullptr, &frame(before), next,
+      next != nullptr ? ofEpoch(before + 2) : nullptr};
+  Sightings seen;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (frames[k] == nullptr || frames[k + 1] == nullptr) continue;
+    seen.interval_s[k] = secondsBetween(frames[k]->media_time, frames[k + 1]->media_time);
+  }
+  for (std::size_t i = 0; i < objectCount(frame(before)); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      seen.object[k] = findObject(frames[k], keyOf(frame(before).objects[i]));
+    }
+    pair_.belief[i] = beliefIn(seen);
   }
 }
 
@@ -211,7 +234,7 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const Strea
   scene_.epoch = now.epoch;
   scene_.object_count = objectCount(now);
   played_ = true;
-  pairUp(now, next, interval_s);
+  pairUp(before, next, interval_s);
   const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
   const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
@@ -229,6 +252,7 @@ void FrameLookup::placeObject(std::size_t i, const PlayObject& object,
   out.before = &object;
   out.after = nullptr;
   out.blend = out.blend_rate_1_s = 0.0;
+  out.belief = pair_.belief[i];
   const PlayObject* const after = pair_.after[i];
   if (interpolation_ == Interpolation::kHold) {
     setPose(out, standingPose(object.motion));
