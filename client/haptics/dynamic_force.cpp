@@ -23,7 +23,9 @@ constexpr double kKnee = 0.8;  // of the pulse limit
 // Chosen: whatever acceleration a stream announces, half of what the device can do is the
 // surface's.
 constexpr double kObjectShare = 0.5;
-// Chosen: what is cut below it is no news; a count at 0.5 N/mm makes as much.
+// Chosen: what the frames do not bear out may push by so much, since noise at rest is no lie, ...
+constexpr double kSlack_N = 0.15;
+// ... and what is cut of the force below this is no news; a count at 0.5 N/mm makes as much.
 constexpr double kFelt_N = 0.03;
 
 /// Device metres per nominal millimetre: beta of Eq. 6.
@@ -187,11 +189,13 @@ Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
     return shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
   };
-  const Vec3 object_N = pushes_N(acceleration.believed);
+  const Vec3 told_N = pushes_N(acceleration.told);
+  const Vec3 believed_N = pushes_N(acceleration.believed);
+  const Vec3 object_N = believed_N + shortened(told_N - believed_N, kSlack_N);
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
   const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
   const Vec3 force_N = object_N + inertia_N + pulsed_N;
-  doubted_ = (pushes_N(acceleration.told) - object_N).norm() > kFelt_N ||
+  doubted_ = (told_N - object_N).norm() > kFelt_N ||
              (doubted_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();

@@ -30,18 +30,41 @@ inline HandScript handOf(testing::LiedTo hand) {
       }
       return {HandKind::kFile, {}, std::move(way)};
     }
+    case testing::LiedTo::kTap: {
+      std::vector<HandTarget> way = still({0.0, 0.0, 4.0});
+      way.pop_back();
+      for (int i = 1; i < 20000; ++i) {
+        const double t_s = 0.005 * i;
+        way.push_back({1.0 + t_s, {0.0, 0.0, 4.0 - 4.0 * std::sin(14.0 * M_PI * t_s)}});
+      }
+      return {HandKind::kFile, {}, std::move(way)};
+    }
     case testing::LiedTo::kPress:
       break;
   }
   return {HandKind::kPress, {}};
 }
 
-/// What a liar does to a viewer in `seconds`. `nailed`: the tip cannot move.
+/// What a liar did to a viewer.
 struct LiedTo {
   Felt felt;
   TickReport last;
   ReceiverCounts counts;
+
+  [[nodiscard]] testing::Verdict verdict() const {
+    using enum Interference;
+    constexpr std::uint32_t kLimits = bit(kDoubted) | bit(kTank) | bit(kSlew) | bit(kPassivity) |
+                                      bit(kSurfaceSpeed) | bit(kUnarmed) | bit(kStiffness) |
+                                      bit(kDamping) | bit(kResidue) | bit(kThermal);
+    constexpr auto kFew = 20;  // ticks; a stream that ends makes some
+    if (felt.refused + felt.rejected > 0) return testing::Verdict::kRefused;
+    if (last.halt == Halt::kTrustLost) return testing::Verdict::kTrustLost;
+    const auto limited = std::count_if(felt.interferences.begin(), felt.interferences.end(),
+                                       [](std::uint32_t each) { return (each & kLimits) != 0; });
+    return limited > kFew ? testing::Verdict::kLimited : testing::Verdict::kHarmless;
+  }
 };
+/// For so long a light hand feels it. `nailed`: the tip cannot move.
 inline LiedTo lieTo(const testing::Lie& lie, double seconds, const Hand& hand = Hand::light(),
                     bool nailed = false) {
   RoomSettings room;

@@ -228,7 +228,7 @@ Lies structure() {
        later([](Telling& t) { t.material().stiffness_N_mm = -1000.0; })},
       {"negative_damping", kHold, kRefused,
        later([](Telling& t) { t.material().damping_Ns_m = -1000.0; })},
-      {"never_sent_relief", kHold, kHarmless, later([](Telling& t) {
+      {"never_sent_relief", kHold, kRefused, later([](Telling& t) {
          t.object().relief = nullptr;
          t.object().changed_in_frame = 1'000'000;
        })},
@@ -241,7 +241,7 @@ Lies structure() {
 
 Lies order() {
   return {
-      {"id_max_once", kHold, kHarmless,
+      {"id_max_once", kHold, kLimited,
        [](Telling& t) {
          if (t.n == 40) t.frame.id = std::numeric_limits<std::uint64_t>::max();
        }},
@@ -249,24 +249,24 @@ Lies order() {
       {"ids_leap", kHold, kHarmless, [](Telling& t) { t.frame.id = t.n % 2 * 1'000'000 + t.n; }},
       {"ids_stand", kHold, kHarmless,
        later([](Telling& t) { t.frame.id = 30; })},
-      {"epoch_flips", kHold, kHarmless,
+      {"epoch_flips", kHold, kLimited,
        [](Telling& t) {
          t.frame.epoch = static_cast<std::uint32_t>(t.n % 2);
          t.object().relief = flatRelief(kPlateau_px, kPlateau_mm);
        }},
-      {"epoch_flips_per_second", kHold, kHarmless,
+      {"epoch_flips_per_second", kHold, kLimited,
        [](Telling& t) { t.frame.epoch = static_cast<std::uint32_t>(t.n / 25 % 2); }},
-      {"object_id_flips", kHold, kHarmless,
+      {"object_id_flips", kHold, kLimited,
        [](Telling& t) {
          t.object().id = static_cast<std::uint32_t>(1 + t.n % 2);
          t.object().relief = flatRelief(kPlateau_px, kPlateau_mm);
        }},
-      {"layer_flips", kHold, kHarmless,
+      {"layer_flips", kHold, kLimited,
        [](Telling& t) {
          t.object().layer = static_cast<std::uint32_t>(t.n % 16);
          t.object().relief = flatRelief(kPlateau_px, kPlateau_mm);
        }},
-      {"presence_flips", kHold, kHarmless,
+      {"presence_flips", kHold, kLimited,
        [](Telling& t) {
          if (t.n % 2 == 1) t.frame.objects.clear();
        }},
@@ -316,11 +316,11 @@ Lies order() {
 
 Lies geometry() {
   return {
-      {"spikes", kHold, kLimited,
+      {"spikes", kHold, kHarmless,
        [](Telling& t) {
          t.shows(shape([&](double, double) { return t.between(0.0, 1.0) < 0.02 ? 30.0 : 10.0; }));
        }},
-      {"strobe_2mm", kHold, kLimited,
+      {"strobe_2mm", kHold, kHarmless,
        [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 10.0 : 12.0); }},
       {"strobe_20mm", kHold, kTrustLost,
        [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0); }},
@@ -331,13 +331,13 @@ Lies geometry() {
        }},
       {"surface_30mm_above", kShallow, kLimited,
        [](Telling& t) { moveTo(t, t.n % 50 < 25 ? 10.0 : 30.0); }},
-      {"to_and_fro_40px", kHold, kLimited,
+      {"to_and_fro_40px", kHold, kHarmless,
        [](Telling& t) {
          const int side = t.n % 2 == 0 ? 40 : -40;
          t.shows(plate(10.0, side));
          t.motion().position_mm.x() = 0.25 * side;
        }},
-      {"side_sweep_box", kBeside, kTrustLost,
+      {"side_sweep_box", kBeside, kHarmless,
        [](Telling& t) {
          const double x_mm = 12.0 * wave(t.t_s, 1.5);
          t.shows(plate(20.0, static_cast<int>(std::lround(4.0 * x_mm))));
@@ -345,12 +345,12 @@ Lies geometry() {
          t.motion().velocity_mm_s.x() =
              12.0 * 2.0 * std::numbers::pi * 1.5 * wave(t.t_s, 1.5, std::numbers::pi / 2.0);
        }},
-      {"oscillate_2hz", kHold, kLimited, heave(2.0, 5.0)},
-      {"oscillate_5hz", kHold, kTrustLost, heave(5.0, 4.0)},
-      {"oscillate_8hz", kHold, kTrustLost, heave(8.0, 4.0)},
+      {"oscillate_2hz", kHold, kHarmless, heave(2.0, 5.0)},
+      {"oscillate_5hz", kHold, kLimited, heave(5.0, 4.0)},
+      {"oscillate_8hz", kHold, kLimited, heave(8.0, 4.0)},
       {"oscillate_12hz", kHold, kTrustLost, heave(12.0, 4.0)},
-      {"oscillate_12hz_press", kPress, kTrustLost, heave(12.0, 4.0)},
-      {"ratchet", kHold, kLimited,
+      {"oscillate_12hz_press", kPress, kLimited, heave(12.0, 4.0)},
+      {"ratchet", kHold, kHarmless,
        [](Telling& t) {
          const double rise = std::fmod(t.t_s * 5.0, 1.0);
          moveTo(t, 8.0 + 6.0 * rise, 30.0);
@@ -359,13 +359,13 @@ Lies geometry() {
        [](Telling& t) {
          t.shows(shape([&](double x, double) { return 10.0 + 3.0 * wave(t.t_s + x, 3.0); }));
        }},
-      {"tilting_plate", kHold, kLimited,
+      {"tilting_plate", kHold, kHarmless,
        [](Telling& t) {
          t.shows(shape([&](double x, double y) {
            return 10.0 + 5.0 * (x * wave(t.t_s, 4.0) + y * wave(t.t_s, 4.0, 1.57));
          }));
        }},
-      {"checkerboard", kHold, kLimited,
+      {"checkerboard", kHold, kHarmless,
        [](Telling& t) {
          auto relief = flatRelief(kPlateau_px, 12.0F);
          for (std::size_t i = 0; i < relief->mask.size(); ++i) {
@@ -374,7 +374,7 @@ Lies geometry() {
          }
          t.shows(relief);
        }},
-      {"overlapping_turns", kHold, kLimited,
+      {"overlapping_turns", kHold, kTrustLost,
        [](Telling& t) {
          for (std::uint32_t i = 2; i < 6; ++i) {
            HapticObject more = t.object();
@@ -390,7 +390,7 @@ Lies geometry() {
        [](Telling& t) { moveTo(t, t.between(2.0, 20.0), t.between(-500.0, 500.0)); }},
       {"relief_without_motion", kHold, kLimited,
        [](Telling& t) { t.shows(plate(10.0 + 4.0 * wave(t.t_s, 5.0))); }},
-      {"motion_without_relief", kHold, kHarmless,
+      {"motion_without_relief", kHold, kLimited,
        [](Telling& t) { t.motion().position_mm.z() = 10.0 + 4.0 * wave(t.t_s, 5.0); }},
       {"workspace_flips", kHold, kLimited,
        [](Telling& t) {
@@ -430,47 +430,47 @@ Lies motion() {
       {"acc_square_16hz_x", kShallow, kTrustLost, accelerate(12.5, 0, 1e5)},
       {"acc_square_4hz_z", kHold, kTrustLost, accelerate(4.0, 2, 1e5)},
       {"acc_square_2hz_y_heavy", kHold, kTrustLost, accelerate(2.0, 1, 1e4), announceSmall},
-      {"acc_small_4hz_x", kShallow, kLimited, accelerate(4.0, 0, 4000.0)},
+      {"acc_small_4hz_x", kShallow, kTrustLost, accelerate(4.0, 0, 4000.0)},
       {"acc_below_the_bound_4hz_x", kShallow, kHarmless, accelerate(4.0, 0, 300.0)},
       {"acc_circles", kShallow, kTrustLost,
        [](Telling& t) {
          t.motion().acceleration_mm_s2 = {1e5 * wave(t.t_s, 3.0), 1e5 * wave(t.t_s, 3.0, 1.57),
                                           0.0};
        }},
-      {"velocity_lies", kHold, kLimited,
+      {"velocity_lies", kHold, kHarmless,
        [](Telling& t) { t.motion().velocity_mm_s.z() = 1e6 * square(t.t_s, 6.0); }},
-      {"velocity_lies_x", kHold, kLimited,
+      {"velocity_lies_x", kHold, kHarmless,
        [](Telling& t) { t.motion().velocity_mm_s.x() = 2000.0 * square(t.t_s, 3.0); }},
       {"velocity_and_acceleration_lie", kHold, kTrustLost,
        [](Telling& t) {
          t.motion().velocity_mm_s.z() = 90.0 * square(t.t_s, 6.25);
          t.motion().acceleration_mm_s2.z() = 1e5 * square(t.t_s, 6.25);
        }},
-      {"position_lies", kHold, kLimited,
+      {"position_lies", kHold, kHarmless,
        [](Telling& t) {
          t.motion().position_mm = {t.between(-1e4, 1e4), t.between(-1e4, 1e4),
                                    t.between(-1e4, 1e4)};
        }},
-      {"acceleration_against_motion", kHold, kLimited,
+      {"acceleration_against_motion", kHold, kHarmless,
        [](Telling& t) {
          heave(2.0, 5.0)(t);
          t.motion().acceleration_mm_s2 *= -1.0;
        }},
-      {"acceleration_with_velocity", kHold, kLimited,
+      {"acceleration_with_velocity", kHold, kHarmless,
        [](Telling& t) {
          heave(2.0, 5.0)(t);
          t.motion().acceleration_mm_s2 = 12.6 * t.motion().velocity_mm_s;
        }},
-      {"angle_1e4", kHold, kLimited,
+      {"angle_1e4", kHold, kHarmless,
        [](Telling& t) { t.motion().angle_rad = 1e4 * square(t.t_s, 6.25); }},
-      {"angle_spin", kHold, kLimited,
+      {"angle_spin", kHold, kHarmless,
        [](Telling& t) {
          t.motion().angle_rad = std::fmod(70.0 * t.t_s, 6.28);
          t.motion().angular_velocity_rad_s = 70.0;
        }},
-      {"angular_velocity_1e4", kHold, kLimited,
+      {"angular_velocity_1e4", kHold, kHarmless,
        [](Telling& t) { t.motion().angular_velocity_rad_s = 1e4 * square(t.t_s, 3.0); }},
-      {"angular_velocity_far_point", kHold, kLimited,
+      {"angular_velocity_far_point", kHold, kTrustLost,
        [](Telling& t) {
          t.motion().position_mm.x() = 1e4;
          t.motion().angular_velocity_rad_s = 10.0 * square(t.t_s, 3.0);
@@ -490,32 +490,32 @@ Lies motion() {
          t.object().grid = gridOf(kPlateau_px, side * Eigen::Vector3f(1e6F, 0.0F, 0.0F),
                                   side * Eigen::Vector3f(1e8F, 0.0F, 0.0F));
        }},
-      {"grid_small_4hz", kShallow, kLimited,
+      {"grid_small_4hz", kShallow, kTrustLost,
        [](Telling& t) {
          const auto side = static_cast<float>(square(t.t_s, 4.0));
          t.object().grid = gridOf(kPlateau_px, Eigen::Vector3f::Zero(),
                                   side * Eigen::Vector3f(3000.0F, 0.0F, 3000.0F));
        }},
-      {"impact_giant", kHold, kLimited,
+      {"impact_giant", kHold, kTrustLost,
        [](Telling& t) {
          t.object().impacts = {{t.frame.media_time, {0.0, 0.0, 1e6 * square(t.t_s, 2.0)}}};
        }},
-      {"impact_giant_x", kShallow, kLimited,
+      {"impact_giant_x", kShallow, kTrustLost,
        [](Telling& t) {
          t.object().impacts = {{t.frame.media_time, {1e6 * square(t.t_s, 4.0), 0.0, 0.0}}};
        }},
-      {"impact_drum", kHold, kLimited,
+      {"impact_drum", kHold, kTrustLost,
        [](Telling& t) {
          for (int i = 0; i < 4; ++i) {
            t.object().impacts.push_back(
                {t.frame.media_time + fromSeconds(0.01 * i), {0.0, 0.0, i % 2 == 0 ? 3e3 : -3e3}});
          }
        }},
-      {"impact_always_the_next", kHold, kLimited,
+      {"impact_always_the_next", kHold, kTrustLost,
        [](Telling& t) {
          t.object().impacts = {{t.frame.media_time + fromSeconds(0.02), {0.0, 0.0, 500.0}}};
        }},
-      {"impact_small_drum", kHold, kLimited,
+      {"impact_small_drum", kHold, kTrustLost,
        [](Telling& t) {
          t.object().impacts = {{t.frame.media_time, {0.0, 0.0, 150.0 * square(t.t_s, 3.0)}}};
        }},
@@ -524,11 +524,18 @@ Lies motion() {
 
 // --- materials, and what is announced
 
+/// Stiff in one half of the beat of a hand that taps, soft in the other.
+auto pumpInStep(double beat) {
+  return [=](Telling& t) {
+    t.material().stiffness_N_mm = square(t.t_s + beat / 7.0, 7.0) > 0 ? 1.5 : 0.2;
+  };
+}
+
 Lies material() {
   return {
       {"stiffness_1000", kPress, kLimited,
        [](Telling& t) { t.material().stiffness_N_mm = 1000.0; }},
-      {"stiff_pump_7hz", kHold, kLimited,
+      {"stiff_pump_7hz", kHold, kHarmless,
        [](Telling& t) { t.material().stiffness_N_mm = 0.7 + 0.6 * wave(t.t_s, 7.0); }},
       {"stiff_square_10hz", kHold, kLimited,
        [](Telling& t) { t.material().stiffness_N_mm = square(t.t_s, 10.0) > 0 ? 5.0 : 0.1; }},
@@ -540,6 +547,10 @@ Lies material() {
        [](Telling& t) { t.material().stiffness_N_mm = t.between(0.0, 10.0); }},
       {"stiff_pump_bounded_7hz", kHold, kHarmless,
        [](Telling& t) { t.material().stiffness_N_mm = square(t.t_s, 7.0) > 0 ? 1.0 : 0.4; }},
+      {"stiff_pump_in_step_0", LiedTo::kTap, kHarmless, pumpInStep(0.0)},
+      {"stiff_pump_in_step_90", LiedTo::kTap, kHarmless, pumpInStep(0.25)},
+      {"stiff_pump_in_step_180", LiedTo::kTap, kHarmless, pumpInStep(0.5)},
+      {"stiff_pump_in_step_270", LiedTo::kTap, kHarmless, pumpInStep(0.75)},
       {"damping_1000", kPress, kLimited, [](Telling& t) { t.material().damping_Ns_m = 1000.0; }},
       {"damping_pump", kHold, kLimited,
        [](Telling& t) { t.material().damping_Ns_m = t.n % 2 == 0 ? 1000.0 : 0.0; }},
@@ -547,7 +558,7 @@ Lies material() {
        [](Telling& t) { t.material().static_friction = 1.5; }},
       {"friction_pump", kStroke, kHarmless,
        [](Telling& t) { t.material().static_friction = t.n % 4 < 2 ? 1.5 : 0.0; }},
-      {"drag_by_friction", kShallow, kLimited,
+      {"drag_by_friction", kShallow, kHarmless,
        [](Telling& t) {
          t.material().static_friction = 1.5;
          const double x_mm = 8.0 * wave(t.t_s, 2.0);
@@ -555,7 +566,7 @@ Lies material() {
          t.motion().position_mm.x() = x_mm;
          t.motion().velocity_mm_s.x() = 8.0 * 4.0 * std::numbers::pi * wave(t.t_s, 2.0, 1.5708);
        }},
-      {"drag_in_circles", kHold, kLimited,
+      {"drag_in_circles", kHold, kHarmless,
        [](Telling& t) {
          t.material().static_friction = 1.5;
          const Vec2 at_mm(6.0 * wave(t.t_s, 3.0), 6.0 * wave(t.t_s, 3.0, 1.5708));

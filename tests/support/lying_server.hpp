@@ -39,6 +39,7 @@ enum class LiedTo : std::uint8_t {
   kPress,    ///< the client's own script
   kBeside,   ///< low beside the plateau, where its edge may come to
   kStroke,   ///< 2 mm under it, to and fro by 8 mm once a second
+  kTap,      ///< 6 mm under it, up and down by 4 mm seven times a second
 };
 
 /// A frame that is about to be sent, honest until the lie has changed it.

@@ -25,7 +25,8 @@ namespace hapticast::client {
 struct Felt {
   bool finite = true;
   double max_force_N = 0.0;
-  double max_step_N = 0.0;         ///< from tick to tick
+  double max_rise_N = 0.0;         ///< from tick to tick
+  double max_fall_N = 0.0;
   double max_unexplained_N = 0.0;  ///< step beyond K_max |dx| + B |dv| of the tip
   std::vector<double> work_mJ;     ///< into the hand, up to each tick
   std::vector<std::uint32_t> interferences;
@@ -156,7 +157,9 @@ class VirtualViewer {
     counted_mm_ = counted_mm;
     felt.finite = felt.finite && report.force_N.allFinite();
     felt.max_force_N = std::max(felt.max_force_N, report.force_N.norm());
-    felt.max_step_N = std::max(felt.max_step_N, step_N);
+    const bool rises = report.force_N.norm() > sent_N.norm();
+    double& most_N = rises ? felt.max_rise_N : felt.max_fall_N;
+    most_N = std::max(most_N, step_N);
     felt.max_unexplained_N = std::max(felt.max_unexplained_N, step_N - hand_N);
     felt.interferences.push_back(report.interferences);
     felt.contact.push_back(report.contact);

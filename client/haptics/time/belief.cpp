@@ -11,12 +11,9 @@ namespace hapticast::client {
 namespace {
 
 // Measured on honest streams (evaluate stability, part `honest`): a server smooths what it says
-// over more frames than are looked at here, so that it is not the largest change that is believed
-// but twice that, and a little beyond what noise makes of a body at rest.
+// over more frames than are looked at here, so that twice the largest change is believed.
 constexpr double kFactor = 2.0;
-constexpr double kRest_mm_s2 = 300.0;
-constexpr double kRest_rad_s = 0.2;
-constexpr double kRest_rad_s2 = 5.0;
+constexpr double kAccelerationFactor = 3.0;  // the whole of it where frames are lost
 constexpr double kImpactFactor = 1.5;
 // What a surface that changes its shape does beyond its body: chosen, a hand's fingers.
 constexpr double kDeforming_mm_s2 = 2000.0;
@@ -33,7 +30,7 @@ struct Largest {
 
 /// `step(i)`: what was moved from frame i to i+1; `rate(i)`: the speed that frame i tells, believed
 /// up to twice the fastest step. Both for frames that are there.
-template <class Step, class Rate>
+template <class Value, class Step, class Rate>
 Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
   Largest most;
   const auto known = [&](std::size_t i) noexcept {
@@ -42,11 +39,11 @@ Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     if (known(i)) most.speed = std::max(most.speed, sizeOf(step(i)) / seen.interval_s[i]);
   }
-  const auto believed = [&](std::size_t i) noexcept {
-    const auto told = rate(i);
+  const auto believed = [&](std::size_t i) noexcept -> Value {
+    const Value told = rate(i);
     const double size = sizeOf(told);
     const double limit = kFactor * most.speed;
-    return size > limit ? decltype(told)(told * (limit / size)) : told;
+    return size > limit ? Value(told * (limit / size)) : told;
   };
   const auto take = [&](double change, double time_s) noexcept {
     most.change = std::max(most.change, change);
@@ -54,10 +51,11 @@ Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
   };
   for (std::size_t i = 0; i < 3; ++i) {
     if (!known(i)) continue;
-    take(sizeOf(decltype(rate(i))(believed(i + 1) - believed(i))), seen.interval_s[i]);
+    const Value changed = believed(i + 1) - believed(i);
+    take(sizeOf(changed), seen.interval_s[i]);
     if (i + 1 == 3 || !known(i + 1)) continue;
-    const auto turn = step(i + 1) / seen.interval_s[i + 1] - step(i) / seen.interval_s[i];
-    take(sizeOf(decltype(rate(i))(turn)), 0.5 * (seen.interval_s[i] + seen.interval_s[i + 1]));
+    const Value turned = step(i + 1) / seen.interval_s[i + 1] - step(i) / seen.interval_s[i];
+    take(sizeOf(turned), 0.5 * (seen.interval_s[i] + seen.interval_s[i + 1]));
   }
   return most;
 }
@@ -70,24 +68,24 @@ Belief beliefIn(const Sightings& seen) noexcept {
     return seen.object[i]->field != seen.object[i + 1]->field;
   };
   const auto motion = [&](std::size_t i) noexcept -> const Motion& { return seen.object[i]->motion; };
-  const Largest path = largestOf(
+  const Largest path = largestOf<Vec3>(
       seen,
       [&](std::size_t i) noexcept -> Vec3 {
         if (!moved(i)) return Vec3::Zero();
         return motion(i + 1).position_mm - motion(i).position_mm;
       },
       [&](std::size_t i) noexcept -> Vec3 { return motion(i).velocity_mm_s; });
-  const Largest turning = largestOf(
+  const Largest turning = largestOf<double>(
       seen,
       [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
       [&](std::size_t i) noexcept { return motion(i).angular_velocity_rad_s; });
   const bool deforms = seen.object[1] != nullptr && seen.object[2] != nullptr && moved(1);
   Belief belief;
-  belief.acceleration_mm_s2 = kFactor * path.rate + kRest_mm_s2;
-  belief.grid_mm_s2 = deforms ? belief.acceleration_mm_s2 + kDeforming_mm_s2 : kRest_mm_s2;
+  belief.acceleration_mm_s2 = kAccelerationFactor * path.rate;
+  belief.grid_mm_s2 = deforms ? belief.acceleration_mm_s2 + kDeforming_mm_s2 : 0.0;
   belief.impact_mm_s = kImpactFactor * path.change;
-  belief.turn_rad_s = kFactor * turning.speed + kRest_rad_s;
-  belief.turn_rate_rad_s2 = kFactor * turning.rate + kRest_rad_s2;
+  belief.turn_rad_s = kFactor * turning.speed;
+  belief.turn_rate_rad_s2 = kFactor * turning.rate;
   return belief;
 }
 
