@@ -132,7 +132,7 @@ class Rig {
                          out.penetration_mm <= last_ahead_mm_ - hip.ahead.position_mm.z();
     if (!hip.restarted && (was_contact_ || entered)) {
       const double k = was_contact_ ? last_stiffness_N_mm_ : renderedStiffness_N_mm();
-      const double b_mm = wallDamping_Ns_m(k, told_.mass_kg) * 1e-3;
+      const double b_mm = wallDamping_Ns_m(k, told_.mass_kg, stiffnessLimit_N_mm(told_)) * 1e-3;
       const double from_mm_s = was_contact_ ? last_velocity_mm_s_.z() : 0.0;
       const double most_mm_s = was_contact_ ? 600.0 : 300.0;
       const double damper_N =

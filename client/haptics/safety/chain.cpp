@@ -185,7 +185,8 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
 /// F_s = K_r displacement + B u along the normal, never pulling, and what the contact has generated
 /// damped away.
 Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
-                            SafetyOutput& out) const noexcept {
+                            SafetyOutput& out) noexcept {
+  damper_.step(geometry.contact);
   if (!geometry.contact) return Vec3::Zero();
   const double u_mm_s =
       std::clamp((geometry.surface_velocity_mm_s - now.ahead.velocity_mm_s).dot(geometry.normal),
@@ -193,8 +194,9 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
   const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
   const double insurance_Ns_m = links_.passivity ? ports_.damping_Ns_m(u_mm_s) : 0.0;
   if (insurance_Ns_m > 0.0) out.interferences |= bit(Interference::kPassivity);
-  const double damper_N = std::min((geometry.damping_Ns_m + insurance_Ns_m) * u_mm_s * 1e-3,
-                                   mostDamper_N(spring_N.dot(geometry.normal)));
+  const double law_N = std::min(geometry.damping_Ns_m * u_mm_s * 1e-3,
+                                damper_.most_N(spring_N.dot(geometry.normal)));
+  const double damper_N = law_N + insurance_Ns_m * u_mm_s * 1e-3;
   const double pull_limit_N = -spring_N.dot(geometry.normal);
   if (damper_N < pull_limit_N) out.interferences |= bit(Interference::kNoPull);
   return spring_N + std::max(damper_N, pull_limit_N) * geometry.normal;

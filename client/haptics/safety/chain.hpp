@@ -121,7 +121,7 @@ class SafetyChain {
                     bool not_finite) const noexcept;
   void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
              SafetyOutput& out) noexcept;
-  Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
+  Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
@@ -136,6 +136,7 @@ class SafetyChain {
   double wall_N_mm_;
   double limit_N_;  // of the force in this tick: the motors' heat, the peak
   double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
+  DamperLimit damper_;
   StepLimit steps_;
   EnergyPorts ports_;
   UserTank tank_;

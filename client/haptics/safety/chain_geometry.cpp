@@ -73,8 +73,8 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
     out.interferences |= bit(Interference::kStiffness);
   }
   if (!links_.damping) return;
-  const double law_Ns_m =
-      wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor, mass_kg_);
+  const double law_Ns_m = wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor,
+                                           mass_kg_, stiffness_limit_N_mm_);
   const double most_Ns_m = std::max(0.0, damping_limit_Ns_m_ - law_Ns_m);
   if (in.damping_Ns_m > most_Ns_m) out.interferences |= bit(Interference::kDamping);
   geometry.damping_Ns_m = law_Ns_m + std::clamp(in.damping_Ns_m, 0.0, most_Ns_m);

@@ -11,7 +11,10 @@
 namespace hapticast::client {
 
 namespace {
-constexpr double kFirstTouch_N = 0.1;    // measured: half of it runs away with a delay too low
+constexpr double kFirstTouch_N = 0.04;   // chosen
+constexpr double kGrowth_N = 0.04;       // a tick: chosen, a fifth of what a force rises elsewhere
+constexpr double kShrink_N = 0.5;        // a tick without contact: chosen
+constexpr double kGrown_N = 20.0;        // beyond any device's peak
 constexpr double kStiffest_N_mm = 10.0;  // measured: above, one-count chatter at 1 kHz
 constexpr double kMassShare = 0.64;      // measured
 constexpr double kDampingShare = 0.35;   // measured: up to half of m / (T/2 + td) is as quiet
@@ -33,11 +36,18 @@ double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept {
   return stiffnessLimit_N_mm(profile.mass_kg, profile.delay_ticks);
 }
 
-double wallDamping_Ns_m(double stiffness_N_mm, double mass_kg) noexcept {
-  return std::sqrt(stiffness_N_mm * 1e3 * mass_kg);
+double wallDamping_Ns_m(double stiffness_N_mm, double mass_kg, double limit_N_mm) noexcept {
+  const double share = 0.5 + 0.5 * std::min(1.0, stiffness_N_mm / limit_N_mm);
+  return share * std::sqrt(stiffness_N_mm * 1e3 * mass_kg);
 }
 
-double mostDamper_N(double spring_N) noexcept { return spring_N + kFirstTouch_N; }
+void DamperLimit::step(bool contact) noexcept {
+  grown_N_ = std::clamp(grown_N_ + (contact ? kGrowth_N : -kShrink_N), 0.0, kGrown_N);
+}
+
+double DamperLimit::most_N(double spring_N) const noexcept {
+  return kFirstTouch_N + std::min(spring_N, grown_N_);
+}
 
 double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept {
   const double delay_s = (0.5 + std::clamp(delay_ticks, 0, kMostDelay_ticks)) * kTick_s;

@@ -162,7 +162,7 @@ bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int del
   HipMotion motion(profile);
   const auto estimator = what.make(delay);
   const double k = std::min(stiffness_N_mm, stiffnessLimit_N_mm(profile));
-  const double damping_Ns_m = wallDamping_Ns_m(k, kOmniMass_kg);
+  const double damping_Ns_m = wallDamping_Ns_m(k, kOmniMass_kg, stiffnessLimit_N_mm(profile));
   plant.reset(1e-3, 0.0);
   double sent_N[8] = {};
   double early = 0.0;

@@ -121,7 +121,7 @@ void draw(const StabilityReport& to, const Axes& axes, const std::vector<MapCell
       out << "EOD\n$law << EOD\n";
       const double most = stiffnessLimit_N_mm(0.045, delay);
       for (double k = 0.1; k <= most; k *= 1.02) {
-        out << std::log10(k) << ' ' << axes.row(wallDamping_Ns_m(k, kOmniMass_kg)) << '\n';
+        out << std::log10(k) << ' ' << axes.row(wallDamping_Ns_m(k, kOmniMass_kg, most)) << '\n';
       }
       out << "EOD\n";
       if (d == 0) {

@@ -173,7 +173,7 @@ void inMotion(const StabilityReport& to) {
   }
 }
 
-/// The largest step in a tick beyond K x the hand's way in it, where a tip at 330 mm/s meets the
+/// The largest rise in a tick beyond K x the hand's way in it, where a tip at 330 mm/s meets the
 /// wall.
 void firstTouch(const StabilityReport& to) {
   double worst_N = 0.0;
@@ -181,6 +181,7 @@ void firstTouch(const StabilityReport& to) {
     const Vec3 before_N = rig.out.force_N;
     const Vec3 before_mm = rig.device.truePosition_mm();
     rig.step();
+    if (rig.out.force_N.norm() < before_N.norm()) return;
     const double way_mm = (rig.device.truePosition_mm() - before_mm).norm();
     worst_N = std::max(worst_N, (rig.out.force_N - before_N).norm() - rig.stiffness_N_mm * way_mm);
   };
@@ -195,7 +196,7 @@ void firstTouch(const StabilityReport& to) {
         rig.run(250);
         rig.device.reset({0.0, 0.0, 20.0}, {0.0, 0.0, -345.0});  // the device rubs
         while (rig.out.force_N.z() == 0.0) touch(rig);
-        for (int i = 0; i < 3; ++i) touch(rig);
+        for (int i = 0; i < 10; ++i) touch(rig);
       }
     }
   }

@@ -50,7 +50,21 @@ TEST(SafetyChain, ConstantsOfTheWallLaw) {
   EXPECT_DOUBLE_EQ(wallLead_s(1), 2.4e-3);
   EXPECT_DOUBLE_EQ(wallLead_s(-3), 1.2e-3);
   EXPECT_DOUBLE_EQ(wallLead_s(99), 8.0e-3);
-  EXPECT_DOUBLE_EQ(wallDamping_Ns_m(0.5, 0.045), std::sqrt(500.0 * 0.045));
+  EXPECT_DOUBLE_EQ(wallDamping_Ns_m(5.0, 0.045, 5.0), std::sqrt(5000.0 * 0.045));
+  EXPECT_DOUBLE_EQ(wallDamping_Ns_m(1.0, 0.045, 5.0), 0.6 * std::sqrt(1000.0 * 0.045));
+}
+
+TEST(SafetyChain, TheDamperGrowsWithDepthAndWithTheTicksInContact) {
+  DamperLimit limit;
+  limit.step(false);
+  EXPECT_DOUBLE_EQ(limit.most_N(3.0), 0.04);
+  for (int i = 1; i <= 10; ++i) {
+    limit.step(true);
+    EXPECT_NEAR(limit.most_N(3.0), 0.04 + 0.04 * i, 1e-12);
+    EXPECT_NEAR(limit.most_N(0.02), 0.06, 1e-12);
+  }
+  limit.step(false);
+  EXPECT_DOUBLE_EQ(limit.most_N(3.0), 0.04);
 }
 
 TEST(SafetyChain, RestingForceIsStiffnessTimesDisplacement) {
@@ -67,15 +81,16 @@ TEST(SafetyChain, DampsAlongTheNormalOnlyAndNeverPulls) {
   SafetyInput input = pressed(2.0);
   (void)settled(chain, input);
   input.velocity_mm_s =
-      input.ahead.velocity_mm_s = {500.0, 0.0, -100.0};  // slides and presses: 4.7 N·s/m x 0.1 m/s
+      input.ahead.velocity_mm_s = {500.0, 0.0, -100.0};  // slides and presses: 2.6 N·s/m x 0.1 m/s
   EXPECT_NEAR(
-      (chain.step(input).static_force_N - Vec3(0.0, 0.0, 1.0 + wallDamping_Ns_m(0.5, 0.045) * 0.1))
+      (chain.step(input).static_force_N -
+       Vec3(0.0, 0.0, 1.0 + wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.1))
           .norm(),
       0.0, 1e-12);
   input.velocity_mm_s =
       input.ahead.velocity_mm_s = {0.0, 0.0, -5000.0};  // inside the damper at most 0.3 m/s
-  // (and it adds the spring's own 1 N and 0.1 at most)
-  EXPECT_NEAR(chain.step(input).static_force_N.z(), 1.0 + 1.1, 1e-12);
+  EXPECT_NEAR(chain.step(input).static_force_N.z(),
+              1.0 + wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.3, 1e-12);
   input.displacement_mm = {0.0, 0.0, 0.5};
   input.velocity_mm_s =
       input.ahead.velocity_mm_s = {0.0, 0.0, 300.0};  // leaves quickly: 0.25 N of spring, no pull

@@ -29,7 +29,7 @@ struct RestingMeter {
   RestingMeter() {
     state.contact = true;
     state.local_stiffness_N_mm = 0.5;
-    state.damping_Ns_m = wallDamping_Ns_m(0.5, 0.045);
+    state.damping_Ns_m = wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1));
     state.normal = Vec3::UnitZ();
     state.depth_mm = 2.0;
     for (int i = 1; i <= 10; ++i) {
@@ -42,7 +42,8 @@ struct RestingMeter {
 };
 
 TEST(StepLimit, TheDamperExplainsOnlyItsOwnDirection) {
-  const double damping_N = wallDamping_Ns_m(0.5, 0.045) * 0.1;  // of 100 mm/s
+  const double damping_N =
+      wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.1;  // of 100 mm/s
   for (const double direction : {1.0, -1.0}) {
     RestingMeter in;
     in.state.velocity_mm_s = {0.0, 0.0, -100.0};  // pushed in: more force, not less
@@ -66,7 +67,8 @@ TEST(StepLimit, AStifferStreamExplainsNothing) {
   meter.state.position_mm.z() -= 0.1;
   meter.state.velocity_mm_s.z() = -10.0;
   meter.state.force_N.z() += 2.0;
-  const double hand_N = 0.5 * 0.1 + wallDamping_Ns_m(0.5, 0.045) * 0.01;
+  const double hand_N =
+      0.5 * 0.1 + wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.01;
   EXPECT_NEAR(meter.meter.excess_N(meter.state, false), 2.0 - hand_N - 0.2, 1e-9);
 }
 
@@ -88,10 +90,11 @@ TEST(StepLimit, AContactThatTheStreamMadeExplainsNothing) {
     state.contact = true;
     state.normal = Vec3::UnitZ();
     state.local_stiffness_N_mm = 0.5;
-    state.damping_Ns_m = wallDamping_Ns_m(0.5, 0.045);
+    state.damping_Ns_m = wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1));
     state.depth_mm = by_hand ? 0.1 : 0.3;  // the tip cannot have come deeper than it moved
     state.force_N.z() = 2.0;
-    const double hand_N = 0.5 * 0.1 + wallDamping_Ns_m(0.5, 0.045) * 0.2;
+    const double hand_N =
+        0.5 * 0.1 + wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.2;
     EXPECT_NEAR(meter.excess_N(state, false), 2.0 - 0.2 - (by_hand ? hand_N : 0.0), 1e-9);
   }
 }
