@@ -374,7 +374,7 @@ Lies geometry() {
          }
          t.shows(relief);
        }},
-      {"overlapping_turns", kHold, kTrustLost,
+      {"overlapping_turns", kHold, kLimited,
        [](Telling& t) {
          for (std::uint32_t i = 2; i < 6; ++i) {
            HapticObject more = t.object();

@@ -46,12 +46,15 @@ struct Felt {
     }
     return most_mJ;
   }
-  /// Ticks in which any of these acted, over all ticks with contact.
-  [[nodiscard]] double share(std::uint32_t bits) const {
-    const auto touched = std::count(contact.begin(), contact.end(), true);
-    const auto acted = std::count_if(interferences.begin(), interferences.end(),
-                                     [=](std::uint32_t each) { return (each & bits) != 0; });
-    return touched == 0 ? 0.0 : static_cast<double>(acted) / static_cast<double>(touched);
+  /// Largest over exactly `seconds` that begin after `from_s`: whole beats of a hand that taps, so
+  /// that what a pressed spring gives back is none of it.
+  [[nodiscard]] double netWork_mJ(double from_s, double seconds) const {
+    const auto window = static_cast<std::size_t>(seconds * 1000.0);
+    double most_mJ = -1e9;
+    for (auto end = static_cast<std::size_t>(from_s * 1000.0) + window; end < work_mJ.size(); ++end) {
+      most_mJ = std::max(most_mJ, work_mJ[end] - work_mJ[end - window]);
+    }
+    return most_mJ;
   }
 };
 

@@ -18,6 +18,8 @@ constexpr double kImpactFactor = 1.5;
 // What a surface that changes its shape does beyond its body: chosen, a hand's fingers.
 constexpr double kDeforming_mm_s2 = 2000.0;
 
+constexpr std::size_t kSteps = Sightings::kFrames - 1;
+
 double sizeOf(double value) noexcept { return std::abs(value); }
 double sizeOf(const Vec3& value) noexcept { return value.norm(); }
 
@@ -36,7 +38,7 @@ Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
   const auto known = [&](std::size_t i) noexcept {
     return seen.object[i] != nullptr && seen.object[i + 1] != nullptr && seen.interval_s[i] > 0.0;
   };
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < kSteps; ++i) {
     if (known(i)) most.speed = std::max(most.speed, sizeOf(step(i)) / seen.interval_s[i]);
   }
   const auto believed = [&](std::size_t i) noexcept -> Value {
@@ -49,11 +51,11 @@ Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
     most.change = std::max(most.change, change);
     most.rate = std::max(most.rate, change / time_s);
   };
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < kSteps; ++i) {
     if (!known(i)) continue;
     const Value changed = believed(i + 1) - believed(i);
     take(sizeOf(changed), seen.interval_s[i]);
-    if (i + 1 == 3 || !known(i + 1)) continue;
+    if (i + 1 == kSteps || !known(i + 1)) continue;
     const Value turned = step(i + 1) / seen.interval_s[i + 1] - step(i) / seen.interval_s[i];
     take(sizeOf(turned), 0.5 * (seen.interval_s[i] + seen.interval_s[i + 1]));
   }
@@ -79,7 +81,9 @@ Belief beliefIn(const Sightings& seen) noexcept {
       seen,
       [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
       [&](std::size_t i) noexcept { return motion(i).angular_velocity_rad_s; });
-  const bool deforms = seen.object[1] != nullptr && seen.object[2] != nullptr && moved(1);
+  constexpr std::size_t kNow = Sightings::kNow;
+  const bool deforms =
+      seen.object[kNow] != nullptr && seen.object[kNow + 1] != nullptr && moved(kNow);
   Belief belief;
   belief.acceleration_mm_s2 = kAccelerationFactor * path.rate;
   belief.grid_mm_s2 = deforms ? belief.acceleration_mm_s2 + kDeforming_mm_s2 : 0.0;

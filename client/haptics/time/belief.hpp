@@ -20,11 +20,13 @@ struct Belief {
   double turn_rate_rad_s2 = std::numeric_limits<double>::infinity();
 };
 
-/// An object in four successive frames, of which the second and third are around play time (null
-/// where it or the frame is not known), and the time from each to the next.
+/// An object in five successive frames, of which kNow and the next are around play time (null where
+/// it or the frame is not known), and the time from each to the next.
 struct Sightings {
-  std::array<const PlayObject*, 4> object{};
-  std::array<double, 3> interval_s{};
+  static constexpr std::size_t kFrames = 5;
+  static constexpr std::size_t kNow = 2;
+  std::array<const PlayObject*, kFrames> object{};
+  std::array<double, kFrames - 1> interval_s{};
 };
 Belief beliefIn(const Sightings& seen) noexcept;
 

@@ -18,6 +18,8 @@ constexpr double kLatestBlend = 0.75;
 // unknown, and a frame from a far future must not keep an old one alive.
 constexpr double kWidestGap_s = 1.0;
 constexpr double kWidestGap_intervals = 3.0;
+// Frames before the one that is played: what the cubic and the belief look back to.
+constexpr std::size_t kKept = 2;
 // Slots that are always left to the receiver.
 constexpr std::size_t kSpareSlots = 4;
 
@@ -148,7 +150,7 @@ void FrameLookup::release(std::size_t i) noexcept {
 
 std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
   std::size_t before = beforeIndex(play_time);
-  for (; before != kNone && before > 1; --before) release(0);
+  for (; before != kNone && before > kKept; --before) release(0);
   // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
   // and the newest, so that what is left still spans the whole time evenly.
   const std::size_t first = before == kNone ? 2 : before + 3;
@@ -199,16 +201,16 @@ void FrameLookup::believe(std::size_t before, const PlayFrame* next) noexcept {
   const auto ofEpoch = [&](std::size_t i) noexcept {
     return i < held_count_ && frame(i).epoch == epoch ? &frame(i) : nullptr;
   };
-  const std::array<const PlayFrame*, 4> frames = {
-      before > 0 ? ofEpoch(before - 1) : nullptr, &frame(before), next,
-      next != nullptr ? ofEpoch(before + 2) : nullptr};
+  const std::array<const PlayFrame*, Sightings::kFrames> frames = {
+      before > 1 ? ofEpoch(before - 2) : nullptr, before > 0 ? ofEpoch(before - 1) : nullptr,
+      &frame(before), next, next != nullptr ? ofEpoch(before + 2) : nullptr};
   Sightings seen;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
     if (frames[k] == nullptr || frames[k + 1] == nullptr) continue;
     seen.interval_s[k] = secondsBetween(frames[k]->media_time, frames[k + 1]->media_time);
   }
   for (std::size_t i = 0; i < objectCount(frame(before)); ++i) {
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
       seen.object[k] = findObject(frames[k], keyOf(frame(before).objects[i]));
     }
     pair_.belief[i] = beliefIn(seen);

