@@ -112,8 +112,7 @@ struct HonestRun {
 
 void play(HonestRun& run) {
   const HandScript script = scriptOf(run.kind);
-  auto viewer =
-      std::make_unique<VirtualViewer>(RoomSettings{}, PlantProfile{}, run.hand, &script);
+  auto viewer = std::make_unique<VirtualViewer>(RoomSettings{}, PlantProfile{}, run.hand, &script);
   HonestServer server(run.stream->stream, run.lost);
   run.last = converse(server, *viewer, run.stream->stream.frames.back().time_s + 1.0);
   run.felt = std::move(viewer->felt);
@@ -127,9 +126,8 @@ struct Worst {
 };
 
 double share(const client::Felt& felt, Interference which) {
-  const auto acted =
-      std::count_if(felt.interferences.begin(), felt.interferences.end(),
-                    [=](std::uint32_t each) { return (each & bit(which)) != 0; });
+  const auto acted = std::count_if(felt.interferences.begin(), felt.interferences.end(),
+                                   [=](std::uint32_t each) { return (each & bit(which)) != 0; });
   return double(acted) / double(felt.interferences.size());
 }
 
@@ -194,11 +192,12 @@ void stabilityHonest(const StabilityReport& to) {
                 all.doubted <= 1e-3);
   to.claims.add("honest streams: ticks shortened by the tank, worst run", "<= 0.1 %",
                 percent(all.tank), all.tank <= 1e-3);
-  to.report.say("### Honest streams\n\nScenes of the server, bodies in fast motion and the clips, "
-                "through vision and wire; hands that press, slide, follow and stand still, light "
-                "and firm; the worst run of each. A blow of 2 N is slowed by the slew limit in 13 "
-                "ticks: that is what `slew` counts.\n\n" +
-                markdown(lines));
+  to.report.say(
+      "### Honest streams\n\nScenes of the server, bodies in fast motion and the clips, "
+      "through vision and wire; hands that press, slide, follow and stand still, light "
+      "and firm; the worst run of each. A blow of 2 N is slowed by the slew limit in 13 "
+      "ticks: that is what `slew` counts.\n\n" +
+      markdown(lines));
 }
 
 }  // namespace hapticast::evaluate
