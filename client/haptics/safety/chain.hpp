@@ -159,6 +159,7 @@ class SafetyChain {
   UserTank tank_;
   ThermalBudget thermal_;
   LatencyWatch watch_;
+  BounceWatch bounces_;
   bool trust_profile_ = false;
   StepState last_;
   Geometry geometry_;  // of the last tick
