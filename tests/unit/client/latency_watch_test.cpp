@@ -79,7 +79,8 @@ int bounceAlarms(int contact_ticks, double in_mm_s, double share, int flight_tic
 }
 
 TEST(BounceWatch, SeesATipThatIsThrownBackAsFastAsItCame) {
-  EXPECT_EQ(bounceAlarms(16, 300.0, 0.95, 50), 2);  // of nine that are judged, three each and one between
+  EXPECT_EQ(bounceAlarms(16, 300.0, 0.95, 50),
+            2);  // of nine that are judged, three each and one between
   EXPECT_EQ(bounceAlarms(16, 300.0, 1.3, 200), 2);
 }
 
