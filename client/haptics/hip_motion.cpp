@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "client/haptics/safety/wall_law.hpp"
 #include "common/tick.hpp"
@@ -14,8 +15,7 @@ constexpr double kJerkDensity_m2_s5 = 1e6;  // measured: the most stiffness of a
 constexpr double kLateTick_s = 1.5e-3;      // chosen, as the loop counts late ticks
 constexpr double kLongestGap_s = 20e-3;     // chosen
 constexpr double kFastest_mm_s = 10'000.0;  // no hand is faster: the device was re-homed or lies
-constexpr double kPi = 3.14159265358979323846;
-const double kOnePole20Hz = 1.0 - std::exp(-2.0 * kPi * 20.0 * kTick_s);
+const double kOnePole20Hz = 1.0 - std::exp(-2.0 * std::numbers::pi * 20.0 * kTick_s);
 }  // namespace
 
 KalmanGains steadyGains(double count_mm) noexcept {

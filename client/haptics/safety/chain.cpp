@@ -41,7 +41,8 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
       ports_(profile.delay_ticks, profile.count_mm),
       tank_(profile),
       thermal_(profile),
-      watch_(profile.count_mm) {
+      watch_(profile.count_mm),
+      bounces_(profile.mass_kg) {
   setDelay(profile.delay_ticks);
 }
 
@@ -174,8 +175,12 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
   const Vec3& normal = now.contact ? geometry.normal : geometry_.normal;
   const double moved_mm =
       measurement_jumped ? 0.0 : normal.dot(now.position_mm - last_.position_mm);
-  const bool alarmed =
+  const bool swings =
       watch_.alarmed(moved_mm, normal.dot(geometry.surface_step_mm), acts() && !jump);
+  const Vec3& surface_mm_s = (now.contact ? geometry : geometry_).surface_velocity_mm_s;
+  const bool bounces = bounces_.alarmed(normal.dot(now.velocity_mm_s - surface_mm_s), now.contact,
+                                        now.local_stiffness_N_mm, delay_ticks_);
+  const bool alarmed = swings || bounces;
   if (!alarmed || !links_.latency_watch || delay_ticks_ != profile_delay_ticks_) return;
   out.latency_alarm = true;
   if (delay_ticks_ < kMostDelay_ticks) setDelay(delay_ticks_ + 1);

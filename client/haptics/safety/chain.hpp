@@ -142,6 +142,7 @@ class SafetyChain {
   UserTank tank_;
   ThermalBudget thermal_;
   LatencyWatch watch_;
+  BounceWatch bounces_;
   Trust trust_;
   bool trust_profile_ = false;
   StepState last_;

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "client/haptics/safety/latency_watch.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "common/tick.hpp"
 
 namespace hapticast::client {
 
 namespace {
-constexpr int kReversals = 8;
-constexpr int kLongestSwing_ticks = 40;
+constexpr int kReversals = 12;
+constexpr int kLongestSwing_ticks = 33;
 constexpr double kLasting = 0.9;
+constexpr int kBounces = 3;
+constexpr int kShortestFlight_ticks = 15;  // below, the surface's edge is only brushed
+constexpr int kLongestFlight_ticks = 250;
+constexpr double kSlowestBounce_mm_s = 100.0;  // two counts in a tick
 }  // namespace
 
 bool LatencyWatch::alarmed(double moved_mm, double surface_mm, bool acts) noexcept {
@@ -42,6 +50,28 @@ void LatencyWatch::judgeSwing() noexcept {
   s.direction = -s.direction;
   s.before = s.extreme;
   s.extreme = s.now;
+}
+
+bool BounceWatch::alarmed(double out_mm_s, bool contact, double stiffness_N_mm,
+                          int delay_ticks) noexcept {
+  State& s = state_;
+  if (contact && s.free_ticks > 0) {
+    const bool bounced = s.contact_ticks <= s.longest_ticks && s.in_mm_s >= kSlowestBounce_mm_s &&
+                         s.out_mm_s >= kLasting * s.in_mm_s;
+    const bool flew = s.free_ticks >= kShortestFlight_ticks && s.free_ticks <= kLongestFlight_ticks;
+    s = State{.bounces = bounced && flew ? s.bounces + 1 : 0};
+    // Half a swing of the device on the spring and half as much again, and what the loop is late,
+    // with the two ticks that it may be later than told.
+    const double swing_s = std::numbers::pi * std::sqrt(mass_kg_ / (1e3 * stiffness_N_mm));
+    s.longest_ticks = static_cast<int>(1.5 * swing_s / kTick_s) + 2 * (3 + delay_ticks);
+  }
+  s.contact_ticks += contact ? 1 : 0;
+  s.free_ticks += contact ? 0 : 1;
+  if (contact) s.in_mm_s = std::max(s.in_mm_s, -out_mm_s);
+  s.out_mm_s = std::max(s.out_mm_s, out_mm_s);
+  if (s.bounces < kBounces) return false;
+  s = State{};
+  return true;
 }
 
 }  // namespace hapticast::client

@@ -102,6 +102,7 @@ struct Moving {
   int way, delay;
   double stiffness_N_mm, friction_N;
   double error_N = 0.0, above_50Hz_N = 0.0;
+  int alarms = 0;  // of the latency watch
 };
 constexpr int kWays = 5;
 
@@ -135,7 +136,7 @@ void feel(Moving& c) {
   for (int i = 0; i < kTicks; ++i) {
     const double wanted_mm = wayOf(c.way, i * 1e-3, stretch_mm);
     rig.device.setTarget({0.0, 0.0, 3.0 + (wanted_mm - 3.0) * std::min(1.0, i / 300.0)});
-    rig.step();
+    c.alarms += rig.step().latency_alarm ? 1 : 0;
     const double depth_mm = std::max(0.0, rig.wall_mm - rig.device.truePosition_mm().z());
     const double off_N = rig.out.force_N.z() - c.stiffness_N_mm * depth_mm;
     const double fast_N = filter.next(off_N);
@@ -148,6 +149,7 @@ void feel(Moving& c) {
 }
 
 void inMotion(const StabilityReport& to) {
+  std::size_t runs = 0, alarmed = 0;
   for (const double asked_N_mm : {0.5, 2.0, 10.0}) {
     std::vector<Moving> cells;
     for (const int d : {0, 1, 2, 3, 5}) {
@@ -166,11 +168,88 @@ void inMotion(const StabilityReport& to) {
     for (const Moving& c : cells) {
       error_N += c.error_N / double(cells.size());
       fast_N += c.above_50Hz_N / double(cells.size());
+      alarmed += c.alarms > 0 ? 1 : 0;
     }
+    runs += cells.size();
     const std::string name = asked_N_mm > 5.0 ? "K_max" : text("K %g", asked_N_mm);
     to.report.add({"in motion", "moving_error", name, error_N, "N rms", 0.0, true});
     to.report.add({"in motion", "moving_above_50Hz", name, fast_N, "N rms", 0.0, true});
   }
+  to.claims.add(text("false alarms of the latency watch in %zu moving runs", runs), "0",
+                text("%zu", alarmed), alarmed == 0);
+}
+
+/// How far the tip goes to and fro in the last three seconds of a push into the wall, and when the
+/// latency watch first raised its alarm (< 0: never).
+struct Swing {
+  double way_mm = 0.0;
+  int alarm_tick = -1;
+};
+
+Swing swingOf(const PlantProfile& told, const PlantProfile& real, const Hand& hand, double push_N,
+              double speed_mm_s, bool watched) {
+  Rig rig(told, real, hand, {.latency_watch = watched});
+  const bool free = hand.stiffness_N_m == 0.0;
+  const double stretch_mm =
+      push_N * ((free ? 0.0 : 1e3 / hand.stiffness_N_m) + 1.0 / rig.renderedStiffness_N_mm());
+  rig.device.reset({0.0, 0.0, 20.0}, Vec3::Zero());
+  rig.run(250);
+  if (free) rig.device.reset({0.0, 0.0, 20.0}, {0.0, 0.0, -speed_mm_s});
+  const int approach = static_cast<int>(20e3 / speed_mm_s);
+  Swing swing;
+  double low_mm = 1e9, high_mm = -1e9;
+  for (int i = 0; i < approach + 4000; ++i) {
+    rig.device.setPush({0.0, 0.0, free ? -push_N * std::min(1.0, i / 200.0) : 0.0});
+    rig.device.setTarget({0.0, 0.0, std::max(-stretch_mm, 20.0 - 1e-3 * speed_mm_s * i)});
+    if (rig.step().latency_alarm && swing.alarm_tick < 0) swing.alarm_tick = i;
+    if (i < approach + 1000) continue;
+    low_mm = std::min(low_mm, rig.device.truePosition_mm().z());
+    high_mm = std::max(high_mm, rig.device.truePosition_mm().z());
+  }
+  swing.way_mm = high_mm - low_mm;
+  return swing;
+}
+
+/// Devices that answer two ticks later than told, pushed at random: those that swing without the
+/// watch have to be found by it.
+void slowDevices(const StabilityReport& to) {
+  struct Cell {
+    Swing alone, watched;
+  };
+  std::vector<Cell> cells(300);
+  onAllCores(cells.size(), [&](std::size_t i) {
+    std::mt19937 random(static_cast<unsigned>(i));
+    const auto between = [&](double a, double b) {
+      return std::uniform_real_distribution(a, b)(random);
+    };
+    std::vector<NamedHand> hands = quietHands();
+    hands.insert(hands.end(), heavyArms().begin(), heavyArms().end());
+    const Hand hand = hands[random() % hands.size()].hand;
+    const int d = static_cast<int>(random() % 4);
+    const double k = std::min(stiffnessLimit_N_mm(omni(1.0, d)), std::exp(between(-1.2, 2.5)));
+    const PlantProfile told = batteryProfile(k, d, random() % 2 == 0 ? 0.0 : 0.05);
+    PlantProfile real = told;
+    real.delay_ticks += 2;
+    const double push_N = between(0.4, 2.0), speed_mm_s = between(50.0, 400.0);
+    cells[i] = {swingOf(told, real, hand, push_N, speed_mm_s, false),
+                swingOf(told, real, hand, push_N, speed_mm_s, true)};
+  });
+  int swinging = 0, found = 0, latest_ms = 0;
+  double left_mm = 0.0;
+  for (const Cell& c : cells) {
+    if (c.alone.way_mm < 10.0 * 0.055) continue;
+    ++swinging;
+    if (c.watched.alarm_tick < 0) continue;
+    ++found;
+    latest_ms = std::max(latest_ms, c.watched.alarm_tick);
+    left_mm = std::max(left_mm, c.watched.way_mm);
+  }
+  to.claims.add(
+      "two ticks more than told, 300 pushes at random: those that swing by more than ten "
+      "counts and are found by the latency watch",
+      "all, within 1 s",
+      text("%d of %d, within %d ms; then at most %.2f mm", found, swinging, latest_ms, left_mm),
+      found == swinging && latest_ms <= 1000);
 }
 
 /// The largest rise in a tick beyond K x the hand's way in it, where a tip at 330 mm/s meets the
@@ -402,6 +481,7 @@ void stabilitySilence(const StabilityReport& to) {
       "shapes.");
   planes(to);
   inMotion(to);
+  slowDevices(to);
   firstTouch(to);
   onShapes(to);
 }
