@@ -132,7 +132,7 @@ double share(const client::Felt& felt, Interference which) {
 }
 
 /// The highest that what costs trust came to, forgotten within 2 s.
-double score_ticks(const client::Felt& felt) {
+double highestScore(const client::Felt& felt) {
   double now = 0.0;
   double most = 0.0;
   for (const std::uint32_t each : felt.interferences) {
@@ -148,7 +148,7 @@ void take(Worst& worst, const HonestRun& run) {
   worst.doubted = std::max(worst.doubted, share(run.felt, Interference::kDoubted));
   worst.tank = std::max(worst.tank, share(run.felt, Interference::kTank));
   worst.slew = std::max(worst.slew, share(run.felt, Interference::kSlew));
-  worst.score_ticks = std::max(worst.score_ticks, score_ticks(run.felt));
+  worst.score_ticks = std::max(worst.score_ticks, highestScore(run.felt));
   worst.work_mJ = std::max(worst.work_mJ, run.felt.mostWork_mJ(10.0));
   worst.lost_trust += run.last.halt == Halt::kNone ? 0 : 1;
 }

@@ -40,7 +40,8 @@ void stabilityLies(const StabilityReport& to) {
   const double net_s = to.options.quick ? 3.0 : 10.0;
   std::vector<LieRun> runs;
   for (const testing::Lie& lie : testing::lies()) runs.push_back({&lie, {}});
-  onAllCores(runs.size(), [&](std::size_t i) { runs[i].got = lieTo(*runs[i].lie, seconds); });
+  onAllCores(runs.size(),
+             [&](std::size_t i) { runs[i].got = client::lieTo(*runs[i].lie, seconds); });
   std::vector<std::vector<std::string>> lines{
       {"lie", "verdict", "force N", "mJ in 10 s", "step N up", "down", "step not the tip's N"}};
   double most_mJ = 0.0;
