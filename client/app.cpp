@@ -81,6 +81,7 @@ App::App(Settings settings, const Clock& clock, Views views)
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
       views_(std::move(views)),
+      rearm_(settings_.rearm),
       teller_(toString(settings_.server)) {
   requireWritable("--summary", settings_.summary_file);
 }
@@ -151,7 +152,6 @@ void App::runEvents() {
     takeReports();
     takeFaults();
     tellContact();
-    rearm();
     for (const auto& view : views_) {
       if (!view->turn()) stop();
     }
@@ -167,6 +167,11 @@ void App::takeReports() {
     last_report_.time = LocalTime(last_report_.time - *begin_);
     log_.write(last_report_);
     for (const auto& view : views_) view->takeReport(last_report_);
+    if (const auto line = touch_teller_.take(last_report_, rearm_.left()))
+      spdlog::warn("{}", *line);
+    if (!rearm_.take(last_report_)) continue;
+    ++user_.rearm;
+    user_controls_.store(user_);
   }
 }
 
@@ -179,12 +184,6 @@ void App::tellContact() {
   if (last_report_.contact == told_contact_) return;
   told_contact_ = last_report_.contact;
   asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
-}
-
-void App::rearm() {
-  if (!settings_.rearm || !deviceIsBack(last_report_)) return;
-  ++user_.rearm;
-  user_controls_.store(user_);
 }
 
 RunResult App::result(const LoopThread& loop) const {

@@ -16,8 +16,10 @@
 #include "client/log.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
+#include "client/rearm.hpp"
 #include "client/settings.hpp"
 #include "client/summary.hpp"
+#include "client/touch_teller.hpp"
 #include "client/view/view.hpp"
 #include "common/wire/asio.hpp"
 
@@ -46,7 +48,6 @@ class App {
   void takeReports();
   void takeFaults();
   void tellContact();
-  void rearm();
   [[nodiscard]] RunResult result(const LoopThread& loop) const;
   void finish(const LoopThread& loop);
 
@@ -73,6 +74,8 @@ class App {
   std::optional<LocalTime> begin_;  // of the first tick
   TickReport last_report_;          // of those taken from log_ring_; its time counts from begin_
   bool told_contact_ = false;
+  Rearm rearm_;
+  TouchTeller touch_teller_;
   bool time_is_over_ = false;
   OddityTeller oddities_;    // network thread
   ConnectionTeller teller_;  // network thread; after it has ended the calling one

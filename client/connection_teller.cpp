@@ -10,39 +10,29 @@ std::optional<std::string> ConnectionTeller::connected(const std::string& greeti
   reason_.clear();
   told_ = false;
   told_share_.reset();
-  return limited(greeting, now);
+  return limit_.let(greeting, now);
 }
 
 std::optional<std::string> ConnectionTeller::preparing(double share, LocalTime now) {
   if (share >= 1.0 || (told_share_ && share < *told_share_ + 0.25)) return std::nullopt;
   told_share_ = share;
-  return limited("the server looks through its clip first: " +
+  return limit_.let("the server looks through its clip first: " +
                      std::to_string(std::lround(100.0 * share)) + " % done",
                  now);
 }
 
 std::optional<std::string> ConnectionTeller::lost(const std::string& why, LocalTime now) {
-  if (told_ && why == reason_ && now - told_at_ < kWhile) return std::nullopt;
+  if (told_ && why == reason_ && now - told_at_ < LineLimit::kWhile) return std::nullopt;
   reason_ = why;
   told_ = true;
   told_at_ = now;
-  return limited(ever_connected_ ? server_ + ": " + why + "; trying again"
+  return limit_.let(ever_connected_ ? server_ + ": " + why + "; trying again"
                                  : "waiting for a server at " + server_ + " (" + why + ")",
                  now);
 }
 
-std::optional<std::string> ConnectionTeller::limited(std::string line, LocalTime now) {
-  if (lines_ == 0 || now - while_began_ >= kWhile) {
-    while_began_ = now;
-    lines_ = 0;
-  }
-  if (lines_ == kLines) return std::nullopt;
-  if (++lines_ == kLines) line += " (that is all of it for a minute)";
-  return line;
-}
-
 std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, LocalTime now) {
-  if (told_at_ && now - *told_at_ < ConnectionTeller::kWhile) return std::nullopt;
+  if (told_at_ && now - *told_at_ < LineLimit::kWhile) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {
     if (count > told) text += (text.empty() ? "" : "; ") + (what + std::to_string(count - told));
@@ -50,6 +40,10 @@ std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, Loca
   add(counts.reliefs_rejected, told_.reliefs_rejected,
       "reliefs outside the announced picture or too high, whose objects are not shown: ");
   add(counts.resyncs, told_.resyncs, "jumps of the frames' ids, after which touch begins anew: ");
+  add(counts.reliefs_missing, told_.reliefs_missing,
+      "objects without a shape, which are not shown: ");
+  add(counts.overrun + counts.no_slot, told_.overrun + told_.no_slot,
+      "frames that came faster than they can be felt and were dropped: ");
   if (text.empty()) return std::nullopt;
   told_ = counts;
   told_at_ = now;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "client/line_limit.hpp"
 #include "client/net/receiver.hpp"
 #include "common/time.hpp"
 
@@ -13,11 +14,6 @@ namespace hapticast::client {
 
 class ConnectionTeller {
  public:
-  /// The same again is told once a while.
-  static constexpr Duration kWhile = std::chrono::minutes(1);
-  /// Chosen: as many lines a while, beyond which a server that comes and goes is only noise.
-  static constexpr int kLines = 12;
-
   /// `server`: HOST:PORT.
   explicit ConnectionTeller(std::string server) : server_(std::move(server)) {}
 
@@ -33,19 +29,16 @@ class ConnectionTeller {
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
-  std::optional<std::string> limited(std::string line, LocalTime now);
-
   std::string server_;
   std::string reason_;
   std::optional<double> told_share_;  // on this connection
   LocalTime told_at_{};               // reason_
   bool told_ = false;                 // reason_
   bool ever_connected_ = false;
-  LocalTime while_began_{};
-  int lines_ = 0;  // since while_began_
+  LineLimit limit_;
 };
 
-/// What a stream brings that is not shown, a line a minute at most.
+/// What a stream brings that is not felt, a line a minute at most.
 class OddityTeller {
  public:
   /// `counts`: of the run so far.

@@ -32,8 +32,8 @@ const char* lookupName(Lookup lookup) noexcept {
 }
 
 const char* faultName(Fault fault) noexcept {
-  constexpr std::array<const char*, kFaultKinds> kNames = {"none", "not_finite", "device_lost",
-                                                           "latency"};
+  constexpr std::array<const char*, kFaultKinds> kNames = {
+      "none", "not_finite", "device_lost", "latency", "displacement_too_large", "trust_lost"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 

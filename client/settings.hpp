@@ -28,7 +28,7 @@ struct Settings {
   std::string summary_file;
   std::string fault_folder;           ///< empty: the state folder
   double stiffness_limit_N_mm = 0.0;  ///< 0: three times the profile's stiffness
-  bool rearm = false;                 ///< after a lost device came back the force returns by itself
+  bool rearm = false;                 ///< after a lost device or trust the force returns by itself
   double seconds = 0.0;               ///< 0: until Ctrl-C
   Method method = Method::kHapticast;
   bool quiet = false;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/log.hpp"
+#include "client/touch_teller.hpp"
 
 namespace hapticast::client {
 
@@ -33,22 +34,13 @@ Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
 /// What the safety chain did, for a person: in how many ticks it did what. Empty: nothing that a
 /// hand notices (fades and the wall law's own limits are no news).
 std::string chainInWords(const LoopStats& loop) {
-  constexpr std::array<std::pair<Interference, const char*>, 9> kTold = {
-      {{Interference::kStiffness, "a wall was made softer"},
-       {Interference::kSurfaceSpeed, "a surface was slowed down"},
-       {Interference::kPassivity, "what a contact gave was damped"},
-       {Interference::kTank, "energy into the hand was held back"},
-       {Interference::kSlew, "a step was slowed"},
-       {Interference::kPeak, "the force was cut at the device's peak"},
-       {Interference::kThermal, "the force was cut for warm motors"},
-       {Interference::kUnarmed, "there was no force until the hand had left"},
-       {Interference::kNotFinite, "a number that was none was left out"}}};
   std::string text;
-  for (const auto& [which, what] : kTold) {
-    const std::uint64_t ticks = loop.interferences[static_cast<std::size_t>(which)];
-    if (ticks > 0)
-      text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
-                          ticks == 1 ? "tick" : "ticks");
+  for (std::size_t i = 0; i < loop.interferences.size(); ++i) {
+    const std::string what = inWords(static_cast<Interference>(i));
+    const std::uint64_t ticks = loop.interferences[i];
+    if (what.empty() || ticks == 0) continue;
+    text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
+                        ticks == 1 ? "tick" : "ticks");
   }
   return text.empty() ? text : "The safety chain worked: " + text + ".\n";
 }

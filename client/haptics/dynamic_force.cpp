@@ -23,6 +23,10 @@ constexpr double kKnee = 0.8;  // of the pulse limit
 // Chosen: whatever acceleration a stream announces, half of what the device can do is the
 // surface's.
 constexpr double kObjectShare = 0.5;
+// Chosen: what the frames do not bear out may push by so much, since noise at rest is no lie, ...
+constexpr double kSlack_N = 0.15;
+// ... and what is cut of the force below this is no news; a count at 0.5 N/mm makes as much.
+constexpr double kFelt_N = 0.03;
 
 /// Device metres per nominal millimetre: beta of Eq. 6.
 double metresPerMillimetre(double scale) noexcept { return scale * 1e-3; }
@@ -52,17 +56,25 @@ Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
          b * ((1.0 - a) * cell(i, down) + a * cell(right, down));
 }
 
+Vec3 shortened(const Vec3& vector, double limit) noexcept {
+  const double length = vector.norm();
+  return length > limit ? Vec3(vector * (limit / length)) : vector;
+}
+
 /// Acceleration of the object's material at the contact, nominal mm/s².
-Vec3 accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
-                    const Workspace& workspace) noexcept {
-  Vec3 sum = object.acceleration_mm_s2;
+struct AtContact {
+  Vec3 told;
+  Vec3 believed;
+};
+AtContact accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
+                         const Workspace& workspace) noexcept {
+  Vec3 grid = Vec3::Zero();
   const auto addGrid = [&](const PlayObject& frame, double weight) noexcept {
     if (frame.grid == nullptr) return;
     const Carried at(frame, object, contact_mm.head<2>(), workspace, workspace.pixelsPerMm());
-    sum += weight * gridAcceleration(frame, at.image_px);
+    grid += weight * gridAcceleration(frame, at.image_px);
   };
   const PlayObject& before = *object.before;
-  const double turn = object.angular_velocity_rad_s;
   double turn_rate = 0.0;
   if (object.after == nullptr) {
     addGrid(before, 1.0);
@@ -74,8 +86,17 @@ Vec3 accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
     addGrid(after, object.blend);
   }
   const Vec2 r = (contact_mm - object.position_mm).head<2>();
-  sum.head<2>() += turn_rate * Vec2(-r.y(), r.x()) - turn * turn * r;
-  return sum;
+  const auto turned = [&](double turn, double rate) noexcept {
+    const Vec2 each = rate * Vec2(-r.y(), r.x()) - turn * turn * r;
+    return Vec3(each.x(), each.y(), 0.0);
+  };
+  const Belief& belief = object.belief;
+  const double turn = object.angular_velocity_rad_s;
+  return {object.acceleration_mm_s2 + grid + turned(turn, turn_rate),
+          shortened(object.acceleration_mm_s2, belief.acceleration_mm_s2) +
+              shortened(grid, belief.grid_mm_s2) +
+              turned(std::clamp(turn, -belief.turn_rad_s, belief.turn_rad_s),
+                     std::clamp(turn_rate, -belief.turn_rate_rad_s2, belief.turn_rate_rad_s2))};
 }
 
 double secondsSince(const Impact& impact, MediaTime play_time) noexcept {
@@ -97,11 +118,6 @@ const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
     return &impact;
   }
   return nullptr;
-}
-
-Vec3 shortened(const Vec3& force_N, double limit_N) noexcept {
-  const double length_N = force_N.norm();
-  return length_N > limit_N ? Vec3(force_N * (limit_N / length_N)) : force_N;
 }
 
 /// As it is up to a knee, so that the impulse of what the device can render is exact; above it
@@ -135,15 +151,19 @@ double DynamicForce::objectMass_kg(const StreamState& stream, double scale) cons
   return std::min(wanted_kg, profile_.continuous_N / largest_m_s2);
 }
 
-Vec3 DynamicForce::pulse_N(const PlayObject& before, const PlayObject* after, MediaTime play_time,
+Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
                            double kg_m_per_mm) noexcept {
+  const PlayObject& before = *object.before;
   const Impact* const known = has_pulse_ && pulse_object_ == before.id ? &pulse_ : nullptr;
   if (known == nullptr || !underWay(*known, play_time)) {
     const Impact* impact = impactUnderWay(before, play_time, known);
-    if (impact == nullptr && after != nullptr) impact = impactUnderWay(*after, play_time, known);
+    if (impact == nullptr && object.after != nullptr)
+      impact = impactUnderWay(*object.after, play_time, known);
     if (impact == nullptr) return Vec3::Zero();
     has_pulse_ = true;
     pulse_ = *impact;
+    pulse_.delta_velocity_mm_s = shortened(pulse_.delta_velocity_mm_s, object.belief.impact_mm_s);
+    doubted_pulse_ = pulse_.delta_velocity_mm_s != impact->delta_velocity_mm_s;
     pulse_object_ = before.id;
   }
   // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
@@ -160,15 +180,23 @@ Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
                             const StreamState& stream, double scale,
                             const Vec3* contact_mm) noexcept {
   inertia_N_.setZero();
+  doubted_ = false;
   if (object == nullptr || !(penetration_mm > 0.0)) return Vec3::Zero();
   const double to_metres = metresPerMillimetre(scale);
   const double mass_kg = objectMass_kg(stream, scale);
-  const Vec3 acceleration_mm_s2 = accelerationAt(
+  const AtContact acceleration = accelerationAt(
       *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
+  const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
+    return shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
+  };
+  const Vec3 told_N = pushes_N(acceleration.told);
+  const Vec3 believed_N = pushes_N(acceleration.believed);
+  const Vec3 object_N = believed_N + shortened(told_N - believed_N, kSlack_N);
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
-  const Vec3 force_N =
-      shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N) +
-      inertia_N + pulse_N(*object->before, object->after, play_time, mass_kg * to_metres);
+  const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
+  const Vec3 force_N = object_N + inertia_N + pulsed_N;
+  doubted_ = (told_N - object_N).norm() > kFelt_N ||
+             (doubted_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();
   const double share = std::min(1.0, penetration_mm / kFullWeight_mm) *

@@ -22,10 +22,14 @@ class DynamicForce {
   /// contact, when not finite. `contact_mm`: the contact in nominal mm, where rotation
   /// and grid are evaluated; without it the object's reference point stands for all of it. The
   /// object's share is at most half of the device's peak, all of it at most the peak. An impact
-  /// pushes along its change of velocity: a half-sine of 15 ms from the impact's time on.
+  /// pushes along its change of velocity: a half-sine of 15 ms from the impact's time on. The
+  /// object's acceleration, turn, grid and impact count as far as its belief goes.
   Vec3 evaluate(const ObjectNow* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamState& stream, double scale, const Vec3* contact_mm = nullptr) noexcept;
+
+  /// The last evaluate() cut what the stream's own frames do not bear out, by more than is felt.
+  [[nodiscard]] bool doubted() const noexcept { return doubted_; }
 
   /// The share of -m_cursor a_cursor in the force of the last evaluate(): the viewer's own, not the
   /// stream's.
@@ -37,7 +41,7 @@ class DynamicForce {
 
  private:
   [[nodiscard]] double cursorMass_kg() const noexcept;
-  [[nodiscard]] Vec3 pulse_N(const PlayObject& before, const PlayObject* after, MediaTime play_time,
+  [[nodiscard]] Vec3 pulse_N(const ObjectNow& object, MediaTime play_time,
                              double kg_m_per_mm) noexcept;
 
   const DeviceProfile& profile_;
@@ -46,6 +50,8 @@ class DynamicForce {
   bool has_pulse_ = false;
   Impact pulse_;
   std::uint32_t pulse_object_ = 0;
+  bool doubted_pulse_ = false;
+  bool doubted_ = false;
   Vec3 inertia_N_ = Vec3::Zero();
 };
 

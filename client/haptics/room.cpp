@@ -97,6 +97,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         play_time, stream, mapping_.scale, &contact_mm);
     input.inertia_N = dynamic_.inertia_N();
+    input.doubted = dynamic_.doubted();
   }
   followMaterial(input);
   const SafetyOutput out = safety_.step(input);
@@ -124,7 +125,8 @@ void Room::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
   report_.penetration_mm = out.penetration_mm / mapping_.scale;
   report_.contact = out.contact;
   report_.lookup = scene.kind;
-  report_.halted = safety_.halted();
+  report_.halt = safety_.halt();
+  report_.distrusted = safety_.distrusted();
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
   report_.work = safety_.work();
@@ -241,7 +243,9 @@ void Room::reportObject(const Contact& contact, const Scene& scene) noexcept {
 
 Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept {
   if (out.latency_alarm) return Fault::kLatency;
+  if (out.trust_lost) return Fault::kTrustLost;
   const Fault fault = device_lost                     ? Fault::kDeviceLost
+                      : out.too_far                   ? Fault::kTooFar
                       : out.not_finite || !hip.finite ? Fault::kNotFinite
                                                       : Fault::kNone;
   const bool lasting = faulty_ && fault != Fault::kNone;

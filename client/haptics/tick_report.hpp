@@ -7,6 +7,7 @@
 
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/safety/energy_ports.hpp"
+#include "client/haptics/safety/interference.hpp"
 #include "client/haptics/time/scene.hpp"
 #include "common/geometry.hpp"
 #include "common/time.hpp"
@@ -14,8 +15,15 @@
 namespace hapticast::client {
 
 /// Why a fault was raised. The first one freezes the flight recorder.
-enum class Fault : std::uint8_t { kNone = 0, kNotFinite, kDeviceLost, kLatency };
-inline constexpr std::size_t kFaultKinds = 4;
+enum class Fault : std::uint8_t {
+  kNone = 0,
+  kNotFinite,
+  kDeviceLost,
+  kLatency,
+  kTooFar,     ///< a displacement, finite, that no device could make
+  kTrustLost,  ///< the chain had too much to do about the stream
+};
+inline constexpr std::size_t kFaultKinds = 6;
 
 /// Loop -> everybody, one per tick. Positions and penetration in nominal mm, forces in N in the
 /// device frame.
@@ -34,10 +42,10 @@ struct TickReport {
   Lookup lookup = Lookup::kNone;
   Fault fault = Fault::kNone;  ///< raised in this tick
   DeviceStatus device = DeviceStatus::kOk;
-  /// The device was lost (or the loop is ending): no force until UserControls::rearm.
-  bool halted = false;
+  Halt halt = Halt::kNone;  ///< why there is no force until UserControls::rearm
+  Interference distrusted = Interference::kDoubted;  ///< where trust is lost: mostly for this
   double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
-  std::uint32_t interferences = 0;  ///< bit per safety step that changed the force (safety.hpp)
+  std::uint32_t interferences = 0;  ///< bit per safety step that changed the force
   PortWork work;                    ///< of the force so far
   DeviceMapping mapping;            ///< nominal <-> device mm in this tick
   // The object nearest to the HIP, for the window and for scripted hands.
@@ -54,7 +62,7 @@ struct TickReport {
 
 /// A device that was lost answers again, but the force waits for UserControls::rearm.
 inline bool deviceIsBack(const TickReport& report) noexcept {
-  return report.halted && report.device == DeviceStatus::kOk;
+  return report.halt == Halt::kDeviceLost && report.device == DeviceStatus::kOk;
 }
 
 }  // namespace hapticast::client

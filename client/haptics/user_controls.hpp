@@ -11,7 +11,8 @@ struct UserControls {
   /// The frame stands still and stays to be explored. Where it ends, the loop rejoins the stream as
   /// if it were a new one: frames from before are void, and the force fades in from zero.
   bool paused = false;
-  /// A new value lets the force return, faded in, after a lost device has come back.
+  /// A new value lets the force return, faded in, after a lost device has come back or trust
+  /// in the stream was lost.
   std::uint32_t rearm = 0;
 };
 

@@ -34,7 +34,7 @@ int run(int argc, char** argv) {
   app.add_option("--only", options.only,
                  "Of the scenes of motion or the parts of stability (theory, maps, chain, silence, "
                  "links, inertia, "
-                 "integrators, life, cases), only this one");
+                 "integrators, life, cases, lies, honest), only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag("--check", options.check, "Fail where a required figure is missed (accuracy)");
   try {

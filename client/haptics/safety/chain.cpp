@@ -63,11 +63,11 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
     trust_profile_ = false;
     setDelay(profile_delay_ticks_);
   }
+  if (in.doubted) out.interferences |= bit(Interference::kDoubted);
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
   const Geometry geometry = plausible(in, out);              // 1
-  const bool halt_now = (in.device_lost || stop_requested_) && !halted_;
-  halted_ = halted_ || halt_now;
-  const bool touchable = in.touchable && !out.not_finite && !halted_;
+  const bool halt_now = halts(in, out);
+  const bool touchable = in.touchable && !out.not_finite && halt_ == Halt::kNone;
   // A world that disappears under the tip leaves nothing to fade: its last force ramps down.
   const bool vanished = !in.touchable && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
@@ -95,7 +95,19 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   last_ = now;
   geometry_ = geometry;
   if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
+  trust_.add(out.interferences);
   return out;
+}
+
+/// Takes note of why there may be no force from now on; whether that is new.
+bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
+  if (halt_ != Halt::kNone) return false;
+  out.trust_lost = links_.trust && trust_.lost();
+  halt_ = stop_requested_  ? Halt::kStopped
+          : in.device_lost ? Halt::kDeviceLost
+          : out.trust_lost ? Halt::kTrustLost
+                           : Halt::kNone;
+  return halt_ != Halt::kNone;
 }
 
 /// Returns the share of wall and inertia in what is sent: it steps as far as it might if it were
@@ -114,7 +126,9 @@ Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measureme
 }
 
 void SafetyChain::rearm() noexcept {
-  stop_requested_ = halted_ = false;
+  stop_requested_ = false;
+  halt_ = Halt::kNone;
+  trust_.renew();
   fade_ = 0.0;
   check_depth_ = true;
 }

@@ -4,44 +4,19 @@
 // constants stand in client/haptics/README.md. Real-time room.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/safety/energy_ports.hpp"
+#include "client/haptics/safety/interference.hpp"
 #include "client/haptics/safety/latency_watch.hpp"
 #include "client/haptics/safety/step_limit.hpp"
 #include "client/haptics/safety/thermal_budget.hpp"
+#include "client/haptics/safety/trust.hpp"
 #include "client/haptics/safety/wall_law.hpp"
 #include "client/haptics/tip_observer.hpp"
 
 namespace hapticast::client {
-
-/// A step of the chain that changed the force (or would have), for the report and the summary.
-enum class Interference : std::uint8_t {
-  kNotFinite,     ///< a number was not finite; the last geometry is held and fades
-  kSurfaceSpeed,  ///< the surface moved faster than 1.5 m/s
-  kStiffness,     ///< the stiffness was cut to K_max
-  kNoPull,        ///< the damper would have pulled
-  kPeak,          ///< clamped to the device's peak
-  kSlew,          ///< a step the hand's motion does not explain was slowed
-  kFade,          ///< the force is fading in or out
-  kUnarmed,       ///< too deep after a jump: no force until the hand has left
-  kResidue,       ///< an old force ramps down
-  kJump,          ///< the world or the measurement jumped
-  kDamping,       ///< the author's damping was cut to what the delay allows
-  kPassivity,     ///< the contact gave energy it had not got: more damping
-  kTank,          ///< shortened: too much energy into the hand
-  kThermal,       ///< shortened: the motors are warm
-  kLatency,       ///< the delay is longer than the profile says: a softer, more damped wall
-};
-inline constexpr std::array<const char*, 15> kInterferenceNames = {
-    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",   "unarmed",
-    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency"};
-constexpr std::uint32_t bit(Interference which) noexcept {
-  return std::uint32_t{1} << static_cast<unsigned>(which);
-}
 
 /// The links that can be left out to show what each is there for. Only tests and evaluate do.
 struct SafetyLinks {
@@ -54,6 +29,7 @@ struct SafetyLinks {
   bool fade = true;  ///< fade in, fade out, residue
   bool arming = true;
   bool latency_watch = true;
+  bool trust = true;
 };
 
 /// Device frame, device mm.
@@ -79,6 +55,7 @@ struct SafetyInput {
   Vec3 dynamic_N = Vec3::Zero();
   Vec3 inertia_N = Vec3::Zero();  ///< of the tip, in dynamic_N: the contact's own, as the wall is
   bool dynamic_valid = false;     ///< else the dynamic force fades out
+  bool doubted = false;           ///< it was cut to what the stream's frames bear out
 };
 
 struct SafetyOutput {
@@ -87,7 +64,9 @@ struct SafetyOutput {
   Vec3 dynamic_force_N = Vec3::Zero();  ///< after its fade
   double penetration_mm = 0.0;          ///< |displacement| used, device mm
   bool contact = false;
-  bool not_finite = false;
+  bool not_finite = false;     ///< or too far: the last geometry was held
+  bool too_far = false;        ///< a finite displacement that no device could make
+  bool trust_lost = false;     ///< in this tick
   bool latency_alarm = false;  ///< raised in this tick: swings that the profile's delay cannot make
   double step_excess_N = 0.0;  ///< over StepLimit's: must be 0
   std::uint32_t interferences = 0;
@@ -105,12 +84,15 @@ class SafetyChain {
   [[nodiscard]] int delayTicks() const noexcept { return delay_ticks_; }
   /// Stiffness along the normal of the wall that was touched last.
   [[nodiscard]] double wall_N_mm() const noexcept { return wall_N_mm_; }
-  /// From outside, after a lost device came back or stop(): the force may return, from zero.
+  /// From outside, after a lost device came back, trust was lost or stop(): the force may return,
+  /// from zero.
   void rearm() noexcept;
   /// Ramps the force to zero and keeps it there until rearm().
   void stop() noexcept { stop_requested_ = true; }
-  /// The device was lost or the force was stopped, and nobody has re-armed it since.
-  [[nodiscard]] bool halted() const noexcept { return halted_; }
+  /// Why there is no force until somebody re-arms it.
+  [[nodiscard]] Halt halt() const noexcept { return halt_; }
+  /// Which interference cost most of the trust.
+  [[nodiscard]] Interference distrusted() const noexcept { return trust_.mostly(); }
   /// What the latency watch has learned is forgotten as soon as nothing is touched.
   void newConnection() noexcept { trust_profile_ = delay_ticks_ != profile_delay_ticks_; }
   /// Work of the force so far.
@@ -130,6 +112,7 @@ class SafetyChain {
   };
 
   void setDelay(int delay_ticks) noexcept;
+  bool halts(const SafetyInput& input, SafetyOutput& out) noexcept;
   Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
   Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
@@ -160,12 +143,13 @@ class SafetyChain {
   ThermalBudget thermal_;
   LatencyWatch watch_;
   BounceWatch bounces_;
+  Trust trust_;
   bool trust_profile_ = false;
   StepState last_;
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;
-  bool halted_ = false;  // by a lost device or stop(), until rearm()
-  double fade_ = 0.0;    // 0..1, smoothed before use
+  Halt halt_ = Halt::kNone;  // until rearm()
+  double fade_ = 0.0;        // 0..1, smoothed before use
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid one
   Vec3 inertia_N_ = Vec3::Zero();  // in it

@@ -14,21 +14,22 @@ constexpr double kLongestStep_s = 20e-3;       // farther apart no way connects 
 constexpr double kUnit = 1e-12;                // the rounding of a unit vector's square
 constexpr double kFarthest_mm = 1000.0;  // a displacement beyond any device is a broken number
 
-bool believable(const SafetyInput& in) noexcept {
+bool finite(const SafetyInput& in) noexcept {
   // A sum is finite where all are (or so huge that none of it is to be believed).
   const Vec3 vectors = in.position_mm + in.velocity_mm_s + in.ahead.position_mm +
                        in.ahead.velocity_mm_s + in.displacement_mm + in.normal +
                        in.surface_velocity_mm_s;
   const double numbers =
       in.scene_step_s + in.stiffness_factor + in.stiffness_N_mm + in.damping_Ns_m;
-  return std::isfinite(vectors.sum() + numbers) &&
-         in.displacement_mm.squaredNorm() <= kFarthest_mm * kFarthest_mm;
+  return std::isfinite(vectors.sum() + numbers);
 }
 }  // namespace
 
 SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
                                              SafetyOutput& out) const noexcept {
-  if (!believable(in)) {
+  const bool all_finite = finite(in);
+  out.too_far = all_finite && in.displacement_mm.squaredNorm() > kFarthest_mm * kFarthest_mm;
+  if (!all_finite || out.too_far) {
     out.not_finite = true;
     out.interferences |= bit(Interference::kNotFinite);
     return heldGeometry(in.ahead.position_mm);

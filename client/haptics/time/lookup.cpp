@@ -18,6 +18,8 @@ constexpr double kLatestBlend = 0.75;
 // unknown, and a frame from a far future must not keep an old one alive.
 constexpr double kWidestGap_s = 1.0;
 constexpr double kWidestGap_intervals = 3.0;
+// Frames before the one that is played: what the cubic and the belief look back to.
+constexpr std::size_t kKept = 2;
 // Slots that are always left to the receiver.
 constexpr std::size_t kSpareSlots = 4;
 
@@ -148,7 +150,7 @@ void FrameLookup::release(std::size_t i) noexcept {
 
 std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
   std::size_t before = beforeIndex(play_time);
-  for (; before != kNone && before > 1; --before) release(0);
+  for (; before != kNone && before > kKept; --before) release(0);
   // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
   // and the newest, so that what is left still spans the whole time evenly.
   const std::size_t first = before == kNone ? 2 : before + 3;
@@ -178,7 +180,8 @@ const PlayFrame* FrameLookup::nextOf(std::size_t before, const StreamState& stre
   return connected ? &next : nullptr;
 }
 
-void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double interval_s) noexcept {
+void FrameLookup::pairUp(std::size_t before, const PlayFrame* next, double interval_s) noexcept {
+  const PlayFrame& now = frame(before);
   if (pair_.now == &now && pair_.next == next && pair_.interval_s == interval_s) return;
   pair_.now = &now;
   pair_.next = next;
@@ -189,6 +192,28 @@ void FrameLookup::pairUp(const PlayFrame& now, const PlayFrame* next, double int
     pair_.after[i] = findObject(next, keyOf(object));
     if (pair_.after[i] == nullptr) continue;
     pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
+  }
+  believe(before, next);
+}
+
+void FrameLookup::believe(std::size_t before, const PlayFrame* next) noexcept {
+  const std::uint32_t epoch = frame(before).epoch;
+  const auto ofEpoch = [&](std::size_t i) noexcept {
+    return i < held_count_ && frame(i).epoch == epoch ? &frame(i) : nullptr;
+  };
+  const std::array<const PlayFrame*, Sightings::kFrames> frames = {
+      before > 1 ? ofEpoch(before - 2) : nullptr, before > 0 ? ofEpoch(before - 1) : nullptr,
+      &frame(before), next, next != nullptr ? ofEpoch(before + 2) : nullptr};
+  Sightings seen;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
+    if (frames[k] == nullptr || frames[k + 1] == nullptr) continue;
+    seen.interval_s[k] = secondsBetween(frames[k]->media_time, frames[k + 1]->media_time);
+  }
+  for (std::size_t i = 0; i < objectCount(frame(before)); ++i) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      seen.object[k] = findObject(frames[k], keyOf(frame(before).objects[i]));
+    }
+    pair_.belief[i] = beliefIn(seen);
   }
 }
 
@@ -211,7 +236,7 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const Strea
   scene_.epoch = now.epoch;
   scene_.object_count = objectCount(now);
   played_ = true;
-  pairUp(now, next, interval_s);
+  pairUp(before, next, interval_s);
   const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
   const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
@@ -229,6 +254,7 @@ void FrameLookup::placeObject(std::size_t i, const PlayObject& object,
   out.before = &object;
   out.after = nullptr;
   out.blend = out.blend_rate_1_s = 0.0;
+  out.belief = pair_.belief[i];
   const PlayObject* const after = pair_.after[i];
   if (interpolation_ == Interpolation::kHold) {
     setPose(out, standingPose(object.motion));

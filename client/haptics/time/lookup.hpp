@@ -90,8 +90,11 @@ class FrameLookup {
     double rate_1_s = 0.0;                               // 1 / interval
     std::array<const PlayObject*, kMaxObjects> after{};  // in `next`, for each object of `now`
     std::array<HermitePath, kMaxObjects> path;
+    std::array<Belief, kMaxObjects> belief;
   };
-  void pairUp(const PlayFrame& now, const PlayFrame* next, double interval_s) noexcept;
+  void pairUp(std::size_t before, const PlayFrame* next, double interval_s) noexcept;
+  /// In the frames around the pair, as far as they belong together.
+  void believe(std::size_t before, const PlayFrame* next) noexcept;
 
   static constexpr std::size_t kNone = ~std::size_t{0};
   FramePool& pool_;

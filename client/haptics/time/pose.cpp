@@ -44,14 +44,13 @@ double shortening(double distance, double displacement, double margin) noexcept 
   return distance > limit ? limit / distance : 1.0;
 }
 
-/// The turn from one frame to the next, the short way round.
+}  // namespace
+
 double turn(const Motion& from, const Motion& to) noexcept {
   const double step_rad = to.angle_rad - from.angle_rad;
   if (std::abs(step_rad) <= std::numbers::pi) return step_rad;  // the library's takes 20 ns
   return std::remainder(step_rad, 2.0 * std::numbers::pi);
 }
-
-}  // namespace
 
 double secondsBetween(MediaTime a, MediaTime b) noexcept {
   // In double: the difference of two 64-bit times need not fit into 64 bits.

@@ -22,6 +22,9 @@ struct Pose {
 /// b - a in seconds; any two times.
 double secondsBetween(MediaTime a, MediaTime b) noexcept;
 
+/// The turn from one frame to the next, the short way round.
+double turn(const Motion& from, const Motion& to) noexcept;
+
 /// As sent in the frame, standing still.
 Pose standingPose(const Motion& motion) noexcept;
 /// Linear in position, angle and acceleration. Requires interval_s > 0.

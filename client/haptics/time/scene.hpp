@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "client/haptics/time/belief.hpp"
 #include "client/haptics/time/frame_pool.hpp"
 
 namespace hapticast::client {
@@ -28,6 +29,7 @@ struct ObjectNow {
   Vec3 acceleration_mm_s2 = Vec3::Zero();
   double angle_rad = 0.0;
   double angular_velocity_rad_s = 0.0;
+  Belief belief;  ///< of what its frames say beyond pose and relief
 };
 
 struct Scene {

@@ -83,7 +83,9 @@ void evaluateStability(const Options& options) {
                {"inertia", stabilityInertia},
                {"integrators", stabilityIntegrators},
                {"life", stabilityLife},
-               {"cases", stabilityCases}};
+               {"cases", stabilityCases},
+               {"lies", stabilityLies},
+               {"honest", stabilityHonest}};
   for (const auto& [name, run] : parts) {
     if (!options.only.empty() && options.only != name) continue;
     const auto begin = std::chrono::steady_clock::now();

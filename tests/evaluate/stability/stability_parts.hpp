@@ -56,5 +56,7 @@ void stabilityInertia(const StabilityReport& to);
 void stabilityIntegrators(const StabilityReport& to);
 void stabilityLife(const StabilityReport& to);
 void stabilityCases(const StabilityReport& to);
+void stabilityHonest(const StabilityReport& to);
+void stabilityLies(const StabilityReport& to);
 
 }  // namespace hapticast::evaluate

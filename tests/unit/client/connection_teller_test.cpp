@@ -55,7 +55,7 @@ TEST(ConnectionTeller, AServerThatComesAndGoesDoesNotFillTheLog) {
     count(teller.connected("connected: x", localTime(s)));
     count(teller.lost("go away " + std::to_string(s), localTime(s)));
   }
-  EXPECT_EQ(lines, ConnectionTeller::kLines);
+  EXPECT_EQ(lines, LineLimit::kLines);
   EXPECT_TRUE(last.ends_with(" (that is all of it for a minute)")) << last;
   EXPECT_TRUE(teller.connected("connected: x", localTime(61))) << "a minute later";
 }

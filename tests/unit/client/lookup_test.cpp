@@ -280,14 +280,14 @@ TEST_F(LookupTest, GivesTheFourNeighboursOfOneEpoch) {
   EXPECT_EQ(lookup.neighbours(mediaTime(-1.0))[1], nullptr);
 }
 
-TEST_F(LookupTest, HoldsThreeFramesInSteadyPlay) {
+TEST_F(LookupTest, HoldsFourFramesInSteadyPlay) {
   for (std::uint64_t id = 0; id < 200; ++id) {
     sendAt(id, Vec3::Zero());
     (void)at(static_cast<double>(id) * kInterval_s - 0.03);
   }
   // Two behind, one ahead: the rest is free.
   EXPECT_EQ(freeSlots(*pool, lookup, mediaTime(199 * kInterval_s - 0.03), stream),
-            FramePool::kSlots - 3);
+            FramePool::kSlots - 4);
 }
 
 TEST_F(LookupTest, NeverStarvesTheReceiverWhenPlayTimeStalls) {
@@ -301,7 +301,7 @@ TEST_F(LookupTest, NeverStarvesTheReceiverWhenPlayTimeStalls) {
   EXPECT_EQ(lookup.neighbours(mediaTime(0.05))[3]->id, 3U);
   EXPECT_EQ(at(499 * kInterval_s).objects[0].before->motion.position_mm.x(),
             499.0);  // the newest is there
-  EXPECT_GE(freeSlots(*pool, lookup, mediaTime(499 * kInterval_s), stream), FramePool::kSlots - 2);
+  EXPECT_GE(freeSlots(*pool, lookup, mediaTime(499 * kInterval_s), stream), FramePool::kSlots - 3);
 }
 
 TEST_F(LookupTest, FramesFarInTheFutureAreThinnedEvenly) {

@@ -100,7 +100,7 @@ TEST(LoopThread, ALostDeviceThatIsBackWaitsForTheUsersDoor) {
   EXPECT_FALSE(on.pushes) << "no force until somebody asks for it";
   on.stage.user.store({.rearm = 1});
   on.waitFor([&] { return on.pushes.load(); });
-  EXPECT_FALSE(newest().halted);
+  EXPECT_EQ(newest().halt, Halt::kNone);
   loop.stop();
   EXPECT_EQ(loop.stats().step_excess_max_N, 0.0);
 }

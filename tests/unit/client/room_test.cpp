@@ -204,9 +204,9 @@ TEST(Room, ALostDeviceIsAFaultAndWaitsForRearm) {
   stage.lost = false;
   EXPECT_EQ(stage.run(2000).force_N, Vec3(Vec3::Zero()));
   EXPECT_EQ(stage.room->report().device, DeviceStatus::kOk);
-  EXPECT_TRUE(stage.room->report().halted);
+  EXPECT_EQ(stage.room->report().halt, Halt::kDeviceLost);
   stage.rearm();
-  EXPECT_FALSE(stage.step().halted);
+  EXPECT_EQ(stage.step().halt, Halt::kNone);
   EXPECT_GT(stage.run(2000).force_N.norm(), 0.2);
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }

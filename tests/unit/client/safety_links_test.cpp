@@ -195,9 +195,12 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
   const PlantProfile profile = omni(5.0, 3);
   double swing_mm[2] = {0.0, 0.0};
   for (const bool insured : {true, false}) {
-    Rig rig(
-        profile, profile, Hand::lightGrip(),
-        {.stiffness_limit = false, .damping = false, .passivity = insured, .latency_watch = false});
+    Rig rig(profile, profile, Hand::lightGrip(),
+            {.stiffness_limit = false,
+             .damping = false,
+             .passivity = insured,
+             .latency_watch = false,
+             .trust = false});
     rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
     rig.device.setTarget({0.0, 0.0, -6.0});
     rig.run(4000);

@@ -57,7 +57,7 @@ TEST(SafetyMeters, WhatTheSlewLimitHoldsBackIsNotTheWalls) {
     for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitZ())}) {
       const PlantProfile profile = omni(1.0, 1);
       SafetyLinks links;
-      links.tank = links.passivity = links.thermal = false;  // only the slew limit acts
+      links.trust = links.tank = links.passivity = links.thermal = false;  // only the slew limit acts
       Rig rig(profile, profile, Hand::light(), links);
       pressIn(rig);
       rig.clear();
@@ -87,7 +87,7 @@ TEST(SafetyMeters, AForceThatRampsDownKeepsItsShares) {
   // Epochs that come and go under a large dynamic force: what ramps down was mostly not the wall's.
   const PlantProfile profile = omni(1.0, 1);
   SafetyLinks links;
-  links.tank = links.passivity = links.thermal = false;
+  links.trust = links.tank = links.passivity = links.thermal = false;
   Rig rig(profile, profile, Hand::light(), links);
   pressIn(rig);
   const PortWork start = rig.chain.work();
@@ -112,7 +112,7 @@ struct Pumped {
 Pumped pump(bool passivity, double frequency_hz) {
   const PlantProfile profile = omni(0.5, 1);
   SafetyLinks links;
-  links.tank = false;
+  links.trust = links.tank = false;
   links.passivity = passivity;
   Rig rig(profile, profile, Hand::light(), links);
   pressIn(rig);

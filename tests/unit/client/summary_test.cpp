@@ -132,11 +132,12 @@ TEST(SummaryInWords, OfARun) {
       "In contact for 20 % of the time, 75.0 % of it between two received frames; strongest "
       "force 1.25 N.\n"
       "250 frames received (6 lost, 7 late), played 42 ms behind their arrival's clock.\n"
-      "The safety chain worked: a wall was made softer (102 ticks); a surface was slowed down "
-      "(101 ticks); what a contact gave was damped (111 ticks); energy into the hand was held "
-      "back (112 ticks); a step was slowed (105 ticks); the force was cut at the device's peak "
-      "(104 ticks); the force was cut for warm motors (113 ticks); there was no force until the "
-      "hand had left (107 ticks); a number that was none was left out (100 ticks).\n");
+      "The safety chain worked: a number that was none, or absurd, was left out (100 ticks); a "
+      "surface was slowed down (101 ticks); a wall was made softer (102 ticks); the force was cut "
+      "at the device's peak (104 ticks); a step was slowed (105 ticks); there was no force until "
+      "the hand had left (107 ticks); what a contact gave was damped (111 ticks); energy into the "
+      "hand was held back (112 ticks); the force was cut for warm motors (113 ticks); motion that "
+      "the pictures do not bear out was not believed (115 ticks).\n");
 }
 
 TEST(SummaryInWords, OfAChainThatHadLittleToDo) {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What the safety chain does to a force, told of every tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace hapticast::client {
+
+/// A step of the chain that changed the force (or would have), for the report and the summary.
+enum class Interference : std::uint8_t {
+  kNotFinite,     ///< a number was not finite, or absurd; the last geometry is held and fades
+  kSurfaceSpeed,  ///< the surface moved faster than 1.5 m/s
+  kStiffness,     ///< the stiffness was cut to K_max
+  kNoPull,        ///< the damper would have pulled
+  kPeak,          ///< clamped to the device's peak
+  kSlew,          ///< a step the hand's motion does not explain was slowed
+  kFade,          ///< the force is fading in or out
+  kUnarmed,       ///< too deep after a jump: no force until the hand has left
+  kResidue,       ///< an old force ramps down
+  kJump,          ///< the world or the measurement jumped
+  kDamping,       ///< the author's damping was cut to what the delay allows
+  kPassivity,     ///< the contact gave energy it had not got: more damping
+  kTank,          ///< shortened: too much energy into the hand
+  kThermal,       ///< shortened: the motors are warm
+  kLatency,       ///< the delay is longer than the profile says: a softer, more damped wall
+  kDoubted,       ///< the stream's own frames do not bear out what it says: not believed
+};
+inline constexpr std::array<const char*, 16> kInterferenceNames = {
+    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",    "unarmed",
+    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency", "doubted"};
+constexpr std::uint32_t bit(Interference which) noexcept {
+  return std::uint32_t{1} << static_cast<unsigned>(which);
+}
+
+/// Why there is no force until UserControls::rearm.
+enum class Halt : std::uint8_t {
+  kNone = 0,
+  kDeviceLost,
+  kTrustLost,  ///< the stream asked for too much that had to be held back
+  kStopped,    ///< the loop is ending
+};
+
+}  // namespace hapticast::client

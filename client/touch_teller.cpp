@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "client/touch_teller.hpp"
+
+#include <fmt/core.h>
+
+namespace hapticast::client {
+
+namespace {
+
+bool acted(const TickReport& report, Interference which) {
+  return (report.interferences & bit(which)) != 0;
+}
+
+/// New, or the last time is a while ago.
+bool due(std::optional<LocalTime>& told, LocalTime now) {
+  if (told && now - *told < LineLimit::kWhile) return false;
+  told = now;
+  return true;
+}
+
+std::string halted(const TickReport& report, int rearms_left) {
+  if (report.halt == Halt::kDeviceLost)
+    return rearms_left > 0
+               ? "the device does not answer: no force until it is back"
+               : "the device does not answer: no force from now on (--rearm brings it back)";
+  return fmt::format(
+      "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
+      "force {}",
+      inWords(report.distrusted),
+      rearms_left > 0 ? fmt::format("until it has been calm for 5 s, which is forgiven {} more {}",
+                                    rearms_left, rearms_left == 1 ? "time" : "times")
+                      : "from now on; start again, or with --rearm, to touch it");
+}
+
+}  // namespace
+
+const char* inWords(Interference which) noexcept {
+  switch (which) {
+    case Interference::kStiffness:
+      return "a wall was made softer";
+    case Interference::kSurfaceSpeed:
+      return "a surface was slowed down";
+    case Interference::kPassivity:
+      return "what a contact gave was damped";
+    case Interference::kTank:
+      return "energy into the hand was held back";
+    case Interference::kSlew:
+      return "a step was slowed";
+    case Interference::kPeak:
+      return "the force was cut at the device's peak";
+    case Interference::kThermal:
+      return "the force was cut for warm motors";
+    case Interference::kUnarmed:
+      return "there was no force until the hand had left";
+    case Interference::kNotFinite:
+      return "a number that was none, or absurd, was left out";
+    case Interference::kDoubted:
+      return "motion that the pictures do not bear out was not believed";
+    default:
+      return "";
+  }
+}
+
+std::optional<std::string> TouchTeller::take(const TickReport& report, int rearms_left) {
+  std::string line = news(report, rearms_left);
+  if (line.empty()) return std::nullopt;
+  return limit_.let(std::move(line), report.time);
+}
+
+std::string TouchTeller::news(const TickReport& report, int rearms_left) {
+  if (report.halt != halt_) {
+    halt_ = report.halt;
+    if (halt_ == Halt::kNone) return "re-armed: the force comes back";
+    if (halt_ != Halt::kStopped) return halted(report, rearms_left);
+  }
+  const bool stale = report.lookup == Lookup::kFaded;
+  const bool fresh = report.lookup == Lookup::kInterpolated;
+  if (stale && !stale_) {
+    stale_ = true;
+    return "no new frames come: the force has faded";
+  }
+  if (fresh && stale_) {
+    stale_ = false;
+    return "frames come again";
+  }
+  if (acted(report, Interference::kStiffness) && due(told_softer_, report.time))
+    return "a wall is softer than its author asks for (--stiffness-limit, and what the device "
+           "stands)";
+  if (acted(report, Interference::kLatency) && due(told_later_, report.time))
+    return "the device answers later than its profile says: walls are softer";
+  return "";
+}
+
+}  // namespace hapticast::client

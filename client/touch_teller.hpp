@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// What a person is told of the touch while it lasts: why there is no force, that it is back, that a
+// wall is softer than meant. A line for what is new. Thread: main.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "client/haptics/tick_report.hpp"
+#include "client/line_limit.hpp"
+
+namespace hapticast::client {
+
+class TouchTeller {
+ public:
+  /// Sees every report; `rearms_left`: how often the force will come back by itself.
+  std::optional<std::string> take(const TickReport& report, int rearms_left);
+
+ private:
+  [[nodiscard]] std::string news(const TickReport& report, int rearms_left);
+
+  Halt halt_ = Halt::kNone;
+  bool stale_ = false;
+  std::optional<LocalTime> told_softer_;
+  std::optional<LocalTime> told_later_;
+  LineLimit limit_;
+};
+
+/// What an interference does, for a person; empty where a hand does not notice it.
+const char* inWords(Interference which) noexcept;
+
+}  // namespace hapticast::client

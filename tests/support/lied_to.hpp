@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// A lying server and the hands that feel it, in virtual time.
+#pragma once
+
+#include "tests/support/lying_server.hpp"
+#include "tests/support/virtual_viewer.hpp"
+
+namespace hapticast::client {
+
+inline HandScript handOf(testing::LiedTo hand) {
+  const auto still = [](const Vec3& at_mm) {
+    return std::vector<HandTarget>{{0.0, {at_mm.x(), at_mm.y(), 25.0}},
+                                   {0.5, {at_mm.x(), at_mm.y(), 25.0}},
+                                   {1.0, at_mm},
+                                   {1000.0, at_mm}};
+  };
+  switch (hand) {
+    case testing::LiedTo::kHold:
+      return {HandKind::kFile, {}, still({0.0, 0.0, 4.0})};
+    case testing::LiedTo::kShallow:
+      return {HandKind::kFile, {}, still({0.0, 0.0, 7.5})};
+    case testing::LiedTo::kBeside:
+      return {HandKind::kFile, {}, still({20.0, 0.0, 4.0})};
+    case testing::LiedTo::kStroke: {
+      std::vector<HandTarget> way = still({0.0, 0.0, 8.0});
+      way.pop_back();
+      for (int i = 1; i < 2000; ++i) {
+        const double t_s = 0.05 * i;
+        way.push_back({1.0 + t_s, {8.0 * std::sin(2.0 * M_PI * t_s), 0.0, 8.0}});
+      }
+      return {HandKind::kFile, {}, std::move(way)};
+    }
+    case testing::LiedTo::kTap: {
+      std::vector<HandTarget> way = still({0.0, 0.0, 4.0});
+      way.pop_back();
+      for (int i = 1; i < 20000; ++i) {
+        const double t_s = 0.005 * i;
+        way.push_back({1.0 + t_s, {0.0, 0.0, 4.0 - 4.0 * std::sin(14.0 * M_PI * t_s)}});
+      }
+      return {HandKind::kFile, {}, std::move(way)};
+    }
+    case testing::LiedTo::kPress:
+      break;
+  }
+  return {HandKind::kPress, {}};
+}
+
+/// What a liar did to a viewer.
+struct LiedTo {
+  Felt felt;
+  TickReport last;
+  ReceiverCounts counts;
+
+  [[nodiscard]] testing::Verdict verdict() const {
+    using enum Interference;
+    constexpr std::uint32_t kLimits = bit(kDoubted) | bit(kTank) | bit(kSlew) | bit(kPassivity) |
+                                      bit(kSurfaceSpeed) | bit(kUnarmed) | bit(kStiffness) |
+                                      bit(kDamping) | bit(kResidue) | bit(kThermal);
+    constexpr auto kFew = 20;  // ticks; a stream that ends makes some
+    if (felt.refused + felt.rejected > 0) return testing::Verdict::kRefused;
+    if (last.halt == Halt::kTrustLost) return testing::Verdict::kTrustLost;
+    const auto limited = std::count_if(felt.interferences.begin(), felt.interferences.end(),
+                                       [](std::uint32_t each) { return (each & kLimits) != 0; });
+    return limited > kFew ? testing::Verdict::kLimited : testing::Verdict::kHarmless;
+  }
+};
+/// For so long a light hand feels it. `nailed`: the tip cannot move.
+inline LiedTo lieTo(const testing::Lie& lie, double seconds, const Hand& hand = Hand::light(),
+                    bool nailed = false) {
+  RoomSettings room;
+  PlantProfile plant;
+  const HandScript script = handOf(lie.hand);
+  auto viewer = std::make_unique<VirtualViewer>(room, plant, hand, nailed ? nullptr : &script);
+  if (nailed) viewer->nail({0.1, 0.1, 8.0});
+  testing::LyingServer server(lie);
+  LiedTo out;
+  out.last = converse(server, *viewer, seconds);
+  out.felt = std::move(viewer->felt);
+  out.counts = viewer->counts();
+  return out;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "tests/support/lying_server.hpp"
+
+#include <utility>
+
+#include "tests/support/flat_relief.hpp"
+
+namespace hapticast::testing {
+
+namespace {
+constexpr double kMediaBegin_s = 500.0;  // of the server's clock at the welcome
+constexpr std::uint64_t kRepeatEvery = 25;
+}  // namespace
+
+const char* verdictName(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::kRefused:
+      return "refused";
+    case Verdict::kLimited:
+      return "limited";
+    case Verdict::kTrustLost:
+      return "trust lost";
+    case Verdict::kHarmless:
+      break;
+  }
+  return "harmless";
+}
+
+void Telling::shows(std::shared_ptr<const Relief> relief) {
+  object().relief = std::move(relief);
+  object().changed_in_frame = frame.id;
+}
+
+double Telling::between(double low, double high) {
+  return std::uniform_real_distribution(low, high)(random);
+}
+
+LyingServer::LyingServer(const Lie& lie) : lie_(lie) {}
+
+Bytes LyingServer::welcome() {
+  next_ = 0;
+  Welcome welcome;
+  welcome.description.name = lie_.name;
+  welcome.description.fps = kLiarsFps;
+  if (lie_.announce) lie_.announce(welcome.description);
+  return encode(welcome);
+}
+
+HapticFrame LyingServer::honestFrame(double t_s) const {
+  static const std::shared_ptr<const Relief> plateau = flatRelief(kPlateau_px, kPlateau_mm);
+  HapticFrame frame;
+  frame.id = next_;
+  frame.media_time = mediaTime(kMediaBegin_s + t_s);
+  HapticObject object;
+  object.id = 1;
+  if (next_ % kRepeatEvery == 0) object.relief = plateau;
+  object.motion.position_mm.z() = double{kPlateau_mm};
+  frame.objects.push_back(std::move(object));
+  return frame;
+}
+
+std::vector<Bytes> LyingServer::messages(double until_s) {
+  std::vector<Bytes> out;
+  for (; static_cast<double>(next_) / kLiarsFps <= until_s; ++next_) {
+    const double t_s = static_cast<double>(next_) / kLiarsFps;
+    Telling telling{t_s, next_, random_, honestFrame(t_s)};
+    lie_.tell(telling);
+    if (telling.silent) continue;
+    if (telling.description) out.push_back(encode(*telling.description));
+    const Bytes bytes = telling.bytes ? *telling.bytes : encode(telling.frame);
+    out.insert(out.end(), static_cast<std::size_t>(telling.copies), bytes);
+  }
+  return out;
+}
+
+std::optional<Bytes> LyingServer::answer(const Ping& ping, double now_s) const {
+  if (!lie_.answers) return std::nullopt;
+  const double media_s = kMediaBegin_s + now_s;
+  const MediaTime told =
+      lie_.clock != nullptr ? mediaTime(lie_.clock(media_s)) : mediaTime(media_s);
+  return encode(Pong{ping.t0, told, told});
+}
+
+}  // namespace hapticast::testing

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// A server that lies, its lies as data. Each begins with an honest stream, a plateau of 10 mm that
+// rests in the middle of the picture at 25 frames a second, and says what it does to it. Messages
+// leave as bytes. Arithmetic only: times are arguments, nothing here has a thread or a socket.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/wire/messages.hpp"
+
+namespace hapticast::testing {
+
+using Bytes = std::vector<std::uint8_t>;
+
+inline constexpr double kLiarsFps = 25.0;
+inline constexpr PixelRect kPlateau_px{260, 180, 120, 120};  ///< +-15 mm about the middle
+inline constexpr float kPlateau_mm = 10.0F;
+
+/// What has to become of a lie. Each includes that the force is finite, at most the peak, steps no
+/// more than the chain allows, and ends.
+enum class Verdict : std::uint8_t {
+  kRefused,    ///< messages or objects were not taken
+  kLimited,    ///< felt, but cut down; that it may cost the trust in the end is a matter of time
+  kTrustLost,  ///< felt for a while, then the force is zero until the user says otherwise
+  kHarmless,   ///< nothing of it needed a limit
+};
+const char* verdictName(Verdict verdict) noexcept;
+
+/// The hands that feel it.
+enum class LiedTo : std::uint8_t {
+  kHold,     ///< wants to be 6 mm under the plateau
+  kShallow,  ///< 2.5 mm under it
+  kPress,    ///< the client's own script
+  kBeside,   ///< low beside the plateau, where its edge may come to
+  kStroke,   ///< 2 mm under it, to and fro by 8 mm once a second
+  kTap,      ///< 6 mm under it, up and down by 4 mm seven times a second
+};
+
+/// A frame that is about to be sent, honest until the lie has changed it.
+struct Telling {
+  double t_s;       ///< since the connection
+  std::uint64_t n;  ///< frames before it on this connection
+  std::mt19937_64& random;
+  HapticFrame frame;
+  std::optional<StreamDescription> description = std::nullopt;  ///< sent before the frame
+  std::optional<Bytes> bytes = std::nullopt;                    ///< sent instead of it
+  bool silent = false;                                          ///< nothing is sent
+  int copies = 1;
+
+  [[nodiscard]] HapticObject& object() { return frame.objects.front(); }
+  [[nodiscard]] Motion& motion() { return object().motion; }
+  [[nodiscard]] Material& material() { return object().material; }
+  /// The plateau as another relief; told as one that has changed.
+  void shows(std::shared_ptr<const Relief> relief);
+  /// Uniform.
+  [[nodiscard]] double between(double low, double high);
+};
+
+/// A pong's time on the server's clock, from the true one, s.
+using ClockLie = double (*)(double true_s);
+
+struct Lie {
+  std::string name;
+  LiedTo hand = LiedTo::kHold;
+  Verdict verdict = Verdict::kLimited;
+  std::function<void(Telling&)> tell;
+  std::function<void(StreamDescription&)> announce = nullptr;
+  ClockLie clock = nullptr;  ///< null: an honest one
+  bool answers = true;       ///< pings
+};
+
+/// All of them.
+const std::vector<Lie>& lies();
+
+class LyingServer {
+ public:
+  /// `lie` outlives it.
+  explicit LyingServer(const Lie& lie);
+
+  /// A viewer has come: everything begins anew.
+  [[nodiscard]] Bytes welcome();
+  /// What is sent up to this time (s since the welcome), oldest first.
+  [[nodiscard]] std::vector<Bytes> messages(double until_s);
+  /// The answer to a ping, if one is given.
+  [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
+
+ private:
+  [[nodiscard]] HapticFrame honestFrame(double t_s) const;
+
+  const Lie& lie_;
+  std::mt19937_64 random_{7};
+  std::uint64_t next_ = 0;
+};
+
+}  // namespace hapticast::testing

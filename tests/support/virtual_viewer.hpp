@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+// A viewer in virtual time: what comes as bytes goes through the client's own decoder, receiver,
+// preparer and room to a virtual device in a hand, and what the hand feels is reckoned here, from
+// forces sent and the way truly made, by none of the client's counters.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "client/haptics/room.hpp"
+#include "client/net/receiver.hpp"
+#include "common/tick.hpp"
+#include "common/wire/messages.hpp"
+#include "tests/support/rig.hpp"
+
+namespace hapticast::client {
+
+/// What was felt, tick by tick.
+struct Felt {
+  bool finite = true;
+  double max_force_N = 0.0;
+  double max_rise_N = 0.0;         ///< from tick to tick
+  double max_fall_N = 0.0;
+  double max_unexplained_N = 0.0;  ///< step beyond K_max |dx| + B |dv| of the tip
+  std::vector<double> work_mJ;     ///< into the hand, up to each tick
+  std::vector<std::uint32_t> interferences;
+  std::vector<bool> contact;
+  std::uint64_t refused = 0;   ///< messages
+  std::uint64_t rejected = 0;  ///< objects
+  double last_force_N = 0.0;
+
+  /// Largest over any `seconds`; over all of them where it is longer.
+  [[nodiscard]] double mostWork_mJ(double seconds) const {
+    const auto window = static_cast<std::size_t>(seconds * 1000.0);
+    double most_mJ = 0.0;
+    for (std::size_t end = 0; end < work_mJ.size(); end += 10) {
+      for (std::size_t begin = end > window ? end - window : 0; begin < end; begin += 10) {
+        most_mJ = std::max(most_mJ, work_mJ[end] - work_mJ[begin]);
+      }
+    }
+    return most_mJ;
+  }
+  /// Largest over exactly `seconds` that begin after `from_s`: whole beats of a hand that taps, so
+  /// that what a pressed spring gives back is none of it.
+  [[nodiscard]] double netWork_mJ(double from_s, double seconds) const {
+    const auto window = static_cast<std::size_t>(seconds * 1000.0);
+    double most_mJ = -1e9;
+    for (auto end = static_cast<std::size_t>(from_s * 1000.0) + window; end < work_mJ.size(); ++end) {
+      most_mJ = std::max(most_mJ, work_mJ[end] - work_mJ[end - window]);
+    }
+    return most_mJ;
+  }
+};
+
+class VirtualViewer {
+ public:
+  /// `script` is copied; null: the tip is nailed to where it is. `settings` are copied.
+  VirtualViewer(const RoomSettings& room_settings, const PlantProfile& plant, const Hand& hand,
+                const HandScript* script)
+      : settings_(room_settings),
+        device_(plant, hand, clock_),
+        delay_(static_cast<std::size_t>(plant.delay_ticks)),
+        preparer_(*pool_, clock_, settings_.method,
+                  [this](const PreparedFrame& frame) { receiver_.prepared(frame); }),
+        receiver_(preparer_, stream_, 1),
+        room_(std::make_unique<Room>(settings_, *pool_, stream_, user_, published_, nullptr)),
+        nailed_(script == nullptr) {
+    if (script != nullptr) device_.lead(*script, published_, "a script");
+    sent_N_.fill(Vec3::Zero());
+  }
+
+  /// Takes a payload as it came; false: it is refused and the connection is over.
+  bool receive(std::span<const std::uint8_t> payload) {
+    auto message = decode(payload);
+    if (message.ok() && take(std::move(message).value())) return true;
+    ++felt.refused;
+    disconnect();
+    return false;
+  }
+  void disconnect() {
+    welcomed_ = false;
+    receiver_.disconnected(clock_.now());
+  }
+  [[nodiscard]] bool welcomed() const { return welcomed_; }
+  /// A ping, as bytes.
+  [[nodiscard]] std::vector<std::uint8_t> ping() const { return encode(Ping{clock_.now()}); }
+  [[nodiscard]] LocalTime now() const { return clock_.now(); }
+  [[nodiscard]] const ReceiverCounts& counts() const { return receiver_.counts(); }
+  void rearm() {
+    ++wishes_.rearm;
+    user_.store(wishes_);
+  }
+
+  /// A millisecond passes, then the room ticks.
+  const TickReport& tick() {
+    clock_.advance(kTickPeriod);
+    const Vec3 sent_N = room_->report().force_N;
+    const Vec3 from_mm = device_.truePosition_mm();
+    const Vec3 speed_mm_s = device_.trueVelocity_mm_s();
+    DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), DeviceStatus::kOk}
+                                : device_.exchange(sent_N);
+    const TickReport& report = room_->tick(clock_.now(), state);
+    reckon(report, sent_N, nailed_ ? Vec3(Vec3::Zero()) : device_.truePosition_mm() - from_mm,
+           device_.trueVelocity_mm_s() - speed_mm_s, state.position_mm);
+    return report;
+  }
+  /// Where a nailed tip is, nominal mm.
+  void nail(const Vec3& nominal_mm) {
+    nail_mm_ = DeviceMapping::fit(Workspace{}, settings_.profile.workspace_mm).toDevice(nominal_mm);
+  }
+
+  Felt felt;
+
+ private:
+  bool take(Message message) {
+    if (auto* const frame = std::get_if<HapticFrame>(&message)) {
+      if (!welcomed_) return false;
+      receiver_.frame(std::move(*frame));
+      while (preparer_.step()) {
+      }
+      felt.rejected = receiver_.counts().reliefs_rejected;
+      return true;
+    }
+    if (const auto* const welcome = std::get_if<Welcome>(&message)) {
+      if (welcomed_) return false;
+      welcomed_ = true;
+      receiver_.connected(welcome->description, clock_.now());
+      return true;
+    }
+    if (const auto* const pong = std::get_if<Pong>(&message)) {
+      receiver_.pong(*pong, clock_.now());
+      return welcomed_;
+    }
+    const auto* const description = std::get_if<StreamDescription>(&message);
+    if (description == nullptr || !welcomed_) return false;
+    receiver_.describe(*description, clock_.now());
+    return true;
+  }
+
+  void reckon(const TickReport& report, const Vec3& sent_N, const Vec3& way_mm,
+              const Vec3& speed_change_mm_s, const Vec3& counted_mm) {
+    for (std::size_t i = sent_N_.size() - 1; i > 0; --i) sent_N_[i] = sent_N_[i - 1];
+    sent_N_[0] = sent_N;
+    const double before_mJ = felt.work_mJ.empty() ? 0.0 : felt.work_mJ.back();
+    felt.work_mJ.push_back(before_mJ + sent_N_[delay_].dot(way_mm));
+    const double step_N = (report.force_N - sent_N).norm();
+    const DeviceProfile& profile = settings_.profile;
+    const double stiffest_N_mm = 3.0 * profile.stiffness_N_mm;
+    const double hand_N =
+        nailed_ ? 0.0
+                : stiffest_N_mm * (counted_mm - counted_mm_).norm() +
+                      std::sqrt(stiffest_N_mm * 1e3 * profile.mass_kg) * 1e-3 *
+                          (speed_change_mm_s.norm() + profile.count_mm);
+    counted_mm_ = counted_mm;
+    felt.finite = felt.finite && report.force_N.allFinite();
+    felt.max_force_N = std::max(felt.max_force_N, report.force_N.norm());
+    const bool rises = report.force_N.norm() > sent_N.norm();
+    double& most_N = rises ? felt.max_rise_N : felt.max_fall_N;
+    most_N = std::max(most_N, step_N);
+    felt.max_unexplained_N = std::max(felt.max_unexplained_N, step_N - hand_N);
+    felt.interferences.push_back(report.interferences);
+    felt.contact.push_back(report.contact);
+    felt.last_force_N = report.force_N.norm();
+  }
+
+  ManualClock clock_;
+  RoomSettings settings_;
+  std::unique_ptr<FramePool> pool_ = std::make_unique<FramePool>();
+  LatestValue<StreamState> stream_;
+  LatestValue<UserControls> user_;
+  UserControls wishes_;
+  LatestValue<TickReport> published_;
+  VirtualDevice device_;
+  std::size_t delay_;
+  Preparer preparer_;
+  Receiver receiver_;
+  std::unique_ptr<Room> room_;
+  bool nailed_;
+  bool welcomed_ = false;
+  Vec3 nail_mm_ = Vec3::Zero();
+  Vec3 counted_mm_ = Vec3::Zero();
+  std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_;
+};
+
+/// A server with welcome(), messages(until_s) and answer(ping, now_s), times since its welcome, and a
+/// viewer that connects, pings, and comes back after a refusal, as the client does.
+template <class Server>
+TickReport converse(Server& server, VirtualViewer& viewer, double seconds) {
+  constexpr double kRetry_s = 0.2;
+  double welcomed_s = 0.0;
+  double next_try_s = 0.0;
+  double next_ping_s = 0.0;
+  int pings = 0;
+  TickReport last;
+  for (int tick = 0; tick < static_cast<int>(seconds * 1000.0); ++tick) {
+    const double now_s = tick * 1e-3;
+    const auto take = [&](std::span<const std::uint8_t> message) {
+      if (viewer.welcomed() && !viewer.receive(message)) next_try_s = now_s + kRetry_s;
+    };
+    if (!viewer.welcomed() && now_s >= next_try_s) {
+      (void)viewer.receive(server.welcome());
+      welcomed_s = next_ping_s = now_s;
+      pings = 0;
+    }
+    if (viewer.welcomed() && now_s >= next_ping_s) {
+      next_ping_s = now_s + (++pings < 8 ? 0.02 : 1.0);
+      const auto ping = decode(viewer.ping());
+      const auto answer = server.answer(std::get<Ping>(ping.value()), now_s - welcomed_s);
+      if (answer) take(*answer);
+    }
+    if (viewer.welcomed()) {
+      for (const auto& message : server.messages(now_s - welcomed_s)) take(message);
+    }
+    last = viewer.tick();
+  }
+  return last;
+}
+
+}  // namespace hapticast::client
