@@ -17,8 +17,8 @@ std::optional<std::string> ConnectionTeller::preparing(double share, LocalTime n
   if (share >= 1.0 || (told_share_ && share < *told_share_ + 0.25)) return std::nullopt;
   told_share_ = share;
   return limit_.let("the server looks through its clip first: " +
-                     std::to_string(std::lround(100.0 * share)) + " % done",
-                 now);
+                        std::to_string(std::lround(100.0 * share)) + " % done",
+                    now);
 }
 
 std::optional<std::string> ConnectionTeller::lost(const std::string& why, LocalTime now) {
@@ -27,8 +27,8 @@ std::optional<std::string> ConnectionTeller::lost(const std::string& why, LocalT
   told_ = true;
   told_at_ = now;
   return limit_.let(ever_connected_ ? server_ + ": " + why + "; trying again"
-                                 : "waiting for a server at " + server_ + " (" + why + ")",
-                 now);
+                                    : "waiting for a server at " + server_ + " (" + why + ")",
+                    now);
 }
 
 std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, LocalTime now) {

@@ -64,10 +64,11 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
             "The stiffest wall that an author may ask for; default: three times the profile's "
             "stiffness");
-  app.add_flag("--rearm", settings.rearm,
-               "After a lost device has come back, or after lost trust 5 s after the stream has become "
-               "calm (three times at most), the force returns by itself, faded in; without it, only "
-               "at the next start");
+  app.add_flag(
+      "--rearm", settings.rearm,
+      "After a lost device has come back, or after lost trust 5 s after the stream has become "
+      "calm (three times at most), the force returns by itself, faded in; without it, only "
+      "at the next start");
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {

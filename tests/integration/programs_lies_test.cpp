@@ -114,8 +114,8 @@ TEST_F(ProgramsLiesTest, AreLimitedAndTheUserIsTold) {
   }
   for (std::size_t i = 0; i < kLies.size(); ++i) {
     EXPECT_EQ(clients[i]->wait(kSoon), 0) << kLies[i].lie << clients[i]->output();
-    EXPECT_NE(clients[i]->output().find(kLies[i].said), std::string::npos)
-        << kLies[i].lie << ":\n" << clients[i]->output();
+    EXPECT_NE(clients[i]->output().find(kLies[i].said), std::string::npos) << kLies[i].lie << ":\n"
+                                                                           << clients[i]->output();
     const std::string output = clients[i]->output();
     EXPECT_LE(std::count(output.begin(), output.end(), '\n'), 24) << output;
     expectSafe(kLies[i].lie);

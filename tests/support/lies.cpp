@@ -28,9 +28,7 @@ constexpr auto kLimited = Verdict::kLimited;
 constexpr auto kTrustLost = Verdict::kTrustLost;
 constexpr auto kHarmless = Verdict::kHarmless;
 
-double square(double t_s, double hz) {
-  return std::fmod(t_s * hz + 1e-9, 1.0) < 0.5 ? 1.0 : -1.0;
-}
+double square(double t_s, double hz) { return std::fmod(t_s * hz + 1e-9, 1.0) < 0.5 ? 1.0 : -1.0; }
 double wave(double t_s, double hz, double phase = 0.0) {
   return std::sin(2.0 * std::numbers::pi * hz * t_s + phase);
 }
@@ -69,8 +67,7 @@ void moveTo(Telling& telling, double height_mm, double velocity_mm_s = 0.0) {
 auto heave(double hz, double amplitude_mm) {
   return [=](Telling& t) {
     const double w = 2.0 * std::numbers::pi * hz;
-    moveTo(t, 10.0 + amplitude_mm * wave(t.t_s, hz),
-           amplitude_mm * w * std::cos(w * t.t_s));
+    moveTo(t, 10.0 + amplitude_mm * wave(t.t_s, hz), amplitude_mm * w * std::cos(w * t.t_s));
     t.motion().acceleration_mm_s2.z() = -amplitude_mm * w * w * wave(t.t_s, hz);
   };
 }
@@ -80,8 +77,7 @@ std::shared_ptr<MotionGrid> gridOf(const PixelRect& rect, const Eigen::Vector3f&
   auto grid = std::make_shared<MotionGrid>();
   grid->columns = gridCells(rect.width);
   grid->rows = gridCells(rect.height);
-  const auto cells =
-      static_cast<std::size_t>(grid->columns) * static_cast<std::size_t>(grid->rows);
+  const auto cells = static_cast<std::size_t>(grid->columns) * static_cast<std::size_t>(grid->rows);
   grid->velocity_mm_s.assign(cells, velocity_mm_s);
   grid->acceleration_mm_s2.assign(cells, acceleration_mm_s2);
   return grid;
@@ -181,12 +177,14 @@ Lies structure() {
          const Bytes also = encode(Ping{});
          t.bytes->insert(t.bytes->end(), also.begin(), also.end());
        })},
-      {"structure_clients_word", kHold, kRefused,
-       later([](Telling& t) { t.bytes = encode(Hello{kProtocolVersion, "liar", false, true}); })},
+      {"structure_clients_word", kHold, kRefused, later([](Telling& t) {
+         t.bytes = encode(Hello{kProtocolVersion, "liar", false, true});
+       })},
       {"structure_second_welcome", kHold, kRefused,
        later([](Telling& t) { t.bytes = encode(Welcome{}); })},
-      {"structure_beyond_1920", kHold, kRefused,
-       later([](Telling& t) { t.shows(flatRelief({1915, 10, 20, 20})); })},
+      {"structure_beyond_1920", kHold, kRefused, later([](Telling& t) {
+         t.shows(flatRelief({1915, 10, 20, 20}));
+       })},
       {"structure_no_pixel", kHold, kRefused, later([](Telling& t) {
          auto relief = flatRelief(kPlateau_px);
          std::fill(relief->mask.begin(), relief->mask.end(), std::uint8_t{0});
@@ -201,8 +199,9 @@ Lies structure() {
        })},
       {"structure_twins", kHold, kRefused,
        later([](Telling& t) { t.frame.objects.push_back(t.object()); })},
-      {"structure_5_impacts", kHold, kRefused,
-       later([](Telling& t) { t.object().impacts.assign(5, {t.frame.media_time, {}}); })},
+      {"structure_5_impacts", kHold, kRefused, later([](Telling& t) {
+         t.object().impacts.assign(5, {t.frame.media_time, {}});
+       })},
       {"structure_giant_grid", kHold, kRefused, later([](Telling& t) {
          auto grid = gridOf(kPlateau_px, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero());
          grid->columns = grid->rows = 60000;
@@ -214,16 +213,17 @@ Lies structure() {
          t.object().grid = grid;
        })},
       {"structure_layer_16", kHold, kRefused, later([](Telling& t) { t.object().layer = 16; })},
-      {"structure_unknown_label", kHold, kRefused, later([](Telling& t) {
-         t.motion().reference_point = static_cast<ReferencePoint>(9);
-       })},
+      {"structure_unknown_label", kHold, kRefused,
+       later([](Telling& t) { t.motion().reference_point = static_cast<ReferencePoint>(9); })},
       {"structure_tall", kHold, kRefused,
        later([](Telling& t) { t.shows(flatRelief(kPlateau_px, 3000.0F)); })},
-      {"outside", kHold, kRefused,
-       later([](Telling& t) { t.shows(flatRelief({600, 100, 80, 80})); })},
+      {"outside", kHold, kRefused, later([](Telling& t) {
+         t.shows(flatRelief({600, 100, 80, 80}));
+       })},
       {"too_high", kHold, kRefused,
        later([](Telling& t) { t.shows(flatRelief(kPlateau_px, 200.0F)); })},
-      {"friction_10", kHold, kRefused, later([](Telling& t) { t.material().static_friction = 10.0; })},
+      {"friction_10", kHold, kRefused,
+       later([](Telling& t) { t.material().static_friction = 10.0; })},
       {"negative_stiffness", kHold, kRefused,
        later([](Telling& t) { t.material().stiffness_N_mm = -1000.0; })},
       {"negative_damping", kHold, kRefused,
@@ -247,8 +247,7 @@ Lies order() {
        }},
       {"ids_backwards", kHold, kHarmless, [](Telling& t) { t.frame.id = 1'000'000 - t.n; }},
       {"ids_leap", kHold, kHarmless, [](Telling& t) { t.frame.id = t.n % 2 * 1'000'000 + t.n; }},
-      {"ids_stand", kHold, kHarmless,
-       later([](Telling& t) { t.frame.id = 30; })},
+      {"ids_stand", kHold, kHarmless, later([](Telling& t) { t.frame.id = 30; })},
       {"epoch_flips", kHold, kLimited,
        [](Telling& t) {
          t.frame.epoch = static_cast<std::uint32_t>(t.n % 2);
@@ -292,8 +291,7 @@ Lies order() {
        later([](Telling& t) { t.frame.media_time = mediaTime(9.2e9); })},
       {"times_random", kHold, kHarmless,
        later([](Telling& t) { t.frame.media_time += fromSeconds(t.between(-0.5, 0.5)); })},
-      {"times_dense", kHold, kHarmless,
-       later([](Telling& t) {
+      {"times_dense", kHold, kHarmless, later([](Telling& t) {
          t.frame.media_time = mediaTime(501.2 + 1e-6 * static_cast<double>(t.n));
        })},
       {"clock_jumps_1_s", kHold, kHarmless, [](Telling&) {}, nullptr,
@@ -320,10 +318,8 @@ Lies geometry() {
        [](Telling& t) {
          t.shows(shape([&](double, double) { return t.between(0.0, 1.0) < 0.02 ? 30.0 : 10.0; }));
        }},
-      {"strobe_2mm", kHold, kHarmless,
-       [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 10.0 : 12.0); }},
-      {"strobe_20mm", kHold, kTrustLost,
-       [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0); }},
+      {"strobe_2mm", kHold, kHarmless, [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 10.0 : 12.0); }},
+      {"strobe_20mm", kHold, kTrustLost, [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0); }},
       {"strobe_20mm_new_ids", kHold, kLimited,
        [](Telling& t) {
          moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0);
@@ -409,9 +405,7 @@ auto accelerate(double hz, int axis, double amplitude_mm_s2) {
     t.motion().acceleration_mm_s2[axis] = amplitude_mm_s2 * square(t.t_s, hz);
   };
 }
-void announceAll(StreamDescription& description) {
-  description.largest_acceleration_mm_s2 = 1e8;
-}
+void announceAll(StreamDescription& description) { description.largest_acceleration_mm_s2 = 1e8; }
 void announceSmall(StreamDescription& description) {
   description.largest_acceleration_mm_s2 = 1.0;
   description.mass_kg = 1000.0;
@@ -422,7 +416,9 @@ Lies motion() {
       {"acceleration_1e8", kHold, kTrustLost,
        [](Telling& t) { t.motion().acceleration_mm_s2.z() = 1e8; }},
       {"acceleration_1e8_described", kShallow, kTrustLost,
-       [](Telling& t) { t.motion().acceleration_mm_s2 = {1e8 * square(t.t_s, 4.0), 0.0, 0.0}; },
+       [](Telling& t) {
+         t.motion().acceleration_mm_s2 = {1e8 * square(t.t_s, 4.0), 0.0, 0.0};
+       },
        announceAll},
       {"acceleration_1e8_z_described", kHold, kTrustLost, accelerate(4.0, 2, 1e8), announceAll},
       {"acc_square_4hz_x", kShallow, kTrustLost, accelerate(4.0, 0, 1e5)},
@@ -604,8 +600,14 @@ Lies material() {
          };
          t.shows(plate(t.between(0.0, 30.0), static_cast<int>(t.between(-60.0, 60.0)),
                        static_cast<int>(t.between(-60.0, 60.0))));
-         t.motion() = {any(30.0), any(1e3), any(1e6), t.between(-3.0, 3.0), t.between(-10.0, 10.0),
-                       ReferencePoint::kUnknown, t.between(0.0, 1.0), t.between(0.0, 1.0)};
+         t.motion() = {any(30.0),
+                       any(1e3),
+                       any(1e6),
+                       t.between(-3.0, 3.0),
+                       t.between(-10.0, 10.0),
+                       ReferencePoint::kUnknown,
+                       t.between(0.0, 1.0),
+                       t.between(0.0, 1.0)};
          t.object().impacts = {{t.frame.media_time, any(1e4)}};
          t.object().grid = gridOf(kPlateau_px, any(1e3).cast<float>(), any(1e5).cast<float>());
          t.material() = {t.between(0.0, 5.0), t.between(0.0, 50.0), t.between(0.0, 1.5),

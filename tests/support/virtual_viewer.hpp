@@ -25,7 +25,7 @@ namespace hapticast::client {
 struct Felt {
   bool finite = true;
   double max_force_N = 0.0;
-  double max_rise_N = 0.0;         ///< from tick to tick
+  double max_rise_N = 0.0;  ///< from tick to tick
   double max_fall_N = 0.0;
   double max_unexplained_N = 0.0;  ///< step beyond K_max |dx| + B |dv| of the tip
   std::vector<double> work_mJ;     ///< into the hand, up to each tick
@@ -51,7 +51,8 @@ struct Felt {
   [[nodiscard]] double netWork_mJ(double from_s, double seconds) const {
     const auto window = static_cast<std::size_t>(seconds * 1000.0);
     double most_mJ = -1e9;
-    for (auto end = static_cast<std::size_t>(from_s * 1000.0) + window; end < work_mJ.size(); ++end) {
+    for (auto end = static_cast<std::size_t>(from_s * 1000.0) + window; end < work_mJ.size();
+         ++end) {
       most_mJ = std::max(most_mJ, work_mJ[end] - work_mJ[end - window]);
     }
     return most_mJ;
@@ -152,11 +153,10 @@ class VirtualViewer {
     const double step_N = (report.force_N - sent_N).norm();
     const DeviceProfile& profile = settings_.profile;
     const double stiffest_N_mm = 3.0 * profile.stiffness_N_mm;
-    const double hand_N =
-        nailed_ ? 0.0
-                : stiffest_N_mm * (counted_mm - counted_mm_).norm() +
-                      std::sqrt(stiffest_N_mm * 1e3 * profile.mass_kg) * 1e-3 *
-                          (speed_change_mm_s.norm() + profile.count_mm);
+    const double hand_N = nailed_ ? 0.0
+                                  : stiffest_N_mm * (counted_mm - counted_mm_).norm() +
+                                        std::sqrt(stiffest_N_mm * 1e3 * profile.mass_kg) * 1e-3 *
+                                            (speed_change_mm_s.norm() + profile.count_mm);
     counted_mm_ = counted_mm;
     felt.finite = felt.finite && report.force_N.allFinite();
     felt.max_force_N = std::max(felt.max_force_N, report.force_N.norm());
@@ -188,8 +188,8 @@ class VirtualViewer {
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_;
 };
 
-/// A server with welcome(), messages(until_s) and answer(ping, now_s), times since its welcome, and a
-/// viewer that connects, pings, and comes back after a refusal, as the client does.
+/// A server with welcome(), messages(until_s) and answer(ping, now_s), times since its welcome, and
+/// a viewer that connects, pings, and comes back after a refusal, as the client does.
 template <class Server>
 TickReport converse(Server& server, VirtualViewer& viewer, double seconds) {
   constexpr double kRetry_s = 0.2;

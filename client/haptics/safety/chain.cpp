@@ -63,7 +63,6 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
     trust_profile_ = false;
     setDelay(profile_delay_ticks_);
   }
-  if (in.doubted) out.interferences |= bit(Interference::kDoubted);
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
   const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = halts(in, out);
@@ -209,6 +208,7 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
 
 Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
                                SafetyOutput& out) noexcept {
+  if (in.doubted) out.interferences |= bit(Interference::kDoubted);
   const bool finite = in.dynamic_N.allFinite();
   if (!finite) {
     out.not_finite = true;

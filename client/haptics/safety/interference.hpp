@@ -27,8 +27,9 @@ enum class Interference : std::uint8_t {
   kDoubted,       ///< the stream's own frames do not bear out what it says: not believed
 };
 inline constexpr std::array<const char*, 16> kInterferenceNames = {
-    "not_finite", "surface_speed", "stiffness", "no_pull",   "peak", "slew",    "fade",    "unarmed",
-    "residue",    "jump",          "damping",   "passivity", "tank", "thermal", "latency", "doubted"};
+    "not_finite", "surface_speed", "stiffness", "no_pull", "peak",    "slew",
+    "fade",       "unarmed",       "residue",   "jump",    "damping", "passivity",
+    "tank",       "thermal",       "latency",   "doubted"};
 constexpr std::uint32_t bit(Interference which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }

@@ -17,9 +17,9 @@ class Trust {
   /// What counts, measured (client/haptics/README.md): what a stream does and a hand cannot. A hand
   /// reaches the peak, a cut leaves it unarmed, an author asks for stiff walls, a device that
   /// answers late makes a contact give energy: these do not count.
-  static constexpr std::array<Interference, 4> kCounted = {
-      Interference::kDoubted, Interference::kTank, Interference::kSlew,
-      Interference::kSurfaceSpeed};
+  static constexpr std::array<Interference, 4> kCounted = {Interference::kDoubted,
+                                                           Interference::kTank, Interference::kSlew,
+                                                           Interference::kSurfaceSpeed};
 
   /// What was done in a tick, a bit for each interference.
   void add(std::uint32_t interferences) noexcept;
@@ -31,9 +31,9 @@ class Trust {
   void renew() noexcept { *this = Trust(); }
 
  private:
-  // Measured: honest streams come to 43 (a ball that bounces: 14 ticks an impact, and the tank), the
-  // gentlest lie that shakes without end to 198. Chosen between them, nearer to what is honest and
-  // has not been measured: a drum is struck seven times a second before it is distrusted.
+  // Measured: honest streams come to 43 (a ball that bounces: 14 ticks an impact, and the tank),
+  // the gentlest lie that shakes without end to 198. Chosen between them, nearer to what is honest
+  // and has not been measured: a drum is struck seven times a second before it is distrusted.
   static constexpr double kMemory_ticks = 2000.0;
   static constexpr double kMost_ticks = 200.0;
   double ticks_ = 0.0;  // with interference, forgotten within the memory

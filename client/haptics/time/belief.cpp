@@ -69,7 +69,9 @@ Belief beliefIn(const Sightings& seen) noexcept {
   const auto moved = [&](std::size_t i) noexcept {
     return seen.object[i]->field != seen.object[i + 1]->field;
   };
-  const auto motion = [&](std::size_t i) noexcept -> const Motion& { return seen.object[i]->motion; };
+  const auto motion = [&](std::size_t i) noexcept -> const Motion& {
+    return seen.object[i]->motion;
+  };
   const Largest path = largestOf<Vec3>(
       seen,
       [&](std::size_t i) noexcept -> Vec3 {
@@ -78,8 +80,7 @@ Belief beliefIn(const Sightings& seen) noexcept {
       },
       [&](std::size_t i) noexcept -> Vec3 { return motion(i).velocity_mm_s; });
   const Largest turning = largestOf<double>(
-      seen,
-      [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
+      seen, [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
       [&](std::size_t i) noexcept { return motion(i).angular_velocity_rad_s; });
   constexpr std::size_t kNow = Sightings::kNow;
   const bool deforms =

@@ -14,7 +14,7 @@ namespace hapticast::client {
 /// The most that is believed of one object between two frames, nominal mm.
 struct Belief {
   double acceleration_mm_s2 = std::numeric_limits<double>::infinity();  ///< of the reference point
-  double grid_mm_s2 = std::numeric_limits<double>::infinity();  ///< that a grid adds to it
+  double grid_mm_s2 = std::numeric_limits<double>::infinity();          ///< that a grid adds to it
   double impact_mm_s = std::numeric_limits<double>::infinity();
   double turn_rad_s = std::numeric_limits<double>::infinity();
   double turn_rate_rad_s2 = std::numeric_limits<double>::infinity();

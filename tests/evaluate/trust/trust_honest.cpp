@@ -112,8 +112,7 @@ struct HonestRun {
 
 void play(HonestRun& run) {
   const HandScript script = scriptOf(run.kind);
-  auto viewer =
-      std::make_unique<VirtualViewer>(RoomSettings{}, PlantProfile{}, run.hand, &script);
+  auto viewer = std::make_unique<VirtualViewer>(RoomSettings{}, PlantProfile{}, run.hand, &script);
   HonestServer server(run.stream->stream, run.lost);
   run.last = converse(server, *viewer, run.stream->stream.frames.back().time_s + 1.0);
   run.felt = std::move(viewer->felt);
@@ -127,14 +126,13 @@ struct Worst {
 };
 
 double share(const client::Felt& felt, Interference which) {
-  const auto acted =
-      std::count_if(felt.interferences.begin(), felt.interferences.end(),
-                    [=](std::uint32_t each) { return (each & bit(which)) != 0; });
+  const auto acted = std::count_if(felt.interferences.begin(), felt.interferences.end(),
+                                   [=](std::uint32_t each) { return (each & bit(which)) != 0; });
   return double(acted) / double(felt.interferences.size());
 }
 
 /// The highest that what costs trust came to, forgotten within 2 s.
-double score_ticks(const client::Felt& felt) {
+double highestScore(const client::Felt& felt) {
   double now = 0.0;
   double most = 0.0;
   for (const std::uint32_t each : felt.interferences) {
@@ -150,7 +148,7 @@ void take(Worst& worst, const HonestRun& run) {
   worst.doubted = std::max(worst.doubted, share(run.felt, Interference::kDoubted));
   worst.tank = std::max(worst.tank, share(run.felt, Interference::kTank));
   worst.slew = std::max(worst.slew, share(run.felt, Interference::kSlew));
-  worst.score_ticks = std::max(worst.score_ticks, score_ticks(run.felt));
+  worst.score_ticks = std::max(worst.score_ticks, highestScore(run.felt));
   worst.work_mJ = std::max(worst.work_mJ, run.felt.mostWork_mJ(10.0));
   worst.lost_trust += run.last.halt == Halt::kNone ? 0 : 1;
 }
@@ -194,11 +192,12 @@ void stabilityHonest(const StabilityReport& to) {
                 all.doubted <= 1e-3);
   to.claims.add("honest streams: ticks shortened by the tank, worst run", "<= 0.1 %",
                 percent(all.tank), all.tank <= 1e-3);
-  to.report.say("### Honest streams\n\nScenes of the server, bodies in fast motion and the clips, "
-                "through vision and wire; hands that press, slide, follow and stand still, light "
-                "and firm; the worst run of each. A blow of 2 N is slowed by the slew limit in 13 "
-                "ticks: that is what `slew` counts.\n\n" +
-                markdown(lines));
+  to.report.say(
+      "### Honest streams\n\nScenes of the server, bodies in fast motion and the clips, "
+      "through vision and wire; hands that press, slide, follow and stand still, light "
+      "and firm; the worst run of each. A blow of 2 N is slowed by the slew limit in 13 "
+      "ticks: that is what `slew` counts.\n\n" +
+      markdown(lines));
 }
 
 }  // namespace hapticast::evaluate

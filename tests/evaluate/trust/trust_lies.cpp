@@ -19,11 +19,17 @@ struct LieRun {
 };
 
 // The surface rests and nothing else pushes: what the hand gets comes through the relative port.
-const std::set<std::string> kRelative = {
-    "stiff_pump_7hz",        "stiff_square_10hz",      "stiffness_flip",
-    "stiff_pump_in_step_0",  "stiff_pump_in_step_90",  "stiff_pump_in_step_180",
-    "stiff_pump_in_step_270", "stiff_pump_bounded_7hz", "friction_1_5_stroke",
-    "friction_pump",         "stiff_noise"};
+const std::set<std::string> kRelative = {"stiff_pump_7hz",
+                                         "stiff_square_10hz",
+                                         "stiffness_flip",
+                                         "stiff_pump_in_step_0",
+                                         "stiff_pump_in_step_90",
+                                         "stiff_pump_in_step_180",
+                                         "stiff_pump_in_step_270",
+                                         "stiff_pump_bounded_7hz",
+                                         "friction_1_5_stroke",
+                                         "friction_pump",
+                                         "stiff_noise"};
 
 constexpr double kTouched_s = 2.0;  // the hand has come by then
 
@@ -34,7 +40,8 @@ void stabilityLies(const StabilityReport& to) {
   const double net_s = to.options.quick ? 3.0 : 10.0;
   std::vector<LieRun> runs;
   for (const testing::Lie& lie : testing::lies()) runs.push_back({&lie, {}});
-  onAllCores(runs.size(), [&](std::size_t i) { runs[i].got = lieTo(*runs[i].lie, seconds); });
+  onAllCores(runs.size(),
+             [&](std::size_t i) { runs[i].got = client::lieTo(*runs[i].lie, seconds); });
   std::vector<std::vector<std::string>> lines{
       {"lie", "verdict", "force N", "mJ in 10 s", "step N up", "down", "step not the tip's N"}};
   double most_mJ = 0.0;
@@ -60,11 +67,13 @@ void stabilityLies(const StabilityReport& to) {
                 "<= 3.3 N", text("%.2f N", most_N), finite && most_N <= 3.3 + 1e-9);
   to.claims.add("lies: net work on the user's port, largest over any 10 s", "<= 500 mJ (aim 100)",
                 text("%.0f mJ", most_mJ), most_mJ <= 500.0);
-  to.claims.add(text("lies: relative port under pumped stiffness and friction, net of %.0f s", net_s),
-                "<= 3 mJ (aim 1)", text("%.1f mJ", relative_mJ), relative_mJ <= 3.0);
-  to.report.say("### Lying streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
-                "K_max times its counted way and B times its true change of speed.\n\n" +
-                markdown(lines));
+  to.claims.add(
+      text("lies: relative port under pumped stiffness and friction, net of %.0f s", net_s),
+      "<= 3 mJ (aim 1)", text("%.1f mJ", relative_mJ), relative_mJ <= 3.0);
+  to.report.say(
+      "### Lying streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
+      "K_max times its counted way and B times its true change of speed.\n\n" +
+      markdown(lines));
 }
 
 }  // namespace hapticast::evaluate

@@ -57,7 +57,8 @@ TEST(SafetyMeters, WhatTheSlewLimitHoldsBackIsNotTheWalls) {
     for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitZ())}) {
       const PlantProfile profile = omni(1.0, 1);
       SafetyLinks links;
-      links.trust = links.tank = links.passivity = links.thermal = false;  // only the slew limit acts
+      links.trust = links.tank = links.passivity = links.thermal =
+          false;  // only the slew limit acts
       Rig rig(profile, profile, Hand::light(), links);
       pressIn(rig);
       rig.clear();

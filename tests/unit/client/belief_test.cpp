@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// How far a stream is believed: what frames bear out, and what only one of them says.
+#include "client/haptics/time/belief.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/support/frame_builder.hpp"
+
+namespace hapticast::client {
+namespace {
+
+constexpr double kStep_s = 0.04;
+using MotionAt = std::function<Motion(double time_s)>;
+
+class BeliefTest : public ::testing::Test {
+ protected:
+  /// Five frames of a body whose relief moves with it, the third at `time_s`.
+  Belief of(const MotionAt& motion, double time_s, bool moves = true) {
+    Sightings seen;
+    for (std::size_t i = 0; i < Sightings::kFrames; ++i) {
+      objects_[i] = PlayObject{};
+      objects_[i].motion = motion(time_s + kStep_s * (static_cast<double>(i) - 2.0));
+      objects_[i].field = &fields_[moves ? i : 0];
+      seen.object[i] = &objects_[i];
+    }
+    seen.interval_s.fill(kStep_s);
+    return beliefIn(seen);
+  }
+  static MotionAt swinging(double hz, double amplitude_mm) {
+    return [=](double t) {
+      const double w = 2.0 * M_PI * hz;
+      Motion motion;
+      motion.position_mm.z() = amplitude_mm * std::sin(w * t);
+      motion.velocity_mm_s.z() = amplitude_mm * w * std::cos(w * t);
+      motion.acceleration_mm_s2.z() = -amplitude_mm * w * w * std::sin(w * t);
+      return motion;
+    };
+  }
+
+  std::array<PlayObject, Sightings::kFrames> objects_;
+  std::array<HeightField, Sightings::kFrames> fields_;
+};
+
+TEST_F(BeliefTest, ABodyAtRestHasNoAccelerationWhateverItSays) {
+  Motion lie;
+  lie.acceleration_mm_s2.z() = 1e8;
+  const Belief belief = of([&](double) { return lie; }, 1.0);
+  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(belief.impact_mm_s, 0.0);
+  EXPECT_EQ(belief.turn_rad_s, 0.0);
+  EXPECT_EQ(belief.turn_rate_rad_s2, 0.0);
+}
+
+TEST_F(BeliefTest, VelocitiesThatThePositionsDoNotFollowBearNothingOut) {
+  const Belief belief = of(
+      [](double t) {
+        Motion motion;
+        motion.velocity_mm_s.x() = std::fmod(t, 0.08) < 0.04 ? 1000.0 : -1000.0;
+        motion.angular_velocity_rad_s = motion.velocity_mm_s.x();
+        return motion;
+      },
+      1.0);
+  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(belief.impact_mm_s, 0.0);
+  EXPECT_EQ(belief.turn_rate_rad_s2, 0.0);
+}
+
+TEST_F(BeliefTest, PositionsThatAReliefDoesNotFollowBearNothingOut) {
+  const Belief belief = of(swinging(4.0, 5.0), 1.0, /*moves=*/false);
+  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(belief.grid_mm_s2, 0.0);
+}
+
+TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
+  for (const double hz : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
+    for (int i = 0; i < 100; ++i) {
+      const double time_s = i * 0.013;
+      const Belief belief = of(swinging(hz, 5.0), time_s);
+      const Motion told = swinging(hz, 5.0)(time_s);
+      EXPECT_GE(belief.acceleration_mm_s2, told.acceleration_mm_s2.norm())
+          << hz << " Hz at " << time_s;
+    }
+  }
+}
+
+TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
+  for (const double into : {0.1, 0.5, 0.9}) {  // of the interval
+    const double hit_s = 1.0 + into * kStep_s;
+    const Belief belief = of(
+        [=](double t) {
+          const double speed_mm_s = t < hit_s ? -400.0 : 400.0;
+          Motion motion;
+          motion.position_mm.z() = speed_mm_s * (t - hit_s);
+          motion.velocity_mm_s.z() = speed_mm_s;
+          return motion;
+        },
+        1.0);
+    EXPECT_GE(belief.impact_mm_s, 800.0) << into;
+    EXPECT_LE(belief.impact_mm_s, 2.0 * 800.0) << into;
+  }
+}
+
+TEST_F(BeliefTest, WithoutNeighboursOnlyWhatIsThereCounts) {
+  const PlayObject alone;
+  Sightings seen;
+  seen.object[Sightings::kNow] = &alone;
+  const Belief belief = beliefIn(seen);
+  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(belief.impact_mm_s, 0.0);
+}
+
+}  // namespace
+}  // namespace hapticast::client

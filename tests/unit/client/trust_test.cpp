@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// Trust in a stream: lost, told, forgiven.
+#include "client/haptics/safety/trust.hpp"
+
+#include <gtest/gtest.h>
+
+#include "client/rearm.hpp"
+#include "client/touch_teller.hpp"
+#include "tests/support/rig.hpp"
+
+namespace hapticast::client {
+namespace {
+
+constexpr std::uint32_t kTankBit = bit(Interference::kTank);
+
+TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
+  Trust lasting;
+  int ticks = 0;
+  for (; !lasting.lost() && ticks < 10000; ++ticks) lasting.add(kTankBit);
+  EXPECT_NEAR(ticks, 210, 5) << "0.2 s of nothing but interference";
+  Trust rare;  // a blow of 14 ticks twice a second, for a minute
+  for (int i = 0; i < 60000; ++i) {
+    rare.add(i % 500 < 14 ? bit(Interference::kSlew) : 0);
+    ASSERT_FALSE(rare.lost()) << i;
+  }
+  Trust often;  // a shake that is slowed in every seventh tick
+  for (int i = 0; i < 60000; ++i) often.add(i % 7 == 0 ? bit(Interference::kSlew) : 0);
+  EXPECT_TRUE(often.lost());
+}
+
+TEST(Trust, CountsWhatAStreamDoesAndAHandCannot) {
+  using enum Interference;
+  for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
+    const auto which = static_cast<Interference>(i);
+    const bool counts =
+        which == kDoubted || which == kTank || which == kSlew || which == kSurfaceSpeed;
+    Trust trust;
+    for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which));
+    EXPECT_EQ(trust.lost(), counts) << kInterferenceNames[i];
+    if (counts) {
+      EXPECT_EQ(trust.mostly(), which);
+    }
+  }
+}
+
+TEST(Trust, SeveralInOneTickAreOne) {
+  Trust trust;
+  for (int i = 0; i < 150; ++i) trust.add(kTankBit | bit(Interference::kSlew));
+  EXPECT_FALSE(trust.lost());
+  for (int i = 0; i < 100; ++i) trust.add(kTankBit);
+  EXPECT_TRUE(trust.lost());
+  EXPECT_EQ(trust.mostly(), Interference::kTank);
+  trust.renew();
+  EXPECT_FALSE(trust.lost());
+}
+
+TEST(SafetyTrust, EndsAForceThatShakesAndWaitsForTheUser) {
+  const PlantProfile profile = omni(0.5, 1);
+  Rig rig(profile, profile, Hand::light());
+  rig.device.reset({0.0, 0.0, -1.0}, Vec3::Zero());
+  rig.device.setTarget({0.0, 0.0, -5.0});
+  int lost = 0;
+  for (int i = 0; i < 6000; ++i) {
+    rig.dynamic_N = {i % 250 < 125 ? 1.6 : -1.6, 0.0, 0.0};
+    lost += rig.step().trust_lost ? 1 : 0;
+  }
+  EXPECT_EQ(lost, 1) << "told once";
+  EXPECT_EQ(rig.chain.halt(), Halt::kTrustLost);
+  EXPECT_EQ(rig.out.force_N, Vec3::Zero());
+  EXPECT_EQ(rig.max_excess_N, 0.0) << "it ramped down";
+  rig.dynamic_N.setZero();
+  rig.run(2000);
+  EXPECT_EQ(rig.out.force_N, Vec3::Zero()) << "a stream that calms down is not trusted for it";
+  rig.device.setTarget({0.0, 0.0, 10.0});
+  rig.run(500);
+  rig.chain.rearm();
+  rig.device.setTarget({0.0, 0.0, -3.0});
+  rig.run(1500);
+  EXPECT_EQ(rig.chain.halt(), Halt::kNone);
+  EXPECT_GT(rig.out.force_N.z(), 0.3);
+}
+
+/// A report at a time.
+TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
+  TickReport report;
+  report.time = localTime(time_s);
+  report.halt = halt;
+  report.interferences = interferences;
+  report.distrusted = Interference::kTank;
+  report.lookup = Lookup::kInterpolated;
+  return report;
+}
+
+TEST(Rearm, ForgivesThreeTimesFiveCalmSecondsAfterTheLast) {
+  Rearm rearm(true);
+  double now_s = 10.0;
+  for (int time = 3; time > 0; --time) {
+    EXPECT_EQ(rearm.left(), time);
+    EXPECT_FALSE(rearm.take(at(now_s, Halt::kTrustLost, kTankBit)));
+    EXPECT_FALSE(rearm.take(at(now_s + 3.0, Halt::kTrustLost, bit(Interference::kDoubted))));
+    EXPECT_FALSE(rearm.take(at(now_s + 7.9, Halt::kTrustLost)));
+    EXPECT_TRUE(rearm.take(at(now_s + 8.1, Halt::kTrustLost)));
+    EXPECT_FALSE(rearm.take(at(now_s + 8.101, Halt::kTrustLost))) << "the loop is on its way";
+    EXPECT_FALSE(rearm.take(at(now_s + 8.102, Halt::kNone)));
+    now_s += 20.0;
+  }
+  EXPECT_EQ(rearm.left(), 0);
+  EXPECT_FALSE(rearm.take(at(now_s, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.take(at(now_s + 100.0, Halt::kTrustLost)));
+}
+
+TEST(Rearm, BringsADeviceBackAsOftenAsItComes) {
+  Rearm rearm(true);
+  for (int i = 0; i < 10; ++i) {
+    TickReport lost = at(i, Halt::kDeviceLost);
+    lost.device = DeviceStatus::kLost;
+    EXPECT_FALSE(rearm.take(lost));
+    EXPECT_TRUE(rearm.take(at(i + 0.5, Halt::kDeviceLost)));
+    EXPECT_FALSE(rearm.take(at(i + 0.6, Halt::kNone)));
+  }
+}
+
+TEST(Rearm, WithoutTheFlagNothingComesBack) {
+  Rearm rearm(false);
+  EXPECT_EQ(rearm.left(), 0);
+  EXPECT_FALSE(rearm.take(at(1.0, Halt::kDeviceLost)));
+  EXPECT_FALSE(rearm.take(at(100.0, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.take(at(200.0, Halt::kStopped)));
+}
+
+TEST(TouchTeller, SaysWhyThereIsNoForceAndThatItIsBack) {
+  TouchTeller teller;
+  EXPECT_FALSE(teller.take(at(1.0, Halt::kNone), 0));
+  EXPECT_EQ(teller.take(at(2.0, Halt::kTrustLost), 0),
+            "the stream is not trusted any more, too much of it had to be held back (mostly: "
+            "energy into the hand was held back): no force from now on; start again, or with "
+            "--rearm, to touch it");
+  EXPECT_FALSE(teller.take(at(3.0, Halt::kTrustLost), 0));
+  EXPECT_EQ(teller.take(at(4.0, Halt::kNone), 0), "re-armed: the force comes back");
+  EXPECT_EQ(teller.take(at(5.0, Halt::kTrustLost), 1),
+            "the stream is not trusted any more, too much of it had to be held back (mostly: "
+            "energy into the hand was held back): no force until it has been calm for 5 s, which "
+            "is forgiven 1 more time");
+  EXPECT_TRUE(
+      teller.take(at(6.0, Halt::kDeviceLost), 0)->starts_with("the device does not answer"));
+  EXPECT_FALSE(teller.take(at(7.0, Halt::kStopped), 0)) << "the end is no news";
+}
+
+TEST(TouchTeller, SaysThatFramesStayOutAndComeAgain) {
+  TouchTeller teller;
+  TickReport report = at(1.0, Halt::kNone);
+  EXPECT_FALSE(teller.take(report, 0));
+  report.lookup = Lookup::kHeld;
+  EXPECT_FALSE(teller.take(report, 0));
+  report.lookup = Lookup::kFaded;
+  EXPECT_EQ(teller.take(report, 0), "no new frames come: the force has faded");
+  EXPECT_FALSE(teller.take(report, 0));
+  report.lookup = Lookup::kInterpolated;
+  EXPECT_EQ(teller.take(report, 0), "frames come again");
+}
+
+TEST(TouchTeller, SaysAtMostTwelveThingsAMinute) {
+  TouchTeller teller;
+  int lines = 0;
+  for (int i = 0; i < 59'000; ++i) {
+    TickReport report = at(1.0 + i * 1e-3, i % 7 < 3 ? Halt::kTrustLost : Halt::kNone,
+                           bit(Interference::kStiffness));
+    report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
+    lines += teller.take(report, 3) ? 1 : 0;
+  }
+  EXPECT_EQ(lines, LineLimit::kLines);
+}
+
+TEST(TouchTeller, SaysOnceAMinuteThatAWallIsSofter) {
+  TouchTeller teller;
+  int lines = 0;
+  for (int i = 0; i < 150; ++i) {
+    lines += teller.take(at(i, Halt::kNone, bit(Interference::kStiffness)), 0) ? 1 : 0;
+  }
+  EXPECT_EQ(lines, 3);
+}
+
+}  // namespace
+}  // namespace hapticast::client
