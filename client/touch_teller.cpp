@@ -73,6 +73,11 @@ std::string TouchTeller::news(const TickReport& report, int rearms_left) {
     if (halt_ == Halt::kNone) return "re-armed: the force comes back";
     if (halt_ != Halt::kStopped) return halted(report, rearms_left);
   }
+  if (!report.enabled && !told_enable_) {
+    told_enable_ = true;
+    return "the device's enabling button is not held: no force until it is, and whenever it is let "
+           "go";
+  }
   const bool stale = report.lookup == Lookup::kFaded;
   const bool fresh = report.lookup == Lookup::kInterpolated;
   if (stale && !stale_) {

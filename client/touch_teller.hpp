@@ -21,6 +21,7 @@ class TouchTeller {
 
   Halt halt_ = Halt::kNone;
   bool stale_ = false;
+  bool told_enable_ = false;  // once: whoever uses the button knows
   std::optional<LocalTime> told_softer_;
   std::optional<LocalTime> told_later_;
   LineLimit limit_;

@@ -71,6 +71,7 @@ constexpr std::array<NumberKey, 14> kNumberKeys = {{
     {"damping_Ns_m", &PlantProfile::damping_Ns_m, 0.0, 100.0},
 }};
 constexpr int kMostDelay_ticks = 5;
+constexpr int kMostButton = 31;
 constexpr double kLeastWorkspace_mm = 10.0;
 constexpr double kMostWorkspace_mm = 2000.0;
 
@@ -95,6 +96,12 @@ double number(std::string_view text, double least, double most, const Place& pla
   return *value;
 }
 
+int wholeNumber(std::string_view text, int most, const Place& place) {
+  const double value = number(text, 0, most, place);
+  if (value != std::floor(value)) place.fail(inQuotes(text) + " is not a whole number");
+  return static_cast<int>(value);
+}
+
 Vec3 workspace(std::string_view text, const Place& place) {
   Vec3 size_mm;
   for (int i = 0; i < 3; ++i) {
@@ -110,7 +117,7 @@ Vec3 workspace(std::string_view text, const Place& place) {
 }
 
 std::string allowedKeys() {
-  std::string keys = "name, delay_ticks, workspace_mm";
+  std::string keys = "name, delay_ticks, enable_button, workspace_mm";
   for (const NumberKey& key : kNumberKeys) keys += std::string(", ") + key.name;
   return keys;
 }
@@ -120,9 +127,9 @@ void assign(PlantProfile& profile, std::string_view value, const Place& place) {
     if (value.empty() || value.size() > kLongestName) place.fail("1 to 64 characters are wanted");
     profile.name = value;
   } else if (place.key == "delay_ticks") {
-    const double ticks = number(value, 0, kMostDelay_ticks, place);
-    if (ticks != std::floor(ticks)) place.fail(inQuotes(value) + " is not a whole number");
-    profile.delay_ticks = static_cast<int>(ticks);
+    profile.delay_ticks = wholeNumber(value, kMostDelay_ticks, place);
+  } else if (place.key == "enable_button") {
+    profile.enable_button = wholeNumber(value, kMostButton, place);
   } else if (place.key == "workspace_mm") {
     profile.workspace_mm = workspace(value, place);
   } else {

@@ -58,6 +58,8 @@ DeviceState VirtualDevice::exchange(const Vec3& force_N) noexcept {
   }
   last_target_mm_ = target_mm_;
   DeviceState state;
+  // The virtual hand holds the button that it has to hold.
+  if (profile_.enable_button) state.buttons = std::uint32_t{1} << *profile_.enable_button;
   state.position_mm = truePosition_mm();
   const double count_mm = profile_.count_mm;
   if (count_mm > 0.0) state.position_mm = (state.position_mm / count_mm).array().round() * count_mm;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/geometry.hpp"
@@ -22,6 +23,9 @@ struct DeviceProfile {
   double count_mm = 0.055;  ///< position quantum
   /// Between reading the position and the start of the force; never under-state it.
   int delay_ticks = 1;
+  /// Bit of DeviceState::buttons that has to be held for any force (a dead-man); none: no such
+  /// button.
+  std::optional<int> enable_button;
   double stiffness_N_mm = 0.5;  ///< default rendered stiffness
   double slew_rise_N_per_tick = 0.2;
   double slew_fall_N_per_tick = 0.5;
@@ -41,6 +45,11 @@ struct DeviceState {
   LocalTime time;  ///< when the position was taken
   DeviceStatus status = DeviceStatus::kOk;
 };
+
+/// The device's enabling button is held, or it has none.
+inline bool enabled(const DeviceProfile& profile, const DeviceState& state) noexcept {
+  return !profile.enable_button || (state.buttons >> *profile.enable_button & 1U) != 0;
+}
 
 class HapticDevice {
  public:

@@ -85,6 +85,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   const Scene& scene = lookup_.at(play_time, stream, user);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
+  if (state.status == DeviceStatus::kOk) report_.enabled = enabled(settings_.profile, state);
   if (world_changed || hip.restarted) proxies_.restart();
   const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
   const Contact contact = contactAt(scene, ahead_mm);
@@ -186,7 +187,8 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
     input.damping_Ns_m =
         contact.object->before->material.damping_Ns_m.value_or(kDefaultDamping_Ns_m);
   }
-  input.touchable = connected_ && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
+  input.touchable =
+      connected_ && report_.enabled && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;
   return input;
 }

@@ -63,6 +63,7 @@ class Stage {
     receive();
     const Vec3 force_N = room->report().force_N;
     DeviceState reading = device.exchange(force_N);
+    if (!holds) reading.buttons = 0;
     if (lost) reading.status = DeviceStatus::kLost;
     if (blind) reading.position_mm.setConstant(std::nan(""));
     before_tick();
@@ -105,6 +106,7 @@ class Stage {
   bool streaming = true;
   bool lost = false;
   bool blind = false;
+  bool holds = true;  // the enabling button, where the device has one
   double max_excess_N = 0.0;
   double max_force_N = 0.0;
   void (*before_tick)() = [] {};

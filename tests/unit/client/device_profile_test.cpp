@@ -86,6 +86,8 @@ TEST(DeviceProfileFile, ComplaintsNameLineKeyAndWhatIsAllowed) {
   EXPECT_EQ(profileComplaint("peak_N ="), ":1: peak_N: '' is not a number from 0.1 to 100");
   EXPECT_EQ(profileComplaint("delay_ticks = 6"),
             ":1: delay_ticks: '6' is not a number from 0 to 5");
+  EXPECT_EQ(profileComplaint("enable_button = 32"),
+            ":1: enable_button: '32' is not a number from 0 to 31");
   EXPECT_EQ(profileComplaint("delay_ticks = 1.5"), ":1: delay_ticks: '1.5' is not a whole number");
   EXPECT_EQ(profileComplaint("workspace_mm = 100 90"),
             ":1: workspace_mm: three numbers are wanted: width height depth");

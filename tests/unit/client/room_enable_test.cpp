@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// A device with an enabling button gives force only while it is held.
+#include <gtest/gtest.h>
+
+#include "tests/support/stage.hpp"
+
+namespace hapticast::client {
+namespace {
+
+RoomSettings withButton() {
+  RoomSettings settings;
+  settings.profile.enable_button = 2;
+  return settings;
+}
+const HandScript kFollows{HandKind::kFollow, HandStiffness{}};
+
+TEST(RoomEnable, NoForceBeforeTheButtonIsHeld) {
+  Stage stage(withButton(), &kFollows);
+  stage.holds = false;
+  (void)stage.run(3000);
+  EXPECT_EQ(stage.max_force_N, 0.0);
+  EXPECT_FALSE(stage.room->report().enabled);
+}
+
+TEST(RoomEnable, HeldItIsFeltAndLetGoItFadesToZeroWithoutAStep) {
+  Stage stage(withButton(), &kFollows);
+  (void)stage.run(3000);
+  EXPECT_TRUE(stage.room->report().enabled);
+  EXPECT_GT(stage.room->report().force_N.norm(), 0.2);
+  for (int again = 0; again < 5; ++again) {
+    stage.holds = false;
+    EXPECT_EQ(stage.run(150).force_N, Vec3(Vec3::Zero()));
+    EXPECT_EQ(stage.run(500).force_N, Vec3(Vec3::Zero()));
+    stage.holds = true;
+    EXPECT_LT(stage.step().force_N.norm(), 0.01);  // faded in
+    (void)stage.run(1000);
+  }
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
+TEST(RoomEnable, ATipThatSankInMeanwhileIsNotThrownOut) {
+  Stage stage(withButton(), nullptr);
+  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, 40.0}));
+  (void)stage.run(2000);
+  stage.holds = false;
+  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, 2.0}));
+  (void)stage.run(2000);
+  stage.max_force_N = 0.0;
+  stage.holds = true;
+  (void)stage.run(1000);
+  EXPECT_EQ(stage.max_force_N, 0.0);
+  EXPECT_TRUE((stage.room->report().interferences & bit(Interference::kUnarmed)) != 0);
+}
+
+TEST(RoomEnable, ADeviceWithoutTheButtonNeedsNone) {
+  Stage stage({}, &kFollows);
+  stage.holds = false;
+  EXPECT_GT(stage.run(3000).force_N.norm(), 0.2);
+}
+
+TEST(RoomEnable, WithoutDataTheLastWordOfTheButtonHoldsForAMoment) {
+  Stage stage(withButton(), &kFollows);
+  (void)stage.run(3000);
+  stage.lost = true;
+  stage.holds = false;
+  EXPECT_EQ(stage.run(200).force_N, Vec3(Vec3::Zero()));
+}
+
+}  // namespace
+}  // namespace hapticast::client
