@@ -3,11 +3,13 @@
 #include "common/wire/height_codec.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "common/wire/limits.hpp"
 #include "common/wire/relief_bytes.hpp"
 #include "common/wire/slice/header.hpp"
 #include "common/wire/slice/mask_coder.hpp"
+#include "common/wire/slice/rough.hpp"
 #include "common/wire/slice/symbols.hpp"
 
 namespace hapticast {
@@ -54,6 +56,36 @@ void reconstruct(codec::Field& field, const codec::Steps& steps) {
   }
 }
 
+/// Heights in units; outside the mask they mean nothing.
+struct Heights {
+  const std::int32_t* data = nullptr;
+  std::ptrdiff_t stride = 0;
+};
+
+std::optional<Heights> decodeSmooth(codec::RangeDecoder& coder, const codec::Header& header,
+                                    const codec::Shape& shape, const codec::Mask& mask,
+                                    codec::Field& field) {
+  field.reset(shape, mask, false);
+  const auto steps = codec::Steps::of(header.step, header.sixteenths);
+  codec::SymbolModels models;
+  codec::codeHeights(coder, models, field, steps);
+  reconstruct(field, steps);
+  return Heights{field.levels.back().height.data(), field.levels.back().columns};
+}
+
+std::optional<Heights> decodeRough(codec::RangeDecoder& coder, const codec::Header& header,
+                                   const codec::Shape& shape, const codec::Mask& mask,
+                                   codec::Numbers& numbers) {
+  codec::Levels levels;
+  if (!codec::codeLevels(coder, levels, header.step)) return std::nullopt;
+  numbers.reset(shape);
+  codec::RoughModels models;
+  codec::codeNumbers(coder, models, numbers, shape, mask,
+                     static_cast<std::int32_t>(levels.size()) - 1);
+  for (std::int32_t& number : numbers.level) number = levels[static_cast<std::size_t>(number)];
+  return Heights{numbers.level.data() + numbers.at(0, 0), numbers.stride};
+}
+
 /// Heights in units to mm, row by row; 0 outside the mask.
 void writeRow(const std::int32_t* units, const std::uint8_t* mask, int width, float* height_mm,
               std::uint8_t* inside) {
@@ -84,21 +116,19 @@ Result<PixelRect, WireError> HeightDecoder::decode(std::span<const std::uint8_t>
   const std::ptrdiff_t stride = shape.columns * codec::kCell_px;
   mask_.assign(
       static_cast<std::size_t>(stride) * static_cast<std::size_t>(shape.rows) * codec::kCell_px, 0);
-  codec::RangeDecoder coder(slice.subspan(codec::kHeaderBytes));
   const codec::Mask mask{mask_.data(), stride};
+  codec::RangeDecoder coder(slice.subspan(codec::kHeaderBytes));
   if (!decodeMask(coder, shape, mask)) return malformed("a slice's mask is empty");
-  field_.reset(shape, mask, false);
-  const auto steps = codec::Steps::of(header.step, header.sixteenths);
-  codec::SymbolModels models;
-  codec::codeHeights(coder, models, field_, steps);
+  const bool smooth = header.mode == codec::Mode::kSmooth;
+  const auto heights = smooth ? decodeSmooth(coder, header, shape, mask, field_)
+                              : decodeRough(coder, header, shape, mask, numbers_);
+  if (!heights) return malformed("a slice's levels are too many or out of range");
   if (coder.misled()) return malformed("a slice ends too early");
-  reconstruct(field_, steps);
   const PixelRect pixels = pixelsOf(header, relief.rect);
-  const codec::Level& finest = field_.levels.back();
   for (int y = 0; y < shape.height; ++y) {
     const auto to = static_cast<std::ptrdiff_t>(pixels.v + y) * relief.rect.width + pixels.u;
-    writeRow(finest.height.data() + std::ptrdiff_t{y} * finest.columns, mask.data + y * stride,
-             shape.width, relief.height_mm.data() + to, relief.mask.data() + to);
+    writeRow(heights->data + y * heights->stride, mask.data + y * stride, shape.width,
+             relief.height_mm.data() + to, relief.mask.data() + to);
   }
   return pixels;
 }

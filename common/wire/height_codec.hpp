@@ -13,6 +13,8 @@
 #include "common/result.hpp"
 #include "common/wire/error.hpp"
 #include "common/wire/slice/field.hpp"
+#include "common/wire/slice/header.hpp"
+#include "common/wire/slice/rough.hpp"
 
 namespace hapticast {
 
@@ -45,10 +47,16 @@ class HeightEncoder {
 
   void take(const Relief& relief);
   SliceBytes code(const Part& part);
+  SliceBytes codeSmooth(const Part& part);
+  /// Empty where there are too many levels.
+  SliceBytes codeRough(const Part& part);
+  [[nodiscard]] codec::Header headerOf(const Part& part, codec::Mode mode) const;
+
   void codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out);
   void split(const Part& part, int pieces, std::vector<SliceBytes>& out);
   [[nodiscard]] std::ptrdiff_t offset(const Part& part) const;
   [[nodiscard]] bool holdsPixels(const Part& part) const;
+  [[nodiscard]] std::size_t pixelsIn(const Part& part) const;
   [[nodiscard]] Part trimmed(Part part) const;
   [[nodiscard]] std::vector<float> costsOfLines(const Part& part, bool across) const;
 
@@ -60,6 +68,7 @@ class HeightEncoder {
   std::vector<std::uint8_t> mask_;    ///< the same
   std::vector<float> costs_;          ///< bits of each cell
   codec::Field field_;
+  codec::Numbers numbers_;
 };
 
 class HeightDecoder {
@@ -76,6 +85,7 @@ class HeightDecoder {
 
  private:
   codec::Field field_;
+  codec::Numbers numbers_;
   std::vector<std::uint8_t> mask_;
 };
 

@@ -16,11 +16,15 @@ namespace hapticast {
 
 namespace {
 
-std::int32_t unitsOf(float mm) {
-  const float inside = mm < kHighestHeight_mm ? mm : kHighestHeight_mm;
-  const float height = inside > kLowestHeight_mm ? inside : kLowestHeight_mm;
-  const float units = height * static_cast<float>(codec::kUnitsPerMm);
-  return static_cast<std::int32_t>(units + (units < 0.0F ? -0.5F : 0.5F));
+void takeRow(const float* height_mm, const std::uint8_t* inside, int width, std::int32_t* units,
+             std::uint8_t* mask) {
+  for (int x = 0; x < width; ++x) {
+    const float mm = height_mm[x] == height_mm[x] ? height_mm[x] : 0.0F;
+    const float height = std::min(std::max(mm, kLowestHeight_mm), kHighestHeight_mm);
+    const float exact = height * static_cast<float>(codec::kUnitsPerMm);
+    units[x] = static_cast<std::int32_t>(exact + (exact < 0.0F ? -0.5F : 0.5F));
+    mask[x] = inside[x] != 0 ? 1 : 0;
+  }
 }
 
 void encodeMask(codec::RangeEncoder& coder, const codec::Shape& shape, const codec::Mask& mask) {
@@ -54,12 +58,8 @@ void HeightEncoder::take(const Relief& relief) {
   for (int y = 0; y < height_px_; ++y) {
     const std::ptrdiff_t from = std::ptrdiff_t{y} * width_px_;
     const std::ptrdiff_t to = (y + codec::kMargin_px) * stride_ + codec::kMargin_px;
-    for (int x = 0; x < width_px_; ++x) {
-      const std::uint8_t inside = relief.mask[static_cast<std::size_t>(from + x)] != 0 ? 1 : 0;
-      const float mm = relief.height_mm[static_cast<std::size_t>(from + x)];
-      mask_[static_cast<std::size_t>(to + x)] = inside;
-      target_[static_cast<std::size_t>(to + x)] = mm == mm ? unitsOf(mm) : 0;
-    }
+    takeRow(relief.height_mm.data() + from, relief.mask.data() + from, width_px_,
+            target_.data() + to, mask_.data() + to);
   }
   whole_ = {0, 0, cells(width_px_), cells(height_px_)};
   costs_.resize(static_cast<std::size_t>(whole_.width) * static_cast<std::size_t>(whole_.height));
@@ -94,10 +94,13 @@ HeightEncoder::Part HeightEncoder::trimmed(Part part) const {
   return part;
 }
 
-SliceBytes HeightEncoder::code(const Part& part) {
-  const codec::Header header{
-      codec::Mode::kSmooth, settings_.coarse_sixteenths,       part.x, part.y, part.width,
-      part.height,          codec::stepFor(settings_.error_mm)};
+codec::Header HeightEncoder::headerOf(const Part& part, codec::Mode mode) const {
+  return {mode,        settings_.coarse_sixteenths,       part.x, part.y, part.width,
+          part.height, codec::stepFor(settings_.error_mm)};
+}
+
+SliceBytes HeightEncoder::codeSmooth(const Part& part) {
+  const codec::Header header = headerOf(part, codec::Mode::kSmooth);
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
   const auto steps = codec::Steps::of(header.step, header.sixteenths);
   const codec::Mask mask{mask_.data() + offset(part), stride_};
@@ -112,6 +115,51 @@ SliceBytes HeightEncoder::code(const Part& part) {
   codec::codeHeights(coder, models, field_, steps);
   coder.finish();
   return out;
+}
+
+SliceBytes HeightEncoder::codeRough(const Part& part) {
+  const codec::Header header = headerOf(part, codec::Mode::kRough);
+  const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
+  const codec::Mask mask{mask_.data() + offset(part), stride_};
+  const std::int32_t* target = target_.data() + offset(part);
+  codec::Levels levels = codec::levelsOf(shape, mask, target, header.step / 2);
+  if (levels.size() > codec::kMostLevels) return {};
+  numbers_.reset(shape);
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      const std::ptrdiff_t at = y * stride_ + x;
+      if (mask.data[at] != 0)
+        numbers_.level[static_cast<std::size_t>(numbers_.at(x, y))] =
+            codec::nearestLevel(levels, target[at]);
+    }
+  }
+  SliceBytes out;
+  header.write(out);
+  codec::RangeEncoder coder(out);
+  encodeMask(coder, shape, mask);
+  (void)codec::codeLevels(coder, levels, header.step);
+  codec::RoughModels models;
+  codec::codeNumbers(coder, models, numbers_, shape, mask,
+                     static_cast<std::int32_t>(levels.size()) - 1);
+  coder.finish();
+  return out;
+}
+
+SliceBytes HeightEncoder::code(const Part& part) {
+  SliceBytes smooth = codeSmooth(part);
+  // Below a bit for each pixel the rough way was never the shorter one.
+  if (8 * smooth.size() < pixelsIn(part)) return smooth;
+  SliceBytes rough = codeRough(part);
+  return !rough.empty() && rough.size() < smooth.size() ? rough : smooth;
+}
+
+std::size_t HeightEncoder::pixelsIn(const Part& part) const {
+  std::size_t sum = 0;
+  for (int y = 0; y < part.height * codec::kCell_px; ++y) {
+    const std::uint8_t* row = mask_.data() + offset(part) + y * stride_;
+    sum = std::accumulate(row, row + part.width * codec::kCell_px, sum);
+  }
+  return sum;
 }
 
 void HeightEncoder::codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 namespace hapticast::codec {
 
@@ -44,7 +45,7 @@ struct RowMoments {
 RowMoments momentsOfRow(const Weights& weights, std::size_t row, const std::uint8_t* mask,
                         const std::int32_t* target) {
   std::array<Weights::Row, 5> part{};
-  for (std::size_t i = 0; i < 2 * kReach_px + 1; ++i) {
+  for (std::size_t i = 0; i < kAcross; ++i) {  // the weights beyond 2 kReach_px are 0
     const auto inside = static_cast<float>(mask[i]);
     const float height = inside * static_cast<float>(target[i]);
     part[0][i] = weights.one[row][i] * inside;
@@ -68,6 +69,9 @@ std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int 
   Moments sum;
   for (int y = -kReach_px; y <= kReach_px; ++y) {
     const std::ptrdiff_t at = (v + y) * mask.stride + u - kReach_px;
+    std::array<std::uint64_t, 2> most{};
+    std::memcpy(most.data(), mask.data + at, sizeof most);
+    if ((most[0] | most[1] | mask.data[at + 2 * kReach_px]) == 0) continue;
     const RowMoments row =
         momentsOfRow(kWeights, static_cast<std::size_t>(std::abs(y)), mask.data + at, target + at);
     sum.one += row.one;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -25,10 +26,20 @@ using EdgeRow = std::vector<Edge>;
 inline void findEdges(const std::uint8_t* row, int width, EdgeRow& out) {
   out.clear();
   std::uint8_t inside = 0;
-  for (int i = 0; i < width; ++i) {
-    if (row[i] == inside) continue;
-    inside = row[i];
-    out.push_back({i, 0});
+  for (int i = 0; i < width;) {
+    std::uint64_t eight = 0;  // most pixels are as their neighbours
+    if (i + 8 <= width) {
+      std::memcpy(&eight, row + i, sizeof eight);
+      if (eight == inside * 0x0101010101010101U) {
+        i += 8;
+        continue;
+      }
+    }
+    for (const int end = std::min(i + 8, width); i < end; ++i) {
+      if (row[i] == inside) continue;
+      inside = row[i];
+      out.push_back({i, 0});
+    }
   }
   out.push_back({width, 0});
 }
