@@ -25,13 +25,13 @@ PixelRect pixelsOf(const codec::Header& header, const PixelRect& object) {
 }
 
 /// Fills the mask; false: it is empty.
-bool decodeMask(codec::RangeDecoder& coder, const codec::Shape& shape, const codec::Mask& mask) {
-  codec::MaskCoder rows(shape.width);
+bool decodeMask(codec::RangeDecoder& coder, const codec::Field& field) {
+  codec::MaskCoder rows(field.shape.width);
   bool any = false;
-  for (int y = 0; y < shape.height; ++y) {
+  for (int y = 0; y < field.shape.height; ++y) {
     const codec::EdgeRow& edges = rows.row(coder, {});
     for (std::size_t i = 0; i + 1 < edges.size(); i += 2) {
-      std::uint8_t* row = mask.data + y * mask.stride;
+      std::uint8_t* row = field.mask.data + y * field.mask.stride;
       std::fill(row + edges[i].at, row + edges[i + 1].at, std::uint8_t{1});
       any = true;
     }
@@ -63,9 +63,8 @@ struct Heights {
 };
 
 std::optional<Heights> decodeSmooth(codec::RangeDecoder& coder, const codec::Header& header,
-                                    const codec::Shape& shape, const codec::Mask& mask,
                                     codec::Field& field) {
-  field.reset(shape, mask, false);
+  field.reset(false);
   const auto steps = codec::Steps::of(header.step, header.sixteenths);
   codec::SymbolModels models;
   codec::codeHeights(coder, models, field, steps);
@@ -74,13 +73,12 @@ std::optional<Heights> decodeSmooth(codec::RangeDecoder& coder, const codec::Hea
 }
 
 std::optional<Heights> decodeRough(codec::RangeDecoder& coder, const codec::Header& header,
-                                   const codec::Shape& shape, const codec::Mask& mask,
-                                   codec::Numbers& numbers) {
+                                   const codec::Field& field, codec::Numbers& numbers) {
   codec::Levels levels;
   if (!codec::codeLevels(coder, levels, header.step)) return std::nullopt;
-  numbers.reset(shape);
+  numbers.reset(field.shape);
   codec::RoughModels models;
-  codec::codeNumbers(coder, models, numbers, shape, mask,
+  codec::codeNumbers(coder, models, numbers, field.shape, field.mask,
                      static_cast<std::int32_t>(levels.size()) - 1);
   for (std::int32_t& number : numbers.level) number = levels[static_cast<std::size_t>(number)];
   return Heights{numbers.level.data() + numbers.at(0, 0), numbers.stride};
@@ -113,22 +111,19 @@ Result<PixelRect, WireError> HeightDecoder::decode(std::span<const std::uint8_t>
   if (!read.ok()) return read.error();
   const codec::Header& header = read.value();
   const codec::Shape shape = header.shape(relief.rect);
-  const std::ptrdiff_t stride = shape.columns * codec::kCell_px;
-  mask_.assign(
-      static_cast<std::size_t>(stride) * static_cast<std::size_t>(shape.rows) * codec::kCell_px, 0);
-  const codec::Mask mask{mask_.data(), stride};
+  field_.begin(shape);
   codec::RangeDecoder coder(slice.subspan(codec::kHeaderBytes));
-  if (!decodeMask(coder, shape, mask)) return malformed("a slice's mask is empty");
+  if (!decodeMask(coder, field_)) return malformed("a slice's mask is empty");
   const bool smooth = header.mode == codec::Mode::kSmooth;
-  const auto heights = smooth ? decodeSmooth(coder, header, shape, mask, field_)
-                              : decodeRough(coder, header, shape, mask, numbers_);
+  const auto heights =
+      smooth ? decodeSmooth(coder, header, field_) : decodeRough(coder, header, field_, numbers_);
   if (!heights) return malformed("a slice's levels are too many or out of range");
   if (coder.misled()) return malformed("a slice ends too early");
   const PixelRect pixels = pixelsOf(header, relief.rect);
   for (int y = 0; y < shape.height; ++y) {
     const auto to = static_cast<std::ptrdiff_t>(pixels.v + y) * relief.rect.width + pixels.u;
-    writeRow(heights->data + y * heights->stride, mask.data + y * stride, shape.width,
-             relief.height_mm.data() + to, relief.mask.data() + to);
+    writeRow(heights->data + y * heights->stride, field_.mask.data + y * field_.mask.stride,
+             shape.width, relief.height_mm.data() + to, relief.mask.data() + to);
   }
   return pixels;
 }

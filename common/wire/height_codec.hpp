@@ -50,6 +50,7 @@ class HeightEncoder {
   SliceBytes codeSmooth(const Part& part);
   /// Empty where there are too many levels.
   SliceBytes codeRough(const Part& part);
+  void beginSlice(const Part& part, const codec::Shape& shape);
   [[nodiscard]] codec::Header headerOf(const Part& part, codec::Mode mode) const;
 
   void codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out);
@@ -86,7 +87,6 @@ class HeightDecoder {
  private:
   codec::Field field_;
   codec::Numbers numbers_;
-  std::vector<std::uint8_t> mask_;
 };
 
 }  // namespace hapticast

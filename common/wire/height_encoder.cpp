@@ -27,11 +27,11 @@ void takeRow(const float* height_mm, const std::uint8_t* inside, int width, std:
   }
 }
 
-void encodeMask(codec::RangeEncoder& coder, const codec::Shape& shape, const codec::Mask& mask) {
-  codec::MaskCoder rows(shape.width);
+void encodeMask(codec::RangeEncoder& coder, const codec::Field& field) {
+  codec::MaskCoder rows(field.shape.width);
   codec::EdgeRow edges;
-  for (int y = 0; y < shape.height; ++y) {
-    codec::findEdges(mask.data + y * mask.stride, shape.width, edges);
+  for (int y = 0; y < field.shape.height; ++y) {
+    codec::findEdges(field.mask.data + y * field.mask.stride, field.shape.width, edges);
     (void)rows.row(coder, edges);
   }
 }
@@ -99,18 +99,27 @@ codec::Header HeightEncoder::headerOf(const Part& part, codec::Mode mode) const 
           part.height, codec::stepFor(settings_.error_mm)};
 }
 
+void HeightEncoder::beginSlice(const Part& part, const codec::Shape& shape) {
+  field_.begin(shape);
+  for (int y = 0; y < shape.height; ++y) {
+    const std::uint8_t* row = mask_.data() + offset(part) + y * stride_;
+    std::copy(row, row + shape.width, field_.mask.data + y * field_.mask.stride);
+  }
+}
+
 SliceBytes HeightEncoder::codeSmooth(const Part& part) {
   const codec::Header header = headerOf(part, codec::Mode::kSmooth);
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
   const auto steps = codec::Steps::of(header.step, header.sixteenths);
-  const codec::Mask mask{mask_.data() + offset(part), stride_};
-  field_.reset(shape, mask, true);
-  codec::analyse(field_, target_.data() + offset(part), steps);
+  beginSlice(part, shape);
+  field_.reset(true);
+  codec::analyse(field_, {{mask_.data() + offset(part), stride_}, target_.data() + offset(part)},
+                 steps);
   SliceBytes out;
   out.reserve(2 * kMostSliceBytes);
   header.write(out);
   codec::RangeEncoder coder(out);
-  encodeMask(coder, shape, mask);
+  encodeMask(coder, field_);
   codec::SymbolModels models;
   codec::codeHeights(coder, models, field_, steps);
   coder.finish();
@@ -120,6 +129,7 @@ SliceBytes HeightEncoder::codeSmooth(const Part& part) {
 SliceBytes HeightEncoder::codeRough(const Part& part) {
   const codec::Header header = headerOf(part, codec::Mode::kRough);
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
+  beginSlice(part, shape);
   const codec::Mask mask{mask_.data() + offset(part), stride_};
   const std::int32_t* target = target_.data() + offset(part);
   codec::Levels levels = codec::levelsOf(shape, mask, target, header.step / 2);
@@ -136,10 +146,10 @@ SliceBytes HeightEncoder::codeRough(const Part& part) {
   SliceBytes out;
   header.write(out);
   codec::RangeEncoder coder(out);
-  encodeMask(coder, shape, mask);
+  encodeMask(coder, field_);
   (void)codec::codeLevels(coder, levels, header.step);
   codec::RoughModels models;
-  codec::codeNumbers(coder, models, numbers_, shape, mask,
+  codec::codeNumbers(coder, models, numbers_, shape, field_.mask,
                      static_cast<std::int32_t>(levels.size()) - 1);
   coder.finish();
   return out;

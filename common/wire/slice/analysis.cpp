@@ -13,7 +13,7 @@ namespace {
 constexpr int kReach_px = 8;  // how far a node outside the mask looks for pixels
 constexpr int kAcross = 20;   // 2 kReach_px + 1 and what fills up the vectors
 
-/// Weights 1/(1 + r²) of the pixels around a node, and their products with the place.
+/// Weights 1/(1 + r²)² of the pixels around a node, and their products with the place.
 struct Weights {
   using Row = std::array<float, kAcross>;
   std::array<Row, kReach_px + 1> one{}, x{}, xx{};
@@ -24,7 +24,8 @@ struct Weights {
         const auto i = static_cast<std::size_t>(x + kReach_px);
         const auto row = static_cast<std::size_t>(y);
         const auto place = static_cast<float>(x);
-        one[row][i] = 1.0F / static_cast<float>(1 + x * x + y * y);
+        const auto far = static_cast<float>(1 + x * x + y * y);
+        one[row][i] = 1.0F / (far * far);
         this->x[row][i] = one[row][i] * place;
         xx[row][i] = this->x[row][i] * place;
       }
@@ -109,8 +110,8 @@ std::int32_t stepsIn(std::int32_t rest, std::int32_t step, float per_step) {
   return out;
 }
 
-void analyseBase(Field& field, const std::int32_t* target, const Steps& steps) {
-  const Mask& mask = field.mask;
+void analyseBase(Field& field, const Surroundings& object, const Steps& steps) {
+  const Mask& mask = object.mask;
   for (int y = 0; y <= field.shape.rows; ++y) {
     for (int x = 0; x <= field.shape.columns; ++x) {
       const auto at = static_cast<std::size_t>(field.node(x, y));
@@ -118,7 +119,7 @@ void analyseBase(Field& field, const std::int32_t* target, const Steps& steps) {
       const std::ptrdiff_t px = y * kCell_px * mask.stride + x * kCell_px;
       const bool inside = mask.data[px] != 0;  // the next slice's too
       const std::int32_t height =
-          inside ? target[px] : continued(mask, target, x * kCell_px, y * kCell_px);
+          inside ? object.target[px] : continued(mask, object.target, x * kCell_px, y * kCell_px);
       field.base[at] = stepsIn(height, steps.base, 1.0F / static_cast<float>(steps.base));
     }
   }
@@ -145,12 +146,11 @@ void correct(const Row& row, int first, int count, std::int32_t step) {
 }
 
 template <int Px>
-void correctRows(Field& field, Level& level, const std::int32_t* target, int first,
-                 std::int32_t step) {
+void correctRows(const Surroundings& object, Level& level, int first, std::int32_t step) {
   for (int y = first; y < level.rows - 1; y += 2) {
-    const std::ptrdiff_t px = std::ptrdiff_t{Px} * y * field.mask.stride;
+    const std::ptrdiff_t px = std::ptrdiff_t{Px} * y * object.mask.stride;
     const Row row{level.height.data() + std::ptrdiff_t{y} * level.columns,
-                  level.detail.data() + level.at(0, y), target + px, field.mask.data + px};
+                  level.detail.data() + level.at(0, y), object.target + px, object.mask.data + px};
     if (first == 0)
       correct<2, Px>(row, 1, level.columns - 1, step);
     else
@@ -159,12 +159,12 @@ void correctRows(Field& field, Level& level, const std::int32_t* target, int fir
 }
 
 template <std::size_t I>
-void analyseLevel(Field& field, const std::int32_t* target, const Steps& steps) {
+void analyseLevel(Field& field, const Surroundings& object, const Steps& steps) {
   Level& level = field.levels[I];
   field.interpolateEven(I);
-  correctRows<(4 >> I)>(field, level, target, 0, steps.level[I]);
+  correctRows<(4 >> I)>(object, level, 0, steps.level[I]);
   field.interpolateOdd(I);
-  correctRows<(4 >> I)>(field, level, target, 1, steps.level[I]);
+  correctRows<(4 >> I)>(object, level, 1, steps.level[I]);
   const int points = kCell_px / level.step;
   for (int y = 0; y < level.rows - 1; ++y) {
     const std::int32_t* row = level.detail.data() + level.at(0, y);
@@ -179,12 +179,12 @@ void analyseLevel(Field& field, const std::int32_t* target, const Steps& steps) 
 
 }  // namespace
 
-void analyse(Field& field, const std::int32_t* target, const Steps& steps) {
-  analyseBase(field, target, steps);
+void analyse(Field& field, const Surroundings& object, const Steps& steps) {
+  analyseBase(field, object, steps);
   field.placeNodes(steps.base);
-  analyseLevel<0>(field, target, steps);
-  analyseLevel<1>(field, target, steps);
-  analyseLevel<2>(field, target, steps);
+  analyseLevel<0>(field, object, steps);
+  analyseLevel<1>(field, object, steps);
+  analyseLevel<2>(field, object, steps);
 }
 
 float costOf(const Field& field, int cell_x, int cell_y) {

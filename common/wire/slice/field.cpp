@@ -38,9 +38,33 @@ void widen(const std::int32_t* in, int count, std::int32_t* out) {
 
 }  // namespace
 
-void Field::reset(const Shape& slice, const Mask& of_slice, bool encodes) {
+void Field::begin(const Shape& slice) {
   shape = slice;
-  mask = of_slice;
+  mask.stride = slice.columns * kCell_px + 2 * kMargin_px;
+  pixels.assign(area(mask.stride, slice.rows * kCell_px + 2 * kMargin_px), 0);
+  mask.data = pixels.data() + kMargin_px * mask.stride + kMargin_px;
+}
+
+void Field::reset(bool encodes) {
+  findCells();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    Level& level = levels[i];
+    level.step = 4 >> i;
+    level.columns = shape.columns * kCell_px / level.step + 1;
+    level.rows = shape.rows * kCell_px / level.step + 1;
+    level.height.resize(area(level.columns, level.rows));
+    level.stride = level.columns + 3;
+    level.size.assign(area(level.stride, level.rows + 3), 0);
+    level.sign.assign(level.size.size(), 0);
+    if (encodes) level.detail.assign(level.size.size(), 0);
+    level.flags.assign(occupied.size(), 0);
+    level.even.clear();
+    level.odd.clear();
+  }
+}
+
+void Field::findCells() {
+  const Shape& slice = shape;
   cell_stride = slice.columns + 2;
   occupied.assign(area(cell_stride, slice.rows + 2), 0);
   node_stride = slice.columns + 5;
@@ -60,19 +84,6 @@ void Field::reset(const Shape& slice, const Mask& of_slice, bool encodes) {
       needed[static_cast<std::size_t>(node(x, y))] =
           at[0] | at[-1] | at[-cell_stride] | at[-cell_stride - 1];
     }
-  }
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    Level& level = levels[i];
-    level.step = 4 >> i;
-    level.columns = slice.columns * kCell_px / level.step + 1;
-    level.rows = slice.rows * kCell_px / level.step + 1;
-    level.height.resize(area(level.columns, level.rows));
-    level.stride = level.columns + 3;
-    level.size.assign(area(level.stride, level.rows + 3), 0);
-    if (encodes) level.detail.assign(level.size.size(), 0);
-    level.flags.assign(occupied.size(), 0);
-    level.even.clear();
-    level.odd.clear();
   }
 }
 

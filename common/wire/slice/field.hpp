@@ -36,7 +36,7 @@ struct Shape {
   int width = 0, height = 0;  ///< pixels of them that lie in the object's rectangle
 };
 
-/// The mask's pixels (1 inside, 0 outside), with kMargin_px around them.
+/// Pixels (1 inside, 0 outside), with kMargin_px around them.
 struct Mask {
   std::uint8_t* data = nullptr;  ///< of the slice's first pixel
   std::ptrdiff_t stride = 0;
@@ -55,6 +55,7 @@ struct Level {
   std::vector<std::int32_t> height;  ///< columns x rows
   std::ptrdiff_t stride = 0;         ///< of `size` and `detail`, which have 2 points around them
   std::vector<std::uint8_t> size;    ///< |detail|, at most kMostSize
+  std::vector<std::uint8_t> sign;    ///< of the details: 0 none, 1 minus, 2 plus
   std::vector<std::int32_t> detail;  ///< encoder: what is added to each point, in steps
   std::vector<std::uint8_t> flags;   ///< as Field::occupied: cells with any detail
   std::vector<Patch> even, odd;      ///< decoder: details by the rows they stand in
@@ -65,7 +66,8 @@ inline constexpr int kMostSize = 60;
 
 struct Field {
   Shape shape;
-  Mask mask;
+  Mask mask;                           ///< 0 outside the slice
+  std::vector<std::uint8_t> pixels;    ///< what `mask` shows
   std::ptrdiff_t cell_stride = 0;      ///< of occupied and flags, which have a cell around them
   std::vector<std::uint8_t> occupied;  ///< cells that hold a pixel
   std::ptrdiff_t node_stride = 0;      ///< of needed and base, which have 2 nodes around them
@@ -74,8 +76,10 @@ struct Field {
   std::vector<std::int32_t> nodes;     ///< heights of all nodes, (columns + 1) x (rows + 1)
   std::array<Level, 3> levels;         ///< 4, 2, 1 px
 
-  /// For a slice of this shape; `mask` is complete. `encodes`: details have a place.
-  void reset(const Shape& slice, const Mask& of_slice, bool encodes);
+  /// An empty mask for a slice of this shape.
+  void begin(const Shape& slice);
+  /// The rest, when the mask is complete. `encodes`: details have a place.
+  void reset(bool encodes);
 
   [[nodiscard]] std::ptrdiff_t cell(int x, int y) const { return (y + 1) * cell_stride + x + 1; }
   [[nodiscard]] std::ptrdiff_t node(int x, int y) const { return (y + 2) * node_stride + x + 2; }
@@ -85,6 +89,9 @@ struct Field {
   /// The heights of a level's even rows, and then of its odd ones, between the coarser level's.
   void interpolateEven(std::size_t level);
   void interpolateOdd(std::size_t level);
+
+ private:
+  void findCells();
   [[nodiscard]] const std::int32_t* coarser(std::size_t level) const {
     return level == 0 ? nodes.data() : levels[level - 1].height.data();
   }

@@ -90,12 +90,12 @@ class MaskCoder {
     if (!coder.bit(away_[k], !near)) {
       const int usual = std::abs(first.shift) >= 2 ? first.shift : 0;
       lost = false;
-      const int shift = codeNumber(coder, shift_[k], target - first.at - usual, true) + usual;
+      const int shift = codeNumber(coder, shift_[k], target - first.at - usual) + usual;
       return {place(first.at + shift, at), std::clamp(shift, -kFarthest, kFarthest)};
     }
     lost = true;
     if (coder.bit(pass_[inside ? 1 : 0], passes)) return {second, kPassed};
-    return {place(at + codeMagnitude(coder, run_, target - at), at), 0};
+    return {place(at + codeMagnitude(coder, run_, nullptr, target - at), at), 0};
   }
 
   [[nodiscard]] int place(int wanted, int at) const {

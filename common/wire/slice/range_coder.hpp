@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct BitModel {
   std::uint8_t seen = 0;       ///< bits seen, at most kMostSeen
 };
 
-inline constexpr unsigned kMostSeen = 45;
+inline constexpr unsigned kMostSeen = 32;
 /// Share of the difference, in 1/65536, by which a model moves that has seen so many bits.
 inline constexpr auto kRates = [] {
   std::array<std::uint16_t, kMostSeen + 1> rates{};
@@ -54,16 +55,16 @@ class RangeDecoder {
   }
 
   bool bit(BitModel& model, bool /*value*/ = false) noexcept {
-    const std::uint32_t bound = (range_ >> 15U) * (model.zero >> 1U);
-    const bool one = code_ >= bound;
-    if (one) {
-      code_ -= bound;
-      range_ -= bound;
-    } else {
-      range_ = bound;
-    }
+    const bool one = decide(model.zero >> 1U);
     learn(model, one);
-    refill();
+    return one;
+  }
+
+  /// A bit that two models know something of: their mean.
+  bool bit(BitModel& model, BitModel& other, bool /*value*/ = false) noexcept {
+    const bool one = decide((std::uint32_t{model.zero} + other.zero) >> 2U);
+    learn(model, one);
+    learn(other, one);
     return one;
   }
 
@@ -79,6 +80,19 @@ class RangeDecoder {
   [[nodiscard]] bool misled() const noexcept { return beyond_ > kMostZerosDropped + 4; }
 
  private:
+  /// Whether a bit is 1 that is 0 with this probability, in 1/32768.
+  bool decide(std::uint32_t zero) noexcept {
+    const std::uint32_t bound = (range_ >> 15U) * zero;
+    const bool one = code_ >= bound;
+    if (one) {
+      code_ -= bound;
+      range_ -= bound;
+    } else {
+      range_ = bound;
+    }
+    refill();
+    return one;
+  }
   void refill() noexcept {
     while (range_ < kLeastRange) {
       range_ <<= 8U;
@@ -106,15 +120,15 @@ class RangeEncoder {
   explicit RangeEncoder(std::vector<std::uint8_t>& out) noexcept : out_(out) {}
 
   bool bit(BitModel& model, bool one) {
-    const std::uint32_t bound = (range_ >> 15U) * (model.zero >> 1U);
-    if (one) {
-      low_ += bound;
-      range_ -= bound;
-    } else {
-      range_ = bound;
-    }
+    write(model.zero >> 1U, one);
     learn(model, one);
-    refill();
+    return one;
+  }
+
+  bool bit(BitModel& model, BitModel& other, bool one) {
+    write((std::uint32_t{model.zero} + other.zero) >> 2U, one);
+    learn(model, one);
+    learn(other, one);
     return one;
   }
 
@@ -144,6 +158,16 @@ class RangeEncoder {
   }
 
  private:
+  void write(std::uint32_t zero, bool one) {
+    const std::uint32_t bound = (range_ >> 15U) * zero;
+    if (one) {
+      low_ += bound;
+      range_ -= bound;
+    } else {
+      range_ = bound;
+    }
+    refill();
+  }
   void refill() {
     while (range_ < kLeastRange) {
       range_ <<= 8U;
@@ -174,6 +198,7 @@ class RangeEncoder {
 };
 
 inline constexpr int kMostExponent = 22;
+inline constexpr int kPlaceExponents = 8;
 
 /// Bits of a whole number: zero or not, sign, bits of the magnitude, its second highest bit.
 struct NumberModel {
@@ -181,29 +206,41 @@ struct NumberModel {
   std::array<BitModel, kMostExponent + 1> exponent, mantissa;
 };
 
-/// A number from 1 on; one of more than kMostExponent + 1 bits cannot be coded.
+/// A second opinion on a number: whether it is zero, and the first bits of its exponent.
+struct PlaceModel {
+  BitModel zero;
+  std::array<BitModel, kPlaceExponents> exponent;
+};
+
+/// A number from 1 on; one of more than kMostExponent + 1 bits cannot be coded. `place` may be
+/// null.
 template <class Coder>
-int codeMagnitude(Coder& coder, NumberModel& model, int value) {
+int codeMagnitude(Coder& coder, NumberModel& model, PlaceModel* place, int value) {
   const int wanted = Coder::kDecodes ? 0 : std::bit_width(static_cast<unsigned>(value)) - 1;
   int exponent = 0;
-  while (exponent < kMostExponent &&
-         coder.bit(model.exponent[static_cast<std::size_t>(exponent)], exponent < wanted))
-    ++exponent;
+  for (; exponent < kMostExponent; ++exponent) {
+    const auto i = static_cast<std::size_t>(exponent);
+    const bool both = place != nullptr && exponent < kPlaceExponents;
+    if (!(both ? coder.bit(model.exponent[i], place->exponent[i], exponent < wanted)
+               : coder.bit(model.exponent[i], exponent < wanted)))
+      break;
+  }
   unsigned out = 1;
   for (int i = exponent - 1; i >= 0; --i) {
     const bool one = (static_cast<unsigned>(value) >> static_cast<unsigned>(i) & 1U) != 0;
     BitModel& second = model.mantissa[static_cast<std::size_t>(exponent)];
-    out = out << 1U | (i == exponent - 1 ? coder.bit(second, one) : coder.raw(one) ? 1U : 0U);
+    const bool read = i == exponent - 1 ? coder.bit(second, one) : coder.raw(one);
+    out = out << 1U | (read ? 1U : 0U);
   }
   return static_cast<int>(out);
 }
 
-/// A number of any sign; where the sign says nothing, it is not modelled.
+/// A number of any sign.
 template <class Coder>
-int codeNumber(Coder& coder, NumberModel& model, int value, bool model_sign) {
+int codeNumber(Coder& coder, NumberModel& model, int value) {
   if (!coder.bit(model.zero, value != 0)) return 0;
-  const bool minus = model_sign ? coder.bit(model.sign, value < 0) : coder.raw(value < 0);
-  const int magnitude = codeMagnitude(coder, model, value < 0 ? -value : value);
+  const bool minus = coder.bit(model.sign, value < 0);
+  const int magnitude = codeMagnitude(coder, model, nullptr, std::abs(value));
   return minus ? -magnitude : magnitude;
 }
 

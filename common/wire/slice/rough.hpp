@@ -33,15 +33,15 @@ bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
   NumberModel count;
   NumberModel change;
   const std::int32_t lowest = Coder::kDecodes ? 0 : levels.front();
-  std::int32_t height = codeNumber(coder, first, lowest, true);
+  std::int32_t height = codeNumber(coder, first, lowest);
   const auto wanted = static_cast<int>(Coder::kDecodes ? 0 : levels.size());
-  const auto size = static_cast<std::size_t>(codeMagnitude(coder, count, wanted));
+  const auto size = static_cast<std::size_t>(codeMagnitude(coder, count, nullptr, wanted));
   if (size > kMostLevels || std::abs(height) > kHighest) return false;
   if constexpr (Coder::kDecodes) levels.assign(1, height);
   std::int32_t gap = usual_gap;
   for (std::size_t i = 1; i < size; ++i) {
     const std::int32_t next = Coder::kDecodes ? 0 : levels[i] - levels[i - 1];
-    gap += codeNumber(coder, change, next - gap, true);
+    gap += codeNumber(coder, change, next - gap);
     height += gap;
     if (gap < 1 || height > kHighest) return false;
     if constexpr (Coder::kDecodes) levels.push_back(height);
@@ -123,7 +123,7 @@ void codeNumbers(Coder& coder, RoughModels& models, Numbers& numbers, const Shap
       std::int32_t off = 0;
       if (coder.bit(model.zero, *level != guess)) {
         const bool minus = coder.bit(models.sign[around.fall()], *level < guess);
-        const std::int32_t size = codeMagnitude(coder, model, std::abs(*level - guess));
+        const std::int32_t size = codeMagnitude(coder, model, nullptr, std::abs(*level - guess));
         off = minus ? -size : size;
       }
       if constexpr (Coder::kDecodes) *level = std::clamp(guess + off, 0, most);

@@ -21,8 +21,13 @@ inline constexpr auto kDetailClass = [] {
 
 struct SymbolModels {
   std::array<NumberModel, 4> base;
-  using Rows = std::array<std::array<NumberModel, 5>, 2>;
-  std::array<Rows, 3> detail;  ///< by level, odd or even row, class
+  /// Of a level, by odd or even row.
+  struct Details {
+    std::array<std::array<NumberModel, 5>, 2> number;  ///< by class
+    std::array<std::array<PlaceModel, 12>, 2> place;   ///< by placeOf()
+    std::array<std::array<BitModel, 9>, 2> sign;       ///< by the signs to the left and above
+  };
+  std::array<Details, 3> detail;
   std::array<std::array<std::array<BitModel, 3>, 2>, 3> flag;
 };
 
@@ -50,42 +55,78 @@ void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& ste
       std::int32_t* residual = residuals.data();
       const int around = residual[at - 1] + residual[up];
       NumberModel& model = models.base[around < 2 ? 0 : around < 8 ? 1 : around < 32 ? 2 : 3];
-      const std::int32_t rest = codeNumber(coder, model, value[at] - guess, true);
+      const std::int32_t rest = codeNumber(coder, model, value[at] - guess);
       residual[at] = std::min(std::abs(rest), kMostResidual);
       if constexpr (Coder::kDecodes) value[at] = std::clamp(guess + rest, -most, most);
     }
   }
 }
 
-/// The points of a cell, N in a row; those of even rows and columns are the coarser level's.
-template <int N, class Coder>
-void codeCell(Coder& coder, SymbolModels::Rows& models, Field& field, Level& level, int cell_x,
-              int cell_y, int step) {
-  constexpr int kPx = kCell_px / N;
+/// What stands around a point of level I: the mask's edge, a corner of the coarser points' square,
+/// details of the coarser level.
+template <std::size_t I>
+std::size_t placeOf(const Field& field, const std::uint8_t* mask, int x, int y) {
+  constexpr std::ptrdiff_t kPx = 4 >> I;
+  const std::ptrdiff_t down = kPx * field.mask.stride;
+  const bool inner = (mask[-kPx] & mask[kPx] & mask[-down] & mask[down]) != 0;
+  std::size_t busy = 0;
+  if constexpr (I > 0) {
+    const Level& level = field.levels[I - 1];
+    const std::uint8_t* size = level.size.data() + level.at(x / 2, y / 2);
+    const int sum = size[0] + size[1] + size[level.stride] + size[level.stride + 1];
+    busy = sum == 0 ? 0 : sum < 3 ? 1 : 2;
+  }
+  return (inner ? 0U : 6U) + ((x & y & 1) != 0 ? 3U : 0U) + busy;
+}
+
+/// Which of nine models a sign has: those of the nearest details to the left and above.
+inline std::size_t signClass(const std::uint8_t* sign, std::ptrdiff_t stride) {
+  const unsigned left = sign[-1] != 0 ? sign[-1] : sign[-2];
+  const unsigned up = sign[-stride] != 0 ? sign[-stride] : sign[-2 * stride];
+  return left * 3 + up;
+}
+
+/// A point of level I, whose pixel `mask` is.
+template <std::size_t I, class Coder>
+void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const std::uint8_t* mask,
+               int x, int y, int step) {
+  Level& level = field.levels[I];
+  const std::ptrdiff_t stride = level.stride;
+  const std::ptrdiff_t at = level.at(x, y);
+  std::uint8_t* size = level.size.data() + at;
+  const int around = size[-1] + size[-2] + size[-stride] + size[-2 * stride] + size[-stride - 1] +
+                     size[-stride + 1];
+  const auto row = static_cast<std::size_t>(y & 1);
+  NumberModel& number = models.number[row][kDetailClass[static_cast<std::size_t>(around)]];
+  PlaceModel& place = models.place[row][placeOf<I>(field, mask, x, y)];
+  const std::int32_t wanted = Coder::kDecodes ? 0 : level.detail[static_cast<std::size_t>(at)];
+  if (!coder.bit(number.zero, place.zero, wanted != 0)) return;
+  std::uint8_t* sign = level.sign.data() + at;
+  const bool minus = coder.bit(models.sign[row][signClass(sign, stride)], wanted < 0);
+  const std::int32_t value = codeMagnitude(coder, number, &place, std::abs(wanted));
+  *size = static_cast<std::uint8_t>(std::min(value, kMostSize));
+  *sign = minus ? 1 : 2;
+  if constexpr (Coder::kDecodes) {
+    const std::int32_t change = std::min(value, (1 << 25) / step) * step;
+    auto& patches = row == 0 ? level.even : level.odd;
+    patches.push_back(
+        {static_cast<std::uint32_t>(y * level.columns + x), minus ? -change : change});
+  }
+}
+
+/// The points of a cell inside the mask, but for the coarser level's, in even rows and columns.
+template <std::size_t I, class Coder>
+void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int cell_y, int step) {
+  constexpr int kPx = 4 >> I;
+  constexpr int kPoints = kCell_px / kPx;
   const std::uint8_t* mask =
       field.mask.data + cell_y * kCell_px * field.mask.stride + cell_x * kCell_px;
-  const std::ptrdiff_t stride = level.stride;
-  const std::int32_t farthest = (1 << 25) / step;
-  for (int y = 0; y < N; ++y) {
-    auto& row_models = models[static_cast<std::size_t>(y & 1)];
-    const std::ptrdiff_t row = level.at(cell_x * N, cell_y * N + y);
-    for (int x = (y & 1) ^ 1; x < N; x += 2 - (y & 1)) {
-      if (mask[y * kPx * field.mask.stride + x * kPx] == 0) continue;
-      std::uint8_t* size = level.size.data() + row + x;
-      const int around = size[-1] + size[-2] + size[-stride] + size[-2 * stride] +
-                         size[-stride - 1] + size[-stride + 1];
-      NumberModel& model = row_models[kDetailClass[static_cast<std::size_t>(around)]];
-      const std::int32_t wanted =
-          Coder::kDecodes ? 0 : level.detail[static_cast<std::size_t>(row + x)];
-      const std::int32_t value = codeNumber(coder, model, wanted, false);
-      if (value == 0) continue;
-      *size = static_cast<std::uint8_t>(std::min(std::abs(value), kMostSize));
-      if constexpr (Coder::kDecodes) {
-        const int point_y = cell_y * N + y;
-        auto& patches = (y & 1) == 0 ? level.even : level.odd;
-        patches.push_back({static_cast<std::uint32_t>(point_y * level.columns + cell_x * N + x),
-                           std::clamp(value, -farthest, farthest) * step});
-      }
+  for (int y = 0; y < kPoints; ++y) {
+    for (int x = (y & 1) ^ 1; x < kPoints; x += 2 - (y & 1)) {
+      const std::uint8_t* inside = mask + y * kPx * field.mask.stride + x * kPx;
+      if (*inside == 0) continue;
+      codePoint<I>(coder, models.detail[I], field, inside, cell_x * kPoints + x,
+                   cell_y * kPoints + y, step);
     }
   }
 }
@@ -105,7 +146,7 @@ void codeLevel(Coder& coder, SymbolModels& models, Field& field, const Steps& st
         *flag = coder.bit(model, *flag != 0) ? 1 : 0;
         if (*flag == 0) continue;
       }
-      codeCell<(2 << I)>(coder, models.detail[I], field, level, x, y, steps.level[I]);
+      codeCell<I>(coder, models, field, x, y, steps.level[I]);
     }
   }
 }
