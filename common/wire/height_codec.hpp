@@ -50,6 +50,7 @@ class HeightEncoder {
   SliceBytes codeSmooth(const Part& part);
   /// Empty where there are too many levels.
   SliceBytes codeRough(const Part& part);
+  [[nodiscard]] codec::Surroundings around(const Part& part);
   void beginSlice(const Part& part, const codec::Shape& shape);
   [[nodiscard]] codec::Header headerOf(const Part& part, codec::Mode mode) const;
 

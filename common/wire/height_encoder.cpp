@@ -99,6 +99,10 @@ codec::Header HeightEncoder::headerOf(const Part& part, codec::Mode mode) const 
           part.height, codec::stepFor(settings_.error_mm)};
 }
 
+codec::Surroundings HeightEncoder::around(const Part& part) {
+  return {{mask_.data() + offset(part), stride_}, target_.data() + offset(part)};
+}
+
 void HeightEncoder::beginSlice(const Part& part, const codec::Shape& shape) {
   field_.begin(shape);
   for (int y = 0; y < shape.height; ++y) {
@@ -113,8 +117,7 @@ SliceBytes HeightEncoder::codeSmooth(const Part& part) {
   const auto steps = codec::Steps::of(header.step, header.sixteenths);
   beginSlice(part, shape);
   field_.reset(true);
-  codec::analyse(field_, {{mask_.data() + offset(part), stride_}, target_.data() + offset(part)},
-                 steps);
+  codec::analyse(field_, around(part), steps);
   SliceBytes out;
   out.reserve(2 * kMostSliceBytes);
   header.write(out);
@@ -130,19 +133,9 @@ SliceBytes HeightEncoder::codeRough(const Part& part) {
   const codec::Header header = headerOf(part, codec::Mode::kRough);
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
   beginSlice(part, shape);
-  const codec::Mask mask{mask_.data() + offset(part), stride_};
-  const std::int32_t* target = target_.data() + offset(part);
-  codec::Levels levels = codec::levelsOf(shape, mask, target, header.step / 2);
-  if (levels.size() > codec::kMostLevels) return {};
   numbers_.reset(shape);
-  for (int y = 0; y < shape.height; ++y) {
-    for (int x = 0; x < shape.width; ++x) {
-      const std::ptrdiff_t at = y * stride_ + x;
-      if (mask.data[at] != 0)
-        numbers_.level[static_cast<std::size_t>(numbers_.at(x, y))] =
-            codec::nearestLevel(levels, target[at]);
-    }
-  }
+  codec::Levels levels = codec::findLevels(shape, around(part), header.step / 2, numbers_);
+  if (levels.size() > codec::kMostLevels) return {};
   SliceBytes out;
   header.write(out);
   codec::RangeEncoder coder(out);
@@ -176,6 +169,7 @@ void HeightEncoder::codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out
   const Part part = trimmed(wanted);
   if (part.height == 0) return;
   SliceBytes bytes = code(part);
+  const bool rough = codec::Mode{static_cast<std::uint8_t>(bytes[0] >> 4U)} == codec::Mode::kRough;
   if (bytes.size() <= settings_.most_bytes || (part.width == 1 && part.height == 1)) {
     out.push_back(std::move(bytes));
     return;
@@ -183,7 +177,7 @@ void HeightEncoder::codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x)
       costs_[static_cast<std::size_t>((part.y + y) * whole_.width + part.x + x)] =
-          codec::costOf(field_, x, y);
+          rough ? codec::costOf(numbers_, field_, x, y) : codec::costOf(field_, x, y);
   }
   // Every slice learns anew, and no cut divides exactly.
   const double pieces =

@@ -177,6 +177,10 @@ void analyseLevel(Field& field, const Surroundings& object, const Steps& steps) 
   }
 }
 
+float bitsOf(unsigned size) {
+  return size == 0 ? 0.4F : 1.0F + 2.0F * static_cast<float>(std::bit_width(size));
+}
+
 }  // namespace
 
 void analyse(Field& field, const Surroundings& object, const Steps& steps) {
@@ -185,6 +189,19 @@ void analyse(Field& field, const Surroundings& object, const Steps& steps) {
   analyseLevel<0>(field, object, steps);
   analyseLevel<1>(field, object, steps);
   analyseLevel<2>(field, object, steps);
+}
+
+float costOf(const Numbers& numbers, const Field& field, int cell_x, int cell_y) {
+  float bits = 0.0F;
+  const int right = std::min((cell_x + 1) * kCell_px, field.shape.width);
+  const int bottom = std::min((cell_y + 1) * kCell_px, field.shape.height);
+  for (int y = cell_y * kCell_px; y < bottom; ++y) {
+    for (int x = cell_x * kCell_px; x < right; ++x) {
+      if (field.mask.data[y * field.mask.stride + x] == 0) continue;
+      bits += bitsOf(numbers.rest[static_cast<std::size_t>(numbers.at(x, y))]);
+    }
+  }
+  return bits;
 }
 
 float costOf(const Field& field, int cell_x, int cell_y) {
@@ -197,10 +214,7 @@ float costOf(const Field& field, int cell_x, int cell_y) {
     for (int y = 0; y < points; ++y) {
       const std::int32_t* row =
           level.detail.data() + level.at(cell_x * points, cell_y * points + y);
-      for (int x = 0; x < points; ++x) {
-        const auto size = static_cast<unsigned>(std::abs(row[x]));
-        bits += size == 0 ? 0.4F : 1.0F + 2.0F * static_cast<float>(std::bit_width(size));
-      }
+      for (int x = 0; x < points; ++x) bits += bitsOf(static_cast<unsigned>(std::abs(row[x])));
     }
   }
   return bits;

@@ -42,6 +42,12 @@ struct Mask {
   std::ptrdiff_t stride = 0;
 };
 
+/// The object around a slice.
+struct Surroundings {
+  Mask mask;                             ///< of the slice's first pixel, goes on beyond the slice
+  const std::int32_t* target = nullptr;  ///< heights in units, laid out as the mask
+};
+
 /// A change of a point that was interpolated.
 struct Patch {
   std::uint32_t point = 0;  ///< in Level::height

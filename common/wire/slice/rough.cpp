@@ -7,48 +7,65 @@ namespace hapticast::codec {
 
 namespace {
 
-std::vector<std::int32_t> heightsOf(const Shape& shape, const Mask& mask,
-                                    const std::int32_t* target) {
-  std::vector<std::int32_t> out;
-  out.reserve(static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height));
+/// Calls with the height and place of each pixel inside.
+template <class Call>
+void forPixels(const Shape& shape, const Surroundings& object, const Call& call) {
   for (int y = 0; y < shape.height; ++y) {
+    const std::ptrdiff_t row = y * object.mask.stride;
     for (int x = 0; x < shape.width; ++x) {
-      const std::ptrdiff_t at = y * mask.stride + x;
-      if (mask.data[at] != 0) out.push_back(target[at]);
+      if (object.mask.data[row + x] != 0) call(object.target[row + x], x, y);
     }
   }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+/// So few levels that no height is farther from one than `farthest`, whose distances repeat where
+/// they can. `table`: 1 for the heights that occur, from `lowest` on; then the number of the level.
+Levels levelsOf(std::vector<std::int32_t>& table, std::int32_t lowest, std::int32_t farthest) {
+  Levels out;
+  std::int32_t gap = 2 * farthest + 1;
+  const auto size = static_cast<std::int32_t>(table.size());
+  for (std::int32_t next = 0; next < size;) {
+    if (table[static_cast<std::size_t>(next)] == 0) {
+      ++next;
+      continue;
+    }
+    // What one level can stand for; the distance of before if that will do.
+    std::int32_t last = std::min(size - 1, next + 2 * farthest);
+    while (table[static_cast<std::size_t>(last)] == 0) --last;
+    std::int32_t level = lowest + next + (last - next) / 2;
+    if (!out.empty()) {
+      const std::int32_t usual = out.back() + gap;
+      if (std::abs(usual - lowest - next) <= farthest) level = usual;
+      gap = level - out.back();
+    }
+    for (; next < size && next <= level + farthest - lowest; ++next)
+      table[static_cast<std::size_t>(next)] = static_cast<std::int32_t>(out.size());
+    out.push_back(level);
+  }
   return out;
 }
 
 }  // namespace
 
-Levels levelsOf(const Shape& shape, const Mask& mask, const std::int32_t* target,
-                std::int32_t farthest) {
-  const std::vector<std::int32_t> heights = heightsOf(shape, mask, target);
-  Levels out;
-  std::int32_t gap = 2 * farthest + 1;
-  for (auto next = heights.begin(); next != heights.end();) {
-    // The heights that one level can stand for; the distance of before if that will do.
-    const auto end = std::upper_bound(next, heights.end(), *next + 2 * farthest);
-    std::int32_t level = *next + (*(end - 1) - *next) / 2;
-    if (!out.empty()) {
-      const std::int32_t usual = out.back() + gap;
-      if (std::abs(usual - *next) <= farthest) level = usual;
-      gap = level - out.back();
-    }
-    out.push_back(level);
-    next = std::upper_bound(next, heights.end(), level + farthest);
-  }
-  return out;
-}
-
-std::int32_t nearestLevel(const Levels& levels, std::int32_t height) {
-  const auto above = std::lower_bound(levels.begin(), levels.end(), height);
-  const auto number = static_cast<std::int32_t>(above - levels.begin());
-  if (above == levels.end()) return number - 1;
-  return number > 0 && height - *(above - 1) < *above - height ? number - 1 : number;
+Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
+                  Numbers& numbers) {
+  std::int32_t lowest = kHighest;
+  std::int32_t highest = -kHighest;
+  forPixels(shape, object, [&](std::int32_t height, int, int) {
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  });
+  // First which heights occur, then the number of each one's level.
+  std::vector<std::int32_t> table(static_cast<std::size_t>(highest - lowest) + 1, 0);
+  forPixels(shape, object, [&](std::int32_t height, int, int) {
+    table[static_cast<std::size_t>(height - lowest)] = 1;
+  });
+  const Levels levels = levelsOf(table, lowest, farthest);
+  forPixels(shape, object, [&](std::int32_t height, int x, int y) {
+    numbers.level[static_cast<std::size_t>(numbers.at(x, y))] =
+        table[static_cast<std::size_t>(height - lowest)];
+  });
+  return levels;
 }
 
 }  // namespace hapticast::codec

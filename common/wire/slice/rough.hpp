@@ -17,13 +17,6 @@ namespace hapticast::codec {
 /// Heights in units, rising.
 using Levels = std::vector<std::int32_t>;
 
-/// So few levels that no pixel inside is farther from one than `farthest`; where distances can
-/// repeat, they do. `target`: the heights, laid out as the mask.
-Levels levelsOf(const Shape& shape, const Mask& mask, const std::int32_t* target,
-                std::int32_t farthest);
-/// Number of the level nearest to a height.
-std::int32_t nearestLevel(const Levels& levels, std::int32_t height);
-
 inline constexpr std::size_t kMostLevels = 65536;
 
 /// Codes the levels; false: they are more than are allowed, or leave the heights that are.
@@ -88,6 +81,10 @@ struct Numbers {
   }
   [[nodiscard]] std::ptrdiff_t at(int x, int y) const { return (y + 1) * stride + x + 1; }
 };
+
+/// So few levels that no pixel inside is farther from one than `farthest`, and the pixels' numbers.
+Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
+                  Numbers& numbers);
 
 inline Around aroundOf(const std::int32_t* level, std::ptrdiff_t stride, const std::uint8_t* inside,
                        std::ptrdiff_t mask_stride, bool top, bool at_left, bool at_right,
