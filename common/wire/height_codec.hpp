@@ -18,15 +18,21 @@
 
 namespace hapticast {
 
-/// Adds less than half a point to the error of the force (hapticast-evaluate codec).
+/// With the coarse step below it adds less than half a point to the force's error
+/// (hapticast-evaluate codec).
 inline constexpr double kDefaultHeightError_mm = 0.02;
 /// With a datagram's header and signature this stays below IPv6's least MTU of 1280 bytes.
 inline constexpr std::size_t kMostSliceBytes = 1120;
 
 struct SliceSettings {
   double error_mm = kDefaultHeightError_mm;  ///< of any pixel; 0.002..0.499
-  int coarse_sixteenths = 16;  ///< 1..16: less is a smoother surface of the same bound, more bytes
+  /// 1..16: less is a smoother surface of the same bound, and more bytes. At 16 slices add 0.75
+  /// points to the error of the force where they add 0.5 at 11, for 7 % more bytes
+  /// (measured).
+  int coarse_sixteenths = 10;
   std::size_t most_bytes = kMostSliceBytes;  ///< 300 or more
+
+  bool operator==(const SliceSettings&) const = default;
 };
 
 using SliceBytes = std::vector<std::uint8_t>;

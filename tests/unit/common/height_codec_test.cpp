@@ -277,7 +277,7 @@ TEST(HeightCodecGolden, SlicesStayAsTheyAre) {
        {std::tuple<std::string, Relief, SliceSettings>{"dome", bowl, {}},
         {"dome_pieces", bowl, {0.055, 12, 300}},
         {"terraces", steps, {0.02, 16, 700}},
-        {"pixel", pixel, {}}}) {
+        {"pixel", pixel, {0.02, 16}}}) {
     const auto slices = encoder.encode(relief, settings);
     const auto file =
         std::filesystem::path(HAPTICAST_TESTS) / "unit/common/golden" / (name + ".slices");
