@@ -27,7 +27,7 @@ inline constexpr std::size_t kMostSliceBytes = 1120;
 struct SliceSettings {
   double error_mm = kDefaultHeightError_mm;  ///< of any pixel; 0.002..0.499
   /// 1..16: less is a smoother surface of the same bound, and more bytes. At 16 slices add 0.75
-  /// points to the error of the force where they add 0.5 at 11, for 7 % more bytes
+  /// points to the error of the force where they add 0.49 at 10, for 11 % more bytes
   /// (measured).
   int coarse_sixteenths = 10;
   std::size_t most_bytes = kMostSliceBytes;  ///< 300 or more

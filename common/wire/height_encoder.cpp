@@ -68,15 +68,15 @@ void HeightEncoder::take(const Relief& relief) {
 bool HeightEncoder::holdsPixels(const Part& part) const {
   for (int y = part.y * codec::kCell_px; y < (part.y + part.height) * codec::kCell_px; ++y) {
     const std::uint8_t* row = mask_.data() + offset({part.x, 0}) + y * stride_;
-    const std::uint8_t* end = row + part.width * codec::kCell_px;
+    const std::uint8_t* end = row + std::ptrdiff_t{part.width} * codec::kCell_px;
     if (std::find(row, end, 1) != end) return true;
   }
   return false;
 }
 
 std::ptrdiff_t HeightEncoder::offset(const Part& part) const {
-  return (part.y * codec::kCell_px + codec::kMargin_px) * stride_ + part.x * codec::kCell_px +
-         codec::kMargin_px;
+  return (std::ptrdiff_t{part.y} * codec::kCell_px + codec::kMargin_px) * stride_ +
+         std::ptrdiff_t{part.x} * codec::kCell_px + codec::kMargin_px;
 }
 
 HeightEncoder::Part HeightEncoder::trimmed(Part part) const {
@@ -160,7 +160,7 @@ std::size_t HeightEncoder::pixelsIn(const Part& part) const {
   std::size_t sum = 0;
   for (int y = 0; y < part.height * codec::kCell_px; ++y) {
     const std::uint8_t* row = mask_.data() + offset(part) + y * stride_;
-    sum = std::accumulate(row, row + part.width * codec::kCell_px, sum);
+    sum = std::accumulate(row, row + std::ptrdiff_t{part.width} * codec::kCell_px, sum);
   }
   return sum;
 }
@@ -191,7 +191,8 @@ void HeightEncoder::split(const Part& part, int pieces, std::vector<SliceBytes>&
   const int lines = across ? part.width : part.height;
   const std::vector<float> costs = costsOfLines(part, across);
   const float total = std::accumulate(costs.begin(), costs.end(), 0.0F);
-  const float share = total * static_cast<float>(pieces / 2) / static_cast<float>(pieces);
+  const int before_line = pieces / 2;
+  const float share = total * static_cast<float>(before_line) / static_cast<float>(pieces);
   int line = 1;
   float before = costs[0];
   // A line belongs to the side that is then nearer to its share.
@@ -202,8 +203,8 @@ void HeightEncoder::split(const Part& part, int pieces, std::vector<SliceBytes>&
   (across ? first.width : first.height) = line;
   (across ? second.x : second.y) += line;
   (across ? second.width : second.height) -= line;
-  split(first, pieces / 2, out);
-  split(second, pieces - pieces / 2, out);
+  split(first, before_line, out);
+  split(second, pieces - before_line, out);
 }
 
 std::vector<float> HeightEncoder::costsOfLines(const Part& part, bool across) const {

@@ -52,7 +52,8 @@ inline Relief terraces(int width, int height) {
   return reliefOf(width, height, [=](int x, int y) mutable {
     state = state * 1664525U + 1013904223U;
     const int noise = static_cast<int>(state >> 30U) / 2;
-    return x + y < 6 ? -1e3 : 0.125 * double((3 * x + y) / 8 + noise);
+    const int step = (3 * x + y) / 8 + noise;
+    return x + y < 6 ? -1e3 : 0.125 * double(step);
   });
 }
 

@@ -69,10 +69,10 @@ std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int 
   static const Weights kWeights;
   Moments sum;
   for (int y = -kReach_px; y <= kReach_px; ++y) {
-    const std::ptrdiff_t at = (v + y) * mask.stride + u - kReach_px;
+    const std::ptrdiff_t at = std::ptrdiff_t{v + y} * mask.stride + u - kReach_px;
     std::array<std::uint64_t, 2> most{};
     std::memcpy(most.data(), mask.data + at, sizeof most);
-    if ((most[0] | most[1] | mask.data[at + 2 * kReach_px]) == 0) continue;
+    if ((most[0] | most[1] | mask.data[at + std::ptrdiff_t{2} * kReach_px]) == 0) continue;
     const RowMoments row =
         momentsOfRow(kWeights, static_cast<std::size_t>(std::abs(y)), mask.data + at, target + at);
     sum.one += row.one;
@@ -116,7 +116,8 @@ void analyseBase(Field& field, const Surroundings& object, const Steps& steps) {
     for (int x = 0; x <= field.shape.columns; ++x) {
       const auto at = static_cast<std::size_t>(field.node(x, y));
       if (field.needed[at] == 0) continue;
-      const std::ptrdiff_t px = y * kCell_px * mask.stride + x * kCell_px;
+      const std::ptrdiff_t px =
+          std::ptrdiff_t{y} * kCell_px * mask.stride + std::ptrdiff_t{x} * kCell_px;
       const bool inside = mask.data[px] != 0;  // the next slice's too
       const std::int32_t height =
           inside ? object.target[px] : continued(mask, object.target, x * kCell_px, y * kCell_px);
@@ -136,7 +137,7 @@ struct Row {
 template <int Every, int Px>
 void correct(const Row& row, int first, int count, std::int32_t step) {
   const float per_step = 1.0F / static_cast<float>(step);
-  for (int x = first; x < count; x += Every) {
+  for (std::ptrdiff_t x = first; x < count; x += Every) {
     const std::int32_t inside = row.mask[Px * x];
     const std::int32_t change =
         stepsIn((row.target[Px * x] - row.height[x]) * inside, step, per_step);

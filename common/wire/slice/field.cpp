@@ -17,17 +17,17 @@ std::int32_t beyond(std::int32_t near, std::int32_t far, std::int32_t third) {
 }
 
 /// Between the points of a row, by four of them.
-void widen(const std::int32_t* in, int count, std::int32_t* out) {
+void widen(const std::int32_t* in, std::ptrdiff_t count, std::int32_t* out) {
   if (count == 2) {
     out[0] = in[0];
     out[1] = (in[0] + in[1]) >> 1;
     out[2] = in[1];
     return;
   }
-  const int last = count - 1;
+  const std::ptrdiff_t last = count - 1;
   out[0] = in[0];
   out[1] = beyond(in[0], in[1], in[2]);
-  for (int i = 1; i < last - 1; ++i) {
+  for (std::ptrdiff_t i = 1; i < last - 1; ++i) {
     out[2 * i] = in[i];
     out[2 * i + 1] = (9 * (in[i] + in[i + 1]) - in[i - 1] - in[i + 2] + 8) >> 4;
   }
@@ -50,8 +50,9 @@ void Field::reset(bool encodes) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     Level& level = levels[i];
     level.step = 4 >> i;
-    level.columns = shape.columns * kCell_px / level.step + 1;
-    level.rows = shape.rows * kCell_px / level.step + 1;
+    const int points = 2 << i;  // of a cell
+    level.columns = shape.columns * points + 1;
+    level.rows = shape.rows * points + 1;
     level.height.resize(area(level.columns, level.rows));
     level.stride = level.columns + 3;
     level.size.assign(area(level.stride, level.rows + 3), 0);
@@ -74,7 +75,7 @@ void Field::findCells() {
     const std::uint8_t* row = mask.data + y * mask.stride;
     for (int x = 0; x < slice.columns; ++x) {
       std::uint64_t eight = 0;
-      std::memcpy(&eight, row + x * kCell_px, sizeof eight);
+      std::memcpy(&eight, row + std::ptrdiff_t{x} * kCell_px, sizeof eight);
       if (eight != 0) occupied[static_cast<std::size_t>(cell(x, y / kCell_px))] = 1;
     }
   }

@@ -60,7 +60,7 @@ Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t f
   forPixels(shape, object, [&](std::int32_t height, int, int) {
     table[static_cast<std::size_t>(height - lowest)] = 1;
   });
-  const Levels levels = levelsOf(table, lowest, farthest);
+  Levels levels = levelsOf(table, lowest, farthest);
   forPixels(shape, object, [&](std::int32_t height, int x, int y) {
     numbers.level[static_cast<std::size_t>(numbers.at(x, y))] =
         table[static_cast<std::size_t>(height - lowest)];

@@ -119,11 +119,13 @@ template <std::size_t I, class Coder>
 void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int cell_y, int step) {
   constexpr int kPx = 4 >> I;
   constexpr int kPoints = kCell_px / kPx;
-  const std::uint8_t* mask =
-      field.mask.data + cell_y * kCell_px * field.mask.stride + cell_x * kCell_px;
+  const std::uint8_t* mask = field.mask.data +
+                             std::ptrdiff_t{cell_y} * kCell_px * field.mask.stride +
+                             std::ptrdiff_t{cell_x} * kCell_px;
   for (int y = 0; y < kPoints; ++y) {
     for (int x = (y & 1) ^ 1; x < kPoints; x += 2 - (y & 1)) {
-      const std::uint8_t* inside = mask + y * kPx * field.mask.stride + x * kPx;
+      const std::uint8_t* inside =
+          mask + std::ptrdiff_t{y} * kPx * field.mask.stride + std::ptrdiff_t{x} * kPx;
       if (*inside == 0) continue;
       codePoint<I>(coder, models.detail[I], field, inside, cell_x * kPoints + x,
                    cell_y * kPoints + y, step);
