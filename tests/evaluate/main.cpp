@@ -12,8 +12,9 @@ namespace {
 
 int run(int argc, char** argv) {
   const std::map<std::string, void (*)(const Options&)> topics{
-      {"accuracy", evaluateAccuracy}, {"figures", evaluateFigures},     {"motion", evaluateMotion},
-      {"plan", evaluatePlan},         {"stability", evaluateStability}, {"vision", evaluateVision}};
+      {"accuracy", evaluateAccuracy}, {"codec", evaluateCodec}, {"figures", evaluateFigures},
+      {"motion", evaluateMotion},     {"plan", evaluatePlan},   {"stability", evaluateStability},
+      {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   app.footer(
       "Topics:\n"
@@ -21,6 +22,7 @@ int run(int argc, char** argv) {
       "impacts)\n            against the exact one, through vision and wire; about 3 minutes on "
       "two "
       "cores\n"
+      "  codec     heights on the wire: bytes, time and error beside other codecs\n"
       "  motion    velocity, acceleration and impacts of every estimator\n"
       "  plan      what the plan saves and costs; frames a second of the whole server\n"
       "  vision    masks and reliefs");
@@ -36,7 +38,8 @@ int run(int argc, char** argv) {
                  "links, inertia, "
                  "integrators, life, cases, lies, honest), only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
-  app.add_flag("--check", options.check, "Fail where a required figure is missed (accuracy)");
+  app.add_flag("--check", options.check,
+               "Fail where a required figure is missed (accuracy, codec)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -8,6 +8,8 @@ namespace hapticast::evaluate {
 
 /// The force against exact truth, against its run time: what is required, aimed at and got.
 void evaluateAccuracy(const Options& options);
+/// Slices of reliefs beside other codecs: bytes, time, error, and what they add to the force's.
+void evaluateCodec(const Options& options);
 /// The thesis's figures again.
 void evaluateFigures(const Options& options);
 void evaluateMotion(const Options& options);

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// HeightDecoder: no bytes crash it, what it accepts is a relief that may be touched, and that
+// relief can be sent on within the bound. The first two bytes are the rectangle's size.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "common/wire/height_codec.hpp"
+
+namespace {
+
+hapticast::Relief blank(int width, int height) {
+  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  return {{0, 0, width, height}, std::vector<float>(pixels), std::vector<std::uint8_t>(pixels)};
+}
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 2) return 0;
+  hapticast::Relief relief = blank(data[0] + 1, data[1] + 1);
+  hapticast::HeightDecoder decoder;
+  if (!decoder.decode(std::span(data + 2, size - 2), relief).ok()) return 0;
+  for (const float mm : relief.height_mm) require(mm >= -1.0F && mm <= 1000.0F);
+  if (relief.mask.size() > 4096) return 0;  // what is large is slow
+  hapticast::HeightEncoder encoder;
+  hapticast::Relief again = blank(relief.rect.width, relief.rect.height);
+  for (const auto& slice : encoder.encode(relief)) {
+    require(slice.size() <= hapticast::kMostSliceBytes);
+    require(decoder.decode(slice, again).ok());
+  }
+  require(again.mask == relief.mask);
+  for (std::size_t i = 0; i < again.mask.size(); ++i)
+    require(std::abs(again.height_mm[i] - relief.height_mm[i]) <= 0.0201F);
+  return 0;
+}
