@@ -34,6 +34,7 @@ struct Felt {
   std::uint64_t refused = 0;   ///< messages
   std::uint64_t rejected = 0;  ///< objects
   double last_force_N = 0.0;
+  double metered_mJ = 0.0;  ///< the same work by the client's own meters, at the end
 
   /// Largest over any `seconds`; over all of them where it is longer.
   [[nodiscard]] double mostWork_mJ(double seconds) const {
@@ -167,6 +168,7 @@ class VirtualViewer {
     felt.interferences.push_back(report.interferences);
     felt.contact.push_back(report.contact);
     felt.last_force_N = report.force_N.norm();
+    felt.metered_mJ = report.work.user_mJ();
   }
 
   ManualClock clock_;

@@ -46,6 +46,9 @@ void stabilityLies(const StabilityReport& to) {
       {"lie", "verdict", "force N", "mJ in 10 s", "step N up", "down", "step not the tip's N"}};
   double most_mJ = 0.0;
   double relative_mJ = -1e9;
+  double meter_mJ = 0.0;
+  std::string meter_of = "none";
+  int misread = 0;
   double most_N = 0.0;
   bool finite = true;
   for (const LieRun& run : runs) {
@@ -54,6 +57,13 @@ void stabilityLies(const StabilityReport& to) {
     most_mJ = std::max(most_mJ, work_mJ);
     if (kRelative.contains(run.lie->name))
       relative_mJ = std::max(relative_mJ, felt.netWork_mJ(kTouched_s, net_s));
+    const double sum_mJ = felt.work_mJ.back();
+    const double off_mJ = std::abs(felt.metered_mJ - sum_mJ);
+    if (off_mJ > std::max(2.0, 0.05 * std::abs(sum_mJ))) {
+      ++misread;
+      if (off_mJ > meter_mJ) meter_of = text("%s, of %.0f mJ", run.lie->name.c_str(), sum_mJ);
+      meter_mJ = std::max(meter_mJ, off_mJ);
+    }
     most_N = std::max(most_N, felt.max_force_N);
     finite = finite && felt.finite;
     to.report.add({run.lie->name, "lie_work", testing::verdictName(run.got.verdict()), work_mJ,
@@ -70,6 +80,11 @@ void stabilityLies(const StabilityReport& to) {
   to.claims.add(
       text("lies: relative port under pumped stiffness and friction, net of %.0f s", net_s),
       "<= 3 mJ (aim 1)", text("%.1f mJ", relative_mJ), relative_mJ <= 3.0);
+  to.claims.add("lies: the client's meters against the energy summed from forces and true ways",
+                "all within 5 % or 2 mJ",
+                text("%d of %zu are not, off by %.1f mJ at most (%s)", misread, runs.size(),
+                     meter_mJ, meter_of.c_str()),
+                misread == 0);
   to.report.say(
       "### Lying streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
       "K_max times its counted way and B times its true change of speed.\n\n" +
