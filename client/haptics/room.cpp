@@ -72,7 +72,9 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamStat
       lookup_(pool, settings.interpolation),
       dynamic_(settings.profile),
       safety_(settings.profile),
-      mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {}
+      mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
+  report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
+}
 
 const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamState& stream = stream_.load();

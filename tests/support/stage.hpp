@@ -64,6 +64,7 @@ class Stage {
     const Vec3 force_N = room->report().force_N;
     DeviceState reading = device.exchange(force_N);
     if (!holds) reading.buttons = 0;
+    if (silent) reading.status = DeviceStatus::kNoData;
     if (lost) reading.status = DeviceStatus::kLost;
     if (blind) reading.position_mm.setConstant(std::nan(""));
     before_tick();
@@ -105,6 +106,7 @@ class Stage {
   std::uint32_t epoch = 1;
   bool streaming = true;
   bool lost = false;
+  bool silent = false;
   bool blind = false;
   bool holds = true;  // the enabling button, where the device has one
   double max_excess_N = 0.0;

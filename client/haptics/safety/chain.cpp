@@ -59,8 +59,8 @@ void SafetyChain::setDelay(int delay_ticks) noexcept {
 // them hold for the force that is sent.
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   SafetyOutput out;
-  if (trust_profile_ && !in.contact && !acts()) {
-    trust_profile_ = false;
+  if (forget_delay_ && !in.contact && !acts()) {
+    forget_delay_ = false;
     setDelay(profile_delay_ticks_);
   }
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
@@ -101,11 +101,12 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
 /// Takes note of why there may be no force from now on; whether that is new.
 bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
   if (halt_ != Halt::kNone) return false;
-  out.trust_lost = links_.trust && trust_.lost();
+  const bool distrusts = links_.trust && trust_.lost();
   halt_ = stop_requested_  ? Halt::kStopped
+          : distrusts      ? Halt::kTrustLost
           : in.device_lost ? Halt::kDeviceLost
-          : out.trust_lost ? Halt::kTrustLost
                            : Halt::kNone;
+  out.trust_lost = halt_ == Halt::kTrustLost;
   return halt_ != Halt::kNone;
 }
 
@@ -125,15 +126,16 @@ Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measureme
 }
 
 void SafetyChain::rearm() noexcept {
+  if (halt_ == Halt::kTrustLost) trust_.renew();
   stop_requested_ = false;
   halt_ = Halt::kNone;
-  trust_.renew();
   fade_ = 0.0;
   check_depth_ = true;
 }
 
 StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
-                               bool not_finite) const noexcept {
+                               bool not_finite) noexcept {
+  damper_.step(geometry.contact);
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
                 .ahead = in.ahead,
@@ -148,6 +150,8 @@ StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
   if (!now.contact) return now;
   now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
   now.damping_Ns_m = geometry.damping_Ns_m;
+  now.most_damper_N =
+      damper_.most_N(geometry.stiffness_N_mm * geometry.displacement_mm.dot(geometry.normal));
   now.normal = geometry.normal;
   now.depth_mm = geometry.displacement_mm.dot(geometry.normal) / geometry.stiffness_factor;
   return now;
@@ -177,9 +181,10 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
       measurement_jumped ? 0.0 : normal.dot(now.position_mm - last_.position_mm);
   const bool swings =
       watch_.alarmed(moved_mm, normal.dot(geometry.surface_step_mm), acts() && !jump);
-  const Vec3& surface_mm_s = (now.contact ? geometry : geometry_).surface_velocity_mm_s;
-  const bool bounces = bounces_.alarmed(normal.dot(now.velocity_mm_s - surface_mm_s), now.contact,
-                                        now.local_stiffness_N_mm, delay_ticks_);
+  const bool bounces =
+      bounces_.alarmed({now.velocity_mm_s, geometry.surface_velocity_mm_s, geometry.normal,
+                        now.local_stiffness_N_mm, now.contact, acts(), jump},
+                       delay_ticks_);
   const bool alarmed = swings || bounces;
   if (!alarmed || !links_.latency_watch || delay_ticks_ != profile_delay_ticks_) return;
   out.latency_alarm = true;
@@ -189,8 +194,7 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
 /// F_s = K_r displacement + B u along the normal, never pulling, and what the contact has generated
 /// damped away.
 Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
-                            SafetyOutput& out) noexcept {
-  damper_.step(geometry.contact);
+                            SafetyOutput& out) const noexcept {
   if (!geometry.contact) return Vec3::Zero();
   const double u_mm_s =
       std::clamp((geometry.surface_velocity_mm_s - now.ahead.velocity_mm_s).dot(geometry.normal),
@@ -198,8 +202,7 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
   const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
   const double insurance_Ns_m = links_.passivity ? ports_.damping_Ns_m(u_mm_s) : 0.0;
   if (insurance_Ns_m > 0.0) out.interferences |= bit(Interference::kPassivity);
-  const double law_N = std::min(geometry.damping_Ns_m * u_mm_s * 1e-3,
-                                damper_.most_N(spring_N.dot(geometry.normal)));
+  const double law_N = std::min(geometry.damping_Ns_m * u_mm_s * 1e-3, now.most_damper_N);
   const double damper_N = law_N + insurance_Ns_m * u_mm_s * 1e-3;
   const double pull_limit_N = -spring_N.dot(geometry.normal);
   if (damper_N < pull_limit_N) out.interferences |= bit(Interference::kNoPull);
@@ -239,7 +242,7 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
   const bool armed = touchable && !blocked_;
   fade_ = !links_.fade ? (armed ? 1.0 : 0.0)
                        : std::clamp(fade_ + (armed ? kFadeIn : -kFadeOut), 0.0, 1.0);
-  if (!touchable && fade_ == 0.0) check_depth_ = true;
+  check_depth_ = check_depth_ || !touchable;
 
   if (residue_N_ == Vec3::Zero()) residue_static_N_.setZero();  // two shares that cancelled out
   if (residue_N_ != Vec3::Zero()) {

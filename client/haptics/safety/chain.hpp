@@ -94,7 +94,7 @@ class SafetyChain {
   /// Which interference cost most of the trust.
   [[nodiscard]] Interference distrusted() const noexcept { return trust_.mostly(); }
   /// What the latency watch has learned is forgotten as soon as nothing is touched.
-  void newConnection() noexcept { trust_profile_ = delay_ticks_ != profile_delay_ticks_; }
+  void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
   /// Work of the force so far.
   [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
 
@@ -117,11 +117,10 @@ class SafetyChain {
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
   Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
-  StepState stateOf(const SafetyInput& input, const Geometry& geometry,
-                    bool not_finite) const noexcept;
+  StepState stateOf(const SafetyInput& input, const Geometry& geometry, bool not_finite) noexcept;
   void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
              SafetyOutput& out) noexcept;
-  Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) noexcept;
+  Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
@@ -144,7 +143,7 @@ class SafetyChain {
   LatencyWatch watch_;
   BounceWatch bounces_;
   Trust trust_;
-  bool trust_profile_ = false;
+  bool forget_delay_ = false;
   StepState last_;
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;

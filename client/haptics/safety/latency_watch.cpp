@@ -52,23 +52,40 @@ void LatencyWatch::judgeSwing() noexcept {
   s.extreme = s.now;
 }
 
-bool BounceWatch::alarmed(double out_mm_s, bool contact, double stiffness_N_mm,
-                          int delay_ticks) noexcept {
+/// The contact that is over counted to the bounces before it, or none.
+int BounceWatch::bouncesUpToNow() const noexcept {
+  const State& s = state_;
+  const bool bounced = s.acted && s.contact_ticks <= s.longest_ticks &&
+                       s.in_mm_s >= kSlowestBounce_mm_s && s.out_mm_s >= kLasting * s.in_mm_s;
+  const bool own = s.carried_mm_s < 0.5 * s.in_mm_s;
+  const bool flew = s.free_ticks >= kShortestFlight_ticks && s.free_ticks <= kLongestFlight_ticks;
+  return bounced && own && flew ? s.bounces + 1 : 0;
+}
+
+bool BounceWatch::alarmed(const Tick& tick, int delay_ticks) noexcept {
   State& s = state_;
-  if (contact && s.free_ticks > 0) {
-    const bool bounced = s.contact_ticks <= s.longest_ticks && s.in_mm_s >= kSlowestBounce_mm_s &&
-                         s.out_mm_s >= kLasting * s.in_mm_s;
-    const bool flew = s.free_ticks >= kShortestFlight_ticks && s.free_ticks <= kLongestFlight_ticks;
-    s = State{.bounces = bounced && flew ? s.bounces + 1 : 0};
-    // Half a swing of the device on the spring and half as much again, and what the loop is late,
-    // with the two ticks that it may be later than told.
-    const double swing_s = std::numbers::pi * std::sqrt(mass_kg_ / (1e3 * stiffness_N_mm));
-    s.longest_ticks = static_cast<int>(1.5 * swing_s / kTick_s) + 2 * (3 + delay_ticks);
+  if (tick.jump) s = State{};
+  // The loop's delay, and two ticks that it may be later than told.
+  const int late_ticks = 3 + delay_ticks;
+  if (tick.contact && s.free_ticks > 0) {
+    s = State{.bounces = bouncesUpToNow()};
+    // Half a swing of the device on the spring and half as much again.
+    const double swing_ticks =
+        1.5 * std::numbers::pi * std::sqrt(mass_kg_ / (1e3 * tick.stiffness_N_mm)) / kTick_s;
+    s.longest_ticks =
+        static_cast<int>(std::min(swing_ticks, double{kLongestFlight_ticks})) + 2 * late_ticks;
   }
-  s.contact_ticks += contact ? 1 : 0;
-  s.free_ticks += contact ? 0 : 1;
-  if (contact) s.in_mm_s = std::max(s.in_mm_s, -out_mm_s);
-  s.out_mm_s = std::max(s.out_mm_s, out_mm_s);
+  if (tick.contact) {
+    s.normal = tick.normal;
+    s.surface_mm_s = tick.surface_mm_s;
+    s.carried_mm_s = std::max(s.carried_mm_s, std::abs(tick.normal.dot(tick.surface_mm_s)));
+    s.acted = s.acted || tick.acts;
+  }
+  s.contact_ticks += tick.contact ? 1 : 0;
+  s.free_ticks += tick.contact ? 0 : 1;
+  const double out_mm_s = s.normal.dot(tick.tip_mm_s - s.surface_mm_s);
+  if (tick.contact) s.in_mm_s = std::max(s.in_mm_s, -out_mm_s);
+  if (s.free_ticks <= late_ticks) s.out_mm_s = std::max(s.out_mm_s, out_mm_s);
   if (s.bounces < kBounces) return false;
   s = State{};
   return true;

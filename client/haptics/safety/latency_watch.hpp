@@ -3,12 +3,13 @@
 // says. Real-time room.
 #pragma once
 
+#include "common/geometry.hpp"
+
 namespace hapticast::client {
 
 /// Twelve reversals of the tip along the normal of at least 3 counts each, none smaller than 0.9 of
 /// the one before, each within 33 ms of the last (a tremor is slower) and not the surface's own (it
-/// moved less than half the swing). Measured: none in 4000 runs of hands that move, 1 in 600 that
-/// fall onto a wall.
+/// moved less than half the swing). Measured: client/haptics/README.md, 5.
 class LatencyWatch {
  public:
   explicit LatencyWatch(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
@@ -40,22 +41,37 @@ class LatencyWatch {
 };
 
 /// Three contacts in a row that a tip leaves at least 0.9 times as fast as it came, each shorter
-/// than the bare device on the wall's spring can last, within 0.25 s of one another: a damped wall
-/// gives back half of the speed at most, and a hand that taps brings its own mass. Measured
-/// together with LatencyWatch: all swings of devices two ticks slower than told are found in 0.6 s.
+/// than the bare device on the wall's spring can last, within 0.25 s of one another, under a force
+/// and not carried by the surface (less than half of the speed is its own): a damped wall gives
+/// back half of the speed at most, and a hand that taps brings its own mass.
 class BounceWatch {
  public:
+  struct Tick {
+    Vec3 tip_mm_s;
+    // Of the surface; without contact they do not count.
+    Vec3 surface_mm_s;
+    Vec3 normal;
+    double stiffness_N_mm;  ///< along the normal
+    bool contact;
+    bool acts;  ///< a force acts
+    bool jump;  ///< nothing connects this tick with the one before
+  };
   explicit BounceWatch(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
-  /// A tick: speed of the tip out of the surface, against that of the surface; stiffness of the
-  /// wall along its normal. Returns whether this tick completes an alarm; then it starts over.
-  bool alarmed(double out_mm_s, bool contact, double stiffness_N_mm, int delay_ticks) noexcept;
+  /// Returns whether this tick completes an alarm; then it starts over.
+  bool alarmed(const Tick& tick, int delay_ticks) noexcept;
 
  private:
   struct State {
-    double in_mm_s = 0.0, out_mm_s = 0.0;  // the fastest of this contact
+    Vec3 normal = Vec3::Zero();  // of the contact
+    Vec3 surface_mm_s = Vec3::Zero();
+    double in_mm_s = 0.0, out_mm_s = 0.0;  // the fastest of this contact, against the surface
+    double carried_mm_s = 0.0;             // the fastest of the surface itself
     int contact_ticks = 0, free_ticks = 0, longest_ticks = 0, bounces = 0;
+    bool acted = false;
   };
+  [[nodiscard]] int bouncesUpToNow() const noexcept;
+
   double mass_kg_;
   State state_;
 };

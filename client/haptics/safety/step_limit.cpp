@@ -29,7 +29,9 @@ Explained explainedByHand(const StepState& now, const StepState& last) noexcept 
   const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
   const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
   const double way_mm = moved_mm.norm();
-  return {wall.damping_Ns_m * 1e-3 * damped_mm_s * wall.normal,
+  const double full_N = wall.damping_Ns_m * 1e-3 * damped_mm_s;
+  const double damper_N = entering ? std::min(full_N, now.most_damper_N) : full_N;
+  return {damper_N * wall.normal,
           wall.local_stiffness_N_mm * (entering ? std::min(now.depth_mm, way_mm) : way_mm)};
 }
 

@@ -21,6 +21,7 @@ struct StepState {
   bool contact = false;
   double local_stiffness_N_mm = 0.0;  ///< along the normal
   double damping_Ns_m = 0.0;          ///< along the normal
+  double most_damper_N = 0.0;         ///< what the damper may add in this tick
   Vec3 normal = Vec3::Zero();
   double depth_mm = 0.0;  ///< along the normal
 };
@@ -32,9 +33,10 @@ struct Explained {
 };
 /// Knows the tip's motion by its counts and the wall it touched *before* this tick, not the force:
 /// K|dx| in any direction, B dv along the normal, and where the tip itself enters (the depth is at
-/// most its way inwards) K depth and B v; velocities no larger than the damper's limit. What the
-/// stream does to stiffness, surface or contact in this tick explains nothing, and a motion that is
-/// only foreseen explains nothing either: where it does not happen a stream would make the steps.
+/// most its way inwards) K depth and B v up to what the damper may add there; velocities no larger
+/// than the damper's limit. What the stream does to stiffness, surface or contact in this tick
+/// explains nothing, and a motion that is only foreseen explains nothing either: where it does not
+/// happen a stream would make the steps.
 Explained explainedByHand(const StepState& now, const StepState& last) noexcept;
 
 /// The step of the force that a device's user may feel in a tick: what the hand explains and the

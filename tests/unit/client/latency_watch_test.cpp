@@ -61,35 +61,55 @@ TEST(LatencyWatch, WatchesOnlyWhileAForceActs) {
   EXPECT_GE(alarms(5000, wave(0.5, 30.0), wave(0.0, 1.0), [](int i) { return i % 33 < 10; }), 1);
 }
 
-/// Alarms in ten contacts of `contact_ticks`, each entered at `in_mm_s` and left with `share` of
-/// that, with a flight of `flight_ticks` between them.
-int bounceAlarms(int contact_ticks, double in_mm_s, double share, int flight_ticks) {
+struct Bounces {
+  int contact_ticks = 16;
+  double in_mm_s = 300.0;
+  double share = 1.0;  // of the speed, given back
+  int flight_ticks = 50;
+  double surface_mm_s = 0.0;
+  bool acts = true;
+  double stiffness_N_mm = 2.0;
+};
+
+/// Alarms in ten contacts with a flight between them.
+int bounceAlarms(const Bounces& what) {
   BounceWatch watch(0.045);
   int count = 0;
+  const auto tick = [&](double tip_mm_s, bool contact) {
+    const Vec3 normal = contact ? Vec3::UnitX() : Vec3::UnitZ();  // none without contact
+    const double surface_mm_s = contact ? what.surface_mm_s : 0.0;
+    count +=
+        watch.alarmed({(tip_mm_s + what.surface_mm_s) * Vec3::UnitX(), surface_mm_s * Vec3::UnitX(),
+                       normal, contact ? what.stiffness_N_mm : 0.0, contact, what.acts, false},
+                      1);
+  };
+  const double out_mm_s = what.share * what.in_mm_s;
   for (int bounce = 0; bounce < 10; ++bounce) {
-    for (int i = 0; i < contact_ticks; ++i) {
-      const double speed_mm_s = i < contact_ticks / 2 ? -in_mm_s : share * in_mm_s;
-      count += watch.alarmed(speed_mm_s, true, 2.0, 1);
+    for (int i = 0; i < what.contact_ticks; ++i) {
+      tick(i < what.contact_ticks / 2 ? -what.in_mm_s : out_mm_s, true);
     }
-    for (int i = 0; i < flight_ticks; ++i) {
-      count += watch.alarmed(i < flight_ticks / 2 ? share * in_mm_s : -in_mm_s, false, 0.0, 1);
+    for (int i = 0; i < what.flight_ticks; ++i) {
+      tick(i < what.flight_ticks / 2 ? out_mm_s : -what.in_mm_s, false);
     }
   }
   return count;
 }
 
 TEST(BounceWatch, SeesATipThatIsThrownBackAsFastAsItCame) {
-  EXPECT_EQ(bounceAlarms(16, 300.0, 0.95, 50),
-            2);  // of nine that are judged, three each and one between
-  EXPECT_EQ(bounceAlarms(16, 300.0, 1.3, 200), 2);
+  EXPECT_EQ(bounceAlarms({.share = 0.95}), 2);  // of nine that are judged, three and one between
+  EXPECT_EQ(bounceAlarms({.share = 1.3, .flight_ticks = 200}), 2);
+  EXPECT_EQ(bounceAlarms({.surface_mm_s = 100.0}), 2);
 }
 
 TEST(BounceWatch, LeavesHandsAndDampedBouncesAlone) {
-  EXPECT_EQ(bounceAlarms(16, 300.0, 0.8, 50), 0);   // a wall that takes its share
-  EXPECT_EQ(bounceAlarms(45, 300.0, 1.0, 50), 0);   // a hand's mass stays longer
-  EXPECT_EQ(bounceAlarms(16, 300.0, 1.0, 300), 0);  // taps, one by one
-  EXPECT_EQ(bounceAlarms(16, 300.0, 1.0, 8), 0);    // brushes the edge
-  EXPECT_EQ(bounceAlarms(16, 60.0, 1.0, 50), 0);    // a count
+  EXPECT_EQ(bounceAlarms({.share = 0.8}), 0);           // a wall that takes its share
+  EXPECT_EQ(bounceAlarms({.contact_ticks = 45}), 0);    // a hand's mass stays longer
+  EXPECT_EQ(bounceAlarms({.flight_ticks = 300}), 0);    // taps, one by one
+  EXPECT_EQ(bounceAlarms({.flight_ticks = 8}), 0);      // brushes the edge
+  EXPECT_EQ(bounceAlarms({.in_mm_s = 60.0}), 0);        // a count
+  EXPECT_EQ(bounceAlarms({.surface_mm_s = 200.0}), 0);  // the surface strikes
+  EXPECT_EQ(bounceAlarms({.acts = false}), 0);          // nothing is felt
+  EXPECT_EQ(bounceAlarms({.contact_ticks = 300, .stiffness_N_mm = 0.0}), 0);
 }
 
 }  // namespace

@@ -61,9 +61,32 @@ TEST(RoomEnable, ADeviceWithoutTheButtonNeedsNone) {
 TEST(RoomEnable, WithoutDataTheLastWordOfTheButtonHoldsForAMoment) {
   Stage stage(withButton(), &kFollows);
   (void)stage.run(3000);
-  stage.lost = true;
+  stage.silent = true;
   stage.holds = false;
+  EXPECT_GT(stage.run(5).force_N.norm(), 0.2);
   EXPECT_EQ(stage.run(200).force_N, Vec3(Vec3::Zero()));
+}
+
+TEST(RoomEnable, ADeviceThatHasNotAnsweredYetIsNotHeld) {
+  Stage stage(withButton(), &kFollows);
+  stage.silent = true;
+  (void)stage.run(100);
+  EXPECT_FALSE(stage.room->report().enabled);
+  EXPECT_EQ(stage.max_force_N, 0.0);
+}
+
+TEST(RoomEnable, ATipThatSinksInWhileTheForceStillFadesIsNotThrownOut) {
+  Stage stage(withButton(), nullptr);
+  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, 40.0}));
+  (void)stage.run(2000);
+  stage.holds = false;
+  (void)stage.step();
+  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, -20.0}));
+  (void)stage.run(90);
+  stage.max_force_N = 0.0;
+  stage.holds = true;
+  (void)stage.run(1000);
+  EXPECT_EQ(stage.max_force_N, 0.0);
 }
 
 }  // namespace

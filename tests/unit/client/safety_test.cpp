@@ -67,6 +67,30 @@ TEST(SafetyChain, TheDamperGrowsWithDepthAndWithTheTicksInContact) {
   EXPECT_DOUBLE_EQ(limit.most_N(3.0), 0.04);
 }
 
+TEST(SafetyChain, NoFirstTouchIsABlowWhateverTheObjectDoes) {
+  constexpr double kWay_mm = 0.33;  // a tick at 330 mm/s
+  for (const double stiffness_N_mm : {0.5, 1.5, 5.0}) {
+    SafetyChain chain = armedChain(omni(stiffness_N_mm, 1));
+    SafetyInput input = pressed(0.0, stiffness_N_mm);
+    input.contact = false;
+    input.damping_Ns_m = 1e9;
+    input.dynamic_N = {0.0, 0.0, 1.65};
+    input.dynamic_valid = true;
+    input.velocity_mm_s.z() = input.ahead.velocity_mm_s.z() = -330.0;
+    Vec3 before_N = Vec3::Zero();
+    for (int i = 1; i <= 20; ++i) {
+      input.position_mm.z() = input.ahead.position_mm.z() = -kWay_mm * i;
+      input.contact = i > 10;
+      input.displacement_mm.z() = input.contact ? kWay_mm * (i - 10) : 0.0;
+      const Vec3 force_N = chain.step(input).force_N;
+      // The hand's way, what a force may rise by in a tick, and the damper's first word.
+      EXPECT_LE((force_N - before_N).norm(), stiffness_N_mm * kWay_mm + 0.2 + 0.1)
+          << stiffness_N_mm << " N/mm, tick " << i - 10;
+      before_N = force_N;
+    }
+  }
+}
+
 TEST(SafetyChain, RestingForceIsStiffnessTimesDisplacement) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   SafetyInput input = pressed(2.0);
