@@ -58,6 +58,12 @@ inline const std::vector<NamedHand>& heavyArms() {
                                              {"1 kg 20", {1.0, 20.0, 300.0, 0.0, 0.0}}};
   return all;
 }
+/// Arms of 1 kg that grip the device so hard that it is a part of them, hardly damped.
+inline const std::vector<NamedHand>& stiffGrips() {
+  static const std::vector<NamedHand> all = {{"1 kg 2 kN/m", {1.0, 10.0, 300.0, 2000.0, 3.0}},
+                                             {"1 kg 5 kN/m", {1.0, 10.0, 300.0, 5000.0, 3.0}}};
+  return all;
+}
 
 struct Silence {
   double above_50Hz_N = 0.0;  ///< rms
