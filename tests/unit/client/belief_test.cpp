@@ -103,6 +103,19 @@ TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
   }
 }
 
+TEST_F(BeliefTest, FramesCloserThanAnyStreamsBearNothingOut) {
+  Sightings seen;
+  for (std::size_t i = 0; i < Sightings::kFrames; ++i) {
+    objects_[i].motion.position_mm.z() = i % 2 == 0 ? 10.0 : 10.01;
+    objects_[i].field = &fields_[i];
+    seen.object[i] = &objects_[i];
+  }
+  seen.interval_s = {1e-6, 0.08, 1e-6, 0.08};
+  EXPECT_LE(beliefIn(seen).acceleration_mm_s2, 20.0);
+  seen.interval_s.fill(1.0 / 240.0);
+  EXPECT_GE(beliefIn(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0) << "the fastest stream's do";
+}
+
 TEST_F(BeliefTest, WithoutNeighboursOnlyWhatIsThereCounts) {
   const PlayObject alone;
   Sightings seen;
