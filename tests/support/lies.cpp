@@ -435,6 +435,13 @@ Lies motion() {
          moveTo(t, t.n % 2 == 0 ? 10.0 : 10.01);
          t.motion().acceleration_mm_s2.x() = 1200.0 * wave(t.t_s, 2.0);
        }},
+      // The same heights resent in every frame bear out no heaving.
+      {"heaves_under_the_same_relief", kShallow, kTrustLost,
+       [](Telling& t) {
+         heave(2.0, 4.0)(t);
+         t.shows(plate(10.0));
+         t.motion().acceleration_mm_s2 *= 2.0;
+       }},
       {"acc_circles", kShallow, kTrustLost,
        [](Telling& t) {
          t.motion().acceleration_mm_s2 = {1e5 * wave(t.t_s, 3.0), 1e5 * wave(t.t_s, 3.0, 1.57),
