@@ -18,6 +18,10 @@ constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
 // What no author has weighed is taken for a thing that fits into a hand. A heavier one would make
 // the errors of a slow clip, whose largest acceleration is hardly more than noise, fill the force.
 constexpr double kUnknownMass_kg = 0.5;
+// Chosen: more than a hand moves about by itself (ISO 11228-1 takes 3 kg and more for a load to be
+// lifted). The stream's frames bear an acceleration out but no mass: a tonne would turn the last
+// micrometre of them into all that the device can do.
+constexpr double kHeaviest_kg = 5.0;
 constexpr double kPulse_s = 0.015;
 constexpr double kKnee = 0.8;  // of the pulse limit
 // Chosen: whatever acceleration a stream announces, half of what the device can do is the
@@ -143,7 +147,8 @@ double DynamicForce::cursorMass_kg() const noexcept {
 double DynamicForce::objectMass_kg(const StreamState& stream, double scale) const noexcept {
   const bool authored = stream.author_mass_kg > 0.0 && std::isfinite(stream.author_mass_kg);
   const double wanted_kg =
-      std::max(authored ? stream.author_mass_kg : kUnknownMass_kg, kMassRatio * cursorMass_kg());
+      std::max(authored ? std::min(stream.author_mass_kg, kHeaviest_kg) : kUnknownMass_kg,
+               kMassRatio * cursorMass_kg());
   const double largest_m_s2 = stream.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
   if (!(largest_m_s2 > 0.0) || !std::isfinite(largest_m_s2)) return wanted_kg;
   // The device's share is what it can hold for good: an object may accelerate for as long as a clip

@@ -442,6 +442,9 @@ Lies motion() {
          t.shows(plate(10.0));
          t.motion().acceleration_mm_s2 *= 2.0;
        }},
+      // It moves as it says, by micrometres.
+      {"micrometres_of_a_giant", kShallow, kHarmless, heave(4.0, 0.003),
+       [](StreamDescription& description) { description.mass_kg = 1000.0; }},
       {"acc_circles", kShallow, kTrustLost,
        [](Telling& t) {
          t.motion().acceleration_mm_s2 = {1e5 * wave(t.t_s, 3.0), 1e5 * wave(t.t_s, 3.0, 1.57),

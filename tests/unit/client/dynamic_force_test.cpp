@@ -86,6 +86,10 @@ TEST_F(DynamicForceTest, MassIsTheAuthorsOrAHandfulWithinTheDevicesShare) {
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.6, 1e-12);
   stream.author_mass_kg = 0.05;  // never below 10 m_cursor
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.45, 1e-12);
+  stream.author_mass_kg = 1000.0;
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88, 1e-12);
+  stream.largest_acceleration_mm_s2 = 1.0;
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 5.0, 1e-12);
   stream.largest_acceleration_mm_s2 = 20000;  // unless the device forces it
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88 / 20, 1e-12);
   stream = StreamState{};
