@@ -158,6 +158,11 @@ double DynamicForce::objectMass_kg(const StreamState& stream, double scale) cons
 
 Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
                            double kg_m_per_mm) noexcept {
+  // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
+  const auto height_N = [&](const Vec3& change_mm_s) noexcept {
+    return compressed(kg_m_per_mm * change_mm_s.norm() * std::numbers::pi / (2.0 * kPulse_s),
+                      profile_.pulse_limit_N);
+  };
   const PlayObject& before = *object.before;
   const Impact* const known = has_pulse_ && pulse_object_ == before.id ? &pulse_ : nullptr;
   if (known == nullptr || !underWay(*known, play_time)) {
@@ -168,16 +173,16 @@ Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
     has_pulse_ = true;
     pulse_ = *impact;
     pulse_.delta_velocity_mm_s = shortened(pulse_.delta_velocity_mm_s, object.belief.impact_mm_s);
-    doubted_pulse_ = pulse_.delta_velocity_mm_s != impact->delta_velocity_mm_s;
+    const double cut_N =
+        height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
+    doubted_pulse_ = !(cut_N <= kFelt_N);
     pulse_object_ = before.id;
   }
-  // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
   const double length = pulse_.delta_velocity_mm_s.norm();
   if (!(length > 0.0) || !std::isfinite(length)) return Vec3::Zero();
-  const double height_N = kg_m_per_mm * length * std::numbers::pi / (2.0 * kPulse_s);
-  const double compressed_N = compressed(height_N, profile_.pulse_limit_N);
   const double phase = std::numbers::pi * secondsSince(pulse_, play_time) / kPulse_s;
-  return compressed_N * std::sin(phase) / length * pulse_.delta_velocity_mm_s;
+  return height_N(pulse_.delta_velocity_mm_s) * std::sin(phase) / length *
+         pulse_.delta_velocity_mm_s;
 }
 
 Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,

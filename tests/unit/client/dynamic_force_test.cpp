@@ -211,6 +211,19 @@ TEST_F(DynamicForceTest, AnImpactIsRenderedOnceThoughFramesDisagreeOrForgetIt) {
   EXPECT_GT(force(1.1075).z(), 0.0);  // another one
 }
 
+TEST_F(DynamicForceTest, AnImpactIsDoubtedByWhatIsFeltOfIt) {
+  before.impact_count = 1;
+  const auto doubts = [&](double time_s, double told_mm_s, double believed_mm_s) {
+    before.impacts[0] = {mediaTime(time_s), {0, 0, told_mm_s}};
+    now.belief.impact_mm_s = believed_mm_s;
+    (void)force(time_s + 0.001);
+    return dynamic.doubted();
+  };
+  EXPECT_FALSE(doubts(1.0, 20.0, 19.8)) << "0.01 N less";
+  EXPECT_TRUE(doubts(2.0, 20.0, 19.0)) << "0.05 N less";
+  EXPECT_TRUE(doubts(3.0, 1e300, 20.0));
+}
+
 TEST_F(DynamicForceTest, AlwaysFiniteAndWithinThePeak) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> exponent(-300.0, 300.0);
