@@ -82,6 +82,8 @@ TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
       const Motion told = swinging(hz, 5.0)(time_s);
       EXPECT_GE(belief.acceleration_mm_s2, told.acceleration_mm_s2.norm())
           << hz << " Hz at " << time_s;
+      const double w = 2.0 * M_PI * hz;
+      EXPECT_LE(belief.acceleration_mm_s2, 3.1 * 5.0 * w * w) << hz << " Hz at " << time_s;
     }
   }
 }
