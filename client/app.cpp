@@ -167,8 +167,7 @@ void App::takeReports() {
     last_report_.time = LocalTime(last_report_.time - *begin_);
     log_.write(last_report_);
     for (const auto& view : views_) view->takeReport(last_report_);
-    if (const auto line = touch_teller_.take(last_report_, rearm_.left()))
-      spdlog::warn("{}", *line);
+    if (const auto line = touch_teller_.take(last_report_, rearm_)) spdlog::warn("{}", *line);
     if (!rearm_.take(last_report_)) continue;
     ++user_.rearm;
     user_controls_.store(user_);

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "client/rearm.hpp"
 
-#include "client/haptics/safety/trust.hpp"
-
 namespace hapticast::client {
 
 bool Rearm::take(const TickReport& report) {
-  const bool waits = report.halt == Halt::kDeviceLost || report.halt == Halt::kTrustLost;
-  if (!waits) asked_ = false;
-  for (const Interference each : Trust::kCounted) {
-    if ((report.interferences & bit(each)) != 0) disturbed_ = report.time;
+  if (report.halt != halt_) {
+    halt_ = report.halt;
+    halted_ = report.time;
   }
+  const bool waits = halt_ == Halt::kDeviceLost || halt_ == Halt::kTrustLost;
+  // A device that is lost again has not heard of it.
+  if (!waits || report.device != DeviceStatus::kOk) asked_ = false;
   if (!by_itself_ || !waits || asked_ || report.device != DeviceStatus::kOk) return false;
-  if (report.halt == Halt::kTrustLost) {
-    if (forgiven_ == kTimes || report.time - disturbed_ < kCalm) return false;
+  if (halt_ == Halt::kTrustLost) {
+    if (forgiven_ == kTimes || report.time - halted_ < kLater) return false;
     ++forgiven_;
   }
   asked_ = true;

@@ -2,16 +2,14 @@
 // --rearm: when the force may come back by itself. Thread: main.
 #pragma once
 
-#include <optional>
-
 #include "client/haptics/tick_report.hpp"
 
 namespace hapticast::client {
 
 class Rearm {
  public:
-  /// Chosen: after lost trust nothing has to be held back for so long, ...
-  static constexpr Duration kCalm = std::chrono::seconds(5);
+  /// Chosen: so long after trust was lost it is forgiven, ...
+  static constexpr Duration kLater = std::chrono::seconds(5);
   /// ... and so often only.
   static constexpr int kTimes = 3;
 
@@ -20,6 +18,8 @@ class Rearm {
 
   /// Sees every report; whether the force is to be re-armed now.
   [[nodiscard]] bool take(const TickReport& report);
+  /// Whether a lost device's force returns, as often as the device does.
+  [[nodiscard]] bool byItself() const { return by_itself_; }
   /// How often lost trust will still be forgiven.
   [[nodiscard]] int left() const { return by_itself_ ? kTimes - forgiven_ : 0; }
 
@@ -27,7 +27,8 @@ class Rearm {
   bool by_itself_;
   int forgiven_ = 0;
   bool asked_ = false;  // the loop has not answered yet
-  LocalTime disturbed_{};
+  Halt halt_ = Halt::kNone;
+  LocalTime halted_{};  // since then
 };
 
 }  // namespace hapticast::client

@@ -66,9 +66,8 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
             "stiffness");
   app.add_flag(
       "--rearm", settings.rearm,
-      "After a lost device has come back, or after lost trust 5 s after the stream has become "
-      "calm (three times at most), the force returns by itself, faded in; without it, only "
-      "at the next start");
+      "After a lost device has come back, or 5 s after the trust in a stream was lost (three times "
+      "at most), the force returns by itself, faded in; without it, only at the next start");
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {

@@ -18,18 +18,22 @@ bool due(std::optional<LocalTime>& told, LocalTime now) {
   return true;
 }
 
-std::string halted(const TickReport& report, int rearms_left) {
+std::string comesBack(const Rearm& rearm) {
+  if (!rearm.byItself()) return "from now on; start again, or with --rearm, to touch it";
+  if (rearm.left() == 0) return "from now on; start again to touch it";
+  return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
+                     rearm.left() == 1 ? "time" : "times");
+}
+
+std::string halted(const TickReport& report, const Rearm& rearm) {
   if (report.halt == Halt::kDeviceLost)
-    return rearms_left > 0
+    return rearm.byItself()
                ? "the device does not answer: no force until it is back"
                : "the device does not answer: no force from now on (--rearm brings it back)";
   return fmt::format(
       "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
       "force {}",
-      inWords(report.distrusted),
-      rearms_left > 0 ? fmt::format("until it has been calm for 5 s, which is forgiven {} more {}",
-                                    rearms_left, rearms_left == 1 ? "time" : "times")
-                      : "from now on; start again, or with --rearm, to touch it");
+      inWords(report.distrusted), comesBack(rearm));
 }
 
 }  // namespace
@@ -61,18 +65,20 @@ const char* inWords(Interference which) noexcept {
   }
 }
 
-std::optional<std::string> TouchTeller::take(const TickReport& report, int rearms_left) {
-  std::string line = news(report, rearms_left);
+std::optional<std::string> TouchTeller::take(const TickReport& report, const Rearm& rearm) {
+  if (report.halt != halt_) {
+    halt_ = report.halt;
+    if (halt_ == Halt::kStopped) return std::nullopt;
+    return halt_limit_.let(
+        halt_ == Halt::kNone ? "re-armed: the force comes back" : halted(report, rearm),
+        report.time);
+  }
+  std::string line = news(report);
   if (line.empty()) return std::nullopt;
   return limit_.let(std::move(line), report.time);
 }
 
-std::string TouchTeller::news(const TickReport& report, int rearms_left) {
-  if (report.halt != halt_) {
-    halt_ = report.halt;
-    if (halt_ == Halt::kNone) return "re-armed: the force comes back";
-    if (halt_ != Halt::kStopped) return halted(report, rearms_left);
-  }
+std::string TouchTeller::news(const TickReport& report) {
   if (!report.enabled && !told_enable_) {
     told_enable_ = true;
     return "the device's enabling button is not held: no force until it is, and whenever it is let "

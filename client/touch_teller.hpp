@@ -8,16 +8,17 @@
 
 #include "client/haptics/tick_report.hpp"
 #include "client/line_limit.hpp"
+#include "client/rearm.hpp"
 
 namespace hapticast::client {
 
 class TouchTeller {
  public:
-  /// Sees every report; `rearms_left`: how often the force will come back by itself.
-  std::optional<std::string> take(const TickReport& report, int rearms_left);
+  /// Sees every report, before `rearm`, which knows whether the force will come back by itself.
+  std::optional<std::string> take(const TickReport& report, const Rearm& rearm);
 
  private:
-  [[nodiscard]] std::string news(const TickReport& report, int rearms_left);
+  [[nodiscard]] std::string news(const TickReport& report);
 
   Halt halt_ = Halt::kNone;
   bool stale_ = false;
@@ -25,6 +26,7 @@ class TouchTeller {
   std::optional<LocalTime> told_softer_;
   std::optional<LocalTime> told_later_;
   LineLimit limit_;
+  LineLimit halt_limit_;  // whatever else a stream makes the other one say
 };
 
 /// What an interference does, for a person; empty where a hand does not notice it.

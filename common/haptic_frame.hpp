@@ -34,6 +34,7 @@ struct Relief {
   PixelRect rect;                  ///< inside the picture
   std::vector<float> height_mm;    ///< row-major, rect.width * rect.height; 0..Workspace::depth_mm
   std::vector<std::uint8_t> mask;  ///< same shape; 1 inside the object, 0 outside
+  bool operator==(const Relief&) const = default;
 };
 
 /// Velocity and acceleration of the surface that the object's own motion does not explain (in the

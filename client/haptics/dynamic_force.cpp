@@ -18,6 +18,10 @@ constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
 // What no author has weighed is taken for a thing that fits into a hand. A heavier one would make
 // the errors of a slow clip, whose largest acceleration is hardly more than noise, fill the force.
 constexpr double kUnknownMass_kg = 0.5;
+// Chosen: more than a hand moves about by itself (ISO 11228-1 takes 3 kg and more for a load to be
+// lifted). The stream's frames bear an acceleration out but no mass: a tonne would turn the last
+// micrometre of them into all that the device can do.
+constexpr double kHeaviest_kg = 5.0;
 constexpr double kPulse_s = 0.015;
 constexpr double kKnee = 0.8;  // of the pulse limit
 // Chosen: whatever acceleration a stream announces, half of what the device can do is the
@@ -143,7 +147,8 @@ double DynamicForce::cursorMass_kg() const noexcept {
 double DynamicForce::objectMass_kg(const StreamState& stream, double scale) const noexcept {
   const bool authored = stream.author_mass_kg > 0.0 && std::isfinite(stream.author_mass_kg);
   const double wanted_kg =
-      std::max(authored ? stream.author_mass_kg : kUnknownMass_kg, kMassRatio * cursorMass_kg());
+      std::max(authored ? std::min(stream.author_mass_kg, kHeaviest_kg) : kUnknownMass_kg,
+               kMassRatio * cursorMass_kg());
   const double largest_m_s2 = stream.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
   if (!(largest_m_s2 > 0.0) || !std::isfinite(largest_m_s2)) return wanted_kg;
   // The device's share is what it can hold for good: an object may accelerate for as long as a clip
@@ -153,6 +158,11 @@ double DynamicForce::objectMass_kg(const StreamState& stream, double scale) cons
 
 Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
                            double kg_m_per_mm) noexcept {
+  // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
+  const auto height_N = [&](const Vec3& change_mm_s) noexcept {
+    return compressed(kg_m_per_mm * change_mm_s.norm() * std::numbers::pi / (2.0 * kPulse_s),
+                      profile_.pulse_limit_N);
+  };
   const PlayObject& before = *object.before;
   const Impact* const known = has_pulse_ && pulse_object_ == before.id ? &pulse_ : nullptr;
   if (known == nullptr || !underWay(*known, play_time)) {
@@ -163,16 +173,16 @@ Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
     has_pulse_ = true;
     pulse_ = *impact;
     pulse_.delta_velocity_mm_s = shortened(pulse_.delta_velocity_mm_s, object.belief.impact_mm_s);
-    doubted_pulse_ = pulse_.delta_velocity_mm_s != impact->delta_velocity_mm_s;
+    const double cut_N =
+        height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
+    doubted_pulse_ = !(cut_N <= kFelt_N);
     pulse_object_ = before.id;
   }
-  // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
   const double length = pulse_.delta_velocity_mm_s.norm();
   if (!(length > 0.0) || !std::isfinite(length)) return Vec3::Zero();
-  const double height_N = kg_m_per_mm * length * std::numbers::pi / (2.0 * kPulse_s);
-  const double compressed_N = compressed(height_N, profile_.pulse_limit_N);
   const double phase = std::numbers::pi * secondsSince(pulse_, play_time) / kPulse_s;
-  return compressed_N * std::sin(phase) / length * pulse_.delta_velocity_mm_s;
+  return height_N(pulse_.delta_velocity_mm_s) * std::sin(phase) / length *
+         pulse_.delta_velocity_mm_s;
 }
 
 Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,

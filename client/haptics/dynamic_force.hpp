@@ -35,8 +35,8 @@ class DynamicForce {
   /// stream's.
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
-  /// m_object = min(author's (0.5 kg when none is given), the device's continuous force / largest
-  /// a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
+  /// m_object = min(author's (0.5 kg when none is given), 5 kg, the device's continuous force /
+  /// largest a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
   [[nodiscard]] double objectMass_kg(const StreamState& stream, double scale) const noexcept;
 
  private:

@@ -12,7 +12,7 @@ struct UserControls {
   /// if it were a new one: frames from before are void, and the force fades in from zero.
   bool paused = false;
   /// A new value lets the force return, faded in, after a lost device has come back or trust
-  /// in the stream was lost.
+  /// in the stream was lost. So far only --rearm writes one: there is no key or button for it.
   std::uint32_t rearm = 0;
 };
 

@@ -33,6 +33,11 @@ bool ReliefCache::remember(const HapticObject& object, std::uint64_t frame_id) {
     return true;
   }
   if (!object.relief) return true;
+  if (known != entries_.end() && *known->second.raw == *object.relief) {
+    known->second.changed_in_frame = object.changed_in_frame;
+    known->second.used_in_frame = frame_id;
+    return true;
+  }
   if (!fits(*object.relief)) return false;
   entries_[{object.id, object.layer}] = {object.changed_in_frame, frame_id, object.relief, nullptr};
   if (entries_.size() > kMaxEntries) forgetOldest();
@@ -50,7 +55,6 @@ ReliefCache::Resolved ReliefCache::resolve(const HapticObject& object, std::uint
     entry.field = std::make_shared<const HeightField>(
         method_ == Method::kThesis ? HeightField::prepareThesis(*entry.raw, workspace_)
                                    : HeightField::prepare(*entry.raw, workspace_));
-    entry.raw.reset();
   }
   return {entry.field, false};
 }

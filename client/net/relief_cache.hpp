@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The reliefs of the stream by object: what "unchanged" in a frame refers to. A relief is kept raw
-// until a frame that is played needs it, and prepared for touch from then on: of a frame that is
-// left out only the raw relief has to be remembered. Thread: one (the preparer's).
+// until a frame that is played needs it, and prepared for touch then: of a frame that is left out
+// only the raw relief has to be remembered. The raw one stays, for one that is sent again without a
+// change is the same to touch, whatever frame it is told to have changed in. Thread: one (the
+// preparer's).
 #pragma once
 
 #include <cstdint>
@@ -41,7 +43,7 @@ class ReliefCache {
   struct Entry {
     std::uint64_t changed_in_frame = 0;
     std::uint64_t used_in_frame = 0;
-    std::shared_ptr<const Relief> raw;         // null once it is prepared
+    std::shared_ptr<const Relief> raw;
     std::shared_ptr<const HeightField> field;  // null until it is needed
   };
   [[nodiscard]] bool fits(const Relief& relief) const;

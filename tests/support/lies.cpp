@@ -428,6 +428,23 @@ Lies motion() {
       {"acc_square_2hz_y_heavy", kHold, kTrustLost, accelerate(2.0, 1, 1e4), announceSmall},
       {"acc_small_4hz_x", kShallow, kTrustLost, accelerate(4.0, 0, 4000.0)},
       {"acc_below_the_bound_4hz_x", kShallow, kHarmless, accelerate(4.0, 0, 300.0)},
+      // Two frames a microsecond apart: what steps between them has stepped at 10 mm/s.
+      {"acc_borne_out_by_pairs", kShallow, kTrustLost,
+       [](Telling& t) {
+         if (t.n % 2 == 0) t.frame.media_time += fromSeconds(1.0 / kLiarsFps - 1e-6);
+         moveTo(t, t.n % 2 == 0 ? 10.0 : 10.01);
+         t.motion().acceleration_mm_s2.x() = 1200.0 * wave(t.t_s, 2.0);
+       }},
+      // The same heights resent in every frame bear out no heaving.
+      {"heaves_under_the_same_relief", kShallow, kTrustLost,
+       [](Telling& t) {
+         heave(2.0, 4.0)(t);
+         t.shows(plate(10.0));
+         t.motion().acceleration_mm_s2 *= 2.0;
+       }},
+      // It moves as it says, by micrometres.
+      {"micrometres_of_a_giant", kShallow, kHarmless, heave(4.0, 0.003),
+       [](StreamDescription& description) { description.mass_kg = 1000.0; }},
       {"acc_circles", kShallow, kTrustLost,
        [](Telling& t) {
          t.motion().acceleration_mm_s2 = {1e5 * wave(t.t_s, 3.0), 1e5 * wave(t.t_s, 3.0, 1.57),

@@ -27,7 +27,7 @@ inline constexpr float kPlateau_mm = 10.0F;
 enum class Verdict : std::uint8_t {
   kRefused,    ///< messages or objects were not taken
   kLimited,    ///< felt, but cut down; that it may cost the trust in the end is a matter of time
-  kTrustLost,  ///< felt for a while, then the force is zero until the user says otherwise
+  kTrustLost,  ///< felt for a while, then the force is zero until it is re-armed
   kHarmless,   ///< nothing of it needed a limit
 };
 const char* verdictName(Verdict verdict) noexcept;

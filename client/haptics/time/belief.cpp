@@ -17,6 +17,9 @@ constexpr double kAccelerationFactor = 3.0;  // the whole of it where frames are
 constexpr double kImpactFactor = 1.5;
 // What a surface that changes its shape does beyond its body: chosen, a hand's fingers.
 constexpr double kDeforming_mm_s2 = 2000.0;
+// Half of the shortest interval that the wire's 240 frames a second leave; the other half is for
+// capture times that jitter. Over a microsecond the smallest step would bear out anything.
+constexpr double kShortest_s = 0.5 / 240.0;
 
 constexpr std::size_t kSteps = Sightings::kFrames - 1;
 
@@ -36,7 +39,8 @@ template <class Value, class Step, class Rate>
 Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
   Largest most;
   const auto known = [&](std::size_t i) noexcept {
-    return seen.object[i] != nullptr && seen.object[i + 1] != nullptr && seen.interval_s[i] > 0.0;
+    return seen.object[i] != nullptr && seen.object[i + 1] != nullptr &&
+           seen.interval_s[i] >= kShortest_s;
   };
   for (std::size_t i = 0; i < kSteps; ++i) {
     if (known(i)) most.speed = std::max(most.speed, sizeOf(step(i)) / seen.interval_s[i]);

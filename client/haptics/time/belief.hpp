@@ -21,7 +21,8 @@ struct Belief {
 };
 
 /// An object in five successive frames, of which kNow and the next are around play time (null where
-/// it or the frame is not known), and the time from each to the next.
+/// it or the frame is not known), and the time from each to the next. Frames closer together than
+/// any stream's bear nothing out.
 struct Sightings {
   static constexpr std::size_t kFrames = 5;
   static constexpr std::size_t kNow = 2;

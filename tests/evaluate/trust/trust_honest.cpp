@@ -131,15 +131,13 @@ double share(const client::Felt& felt, Interference which) {
   return double(acted) / double(felt.interferences.size());
 }
 
-/// The highest that what costs trust came to, forgotten within 2 s.
+/// The highest that what costs trust came to.
 double highestScore(const client::Felt& felt) {
-  double now = 0.0;
+  Trust trust;
   double most = 0.0;
   for (const std::uint32_t each : felt.interferences) {
-    const bool any = std::any_of(Trust::kCounted.begin(), Trust::kCounted.end(),
-                                 [=](Interference i) { return (each & bit(i)) != 0; });
-    now = now * (1.0 - 1.0 / 2000.0) + (any ? 1.0 : 0.0);
-    most = std::max(most, now);
+    trust.add(each);
+    most = std::max(most, trust.score());
   }
   return most;
 }

@@ -49,10 +49,18 @@ void stabilityLies(const StabilityReport& to) {
   double meter_mJ = 0.0;
   std::string meter_of = "none";
   int misread = 0;
+  int in_the_end = 0;  // only limited in a shorter run
+  std::vector<std::string> differing;
+  differing.reserve(runs.size());
   double most_N = 0.0;
   bool finite = true;
   for (const LieRun& run : runs) {
     const client::Felt& felt = run.got.felt;
+    const Verdict verdict = run.got.verdict();
+    if (run.lie->verdict == Verdict::kLimited && verdict == Verdict::kTrustLost)
+      ++in_the_end;
+    else if (verdict != run.lie->verdict)
+      differing.push_back(run.lie->name);
     const double work_mJ = felt.mostWork_mJ(10.0);
     most_mJ = std::max(most_mJ, work_mJ);
     if (kRelative.contains(run.lie->name))
@@ -66,15 +74,19 @@ void stabilityLies(const StabilityReport& to) {
     }
     most_N = std::max(most_N, felt.max_force_N);
     finite = finite && felt.finite;
-    to.report.add({run.lie->name, "lie_work", testing::verdictName(run.got.verdict()), work_mJ,
-                   "mJ", 0.0, true});
-    lines.push_back({"`" + run.lie->name + "`", testing::verdictName(run.got.verdict()),
+    to.report.add(
+        {run.lie->name, "lie_work", testing::verdictName(verdict), work_mJ, "mJ", 0.0, true});
+    lines.push_back({"`" + run.lie->name + "`", testing::verdictName(verdict),
                      text("%.2f", felt.max_force_N), text("%.0f", work_mJ),
                      text("%.2f", felt.max_rise_N), text("%.2f", felt.max_fall_N),
                      text("%.2f", felt.max_unexplained_N)});
   }
   to.claims.add(text("lies (%zu, %.0f s each): all forces finite, largest", runs.size(), seconds),
                 "<= 3.3 N", text("%.2f N", most_N), finite && most_N <= 3.3 + 1e-9);
+  to.claims.add("lies that meet another verdict than theirs", "none",
+                text("%zu (%s); %d limited ones lost trust in the end", differing.size(),
+                     differing.empty() ? "-" : differing.front().c_str(), in_the_end),
+                differing.empty());
   to.claims.add("lies: net work on the user's port, largest over any 10 s", "<= 500 mJ (aim 100)",
                 text("%.0f mJ", most_mJ), most_mJ <= 500.0);
   to.claims.add(

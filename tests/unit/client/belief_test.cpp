@@ -82,6 +82,8 @@ TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
       const Motion told = swinging(hz, 5.0)(time_s);
       EXPECT_GE(belief.acceleration_mm_s2, told.acceleration_mm_s2.norm())
           << hz << " Hz at " << time_s;
+      const double w = 2.0 * M_PI * hz;
+      EXPECT_LE(belief.acceleration_mm_s2, 3.1 * 5.0 * w * w) << hz << " Hz at " << time_s;
     }
   }
 }
@@ -101,6 +103,19 @@ TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
     EXPECT_GE(belief.impact_mm_s, 800.0) << into;
     EXPECT_LE(belief.impact_mm_s, 2.0 * 800.0) << into;
   }
+}
+
+TEST_F(BeliefTest, FramesCloserThanAnyStreamsBearNothingOut) {
+  Sightings seen;
+  for (std::size_t i = 0; i < Sightings::kFrames; ++i) {
+    objects_[i].motion.position_mm.z() = i % 2 == 0 ? 10.0 : 10.01;
+    objects_[i].field = &fields_[i];
+    seen.object[i] = &objects_[i];
+  }
+  seen.interval_s = {1e-6, 0.08, 1e-6, 0.08};
+  EXPECT_LE(beliefIn(seen).acceleration_mm_s2, 20.0);
+  seen.interval_s.fill(1.0 / 240.0);
+  EXPECT_GE(beliefIn(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0) << "the fastest stream's do";
 }
 
 TEST_F(BeliefTest, WithoutNeighboursOnlyWhatIsThereCounts) {

@@ -86,6 +86,10 @@ TEST_F(DynamicForceTest, MassIsTheAuthorsOrAHandfulWithinTheDevicesShare) {
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.6, 1e-12);
   stream.author_mass_kg = 0.05;  // never below 10 m_cursor
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.45, 1e-12);
+  stream.author_mass_kg = 1000.0;
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88, 1e-12);
+  stream.largest_acceleration_mm_s2 = 1.0;
+  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 5.0, 1e-12);
   stream.largest_acceleration_mm_s2 = 20000;  // unless the device forces it
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88 / 20, 1e-12);
   stream = StreamState{};
@@ -205,6 +209,19 @@ TEST_F(DynamicForceTest, AnImpactIsRenderedOnceThoughFramesDisagreeOrForgetIt) {
   EXPECT_EQ(force(1.0155).norm(), 0.0);  // over, though the later estimate is under way
   before.impacts[0].time = mediaTime(1.1);
   EXPECT_GT(force(1.1075).z(), 0.0);  // another one
+}
+
+TEST_F(DynamicForceTest, AnImpactIsDoubtedByWhatIsFeltOfIt) {
+  before.impact_count = 1;
+  const auto doubts = [&](double time_s, double told_mm_s, double believed_mm_s) {
+    before.impacts[0] = {mediaTime(time_s), {0, 0, told_mm_s}};
+    now.belief.impact_mm_s = believed_mm_s;
+    (void)force(time_s + 0.001);
+    return dynamic.doubted();
+  };
+  EXPECT_FALSE(doubts(1.0, 20.0, 19.8)) << "0.01 N less";
+  EXPECT_TRUE(doubts(2.0, 20.0, 19.0)) << "0.05 N less";
+  EXPECT_TRUE(doubts(3.0, 1e300, 20.0));
 }
 
 TEST_F(DynamicForceTest, AlwaysFiniteAndWithinThePeak) {

@@ -91,22 +91,26 @@ TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
   return report;
 }
 
-TEST(Rearm, ForgivesThreeTimesFiveCalmSecondsAfterTheLast) {
+/// One that has forgiven so often.
+Rearm rearmAfter(int times) {
   Rearm rearm(true);
-  double now_s = 10.0;
-  for (int time = 3; time > 0; --time) {
-    EXPECT_EQ(rearm.left(), time);
-    EXPECT_FALSE(rearm.take(at(now_s, Halt::kTrustLost, kTankBit)));
-    EXPECT_FALSE(rearm.take(at(now_s + 3.0, Halt::kTrustLost, bit(Interference::kDoubted))));
-    EXPECT_FALSE(rearm.take(at(now_s + 7.9, Halt::kTrustLost)));
-    EXPECT_TRUE(rearm.take(at(now_s + 8.1, Halt::kTrustLost)));
-    EXPECT_FALSE(rearm.take(at(now_s + 8.101, Halt::kTrustLost))) << "the loop is on its way";
-    EXPECT_FALSE(rearm.take(at(now_s + 8.102, Halt::kNone)));
-    now_s += 20.0;
+  for (int i = 0; i < times; ++i) {
+    const double lost_s = 10.0 + 20.0 * i;
+    EXPECT_EQ(rearm.left(), Rearm::kTimes - i);
+    EXPECT_FALSE(rearm.take(at(lost_s, Halt::kTrustLost, kTankBit)));
+    EXPECT_FALSE(rearm.take(at(lost_s + 4.9, Halt::kTrustLost)));
+    EXPECT_TRUE(rearm.take(at(lost_s + 5.1, Halt::kTrustLost)));
+    EXPECT_FALSE(rearm.take(at(lost_s + 5.101, Halt::kTrustLost))) << "the loop is on its way";
+    EXPECT_FALSE(rearm.take(at(lost_s + 5.102, Halt::kNone)));
   }
+  return rearm;
+}
+
+TEST(Rearm, ForgivesThreeTimesFiveSecondsLater) {
+  Rearm rearm = rearmAfter(3);
   EXPECT_EQ(rearm.left(), 0);
-  EXPECT_FALSE(rearm.take(at(now_s, Halt::kTrustLost)));
-  EXPECT_FALSE(rearm.take(at(now_s + 100.0, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.take(at(100.0, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.take(at(200.0, Halt::kTrustLost)));
 }
 
 TEST(Rearm, BringsADeviceBackAsOftenAsItComes) {
@@ -120,6 +124,17 @@ TEST(Rearm, BringsADeviceBackAsOftenAsItComes) {
   }
 }
 
+TEST(Rearm, BringsADeviceBackThatIsLostAgainBeforeTheLoopAnswers) {
+  Rearm rearm(true);
+  TickReport lost = at(1.0, Halt::kDeviceLost);
+  lost.device = DeviceStatus::kLost;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(rearm.take(lost));
+    EXPECT_TRUE(rearm.take(at(2.0, Halt::kDeviceLost)));
+    EXPECT_FALSE(rearm.take(at(2.1, Halt::kDeviceLost)));
+  }
+}
+
 TEST(Rearm, WithoutTheFlagNothingComesBack) {
   Rearm rearm(false);
   EXPECT_EQ(rearm.left(), 0);
@@ -128,54 +143,73 @@ TEST(Rearm, WithoutTheFlagNothingComesBack) {
   EXPECT_FALSE(rearm.take(at(200.0, Halt::kStopped)));
 }
 
+const Rearm kNever(false);
+
 TEST(TouchTeller, SaysWhyThereIsNoForceAndThatItIsBack) {
   TouchTeller teller;
-  EXPECT_FALSE(teller.take(at(1.0, Halt::kNone), 0));
-  EXPECT_EQ(teller.take(at(2.0, Halt::kTrustLost), 0),
+  EXPECT_FALSE(teller.take(at(1.0, Halt::kNone), kNever));
+  EXPECT_EQ(teller.take(at(2.0, Halt::kTrustLost), kNever),
             "the stream is not trusted any more, too much of it had to be held back (mostly: "
             "energy into the hand was held back): no force from now on; start again, or with "
             "--rearm, to touch it");
-  EXPECT_FALSE(teller.take(at(3.0, Halt::kTrustLost), 0));
-  EXPECT_EQ(teller.take(at(4.0, Halt::kNone), 0), "re-armed: the force comes back");
-  EXPECT_EQ(teller.take(at(5.0, Halt::kTrustLost), 1),
+  EXPECT_FALSE(teller.take(at(3.0, Halt::kTrustLost), kNever));
+  EXPECT_EQ(teller.take(at(4.0, Halt::kNone), kNever), "re-armed: the force comes back");
+  EXPECT_EQ(teller.take(at(5.0, Halt::kTrustLost), rearmAfter(2)),
             "the stream is not trusted any more, too much of it had to be held back (mostly: "
-            "energy into the hand was held back): no force until it has been calm for 5 s, which "
-            "is forgiven 1 more time");
+            "energy into the hand was held back): no force for 5 s, which is forgiven 1 more time");
   EXPECT_TRUE(
-      teller.take(at(6.0, Halt::kDeviceLost), 0)->starts_with("the device does not answer"));
-  EXPECT_FALSE(teller.take(at(7.0, Halt::kStopped), 0)) << "the end is no news";
+      teller.take(at(6.0, Halt::kDeviceLost), kNever)->starts_with("the device does not answer"));
+  EXPECT_FALSE(teller.take(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
 }
 
 TEST(TouchTeller, SaysThatFramesStayOutAndComeAgain) {
   TouchTeller teller;
   TickReport report = at(1.0, Halt::kNone);
-  EXPECT_FALSE(teller.take(report, 0));
+  EXPECT_FALSE(teller.take(report, kNever));
   report.lookup = Lookup::kHeld;
-  EXPECT_FALSE(teller.take(report, 0));
+  EXPECT_FALSE(teller.take(report, kNever));
   report.lookup = Lookup::kFaded;
-  EXPECT_EQ(teller.take(report, 0), "no new frames come: the force has faded");
-  EXPECT_FALSE(teller.take(report, 0));
+  EXPECT_EQ(teller.take(report, kNever), "no new frames come: the force has faded");
+  EXPECT_FALSE(teller.take(report, kNever));
   report.lookup = Lookup::kInterpolated;
-  EXPECT_EQ(teller.take(report, 0), "frames come again");
+  EXPECT_EQ(teller.take(report, kNever), "frames come again");
 }
 
-TEST(TouchTeller, SaysAtMostTwelveThingsAMinute) {
+TEST(TouchTeller, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
+  TouchTeller teller;
+  EXPECT_EQ(teller.take(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
+            "the device does not answer: no force until it is back");
+  EXPECT_TRUE(teller.take(at(2.0, Halt::kTrustLost), rearmAfter(3))
+                  ->ends_with("no force from now on; start again to touch it"));
+}
+
+TEST(TouchTeller, SaysAHaltWhateverElseHasUsedUpTheLines) {
+  TouchTeller teller;
+  for (int i = 0; i < 100; ++i) {
+    TickReport report = at(1.0 + i * 0.1, Halt::kNone);
+    report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
+    EXPECT_EQ(teller.take(report, kNever).has_value(), i < LineLimit::kLines);
+  }
+  EXPECT_TRUE(teller.take(at(20.0, Halt::kTrustLost), kNever));
+}
+
+TEST(TouchTeller, SaysAtMostTwelveHaltsAndTwelveThingsAMinute) {
   TouchTeller teller;
   int lines = 0;
   for (int i = 0; i < 59'000; ++i) {
     TickReport report = at(1.0 + i * 1e-3, i % 7 < 3 ? Halt::kTrustLost : Halt::kNone,
                            bit(Interference::kStiffness));
     report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
-    lines += teller.take(report, 3) ? 1 : 0;
+    lines += teller.take(report, kNever) ? 1 : 0;
   }
-  EXPECT_EQ(lines, LineLimit::kLines);
+  EXPECT_EQ(lines, 2 * LineLimit::kLines);
 }
 
 TEST(TouchTeller, SaysOnceAMinuteThatAWallIsSofter) {
   TouchTeller teller;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {
-    lines += teller.take(at(i, Halt::kNone, bit(Interference::kStiffness)), 0) ? 1 : 0;
+    lines += teller.take(at(i, Halt::kNone, bit(Interference::kStiffness)), kNever) ? 1 : 0;
   }
   EXPECT_EQ(lines, 3);
 }
