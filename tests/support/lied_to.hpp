@@ -51,18 +51,33 @@ struct LiedTo {
   TickReport last;
   ReceiverCounts counts;
 
-  [[nodiscard]] testing::Verdict verdict() const {
+  /// Ticks in which the chain had to limit something.
+  [[nodiscard]] std::ptrdiff_t limitedTicks() const {
     using enum Interference;
     constexpr std::uint32_t kLimits = bit(kDoubted) | bit(kTank) | bit(kSlew) | bit(kPassivity) |
                                       bit(kSurfaceSpeed) | bit(kUnarmed) | bit(kStiffness) |
                                       bit(kDamping) | bit(kResidue) | bit(kThermal);
-    constexpr auto kFew = 20;  // ticks; a stream that ends makes some
+    return std::count_if(felt.interferences.begin(), felt.interferences.end(),
+                         [](std::uint32_t each) { return (each & kLimits) != 0; });
+  }
+  [[nodiscard]] testing::Verdict verdict() const {
     if (felt.refused + felt.rejected > 0) return testing::Verdict::kRefused;
     if (last.halt == Halt::kTrustLost) return testing::Verdict::kTrustLost;
-    const auto limited = std::count_if(felt.interferences.begin(), felt.interferences.end(),
-                                       [](std::uint32_t each) { return (each & kLimits) != 0; });
-    return limited > kFew ? testing::Verdict::kLimited : testing::Verdict::kHarmless;
+    return limitedTicks() > kFew ? testing::Verdict::kLimited : testing::Verdict::kHarmless;
   }
+  /// Whether this is the verdict, or as good as: what is limited may lose trust in the end, and
+  /// about kFew ticks are one as well as the other.
+  [[nodiscard]] bool is(testing::Verdict wanted) const {
+    using enum testing::Verdict;
+    const testing::Verdict got = verdict();
+    const bool between = limitedTicks() > kFew / 2 && limitedTicks() < 3 * kFew;
+    return got == wanted || (wanted == kLimited && got == kTrustLost) ||
+           (between && (wanted == kLimited || wanted == kHarmless) &&
+            (got == kLimited || got == kHarmless));
+  }
+
+ private:
+  static constexpr std::ptrdiff_t kFew = 20;  // a stream that ends makes some
 };
 /// For so long a light hand feels it. `nailed`: the tip cannot move.
 inline LiedTo lieTo(const testing::Lie& lie, double seconds, const Hand& hand = Hand::light(),

@@ -59,7 +59,7 @@ void stabilityLies(const StabilityReport& to) {
     const Verdict verdict = run.got.verdict();
     if (run.lie->verdict == Verdict::kLimited && verdict == Verdict::kTrustLost)
       ++in_the_end;
-    else if (verdict != run.lie->verdict)
+    else if (!run.got.is(run.lie->verdict))
       differing.push_back(run.lie->name);
     const double work_mJ = felt.mostWork_mJ(10.0);
     most_mJ = std::max(most_mJ, work_mJ);
