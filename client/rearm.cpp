@@ -8,10 +8,10 @@ bool Rearm::take(const TickReport& report) {
     halt_ = report.halt;
     halted_ = report.time;
   }
-  const bool waits = halt_ == Halt::kDeviceLost || halt_ == Halt::kTrustLost;
-  // A device that is lost again has not heard of it.
-  if (!waits || report.device != DeviceStatus::kOk) asked_ = false;
-  if (!by_itself_ || !waits || asked_ || report.device != DeviceStatus::kOk) return false;
+  const bool waits =
+      deviceIsBack(report) || (halt_ == Halt::kTrustLost && report.device == DeviceStatus::kOk);
+  if (!waits) asked_ = false;  // a device that is lost again has not heard of it
+  if (!by_itself_ || !waits || asked_) return false;
   if (halt_ == Halt::kTrustLost) {
     if (forgiven_ == kTimes || report.time - halted_ < kLater) return false;
     ++forgiven_;

@@ -28,7 +28,7 @@ class Check {
     return Duration(ns);
   }
   void require(bool holds, const char* what) {
-    if (!holds && !error_) error_ = WireError{ErrorCode::kMalformed, what};
+    if (!holds && !error_) error_ = malformed(what);
   }
   void bound(std::size_t size, std::size_t limit, const char* what) {
     if (size > limit && !error_) error_ = WireError{ErrorCode::kTooLarge, what};

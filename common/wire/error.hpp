@@ -23,4 +23,6 @@ struct WireError {
   std::string message;  ///< one sentence for people
 };
 
+inline WireError malformed(const char* what) { return {ErrorCode::kMalformed, what}; }
+
 }  // namespace hapticast

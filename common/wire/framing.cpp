@@ -25,7 +25,7 @@ Result<std::optional<std::span<const std::uint8_t>>, WireError> FrameReader::nex
   if (rest.size() < kPrefixBytes) return message;
   std::size_t length = 0;
   for (std::size_t i = 0; i < kPrefixBytes; ++i) length |= std::size_t{rest[i]} << (8 * i);
-  if (length == 0) return WireError{ErrorCode::kMalformed, "a message of length 0"};
+  if (length == 0) return malformed("a message of length 0");
   if (length > limit_bytes_) {
     return WireError{ErrorCode::kTooLarge, "a message of " + std::to_string(length) +
                                                " bytes, at most " + std::to_string(limit_bytes_) +

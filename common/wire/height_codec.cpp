@@ -16,8 +16,6 @@ namespace hapticast {
 
 namespace {
 
-WireError malformed(const char* what) { return {ErrorCode::kMalformed, what}; }
-
 /// Where a header's pixels lie in the object's rectangle.
 PixelRect pixelsOf(const codec::Header& header, const PixelRect& object) {
   const codec::Shape shape = header.shape(object);

@@ -49,9 +49,9 @@ std::vector<SliceBytes> HeightEncoder::encode(const Relief& relief, const SliceS
 void HeightEncoder::take(const Relief& relief) {
   width_px_ = relief.rect.width;
   height_px_ = relief.rect.height;
-  const auto cells = [](int px) { return (px + codec::kCell_px - 1) / codec::kCell_px; };
-  const int rows = cells(height_px_) * codec::kCell_px + 2 * codec::kMargin_px + 1;
-  stride_ = cells(width_px_) * codec::kCell_px + 2 * codec::kMargin_px + 16;
+  whole_ = {0, 0, codec::cellsOver(width_px_), codec::cellsOver(height_px_)};
+  const int rows = whole_.height * codec::kCell_px + 2 * codec::kMargin_px + 1;
+  stride_ = whole_.width * codec::kCell_px + 2 * codec::kMargin_px + 16;
   const auto size = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows);
   mask_.assign(size, 0);
   target_.assign(size, 0);
@@ -61,7 +61,6 @@ void HeightEncoder::take(const Relief& relief) {
     takeRow(relief.height_mm.data() + from, relief.mask.data() + from, width_px_,
             target_.data() + to, mask_.data() + to);
   }
-  whole_ = {0, 0, cells(width_px_), cells(height_px_)};
   costs_.resize(static_cast<std::size_t>(whole_.width) * static_cast<std::size_t>(whole_.height));
 }
 

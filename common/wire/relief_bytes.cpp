@@ -46,8 +46,6 @@ bool validScale(HeightScale scale) {
          scale.offset_mm + kSteps * scale.scale_mm <= kHighestHeight_mm * 1.0001F;
 }
 
-WireError malformed(const char* what) { return {ErrorCode::kMalformed, what}; }
-
 }  // namespace
 
 std::size_t maskBytes(const PixelRect& rect) noexcept {

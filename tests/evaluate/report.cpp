@@ -2,6 +2,7 @@
 #include "tests/evaluate/report.hpp"
 
 #include <algorithm>
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -28,6 +29,15 @@ std::ofstream opened(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+std::string text(const char* pattern, ...) {
+  char buffer[512];
+  va_list values;
+  va_start(values, pattern);
+  std::vsnprintf(buffer, sizeof buffer, pattern, values);
+  va_end(values);
+  return buffer;
+}
 
 Report::Report(std::string topic, Options options)
     : topic_(std::move(topic)), options_(std::move(options)) {

@@ -10,6 +10,9 @@
 
 namespace hapticast::evaluate {
 
+/// printf to a string.
+[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
+
 /// One measurement; a line of the CSV (README.md).
 struct Row {
   std::string scene;

@@ -162,11 +162,7 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index, const
 
 }  // namespace
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string number(double value) { return text("%.4g", value); }
 
 void plotRows(const std::string& topic, const std::filesystem::path& out,
               const std::vector<Row>& rows, bool of_ticks) {

@@ -57,8 +57,7 @@ struct LiedTo {
     constexpr std::uint32_t kLimits = bit(kDoubted) | bit(kTank) | bit(kSlew) | bit(kPassivity) |
                                       bit(kSurfaceSpeed) | bit(kUnarmed) | bit(kStiffness) |
                                       bit(kDamping) | bit(kResidue) | bit(kThermal);
-    return std::count_if(felt.interferences.begin(), felt.interferences.end(),
-                         [](std::uint32_t each) { return (each & kLimits) != 0; });
+    return felt.ticksWith(kLimits);
   }
   [[nodiscard]] testing::Verdict verdict() const {
     if (felt.refused + felt.rejected > 0) return testing::Verdict::kRefused;

@@ -36,6 +36,11 @@ struct Felt {
   double last_force_N = 0.0;
   double metered_mJ = 0.0;  ///< the same work by the client's own meters, at the end
 
+  /// Ticks in which any of these acted.
+  [[nodiscard]] std::ptrdiff_t ticksWith(std::uint32_t any) const {
+    return std::count_if(interferences.begin(), interferences.end(),
+                         [=](std::uint32_t each) { return (each & any) != 0; });
+  }
   /// Largest over any `seconds`; over all of them where it is longer.
   [[nodiscard]] double mostWork_mJ(double seconds) const {
     const auto window = static_cast<std::size_t>(seconds * 1000.0);

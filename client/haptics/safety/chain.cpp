@@ -53,16 +53,18 @@ void SafetyChain::setDelay(int delay_ticks) noexcept {
   ports_.setDelay(delay_ticks);
 }
 
+void SafetyChain::forgetDelay() noexcept {
+  forget_delay_ = false;
+  setDelay(profile_delay_ticks_);
+}
+
 // The numbers of the steps are those of client/haptics/README.md. The fade (9) acts on the force
 // before the tank (5), the budget (6) and the slew limit (8): a fade that begins or ends, a residue
 // that joins and a gain that multiplies all of it can step as well, and only limits behind all of
 // them hold for the force that is sent.
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   SafetyOutput out;
-  if (forget_delay_ && !in.contact && !acts()) {
-    forget_delay_ = false;
-    setDelay(profile_delay_ticks_);
-  }
+  if (forget_delay_ && !in.contact && !acts()) forgetDelay();
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
   const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = halts(in, out);
@@ -70,6 +72,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   // A world that disappears under the tip leaves nothing to fade: its last force ramps down.
   const bool vanished = !in.touchable && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
+  damper_.step(geometry.contact);
   StepState now = stateOf(in, geometry, out.not_finite);
   meter(now, geometry, in.measurement_jumped, jump, out);  // 5, 10
 
@@ -134,8 +137,7 @@ void SafetyChain::rearm() noexcept {
 }
 
 StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
-                               bool not_finite) noexcept {
-  damper_.step(geometry.contact);
+                               bool not_finite) const noexcept {
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
                 .ahead = in.ahead,

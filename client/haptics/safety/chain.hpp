@@ -112,12 +112,14 @@ class SafetyChain {
   };
 
   void setDelay(int delay_ticks) noexcept;
+  void forgetDelay() noexcept;
   bool halts(const SafetyInput& input, SafetyOutput& out) noexcept;
   Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
   Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
-  StepState stateOf(const SafetyInput& input, const Geometry& geometry, bool not_finite) noexcept;
+  StepState stateOf(const SafetyInput& input, const Geometry& geometry,
+                    bool not_finite) const noexcept;
   void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
              SafetyOutput& out) noexcept;
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;

@@ -21,6 +21,12 @@ class Trust {
                                                            Interference::kTank, Interference::kSlew,
                                                            Interference::kSurfaceSpeed};
 
+  /// Measured: honest streams come to at most 44 (a ball that bounces: 14 ticks an impact, and the
+  /// tank), in the thesis's method to 64. Chosen: far above them and below most lies that shake
+  /// without end; the gentlest of those, at 198, is only limited. A drum is struck seven times a
+  /// second before it is distrusted.
+  static constexpr double kMost_ticks = 200.0;
+
   /// What was done in a tick, a bit for each interference.
   void add(std::uint32_t interferences) noexcept;
   /// Too much of it in the last seconds.
@@ -33,12 +39,7 @@ class Trust {
   void renew() noexcept { *this = Trust(); }
 
  private:
-  // Measured: honest streams come to at most 44 (a ball that bounces: 14 ticks an impact, and the
-  // tank), in the thesis's method to 64. Chosen: far above them and below most lies that shake
-  // without end; the gentlest of those, at 198, is only limited. A drum is struck seven times a
-  // second before it is distrusted.
   static constexpr double kMemory_ticks = 2000.0;
-  static constexpr double kMost_ticks = 200.0;
   double ticks_ = 0.0;
   std::array<double, kCounted.size()> of_each_{};
 };

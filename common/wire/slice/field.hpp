@@ -13,6 +13,8 @@
 namespace hapticast::codec {
 
 inline constexpr int kCell_px = 8;
+/// Cells that cover so many pixels.
+constexpr int cellsOver(int px) noexcept { return (px + kCell_px - 1) / kCell_px; }
 inline constexpr int kUnitsPerMm = 4096;
 inline constexpr int kMargin_px = 8;               ///< around the mask, always 0
 inline constexpr std::int32_t kHighest = 1 << 22;  ///< 1024 mm, either sign

@@ -13,7 +13,6 @@ void Header::write(std::vector<std::uint8_t>& out) const {
 
 Result<Header, WireError> Header::read(std::span<const std::uint8_t> slice,
                                        const PixelRect& object) {
-  const auto malformed = [](const char* what) { return WireError{ErrorCode::kMalformed, what}; };
   if (slice.size() < kHeaderBytes) return malformed("a slice is shorter than its header");
   if (slice[0] >> 4U > static_cast<unsigned>(Mode::kRough))
     return malformed("a slice has an unknown mode");
@@ -26,9 +25,8 @@ Result<Header, WireError> Header::read(std::span<const std::uint8_t> slice,
              slice[5] | slice[6] << 8};
   if (out.step < kLeastStep || out.step > kMostStep)
     return malformed("a slice's step is out of range");
-  const int columns = (object.width + kCell_px - 1) / kCell_px;
-  const int rows = (object.height + kCell_px - 1) / kCell_px;
-  if (out.columns < 1 || out.rows < 1 || out.x + out.columns > columns || out.y + out.rows > rows)
+  if (out.columns < 1 || out.rows < 1 || out.x + out.columns > cellsOver(object.width) ||
+      out.y + out.rows > cellsOver(object.height))
     return malformed("a slice leaves its object's rectangle");
   return out;
 }

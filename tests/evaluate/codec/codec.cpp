@@ -3,7 +3,6 @@
 // error of the force.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <stdexcept>
 
@@ -74,11 +73,7 @@ Coded measured(const CodecShape& shape, const std::function<Coded(const Relief&)
   return out;
 }
 
-std::string mm(double error_mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g mm", error_mm);
-  return text;
-}
+std::string mm(double error_mm) { return text("%.3g mm", error_mm); }
 
 void addRows(Report& report, const CodecShape& shape, const std::string& variant, const Coded& cost,
              double error_mm, bool is_default) {
@@ -106,12 +101,9 @@ struct Ratio {
 
 void tell(Report& report, const std::string& what, const Ratio& ratio) {
   if (ratio.count == 0) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "%s (%d shapes): %.3f of the bytes of JPEG-LS, %.2f of its decoding time.",
-                what.c_str(), ratio.count, std::exp(ratio.bytes / ratio.count),
-                std::exp(ratio.decode / ratio.count));
-  report.say(text);
+  report.say(text("%s (%d shapes): %.3f of the bytes of JPEG-LS, %.2f of its decoding time.",
+                  what.c_str(), ratio.count, std::exp(ratio.bytes / ratio.count),
+                  std::exp(ratio.decode / ratio.count)));
 }
 
 void measureShapes(const Options& options, Report& report) {

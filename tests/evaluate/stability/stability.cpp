@@ -42,15 +42,6 @@ std::string markdown(const std::vector<std::vector<std::string>>& lines) {
   return all;
 }
 
-std::string text(const char* pattern, ...) {
-  char buffer[512];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(buffer, sizeof buffer, pattern, values);
-  va_end(values);
-  return buffer;
-}
-
 Law bareLaw(double damping_Ns_m, double peak_N) {
   return [=](const client::SafetyInput& in) {
     client::SafetyOutput out;

@@ -40,8 +40,6 @@ inline constexpr double kOmniMass_kg = 0.045;
 
 /// A table in Markdown: the first line is the heading.
 std::string markdown(const std::vector<std::vector<std::string>>& lines);
-/// printf to a string.
-[[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
 /// Force on the tip from what is touched, instead of the chain.
 using Law = std::function<client::SafetyOutput(const client::SafetyInput&)>;
 /// F = max(0, K d + B u), clamped to `peak_N`: no limits, no fades.
@@ -51,6 +49,8 @@ void stabilityMaps(const StabilityReport& to);
 void stabilityTheory(const StabilityReport& to);
 void stabilityChain(const StabilityReport& to);
 void stabilitySilence(const StabilityReport& to);
+/// The rows of `silence` in which the hand moves.
+void stabilityMoving(const StabilityReport& to);
 void stabilityLinks(const StabilityReport& to);
 void stabilityInertia(const StabilityReport& to);
 void stabilityIntegrators(const StabilityReport& to);

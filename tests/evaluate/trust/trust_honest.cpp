@@ -126,9 +126,7 @@ struct Worst {
 };
 
 double share(const client::Felt& felt, Interference which) {
-  const auto acted = std::count_if(felt.interferences.begin(), felt.interferences.end(),
-                                   [=](std::uint32_t each) { return (each & bit(which)) != 0; });
-  return double(acted) / double(felt.interferences.size());
+  return double(felt.ticksWith(bit(which))) / double(felt.interferences.size());
 }
 
 /// The highest that what costs trust came to.
@@ -168,8 +166,9 @@ void stabilityHonest(const StabilityReport& to) {
     }
   }
   onAllCores(runs.size(), [&](std::size_t i) { play(runs[i]); });
-  std::vector<std::vector<std::string>> lines{
-      {"stream", "frames lost", "doubted", "tank", "slew", "score, of 200", "mJ in 10 s"}};
+  std::vector<std::vector<std::string>> lines{{"stream", "frames lost", "doubted", "tank", "slew",
+                                               text("score, of %.0f", Trust::kMost_ticks),
+                                               "mJ in 10 s"}};
   Worst all;
   for (std::size_t i = 0; i < runs.size();) {
     const HonestRun& first = runs[i];
