@@ -5,7 +5,6 @@
 #include <google/protobuf/stubs/common.h>
 
 #include "common/wire/limits.hpp"
-#include "common/wire/relief_bytes.hpp"
 #include "hapticast.pb.h"
 
 namespace hapticast {
@@ -81,14 +80,12 @@ void write(const Pong& from, proto::Message& message) {
   to.set_t2_ns(from.t2.time_since_epoch().count());
 }
 
-void write(const Relief& from, proto::Relief& to) {
+void write(const CodedRelief& from, proto::Relief& to) {
   to.set_u(static_cast<std::uint32_t>(from.rect.u));
   to.set_v(static_cast<std::uint32_t>(from.rect.v));
   to.set_width(static_cast<std::uint32_t>(from.rect.width));
   to.set_height(static_cast<std::uint32_t>(from.rect.height));
-  const HeightScale scale = packRelief(from, *to.mutable_mask(), *to.mutable_heights());
-  to.set_offset_mm(scale.offset_mm);
-  to.set_scale_mm(scale.scale_mm);
+  for (const SliceBytes& slice : from.slices) to.add_slices(slice.data(), slice.size());
 }
 
 void write(const MotionGrid& from, proto::MotionGrid& to) {
@@ -120,12 +117,12 @@ void write(const Material& from, proto::Material& to) {
   if (from.texture_K_mm) to.set_texture_k_mm(given(from.texture_K_mm));
 }
 
-void write(const HapticFrame& from, proto::Message& message) {
+void write(const CodedFrame& from, proto::Message& message) {
   auto& to = *message.mutable_frame();
   to.set_epoch(from.epoch);
   to.set_id(from.id);
   to.set_media_time_ns(from.media_time.time_since_epoch().count());
-  for (const HapticObject& object : from.objects) {
+  for (const CodedObject& object : from.objects) {
     auto& out = *to.add_objects();
     out.set_id(object.id);
     out.set_layer(object.layer);

@@ -7,6 +7,8 @@
 
 namespace hapticast::limits {
 
+inline constexpr float kLowestHeight_mm = -1.0F;  ///< below the picture's plane: only by rounding
+inline constexpr float kHighestHeight_mm = 1000.0F;
 inline constexpr double kPosition_mm = 1e4;
 inline constexpr double kVelocity_mm_s = 1e6;
 inline constexpr double kAcceleration_mm_s2 = 1e8;

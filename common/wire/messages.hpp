@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/haptic_frame.hpp"
 #include "common/result.hpp"
+#include "common/wire/coded_frame.hpp"
 #include "common/wire/error.hpp"
 #include "common/wire/framing.hpp"
 
@@ -54,17 +54,18 @@ struct Preparing {
   double share = 0.0;  ///< of the clip, 0..1
 };
 
-using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame,
+using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
                              ReceiverReport, WireError, Preparing>;
 
 /// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
-/// Heights are rounded to the 16-bit values of Relief (error at most half their scale).
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
 
 /// The same, to be shared by all who send them.
 [[nodiscard]] SharedBytes encodeShared(const Message& message);
 
-/// Never throws on bad bytes; limits are checked before anything is allocated by content.
+/// Never throws on bad bytes; limits are checked before anything is allocated by content. Slices
+/// are checked as far as their first bytes go: whether they can be decoded is HeightDecoder's to
+/// say.
 [[nodiscard]] Result<Message, WireError> decode(std::span<const std::uint8_t> bytes);
 
 }  // namespace hapticast

@@ -21,14 +21,15 @@ SharedBytes WholeFrame::payload() {
   return payload_;
 }
 
-EncodedFrame FrameEncoder::encode(HapticFrame frame) {
+EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& slices) {
+  CodedFrame frame = coder_.code(made, slices);
   EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr};
   const bool repeat = !last_whole_ || frame.epoch != epoch_ ||
                       frame.media_time - *last_whole_ >= kRepeatReliefs ||
                       frame.media_time < *last_whole_;
-  HapticFrame lean = frame;
+  CodedFrame lean = frame;
   bool left_out = false;
-  for (HapticObject& object : lean.objects) {
+  for (CodedObject& object : lean.objects) {
     if (repeat || object.changed_in_frame == frame.id || !object.relief) continue;
     object.relief = nullptr;
     left_out = true;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/haptic_frame.hpp"
+#include "common/wire/coded_frame.hpp"
 #include "common/wire/framing.hpp"
 #include "common/wire/messages.hpp"
 
@@ -18,7 +19,7 @@ namespace hapticast::server {
 /// for it, so it becomes bytes at the first call. Thread: any.
 class WholeFrame {
  public:
-  explicit WholeFrame(HapticFrame frame) : frame_(std::move(frame)) {}
+  explicit WholeFrame(CodedFrame frame) : frame_(std::move(frame)) {}
   /// Its bytes are there already.
   explicit WholeFrame(SharedBytes payload) : payload_(std::move(payload)) {}
 
@@ -26,7 +27,7 @@ class WholeFrame {
 
  private:
   std::mutex mutex_;
-  std::optional<HapticFrame> frame_;  // until it is bytes
+  std::optional<CodedFrame> frame_;  // until it is bytes
   SharedBytes payload_;
 };
 
@@ -50,9 +51,10 @@ class FrameEncoder {
  public:
   /// `frame` carries every relief; its objects' `changed_in_frame` say which are new. Reliefs that
   /// did not change are repeated every second of media time and at every new epoch.
-  [[nodiscard]] EncodedFrame encode(HapticFrame frame);
+  [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {});
 
  private:
+  FrameCoder coder_;
   std::optional<MediaTime> last_whole_;
   std::uint32_t epoch_ = 0;
 };

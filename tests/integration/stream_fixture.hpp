@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,21 +40,40 @@ struct TestServer {
     listener.stop();
     broadcaster.stop();
   }
-  /// Publishes a frame with one object whose relief is `side` x `side` px and changes in every
-  /// frame or never.
+  /// Publishes a frame with one object whose relief is `side` x `side` px, flat where it is small
+  /// and noise where it has to be many bytes, and changes in every frame or never.
   void publish(std::uint64_t id, int side = 8, bool changes = true) {
     HapticFrame frame;
     frame.id = id;
     frame.media_time = media.now();
-    frame.objects.push_back(
-        {1, 0, changes ? id : 1, flatRelief({0, 0, side, side}), {}, nullptr, {}, {}});
+    frame.objects.push_back({1,
+                             0,
+                             changes ? id : 1,
+                             side < 200 ? flatRelief({0, 0, side, side}) : noise(side),
+                             {},
+                             nullptr,
+                             {},
+                             {}});
     broadcaster.publish(encoder.encode(frame));
+  }
+
+  /// The same one again, so that it is coded once.
+  std::shared_ptr<const Relief> noise(int side) {
+    if (noise_ && noise_->rect.width == side) return noise_;
+    auto relief = flatRelief({0, 0, side, side});
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> height(0.0F, 30.0F);
+    for (float& each : relief->height_mm) each = height(random);
+    return noise_ = relief;
   }
 
   LocalMediaClock media;
   server::Broadcaster broadcaster;
   server::Listener listener;
   server::FrameEncoder encoder;
+
+ private:
+  std::shared_ptr<const Relief> noise_;
 };
 
 /// A hand-made peer: sends any bytes, reads what comes when asked to.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/golden_messages.hpp"
 
+#include "tests/support/coded.hpp"
+
 namespace hapticast::testing {
 
 namespace {
@@ -77,7 +79,7 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"ping", Ping{localTime(1.25)}},
       {"pong", Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001)}},
       {"description", goldenDescription()},
-      {"frame", goldenFrame()},
+      {"frame", coded(goldenFrame())},
       {"video", VideoFrame{3, 1000, mediaTime(40.04), {0xFF, 0xD8, 0xFF, 0xE0, 0xFF, 0xD9}}},
       {"report", ReceiverReport{1000, 3, 2, 52.5, 125.0, true}},
       {"preparing", Preparing{0.5}},
