@@ -31,6 +31,7 @@ set(doors
   "^common/wire/asio\\.hpp$"              "^((common/wire|server/stream|client/net|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/wire/(decode|encode|read_frame)\\.[ch]pp$"
   "^google/protobuf"                 "^common/wire/(decode|encode|scan)\\.cpp$"
+  "^openssl/"                        "^common/wire/signature\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/summary\\.cpp$|tests/)"
