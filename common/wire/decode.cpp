@@ -67,9 +67,36 @@ StreamDescription read(const proto::StreamDescription& from, Check& check) {
   return to;
 }
 
+std::uint16_t port(std::uint32_t from, Check& check) {
+  check.require(from <= 65'535, "a port is not 0..65535");
+  return static_cast<std::uint16_t>(from);
+}
+
 Welcome read(const proto::Welcome& from, Check& check) {
-  return {from.protocol_version(), from.session_id(), from.datagram_token(),
-          read(from.description(), check)};
+  Welcome to{from.protocol_version(), from.session_id(), from.datagram_token(),
+             read(from.description(), check)};
+  to.datagram_port = port(from.datagram_port(), check);
+  to.stream = from.stream();
+  check.require(from.verifying_key().size() == kKeyBytes ||
+                    (from.verifying_key().empty() && to.datagram_token == 0),
+                "a verifying key is not 32 bytes");
+  if (check.error()) return to;
+  if (!from.verifying_key().empty()) {
+    to.verifying_key.emplace();
+    std::copy(from.verifying_key().begin(), from.verifying_key().end(), to.verifying_key->begin());
+  }
+  if (from.has_group()) {
+    check.require(to.datagram_token != 0 && from.group().port() != 0, "a group without a port");
+    to.group = DatagramGroup{text(from.group().address(), limits::kGroupAddress, check),
+                             port(from.group().port(), check), from.group().token()};
+  }
+  return to;
+}
+
+Delivery read(const proto::Delivery& from, Check& check) {
+  check.require(from.copies() >= 1 && from.copies() <= limits::kMostCopies,
+                "a number of copies is not 1..4");
+  return {from.on_tcp(), from.datagrams(), from.copies()};
 }
 
 Ping read(const proto::Ping& from, Check& check) { return {LocalTime(check.time(from.t0_ns()))}; }
@@ -131,6 +158,8 @@ Message readContent(const proto::Message& from, Check& check) {
       return read(from.error(), check);
     case proto::Message::kPreparing:
       return read(from.preparing(), check);
+    case proto::Message::kDelivery:
+      return read(from.delivery(), check);
     case proto::Message::CONTENT_NOT_SET:
       break;
   }

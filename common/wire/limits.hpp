@@ -27,6 +27,8 @@ inline constexpr std::int64_t kLatency_ns = 10'000'000'000;
 inline constexpr std::size_t kClientName = 64;  ///< bytes of UTF-8, as all texts
 inline constexpr std::size_t kStreamName = 256;
 inline constexpr std::size_t kErrorText = 512;
+inline constexpr std::size_t kGroupAddress = 64;
+inline constexpr std::uint32_t kMostCopies = 4;  ///< of a datagram
 inline constexpr std::size_t kJpeg = 4U << 20U;
 
 }  // namespace hapticast::limits

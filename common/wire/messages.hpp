@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -13,6 +14,7 @@
 #include "common/wire/coded_frame.hpp"
 #include "common/wire/error.hpp"
 #include "common/wire/framing.hpp"
+#include "common/wire/signature.hpp"
 
 namespace hapticast {
 
@@ -25,11 +27,28 @@ struct Hello {
   bool wants_video = false;
   bool wants_frames_on_tcp = true;
 };
+/// A multicast group that carries the stream.
+struct DatagramGroup {
+  std::string address;
+  std::uint16_t port = 0;
+  std::uint64_t token = 0;
+  bool operator==(const DatagramGroup&) const = default;
+};
 struct Welcome {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint32_t session_id = 0;
-  std::uint64_t datagram_token = 0;
+  std::uint64_t datagram_token = 0;  ///< 0: no datagrams, and nothing of what follows them
   StreamDescription description;
+  std::uint16_t datagram_port = 0;  ///< 0: that of the TCP connection
+  std::uint32_t stream = 0;         ///< of this run of the server, in every datagram
+  std::optional<KeyBytes> verifying_key = std::nullopt;
+  std::optional<DatagramGroup> group = std::nullopt;
+};
+/// How a client wants its frames from now on.
+struct Delivery {
+  bool on_tcp = true;
+  bool datagrams = true;     ///< where it has echoed its token
+  std::uint32_t copies = 1;  ///< of each datagram, 1..limits::kMostCopies; also of the group's
 };
 struct Ping {
   LocalTime t0;
@@ -55,7 +74,7 @@ struct Preparing {
 };
 
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
-                             ReceiverReport, WireError, Preparing>;
+                             ReceiverReport, WireError, Preparing, Delivery>;
 
 /// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);

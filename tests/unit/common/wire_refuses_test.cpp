@@ -168,6 +168,21 @@ TEST(WireRefuses, GridsThatDoNotCoverTheRelief) {
   EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
 }
 
+TEST(WireRefuses, OffersOfDatagramsThatCannotBeTaken) {
+  Welcome welcome = testing::goldenWelcome();
+  welcome.verifying_key.reset();
+  EXPECT_EQ(refusal(welcome), ErrorCode::kMalformed) << "who shall be believed?";
+  welcome = testing::goldenWelcome();
+  welcome.group->port = 0;
+  EXPECT_EQ(refusal(welcome), ErrorCode::kMalformed);
+  welcome.group->port = 1;
+  EXPECT_NO_THROW(roundTrip(welcome));
+  welcome.group->address.assign(65, '1');
+  EXPECT_EQ(refusal(welcome), ErrorCode::kTooLarge);
+  for (const std::uint32_t copies : {0U, 5U})
+    EXPECT_EQ(refusal(Delivery{true, true, copies}), ErrorCode::kMalformed);
+}
+
 TEST(WireRefuses, CountsBeforeItAllocates) {
   HapticFrame frame = goldenFrame();
   while (frame.objects.size() < kMaxObjects) {
