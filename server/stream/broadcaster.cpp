@@ -50,6 +50,7 @@ void Broadcaster::publish(EncodedFrame frame) {
     last_frame_ = frame;
     preparing_ = nullptr;
     sendAll(frame);
+    if (datagrams_ != nullptr) datagrams_->send(frame);
     // Whoever comes last has it some milliseconds later: not always the same one.
     if (!viewers_.empty()) std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
   });
@@ -91,6 +92,7 @@ void Broadcaster::stop() {
       for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
     }
     timer_.cancel();
+    if (datagrams_ != nullptr) datagrams_->stop();
   });
 }
 
@@ -133,6 +135,14 @@ std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
 }
 
+void Broadcaster::offerDatagrams(const Hosts& hosts, Welcome& welcome) {
+  if (datagrams_ != nullptr) datagrams_->offer(hosts, welcome);
+}
+
+void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery) {
+  if (datagrams_ != nullptr) datagrams_->deliver(datagram_token, delivery);
+}
+
 void Broadcaster::joined(Session& session) {
   const auto self = session.shared_from_this();
   std::erase(strangers_, self);
@@ -150,6 +160,7 @@ void Broadcaster::ending(const std::shared_ptr<Session>& session,
   const bool was_viewer = std::erase(viewers_, session) > 0;
   std::erase(strangers_, session);
   countViewers();
+  if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
   addStranger(session);
   if (!why) {
     if (was_viewer) say(spdlog::level::info, session->label() + " left");
@@ -213,6 +224,7 @@ asio::awaitable<void> Broadcaster::watch() {
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
+    if (datagrams_ != nullptr) datagrams_->check(now);
     tellSlowViewers(now);
     tellHidden();
   }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "common/haptic_frame.hpp"
 #include "common/wire/coded_frame.hpp"
@@ -31,13 +32,19 @@ class WholeFrame {
   SharedBytes payload_;
 };
 
+/// A frame's datagrams without their tokens, signed.
+using SharedBodies = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
+
 struct EncodedFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
   SharedBytes lean;  ///< for who got the frame before: reliefs that did not change are left out
   std::shared_ptr<WholeFrame> whole;  ///< never null
+  SharedBodies datagrams = nullptr;   ///< the lean frame's; null: nobody takes them
 };
+
+class DatagramSigner;
 
 struct EncodedVideo {
   std::uint64_t id = 0;
@@ -51,7 +58,9 @@ class FrameEncoder {
  public:
   /// `frame` carries every relief; its objects' `changed_in_frame` say which are new. Reliefs that
   /// did not change are repeated every second of media time and at every new epoch.
-  [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {});
+  /// `signer`: makes datagrams as well.
+  [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
+                                    DatagramSigner* signer = nullptr);
 
  private:
   FrameCoder coder_;

@@ -22,10 +22,10 @@ namespace hapticast::testing {
 /// A server's stream half: listener and broadcaster.
 struct TestServer {
   TestServer(asio::io_context& io, const Clock& clock, server::StreamSettings settings = {},
-             std::uint16_t port = 0)
+             std::uint16_t port = 0, const std::string& host = "127.0.0.1")
       : media(clock),
         broadcaster(io, clock, media, description(), settings),
-        listener(io, {"127.0.0.1", port}, broadcaster) {
+        listener(io, {host, port}, broadcaster) {
     listener.start();
   }
 
@@ -80,10 +80,14 @@ struct TestServer {
 class RawPeer {
  public:
   /// `from`: the last number of its own address 127.0.0.x.
-  RawPeer(asio::io_context& io, std::uint16_t port, std::uint8_t from = 1) : socket_(io) {
-    socket_.open(asio::ip::tcp::v4());
-    socket_.bind({asio::ip::address_v4({127, 0, 0, from}), 0});
-    socket_.connect({asio::ip::address_v4::loopback(), port});
+  RawPeer(asio::io_context& io, std::uint16_t port, std::uint8_t from = 1)
+      : RawPeer(io, {asio::ip::address_v4::loopback(), port},
+                asio::ip::address_v4({127, 0, 0, from})) {}
+  RawPeer(asio::io_context& io, const asio::ip::tcp::endpoint& to, const asio::ip::address& from)
+      : socket_(io) {
+    socket_.open(to.protocol());
+    socket_.bind({from, 0});
+    socket_.connect(to);
     socket_.non_blocking(true);
   }
   explicit RawPeer(asio::ip::tcp::socket socket) : socket_(std::move(socket)) {
