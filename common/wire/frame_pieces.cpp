@@ -13,9 +13,13 @@ namespace {
 
 /// Chosen: 960 bytes, beside which the rest of the message has room.
 constexpr std::size_t kCellsInPiece = 40;
+/// Of the field that says how many objects there are.
+constexpr std::size_t kObjectCountBytes = 2;
 
 class Packer {
  public:
+  explicit Packer(std::size_t object_count) : object_count_(object_count) {}
+
   void head(const CodedObject& object) {
     add(object, [&object](proto::Object& to) {
       to.set_rest(false);
@@ -50,7 +54,7 @@ class Packer {
   void add(const CodedObject& object, const Put& put) {
     proto::HapticFrame grown = piece_;
     put(objectIn(grown, object));
-    if (grown.ByteSizeLong() > kMostPieceBytes) {
+    if (grown.ByteSizeLong() + kObjectCountBytes > kMostPieceBytes) {
       flush();
       grown.Clear();
       put(objectIn(grown, object));
@@ -68,6 +72,7 @@ class Packer {
     return added;
   }
   void flush() {
+    piece_.set_object_count(static_cast<std::uint32_t>(object_count_));
     std::vector<std::uint8_t> payload(piece_.ByteSizeLong());
     piece_.SerializeWithCachedSizesToArray(payload.data());
     bytes_ += payload.size();
@@ -75,6 +80,7 @@ class Packer {
     piece_.Clear();
   }
 
+  std::size_t object_count_;
   proto::HapticFrame piece_;
   std::vector<std::vector<std::uint8_t>> pieces_;
   std::size_t bytes_ = 0;
@@ -89,7 +95,7 @@ bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
 }  // namespace
 
 std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame) {
-  Packer packer;
+  Packer packer(frame.objects.size());
   for (const CodedObject& object : frame.objects) packer.head(object);
   for (const CodedObject& object : frame.objects) {
     const std::size_t cells = object.grid ? object.grid->velocity_mm_s.size() : 0;
@@ -130,7 +136,10 @@ std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
     return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
   auto piece = readPiece(payload, header_.frame);
   if (!piece.ok()) return piece.error();
-  for (const ObjectPiece& each : piece.value()) {
+  const std::size_t count = piece.value().object_count;
+  if (object_count_.value_or(count) != count) return malformed("pieces of two frames");
+  object_count_ = count;
+  for (const ObjectPiece& each : piece.value().objects) {
     if (auto error = join(each)) return error;
   }
   bytes_ += payload.size();
@@ -181,6 +190,20 @@ bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Join
     to.grid.acceleration_mm_s2[first_cell + i] = piece.acceleration_mm_s2[i];
   }
   return true;
+}
+
+bool JoinedFrame::headed() const {
+  const auto heads = std::count_if(objects_.begin(), objects_.end(),
+                                   [](const auto& each) { return each.second.head; });
+  return object_count_ == static_cast<std::size_t>(heads);
+}
+
+std::shared_ptr<const CodedRelief> JoinedFrame::relief(std::uint32_t id,
+                                                       std::uint32_t layer) const {
+  const auto found = objects_.find({id, layer});
+  if (found == objects_.end() || !found->second.head || !found->second.object.relief)
+    return nullptr;
+  return std::make_shared<const CodedRelief>(found->second.relief);
 }
 
 Result<CodedFrame, WireError> JoinedFrame::frame() const {
