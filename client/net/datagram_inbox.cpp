@@ -40,9 +40,10 @@ std::optional<Datagram> DatagramInbox::take(std::span<const std::uint8_t> bytes,
 }
 
 bool DatagramInbox::mayVerify(LocalTime now) {
-  const double since_s = budget_at_ ? toSeconds(now - *budget_at_) : 0.0;
-  budget_at_ = now;
-  budget_ = std::min(kBurst, budget_ + kVerifications_Hz * std::max(0.0, since_s));
+  const LocalTime latest = std::max(budget_at_.value_or(now), now);
+  const double since_s = toSeconds(latest - budget_at_.value_or(latest));
+  budget_at_ = latest;
+  budget_ = std::min(kBurst, budget_ + kVerifications_Hz * since_s);
   if (budget_ < 1.0) return false;
   budget_ -= 1.0;
   return true;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/net/frame_assembler.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -14,8 +16,11 @@ constexpr double kForgets = 0.5;  // of the loss before, at each judgement; chos
 
 void LossMeter::add(std::uint64_t frame, std::uint16_t parts) {
   if (frame <= judged_ && judged_ > 0) return;
-  // A frame that is far ahead is another numbering.
-  if (!frames_.empty() && frame > frames_.rbegin()->first + 2400) frames_.clear();
+  const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
+  if (frame > newest + FrameAssembler::kLargestJump) {  // another numbering, or the first frame
+    frames_.clear();
+    judged_ = ignored_ = frame - 1;
+  }
   Came& came = frames_[frame];
   came.parts = parts;
   ++came.came;

@@ -92,6 +92,12 @@ bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
   return a == b;
 }
 
+/// Whichever order its slices came in, the same relief is the same bytes.
+std::shared_ptr<const CodedRelief> inOrder(CodedRelief relief) {
+  std::sort(relief.slices.begin(), relief.slices.end());
+  return std::make_shared<const CodedRelief>(std::move(relief));
+}
+
 }  // namespace
 
 std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame) {
@@ -203,7 +209,7 @@ std::shared_ptr<const CodedRelief> JoinedFrame::relief(std::uint32_t id,
   const auto found = objects_.find({id, layer});
   if (found == objects_.end() || !found->second.head || !found->second.object.relief)
     return nullptr;
-  return std::make_shared<const CodedRelief>(found->second.relief);
+  return inOrder(found->second.relief);
 }
 
 Result<CodedFrame, WireError> JoinedFrame::frame() const {
@@ -212,7 +218,7 @@ Result<CodedFrame, WireError> JoinedFrame::frame() const {
   for (const auto& [key, each] : objects_) {
     if (!each.head) continue;
     CodedObject& object = frame.objects.emplace_back(each.object);
-    if (object.relief) object.relief = std::make_shared<const CodedRelief>(each.relief);
+    if (object.relief) object.relief = inOrder(each.relief);
     object.grid = nullptr;
     if (!each.cells.empty() &&
         std::all_of(each.cells.begin(), each.cells.end(), [](bool had) { return had; }))

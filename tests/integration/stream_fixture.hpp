@@ -161,6 +161,7 @@ struct TestClient {
     return {[this](const StreamDescription&) { ++welcomes; },
             [this](VideoFrame frame) { videos.push_back(std::move(frame)); },
             [this](double share) { shares.push_back(share); },
+            [this](const std::string& line) { news.push_back(line); },
             [this](const std::string& line) { lost.push_back(line); },
             [this](const std::string& line) { failure = line; }};
   }
@@ -186,6 +187,7 @@ struct TestClient {
   std::vector<VideoFrame> videos;
   std::vector<double> shares;
   std::vector<std::string> lost;
+  std::vector<std::string> news;  // of how frames come
   std::string failure;
   int welcomes = 0;
   client::Connection connection;

@@ -62,7 +62,7 @@ TEST(DeviceProfileFile, EveryFieldByItsName) {
 }
 
 TEST(DeviceProfileFile, IsReadFromAFile) {
-  const std::string file = testing::TempDir() + "hapticast_profile.txt";
+  const std::string file = ::testing::TempDir() + "hapticast_profile.txt";
   std::ofstream(file, std::ios::binary) << "mass_kg = 0.3";
   EXPECT_EQ(loadDeviceProfile(file).mass_kg, 0.3);
   std::remove(file.c_str());
@@ -105,7 +105,7 @@ TEST(DeviceProfileFile, NonsenseIsRefusedWithoutHarm) {
   EXPECT_NE(profileComplaint(std::string(60'000, 'x') + "=1"), "accepted");
   EXPECT_NE(profileComplaint(std::string("\0\xff\x80=\0", 5)), "accepted");
   EXPECT_THROW((void)loadDeviceProfile("/nonexistent/profile"), std::runtime_error);
-  EXPECT_THROW((void)loadDeviceProfile(testing::TempDir()), std::runtime_error);  // a folder
+  EXPECT_THROW((void)loadDeviceProfile(::testing::TempDir()), std::runtime_error);  // a folder
 }
 
 }  // namespace

@@ -150,7 +150,7 @@ TEST(HandTargetsFile, IsFollowedLinearly) {
 }
 
 TEST(HandTargetsFile, IsReadFromAFile) {
-  const std::string file = testing::TempDir() + "hapticast_hand.csv";
+  const std::string file = ::testing::TempDir() + "hapticast_hand.csv";
   std::ofstream(file, std::ios::binary) << "0.5,1,2,3\n";
   const auto targets = loadHandTargets(file);
   ASSERT_EQ(targets.size(), 1U);
@@ -175,7 +175,7 @@ TEST(HandTargetsFile, ComplaintsNameTheLine) {
   EXPECT_EQ(targetsComplaint(""), ": no rows of t_s,x_mm,y_mm,z_mm");
   EXPECT_EQ(targetsComplaint("t_s,x_mm,y_mm,z_mm\n"), ": no rows of t_s,x_mm,y_mm,z_mm");
   EXPECT_THROW((void)loadHandTargets("/nonexistent.csv"), std::runtime_error);
-  EXPECT_THROW((void)loadHandTargets(testing::TempDir()), std::runtime_error);
+  EXPECT_THROW((void)loadHandTargets(::testing::TempDir()), std::runtime_error);
 }
 
 }  // namespace

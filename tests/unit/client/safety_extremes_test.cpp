@@ -48,8 +48,8 @@ struct Extreme {
   std::string name;
 };
 
-class SafetyExtremes : public testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Stiffness, SafetyExtremes, testing::Values(0.5, 1.0, 5.0));
+class SafetyExtremes : public ::testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Stiffness, SafetyExtremes, ::testing::Values(0.5, 1.0, 5.0));
 
 TEST_P(SafetyExtremes, SurfaceAppearsFarAboveTheTip) {
   Extreme e(GetParam(), 5.0);

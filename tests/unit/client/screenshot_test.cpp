@@ -34,7 +34,7 @@ class ScreenshotTest : public ::testing::Test {
     screenshot.finish();
     return cv::imread(file);
   }
-  const std::string file = testing::TempDir() + "hapticast_screenshot.png";
+  const std::string file = ::testing::TempDir() + "hapticast_screenshot.png";
   Screenshot screenshot{file};
 };
 

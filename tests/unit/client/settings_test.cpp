@@ -19,7 +19,9 @@ TEST(ClientSettings, Defaults) {
   EXPECT_FALSE(run.settings.rearm);
   EXPECT_EQ(run.settings.stiffness_limit_N_mm, 0.0);
   EXPECT_EQ(run.settings.fault_folder, "");
-  EXPECT_EQ(run.settings.transport, Transport::kTcp);
+  EXPECT_EQ(run.settings.delivery.best, Way::kDatagrams);
+  EXPECT_EQ(run.settings.delivery.copies, 0U);
+  EXPECT_EQ(run.settings.delivery.interface, "");
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
   EXPECT_EQ(run.settings.hand, "press");
   EXPECT_EQ(run.settings.seconds, 0.0);
@@ -34,7 +36,9 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.device, "virtual");
   EXPECT_EQ(settings.profile, "falcon");
   EXPECT_EQ(settings.hand, "slide");
-  EXPECT_EQ(settings.transport, Transport::kTcp);
+  EXPECT_EQ(settings.delivery.best, Way::kTcp);
+  EXPECT_EQ(settings.delivery.copies, 3U);
+  EXPECT_EQ(settings.delivery.interface, "lo");
   EXPECT_EQ(settings.surface, SurfaceKind::kPerturbed);
   EXPECT_EQ(settings.method, Method::kThesis);
   EXPECT_EQ(settings.log_file, "a.csv");
@@ -49,10 +53,12 @@ void expectAll(const Settings& settings) {
 
 std::vector<std::pair<std::string, std::string>> everyFlag() {
   std::vector<std::pair<std::string, std::string>> flags = {
-      {"server", "[::1]:99"}, {"device", "virtual"},     {"profile", "falcon"}, {"hand", "slide"},
-      {"transport", "tcp"},   {"surface", "perturbed"},  {"method", "thesis"},  {"log", "a.csv"},
-      {"summary", "b.json"},  {"seconds", "2.5"},        {"quiet", "true"},     {"rearm", "true"},
-      {"fault-dir", "d"},     {"stiffness-limit", "2.5"}};
+      {"server", "[::1]:99"}, {"device", "virtual"},      {"profile", "falcon"},
+      {"hand", "slide"},      {"transport", "tcp"},       {"surface", "perturbed"},
+      {"method", "thesis"},   {"log", "a.csv"},           {"summary", "b.json"},
+      {"seconds", "2.5"},     {"quiet", "true"},          {"rearm", "true"},
+      {"fault-dir", "d"},     {"stiffness-limit", "2.5"}, {"redundancy", "3"},
+      {"interface", "lo"}};
   if (hasViewer()) flags.emplace_back("screenshot", "c.png");
   return flags;
 }
@@ -88,7 +94,8 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
 
 TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   const std::vector<std::array<std::string, 3>> wrong = {
-      {"--device", "mouse", "auto|virtual"},         {"--transport", "udp", "tcp"},
+      {"--device", "mouse", "auto|virtual"},         {"--transport", "upd", "multicast|tcp|udp"},
+      {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
       {"--surface", "flat", "normal|perturbed"},     {"--method", "best", "hapticast|thesis"},
       {"--seconds", "nan", "0.001 to 1000000000"},   {"--seconds", "0", "0.001 to 1000000000"},
       {"--seconds", "1e300", "0.001 to 1000000000"}, {"server", "host:99999", "HOST[:PORT]"},
@@ -116,8 +123,9 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   const Probe version({"--version"});
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
-  for (const char* fact : {hasViewer() ? "views: screenshot" : "views: none", "devices: virtual",
-                           "transports: tcp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
+  for (const char* fact :
+       {hasViewer() ? "views: screenshot" : "views: none", "devices: virtual",
+        "transports: multicast tcp udp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
   }

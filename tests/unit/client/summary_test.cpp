@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 /// What a strict reader (RFC 8259) finds in the summary; a key that stands twice fails the test.
 Json written(const RunResult& result) {
-  const std::string file = testing::TempDir() + "hapticast_summary.json";
+  const std::string file = ::testing::TempDir() + "hapticast_summary.json";
   writeSummary(file, result);
   std::ifstream in(file);
   std::vector<std::set<std::string>> keys;
@@ -57,6 +57,11 @@ RunResult eventful() {
   result.frames.concealed = 8;
   result.frames.resyncs = 9;
   result.frames.reliefs_rejected = 10;
+  result.frames.malformed = 11;
+  result.frames.slices_lost = 12;
+  result.frames.slices_refused = 13;
+  result.datagrams = {14, 15, 16, 17, 18, 19};
+  result.delivery = {Way::kGroup, 0.25, 2};
   result.bytes_received = 12'345'678'901ULL;
   result.playout_delay_ms = 41.5;
   result.clock_offset_us = -1234567890.125;
@@ -70,7 +75,11 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "ticks": 10000, "late_ticks": 3,
     "tick_ns": {"p50": 10000, "p99": 10000, "p999": 10000, "max": 10000},
     "frames": {"received": 250, "lost": 6, "late": 7, "concealed": 8, "resyncs": 9,
-               "reliefs_refused": 10},
+               "reliefs_refused": 10, "malformed": 11},
+    "slices": {"lost": 12, "refused": 13},
+    "datagrams": {"received": 14, "repeated": 15, "foreign": 16, "astray": 17, "forged": 18,
+                  "over_budget": 19},
+    "delivery": {"way": "multicast", "loss": 0.25, "copies": 2},
     "bytes_received": 12345678901,
     "lookup": {"none": 1, "interpolated": 2, "extrapolated": 3, "held": 4, "faded": 5},
     "contact_lookup": {"none": 0, "interpolated": 1500, "extrapolated": 400, "held": 100, "faded": 0},
@@ -131,7 +140,7 @@ TEST(SummaryInWords, OfARun) {
       "10.0 s at 1 kHz, 3 ticks late; a tick takes 10.0 us (median), 10.0 us (99.9 %).\n"
       "In contact for 20 % of the time, 75.0 % of it between two received frames; strongest "
       "force 1.25 N.\n"
-      "250 frames received (6 lost, 7 late), played 42 ms behind their arrival's clock.\n"
+      "250 frames received by multicast (6 lost, 7 late), played 42 ms behind their arrival's clock.\n"
       "The safety chain worked: a number that was none, or absurd, was left out (100 ticks); a "
       "surface was slowed down (101 ticks); a wall was made softer (102 ticks); the force was cut "
       "at the device's peak (104 ticks); a step was slowed (105 ticks); there was no force until "

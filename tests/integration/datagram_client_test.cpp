@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+// The client's own way through datagrams: from the real server, through good networks and bad ones.
+#include "tests/integration/datagram_fixture.hpp"
+#include "tests/support/lossy_link.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+using client::Way;
+
+class DatagramClientTest : public StreamTest {
+ protected:
+  static std::function<void(client::ConnectionSettings&)> with(client::DeliverySettings delivery) {
+    return [delivery](client::ConnectionSettings& settings) { settings.delivery = delivery; };
+  }
+  /// A frame about every 20 ms, until `done`.
+  bool streamUntil(DatagramServer& server, TestClient& client, const std::function<bool()>& done) {
+    auto next = clock.now();
+    return runUntil([&] {
+      if (clock.now() >= next) {
+        server.publish(++id_, side);
+        next += std::chrono::milliseconds(20);
+      }
+      client.drain();
+      return done();
+    });
+  }
+  static bool byUdp(const TestClient& client) {
+    return client.connection.delivery().way == Way::kDatagrams;
+  }
+  static void expectRisingIds(const TestClient& client) {
+    for (std::size_t i = 1; i < client.frames.size(); ++i)
+      EXPECT_GT(client.frames[i].second, client.frames[i - 1].second);
+  }
+  /// So many frames more.
+  bool streamOn(DatagramServer& server, TestClient& client, std::size_t frames) {
+    const std::size_t enough = client.frames.size() + frames;
+    return streamUntil(server, client, [&] { return client.frames.size() >= enough; });
+  }
+
+  int side = 40;
+
+ private:
+  std::uint64_t id_ = 0;
+};
+
+TEST_F(DatagramClientTest, FramesComeByUdpAndNoMoreOverTcp) {
+  DatagramServer server(io, clock);
+  TestClient client(io, clock, server.port());
+  ASSERT_TRUE(streamUntil(server, client, [&] { return byUdp(client); }));
+  ASSERT_TRUE(streamOn(server, client, 20));
+  const std::uint64_t sent = server.broadcaster.counts().sent.frames_sent;
+  ASSERT_TRUE(streamOn(server, client, 20));
+  EXPECT_EQ(server.broadcaster.counts().sent.frames_sent, sent) << "over TCP";
+  expectRisingIds(client);
+  EXPECT_EQ(client.receiver.counts().lost, 0U);
+  EXPECT_EQ(client.receiver.counts().slices_lost, 0U);
+  EXPECT_TRUE(client.last_has_field);
+  EXPECT_TRUE(client.news.empty());
+  EXPECT_GT(client.connection.datagrams().received, 40U);
+  EXPECT_EQ(client.connection.datagrams().forged, 0U);
+}
+
+TEST_F(DatagramClientTest, AClientThatWantsTcpGetsNoDatagram) {
+  DatagramServer server(io, clock);
+  TestClient client(io, clock, server.port(), with({.best = Way::kTcp}));
+  ASSERT_TRUE(streamOn(server, client, 20));
+  EXPECT_EQ(server.sender->counts().viewers.sent, 0U);
+  EXPECT_EQ(client.connection.delivery().way, Way::kTcp);
+}
+
+TEST_F(DatagramClientTest, CopiesMendANetworkThatLoses) {
+  DatagramServer server(io, clock);
+  LossyLink link(io, server.port(), LinkProfile{.delay = std::chrono::milliseconds(2)});
+  TestClient client(io, clock, link.port(), with({.copies = 4}));
+  ASSERT_TRUE(streamUntil(server, client, [&] { return byUdp(client); }));
+  link.down().profile.loss = 0.2;
+  side = 80;
+  ASSERT_TRUE(streamOn(server, client, 150));
+  expectRisingIds(client);
+  EXPECT_GT(client.connection.datagrams().repeated, 200U);
+  EXPECT_GT(link.down().counts.lost, 50U);
+  // 0.2^4 of the datagrams are lost in all copies.
+  EXPECT_LT(client.receiver.counts().lost, 10U);
+  EXPECT_LT(client.receiver.counts().slices_lost, 100U);
+  EXPECT_TRUE(client.last_has_field);
+}
+
+TEST_F(DatagramClientTest, WhereUdpIsHeldBackFramesComeOverTcp) {
+  DatagramServer server(io, clock);
+  LossyLink link(io, server.port(), LinkProfile{.largest_bytes = 1});
+  TestClient client(io, clock, link.port());
+  ASSERT_TRUE(streamUntil(server, client, [&] { return !client.news.empty(); }));
+  EXPECT_NE(client.news[0].find("firewall"), std::string::npos) << client.news[0];
+  ASSERT_TRUE(streamOn(server, client, 20));
+  expectRisingIds(client);
+  EXPECT_EQ(client.receiver.counts().lost, 0U);
+}
+
+TEST_F(DatagramClientTest, APathTooNarrowForAWholeDatagramIsNotTaken) {
+  DatagramServer server(io, clock);
+  LossyLink link(io, server.port(), LinkProfile{.largest_bytes = 1231});
+  TestClient client(io, clock, link.port());
+  side = 8;  // frames of one small datagram, which get through
+  ASSERT_TRUE(
+      streamUntil(server, client, [&] { return client.connection.datagrams().received > 20; }));
+  EXPECT_FALSE(byUdp(client));
+  EXPECT_EQ(client.receiver.counts().lost, 0U);
+}
+
+TEST_F(DatagramClientTest, UdpThatFailsInMidStreamIsReplacedByTcpAndTheStreamGoesOn) {
+  DatagramServer server(io, clock);
+  LossyLink link(io, server.port(), LinkProfile{});
+  TestClient client(io, clock, link.port());
+  ASSERT_TRUE(streamUntil(server, client, [&] { return byUdp(client); }));
+  ASSERT_TRUE(streamOn(server, client, 10));
+  link.down().profile.largest_bytes = 1;
+  const auto failed_at = clock.now();
+  ASSERT_TRUE(streamOn(server, client, 10));
+  EXPECT_GT(clock.now() - failed_at, std::chrono::milliseconds(900)) << "a second without a frame";
+  ASSERT_TRUE(streamUntil(server, client, [&] { return !client.news.empty(); }));
+  EXPECT_EQ(client.news.size(), 1U);
+  expectRisingIds(client);
+  EXPECT_EQ(client.frames.back().first, client.frames.front().first) << "no new epoch";
+  EXPECT_EQ(client.lost.size(), 0U) << "the connection stands";
+}
+
+TEST_F(DatagramClientTest, AServerWithoutDatagramsIsToldOnce) {
+  TestServer server(io, clock);
+  TestClient client(io, clock, server.port());
+  ASSERT_TRUE(runUntil([&] { return client.welcomes == 1; }));
+  ASSERT_EQ(client.news.size(), 1U);
+  EXPECT_NE(client.news[0].find("TCP"), std::string::npos);
+}
+
+TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
+  const server::MulticastChoice choice{{"239.255.74.47", 0}, "lo"};
+  std::optional<DatagramServer> server;
+  server::MulticastChoice there = choice;
+  there.group.port = static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000);
+  try {
+    server.emplace(io, clock, there);
+  } catch (const std::exception& error) {
+    GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
+  }
+  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface = "lo"}));
+  ASSERT_TRUE(streamUntil(*server, client, [&] {
+    return client.connection.delivery().way == Way::kGroup || !client.news.empty();
+  }));
+  if (!client.news.empty()) GTEST_SKIP() << client.news[0];
+  ASSERT_TRUE(streamOn(*server, client, 20));
+  expectRisingIds(client);
+  EXPECT_EQ(server->sender->counts().viewers.sent, 0U) << "none of its own";
+  EXPECT_EQ(client.receiver.counts().lost, 0U);
+}
+
+TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {
+  const server::MulticastChoice choice{
+      {"239.255.74.47", static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
+  std::optional<DatagramServer> server;
+  try {
+    server.emplace(io, clock, choice);
+  } catch (const std::exception& error) {
+    GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
+  }
+  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface = "nowhere"}));
+  ASSERT_TRUE(streamUntil(*server, client, [&] { return byUdp(client); }));
+  ASSERT_EQ(client.news.size(), 1U);
+  EXPECT_NE(client.news[0].find("nowhere"), std::string::npos) << client.news[0];
+}
+
+}  // namespace
+}  // namespace hapticast::testing

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// A server that sends datagrams, for tests over loopback.
+#pragma once
+
+#include <optional>
+
+#include "server/stream/datagram_sender.hpp"
+#include "tests/integration/stream_fixture.hpp"
+
+namespace hapticast::testing {
+
+/// A server that offers datagrams, and the group, if there is one.
+struct DatagramServer : TestServer {
+  DatagramServer(asio::io_context& io, const Clock& clock,
+                 const std::optional<server::MulticastChoice>& multicast = std::nullopt,
+                 const std::string& host = "127.0.0.1")
+      : TestServer(io, clock, {}, 0, host) {
+    if (multicast) group.emplace(io, *multicast, 1);
+    sender.emplace(io, clock, listener.endpoint(), signer, group ? &*group : nullptr);
+    broadcaster.carryDatagrams(*sender);
+  }
+  /// A frame with an object of `side` px whose relief is in it.
+  void publish(std::uint64_t id, int side = 8) {
+    HapticFrame frame;
+    frame.epoch = 3;
+    frame.id = id;
+    frame.media_time = media.now();
+    frame.objects.push_back({1, 0, id, noise(side), {}, nullptr, {}, {}});
+    last = frame;
+    broadcaster.publish(
+        encoder.encode(frame, {}, broadcaster.datagramsWanted() ? &signer : nullptr));
+  }
+  [[nodiscard]] std::uint64_t echoes(server::EchoVerdict verdict) const {
+    return sender->counts().echoes[static_cast<std::size_t>(verdict)];
+  }
+
+  server::DatagramSigner signer;
+  std::optional<server::MulticastGroup> group;
+  std::optional<server::DatagramSender> sender;
+  HapticFrame last;
+};
+
+}  // namespace hapticast::testing

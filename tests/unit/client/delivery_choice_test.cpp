@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/delivery_choice.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hapticast::client {
+namespace {
+
+/// Frames at 25 Hz by the ways that work.
+struct Story {
+  explicit Story(std::vector<Way> ways) : choice(std::move(ways)) {}
+
+  void play(double seconds, bool tcp_works, bool way_works) {
+    for (const double until_s = now_s + seconds; now_s < until_s; now_s += 0.04) {
+      ++id;
+      if (way_works && choice.way() == working) {
+        choice.probed();
+        choice.wholeFrame(id, localTime(now_s));
+      }
+      if (tcp_works && order.on_tcp) choice.tcpFrame(id, localTime(now_s + 0.001));
+      turn();
+    }
+  }
+  void turn() {
+    choice.turn(localTime(now_s), 2);
+    if (const auto said = choice.order()) order = *said, ++orders;
+    if (const auto line = choice.news()) news.push_back(*line);
+  }
+
+  DeliveryChoice choice;
+  Way working = Way::kDatagrams;
+  double now_s = 100.0;
+  std::uint64_t id = 0;
+  Delivery order{true, false, 1};
+  int orders = 0;
+  std::vector<std::string> news;
+};
+
+TEST(DeliveryChoice, LeavesTcpOnceDatagramsHaveComeAndSaysNothing) {
+  Story story({Way::kDatagrams, Way::kTcp});
+  story.turn();
+  EXPECT_EQ(story.order, (Delivery{true, true, 2})) << "both, until it works";
+  story.play(2.0, true, true);
+  EXPECT_EQ(story.order, (Delivery{false, true, 2}));
+  EXPECT_TRUE(story.choice.works());
+  EXPECT_EQ(story.orders, 2);
+  EXPECT_TRUE(story.news.empty());
+}
+
+TEST(DeliveryChoice, AWayThatNeverWorksIsLeftAfterASecondAndTriedAgain) {
+  Story story({Way::kDatagrams, Way::kTcp});
+  story.play(0.9, true, false);
+  EXPECT_EQ(story.choice.way(), Way::kDatagrams);
+  story.play(0.3, true, false);
+  EXPECT_EQ(story.choice.way(), Way::kTcp);
+  EXPECT_EQ(story.order, (Delivery{true, false, 2}));
+  ASSERT_EQ(story.news.size(), 1U);
+  EXPECT_NE(story.news[0].find("firewall"), std::string::npos) << story.news[0];
+  story.play(29.5, true, false);
+  EXPECT_EQ(story.choice.way(), Way::kTcp);
+  story.play(1.0, true, false);
+  EXPECT_EQ(story.order, (Delivery{true, true, 2})) << "tried again";
+  story.play(90.0, true, false);
+  EXPECT_EQ(story.news.size(), 1U) << "told once";
+  story.play(40.0, true, true);
+  EXPECT_EQ(story.order, (Delivery{false, true, 2}));
+  ASSERT_EQ(story.news.size(), 2U);
+  EXPECT_NE(story.news[1].find("again"), std::string::npos);
+}
+
+TEST(DeliveryChoice, AWayThatFailsInMidStreamIsLeftSoonAfterASecond) {
+  Story story({Way::kDatagrams, Way::kTcp});
+  story.play(5.0, true, true);
+  story.play(0.9, true, false);
+  EXPECT_TRUE(story.choice.works());
+  story.play(0.2, true, false);
+  EXPECT_TRUE(story.order.on_tcp) << "a second without a frame";
+  story.play(0.3, true, false);
+  EXPECT_EQ(story.choice.way(), Way::kTcp);
+  EXPECT_EQ(story.news.size(), 1U);
+}
+
+TEST(DeliveryChoice, AStreamThatPausesIsNoFailure) {
+  Story story({Way::kDatagrams, Way::kTcp});
+  story.play(5.0, true, true);
+  story.play(20.0, false, false);
+  // The server says again what it said last when TCP is asked for.
+  story.choice.tcpFrame(story.choice.works() ? 0 : 125, localTime(story.now_s));
+  story.turn();
+  EXPECT_EQ(story.choice.way(), Way::kDatagrams);
+  story.play(5.0, true, true);
+  EXPECT_FALSE(story.order.on_tcp);
+  EXPECT_TRUE(story.news.empty());
+}
+
+TEST(DeliveryChoice, APathTooNarrowForAProbeIsNotTaken) {
+  Story story({Way::kDatagrams, Way::kTcp});
+  for (int i = 0; i < 100; ++i, story.now_s += 0.04) {
+    story.choice.wholeFrame(static_cast<std::uint64_t>(i), localTime(story.now_s));
+    story.choice.tcpFrame(static_cast<std::uint64_t>(i), localTime(story.now_s));
+    story.turn();
+  }
+  EXPECT_TRUE(story.order.on_tcp);
+  EXPECT_FALSE(story.choice.works());
+}
+
+TEST(DeliveryChoice, AGroupFallsBackToDatagramsAndTheseToTcp) {
+  Story story({Way::kGroup, Way::kDatagrams, Way::kTcp});
+  story.turn();
+  EXPECT_EQ(story.order, (Delivery{true, false, 2})) << "a group needs no datagrams of one's own";
+  story.play(1.5, true, true);
+  EXPECT_EQ(story.choice.way(), Way::kDatagrams);
+  EXPECT_FALSE(story.order.on_tcp);
+  story.play(10.0, true, true);
+  story.play(2.0, true, false);
+  EXPECT_EQ(story.choice.way(), Way::kTcp);
+  EXPECT_EQ(story.news.size(), 2U);
+  story.working = Way::kGroup;
+  story.play(61.0, true, true);
+  EXPECT_EQ(story.choice.way(), Way::kGroup);
+  EXPECT_TRUE(story.choice.works());
+}
+
+TEST(DeliveryChoice, AWayThatCannotBeOpenedIsLeftAtOnce) {
+  Story story({Way::kGroup, Way::kDatagrams, Way::kTcp});
+  story.choice.impossible("no network here is 'x'", localTime(story.now_s));
+  story.turn();
+  EXPECT_EQ(story.choice.way(), Way::kDatagrams);
+  ASSERT_EQ(story.news.size(), 1U);
+  EXPECT_NE(story.news[0].find("no network here is 'x'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapticast::client

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/loss_meter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapticast::client {
+namespace {
+
+/// 25 frames a second of so many parts, each copy of which is lost by chance.
+struct Network {
+  std::uint32_t play(double seconds, double loss, std::uint16_t parts = 3) {
+    std::uint32_t copies = meter.copies(localTime(now_s));
+    for (const double until_s = now_s + seconds; now_s < until_s; now_s += 0.04) {
+      ++id;
+      for (std::uint32_t copy = 0; copy < copies && copy < id; ++copy) {
+        for (int part = 0; part < parts; ++part) {
+          if (std::uniform_real_distribution(0.0, 1.0)(random) >= loss)
+            meter.add(id - copy, parts);
+        }
+      }
+      copies = meter.copies(localTime(now_s));
+    }
+    return copies;
+  }
+
+  LossMeter meter;
+  std::mt19937 random{3};
+  std::uint64_t id = 1000;
+  double now_s = 50.0;
+};
+
+TEST(LossMeter, AsksForNothingWhereNothingIsLost) {
+  Network network;
+  EXPECT_EQ(network.play(60.0, 0.0), 1U);
+  EXPECT_EQ(network.meter.loss(), 0.0);
+}
+
+TEST(LossMeter, MeasuresWhatIsLostWhateverTheCopies) {
+  for (const double loss : {0.01, 0.05, 0.1, 0.2}) {
+    Network network;
+    (void)network.play(60.0, loss);
+    EXPECT_NEAR(network.meter.loss(), loss, 0.5 * loss + 0.01) << loss;
+  }
+}
+
+TEST(LossMeter, MoreCopiesForMoreLossAndFewerAfterAWhile) {
+  Network network;
+  EXPECT_EQ(network.play(10.0, 0.02), 2U);
+  EXPECT_GE(network.play(10.0, 0.1), 3U);
+  EXPECT_EQ(network.play(10.0, 0.3), 4U);
+  EXPECT_EQ(network.play(5.0, 0.0), 4U) << "patience";
+  EXPECT_EQ(network.play(60.0, 0.0), 1U);
+}
+
+TEST(LossMeter, FramesOfWhichNothingComesCount) {
+  Network network;
+  (void)network.play(30.0, 0.5, 1);
+  EXPECT_NEAR(network.meter.loss(), 0.5, 0.15);
+}
+
+TEST(LossMeter, AnotherNumberingIsNoLoss) {
+  Network network;
+  (void)network.play(10.0, 0.0);
+  network.id += 1'000'000;
+  EXPECT_EQ(network.play(10.0, 0.0), 1U);
+}
+
+}  // namespace
+}  // namespace hapticast::client
