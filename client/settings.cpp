@@ -74,10 +74,11 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
 }
 
 void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
-  addChoice(app, "--transport", delivery.best, kTransports,
-            "How frames travel: udp (default), tcp, or multicast where the server sends to a group. "
-            "What does not get through falls back, multicast to udp and udp to tcp, and is tried "
-            "again every 30 s");
+  addChoice(
+      app, "--transport", delivery.best, kTransports,
+      "How frames travel: udp (default), tcp, or multicast where the server sends to a group. "
+      "What does not get through falls back, multicast to udp and udp to tcp, and is tried "
+      "again every 30 s");
   const auto set = [&delivery](const std::string& text) {
     const auto copies = numberIn<std::uint64_t>(text, 1, limits::kMostCopies);
     if (text != "auto" && !copies)

@@ -54,56 +54,56 @@ Json faultNames(const std::array<std::uint64_t, kFaultKinds>& faults) {
   return names;
 }
 
+Json framesOf(const ReceiverCounts& frames) {
+  return {{"received", frames.received},  {"lost", frames.lost},
+          {"late", frames.late},          {"concealed", frames.concealed},
+          {"resyncs", frames.resyncs},    {"reliefs_refused", frames.reliefs_rejected},
+          {"malformed", frames.malformed}};
+}
+
+Json datagramsOf(const DatagramCounts& datagrams) {
+  return {{"received", datagrams.received}, {"repeated", datagrams.repeated},
+          {"foreign", datagrams.foreign},   {"astray", datagrams.astray},
+          {"forged", datagrams.forged},     {"over_budget", datagrams.over_budget}};
+}
+
 Json summary(const RunResult& result) {
   const LoopStats& loop = result.loop;
-  const ReceiverCounts& frames = result.frames;
   const auto lookupKey = [](std::size_t i) { return lookupName(static_cast<Lookup>(i)); };
-  return {{"ticks", loop.ticks},
-          {"late_ticks", loop.late_ticks},
-          {"tick_ns",
-           {{"p50", loop.tick_ns.quantile_ns(0.5)},
-            {"p99", loop.tick_ns.quantile_ns(0.99)},
-            {"p999", loop.tick_ns.quantile_ns(0.999)},
-            {"max", loop.tick_ns.max_ns()}}},
-          {"frames",
-           {{"received", frames.received},
-            {"lost", frames.lost},
-            {"late", frames.late},
-            {"concealed", frames.concealed},
-            {"resyncs", frames.resyncs},
-            {"reliefs_refused", frames.reliefs_rejected},
-            {"malformed", frames.malformed}}},
-          {"slices", {{"lost", frames.slices_lost}, {"refused", frames.slices_refused}}},
-          {"datagrams",
-           {{"received", result.datagrams.received},
-            {"repeated", result.datagrams.repeated},
-            {"foreign", result.datagrams.foreign},
-            {"astray", result.datagrams.astray},
-            {"forged", result.datagrams.forged},
-            {"over_budget", result.datagrams.over_budget}}},
-          {"delivery",
-           {{"way", wayName(result.delivery.way)},
-            {"loss", result.delivery.loss},
-            {"copies", result.delivery.copies}}},
-          {"bytes_received", result.bytes_received},
-          {"lookup", counters(loop.lookup, lookupKey)},
-          {"contact_lookup", counters(loop.contact_lookup, lookupKey)},
-          {"max_force_N", loop.max_force_N},
-          {"max_force_step_N", loop.max_force_step_N},
-          {"step_excess_max_N", loop.step_excess_max_N},
-          {"work_mJ",
-           {{"relative", loop.work.relative_mJ},
-            {"surface", loop.work.surface_mJ},
-            {"object", loop.work.object_mJ},
-            {"user", loop.work.user_mJ()}}},
-          {"contact_ticks", loop.contact_ticks},
-          {"playout_delay_ms", result.playout_delay_ms},
-          {"clock_offset_us", result.clock_offset_us},
-          {"clock_error_us", result.clock_error_us},
-          {"interferences",
-           counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
-          {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
-          {"faults", faultNames(loop.faults)}};
+  return {
+      {"ticks", loop.ticks},
+      {"late_ticks", loop.late_ticks},
+      {"tick_ns",
+       {{"p50", loop.tick_ns.quantile_ns(0.5)},
+        {"p99", loop.tick_ns.quantile_ns(0.99)},
+        {"p999", loop.tick_ns.quantile_ns(0.999)},
+        {"max", loop.tick_ns.max_ns()}}},
+      {"frames", framesOf(result.frames)},
+      {"slices", {{"lost", result.frames.slices_lost}, {"refused", result.frames.slices_refused}}},
+      {"datagrams", datagramsOf(result.datagrams)},
+      {"delivery",
+       {{"way", wayName(result.delivery.way)},
+        {"loss", result.delivery.loss},
+        {"copies", result.delivery.copies}}},
+      {"bytes_received", result.bytes_received},
+      {"lookup", counters(loop.lookup, lookupKey)},
+      {"contact_lookup", counters(loop.contact_lookup, lookupKey)},
+      {"max_force_N", loop.max_force_N},
+      {"max_force_step_N", loop.max_force_step_N},
+      {"step_excess_max_N", loop.step_excess_max_N},
+      {"work_mJ",
+       {{"relative", loop.work.relative_mJ},
+        {"surface", loop.work.surface_mJ},
+        {"object", loop.work.object_mJ},
+        {"user", loop.work.user_mJ()}}},
+      {"contact_ticks", loop.contact_ticks},
+      {"playout_delay_ms", result.playout_delay_ms},
+      {"clock_offset_us", result.clock_offset_us},
+      {"clock_error_us", result.clock_error_us},
+      {"interferences",
+       counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
+      {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
+      {"faults", faultNames(loop.faults)}};
 }
 
 }  // namespace
@@ -138,7 +138,8 @@ std::string inWords(const RunResult& result) {
         100.0 * share(interpolated, loop.contact_ticks), loop.max_force_N);
   }
   text += fmt::format(
-      "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's clock.\n",
+      "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's "
+      "clock.\n",
       result.frames.received, wayName(result.delivery.way), result.frames.lost, result.frames.late,
       result.playout_delay_ms);
   const std::string chain = chainInWords(loop);

@@ -74,8 +74,10 @@ void App::run() {
   };
   try {
     look();
-    EncoderThread encoder({&broadcaster_}, datagrams_ ? &datagrams_->signer
-                                                      : nullptr);  // a further sink is named here
+    const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
+    if (settings_.explain) spdlog::info("heights travel within {:.3g} mm", slices.error_mm);
+    EncoderThread encoder({&broadcaster_},  // a further sink is named here
+                          datagrams_ ? &datagrams_->signer : nullptr, slices);
     if (!stop_) play(encoder);
     encoder.finish();
   } catch (...) {
@@ -132,7 +134,8 @@ void App::play(EncoderThread& encoder) {
         info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result), encoder);
-    if (settings_.explain) plan_teller_.tell(vision_.plan(), media_clock_.now());
+    if (settings_.explain)
+      plan_teller_.tell(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
     sayWhatWasSkipped(pacer);
   }
   for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);

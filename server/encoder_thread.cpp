@@ -13,8 +13,9 @@ constexpr int kJpegQuality = 80;      // chosen: a 640 x 480 picture is some 30 
 constexpr std::size_t kMostJobs = 2;  // then vision waits, so that latency does not grow
 }  // namespace
 
-EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer)
-    : sinks_(std::move(sinks)), signer_(signer), thread_([this] { run(); }) {}
+EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer,
+                             SliceSettings slices)
+    : sinks_(std::move(sinks)), signer_(signer), slices_(slices), thread_([this] { run(); }) {}
 
 EncoderThread::~EncoderThread() { stop(); }
 
@@ -29,6 +30,11 @@ void EncoderThread::push(StreamDescription description, VisionResult result) {
 void EncoderThread::finish() {
   stop();
   if (failure_) std::rethrow_exception(failure_);
+}
+
+ReliefBytes EncoderThread::reliefBytes() const {
+  const std::lock_guard lock(mutex_);
+  return relief_bytes_;
 }
 
 void EncoderThread::stop() noexcept {
@@ -68,7 +74,12 @@ void EncoderThread::encode(Job job) {
   VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
   const bool datagrams =
       std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
-  const EncodedFrame frame = encoder_.encode(job.result.frame, {}, datagrams ? signer_ : nullptr);
+  const EncodedFrame frame =
+      encoder_.encode(job.result.frame, slices_, datagrams ? signer_ : nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    relief_bytes_ = encoder_.reliefBytes();
+  }
   for (StreamSink* sink : sinks_) sink->publish(frame);
   if (std::none_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->videoWanted(); }))
     return;

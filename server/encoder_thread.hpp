@@ -20,8 +20,9 @@ namespace hapticast::server {
 class EncoderThread {
  public:
   /// Starts the thread. The sinks and the signer outlive it; without a signer there are no
-  /// datagrams.
-  explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr);
+  /// datagrams. `slices`: how heights are coded.
+  explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr,
+                         SliceSettings slices = {});
   /// Encodes what still waits and ends the thread; a failure that finish() was not asked for is
   /// lost.
   ~EncoderThread();
@@ -32,6 +33,8 @@ class EncoderThread {
   /// Encodes what still waits, ends the thread and rethrows what encoding has thrown. Thread: the
   /// pipeline's.
   void finish();
+  /// Of the last frame that was encoded. Thread: any.
+  [[nodiscard]] ReliefBytes reliefBytes() const;
 
  private:
   struct Job {
@@ -44,11 +47,13 @@ class EncoderThread {
 
   std::vector<StreamSink*> sinks_;
   DatagramSigner* signer_;
+  SliceSettings slices_;
   FrameEncoder encoder_;                        // by the thread
   std::optional<StreamDescription> described_;  // by the thread
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Job> jobs_;        // under the mutex
+  ReliefBytes relief_bytes_;    // under the mutex
   bool ended_ = false;          // under the mutex
   std::exception_ptr failure_;  // under the mutex
   std::thread thread_;          // last: everything above is there when it starts

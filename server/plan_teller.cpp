@@ -29,21 +29,22 @@ bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& 
                     });
 }
 
-void tellLine(std::uint32_t id, const PlanLine& line) {
+void tellLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
   const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
   if (line.on) {
     spdlog::info("object {}: {:<8} on   {}; takes {:.1f} ms a frame", id, stage, line.why,
                  line.saves_ms);
   } else {
-    spdlog::info(
-        "object {}: {:<8} off  {}; saves {:.1f} ms and {:.0f} bytes a frame, costs {:.4f} N", id,
-        stage, line.why, line.saves_ms, line.saves_bytes, line.costs_N);
+    const std::size_t bytes = line.stage == Stage::kHeights ? relief_bytes : 0;
+    spdlog::info("object {}: {:<8} off  {}; saves {:.1f} ms and {} bytes a frame, costs {:.4f} N",
+                 id, stage, line.why, line.saves_ms, bytes, line.costs_N);
   }
 }
 
 }  // namespace
 
-void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans, MediaTime now) {
+void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
+                      const ReliefBytes& relief_bytes, MediaTime now) {
   for (auto each = told_.begin(); each != told_.end();) {
     if (plans.contains(each->first)) {
       ++each;
@@ -59,7 +60,9 @@ void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plan
     told.lines = lines;
     if (!isNews(told, now)) continue;
     told.at = now;
-    for (const PlanLine& line : lines) tellLine(id, line);
+    const auto bytes = relief_bytes.find(id);
+    for (const PlanLine& line : lines)
+      tellLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/time.hpp"
+#include "server/stream/encoded.hpp"
 #include "server/vision/scene_plan.hpp"
 
 namespace hapticast::server {
@@ -18,7 +19,9 @@ class PlanTeller {
   /// change that is taken back at once is not worth a line, and the same plan at most once a
   /// minute. What was told of an object that is gone is not told again of its successors: a clip
   /// that loops has new ones every round.
-  void tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans, MediaTime now);
+  /// `relief_bytes`: what leaving heights out saves.
+  void tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
+            const ReliefBytes& relief_bytes, MediaTime now);
 
  private:
   using Lines = std::vector<PlanLine>;

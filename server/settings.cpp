@@ -8,6 +8,7 @@
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/version.hpp"
+#include "common/wire/height_codec.hpp"
 #include "common/wire/limits.hpp"
 
 namespace hapticast::server {
@@ -145,8 +146,8 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
       "the picture's frame");
   addNumber(
       app, "--error-budget", vision.plan.error_budget_N, 0.0, 1.0, "N 0..1",
-      "Force that leaving stages out may cost; default: 0.007, a tenth of what a hand can tell "
-      "apart at 1 N");
+      "Force that leaving stages out, and rounding heights on the wire, may cost; default: 0.007, "
+      "a tenth of what a hand can tell apart at 1 N");
   addPlan(app, vision.plan);
   addChoice(app, "--method", vision.method, kMethods,
             "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
@@ -212,6 +213,15 @@ void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
 }
 
 }  // namespace
+
+double heightError_mm(const VisionSettings& vision) {
+  // Chosen: beyond it steps between slices are felt as edges.
+  constexpr double kMost_mm = 0.25;
+  const double stiffness_N_mm = vision.material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
+  const double usual_N = kUsualStiffness_N_mm * kDefaultHeightError_mm;
+  const double share = vision.plan.error_budget_N / PlanSettings{}.error_budget_N;
+  return std::min(share * usual_N / stiffness_N_mm, kMost_mm);
+}
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(

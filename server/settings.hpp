@@ -33,6 +33,10 @@ struct Settings {
   bool quiet = false;
 };
 
+/// By how much a height may be wrong on the wire, so that the force is by no more than the budget:
+/// the default budget at the usual stiffness gives kDefaultHeightError_mm.
+[[nodiscard]] double heightError_mm(const VisionSettings& vision);
+
 /// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
 std::unique_ptr<CLI::App> commandLine(Settings& settings);
 

@@ -215,7 +215,7 @@ std::optional<WireError> Connection::handleWelcome(const ConversationPtr& talk,
 
 void Connection::openLink(const ConversationPtr& talk, const Welcome& welcome) {
   const auto server = parseEndpoint(talk->channel->peer(), {});
-  if (!server) return;  // a channel that is no connection between hosts
+  if (!server) return;         // a channel that is no connection between hosts
   Conversation& here = *talk;  // which closes the link before it goes
   talk->link = DatagramLink::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
                                   {.order =

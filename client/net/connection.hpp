@@ -44,7 +44,7 @@ struct ConnectionEvents {
   std::function<void(const StreamDescription&)> welcomed;  ///< a connection is made
   std::function<void(VideoFrame)> video;
   std::function<void(double)> preparing;  ///< the share of its clip a server has looked through
-  std::function<void(const std::string&)> delivery;  ///< another way for the frames, one line
+  std::function<void(const std::string&)> delivery;      ///< another way for the frames, one line
   std::function<void(const std::string&)> disconnected;  ///< why, one line; it will be tried again
   std::function<void(const std::string&)> failed;        ///< why, one line; it is over
 };
@@ -90,7 +90,7 @@ class Connection {
   asio::awaitable<bool> send(ConversationPtr talk, Message message);
   [[nodiscard]] std::optional<WireError> handle(const ConversationPtr& talk, Message message);
   [[nodiscard]] std::optional<WireError> handleWelcome(const ConversationPtr& talk,
-                                                        const Message& message);
+                                                       const Message& message);
   void handlePong(Conversation& talk, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;
 

@@ -115,10 +115,10 @@ void DatagramLink::followChoice(LocalTime now) {
     const bool group = way == Way::kGroup;
     DatagramInbox inbox(group ? welcome_.group->token : welcome_.datagram_token, welcome_.stream,
                         std::move(key).value());
-    auto path = group ? DatagramPath::ofGroup(io_, clock_,
-                                              {welcome_.group->address, welcome_.group->port},
-                                              settings_.interface, server_, std::move(inbox))
-                      : DatagramPath::toServer(io_, clock_, server_, std::move(inbox));
+    auto path =
+        group ? DatagramPath::ofGroup(io_, clock_, {welcome_.group->address, welcome_.group->port},
+                                      settings_.interface, server_, std::move(inbox))
+              : DatagramPath::toServer(io_, clock_, server_, std::move(inbox));
     if (!path.ok()) {
       choice_.impossible(path.error().message, now);
       continue;
@@ -145,9 +145,7 @@ void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
 
 void DatagramLink::tcpFrame(std::uint64_t id) { choice_.tcpFrame(id, clock_.now()); }
 
-DatagramCounts DatagramLink::counts() const {
-  return path_ ? counts_ + path_->counts() : counts_;
-}
+DatagramCounts DatagramLink::counts() const { return path_ ? counts_ + path_->counts() : counts_; }
 
 DeliveryState DatagramLink::state() const {
   return {choice_.works() ? choice_.way() : Way::kTcp, meter_.loss(), copies_};

@@ -21,8 +21,8 @@ namespace hapticast::client {
 class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
  public:
   struct Events {
-    std::function<void(const Delivery&)> order;     ///< the server is to be told
-    std::function<void(const std::string&)> news;   ///< a person is to be told
+    std::function<void(const Delivery&)> order;    ///< the server is to be told
+    std::function<void(const std::string&)> news;  ///< a person is to be told
   };
   /// `server`: the address that the TCP connection leads to. Null where the server offers no way
   /// but TCP, or none is wanted. `clock` and `receiver` outlive the work on `io`.

@@ -124,7 +124,8 @@ void DatagramPath::send(std::span<const std::uint8_t> bytes) {
 asio::awaitable<void> DatagramPath::readAll() {
   while (socket_.is_open()) {
     boost::system::error_code ec;
-    co_await socket_.async_wait(udp::socket::wait_read, asio::redirect_error(asio::use_awaitable, ec));
+    co_await socket_.async_wait(udp::socket::wait_read,
+                                asio::redirect_error(asio::use_awaitable, ec));
     if (ec || !readSome()) continue;
     co_await asio::post(socket_.get_executor(), asio::use_awaitable);
   }

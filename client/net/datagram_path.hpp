@@ -29,8 +29,7 @@ class DatagramPath : public std::enable_shared_from_this<DatagramPath> {
   static Result<std::shared_ptr<DatagramPath>> ofGroup(asio::io_context& io, const Clock& clock,
                                                        const Endpoint& group,
                                                        const std::string& interface,
-                                                       const Endpoint& server,
-                                                       DatagramInbox inbox);
+                                                       const Endpoint& server, DatagramInbox inbox);
 
   /// Begins to read; `look` and `take` are called until close().
   void start(Look look, Take take);

@@ -89,7 +89,8 @@ void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
   }
   const Duration patience = doubted_ ? kRace : kPatience;
   if (only_tcp_since_ && now - *only_tcp_since_ >= patience)
-    fail(probed_ || way() == Way::kGroup ? "they are lost" : "does a firewall hold them back?", now);
+    fail(probed_ || way() == Way::kGroup ? "they are lost" : "does a firewall hold them back?",
+         now);
   if (at_ > 0 && failed_at_ && now - *failed_at_ >= kTryAgain) {
     failed_at_ = now;
     begin(0, now);

@@ -21,7 +21,8 @@ enum class Way : std::uint8_t { kGroup, kDatagrams, kTcp };
 struct DeliverySettings {
   Way best = Way::kDatagrams;  ///< kGroup falls back to kDatagrams, this to kTcp
   std::uint32_t copies = 0;    ///< of each datagram; 0: as many as the loss asks for
-  std::string interface{};     ///< that joins a group, by name or address; empty: the one to the server
+  std::string interface {
+  };  ///< that joins a group, by name or address; empty: the one to the server
 };
 
 /// How frames travel now.

@@ -163,7 +163,8 @@ void FrameAssembler::fillUp(CodedFrame& frame) const {
 void FrameAssembler::forgetOld() {
   const std::uint64_t oldest = *last_id_ > kOldestPart ? *last_id_ - kOldestPart : 0;
   std::erase_if(left_, [&](const auto& each) { return each.first < oldest; });
-  std::erase_if(done_, [&](std::uint64_t id) { return id < oldest || id > *last_id_ + kLargestJump; });
+  std::erase_if(done_,
+                [&](std::uint64_t id) { return id < oldest || id > *last_id_ + kLargestJump; });
 }
 
 std::optional<LateFrame> FrameAssembler::late() {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The first step of receiving: what the transports bring becomes frames in their order. TCP brings
 // whole frames; datagrams bring parts of several frames in any order, some of them never. A frame
-// of parts leaves when it is whole or due, whichever comes first, and never before an older one that
-// may still come. Pure: times are arguments. Thread: network.
+// of parts leaves when it is whole or due, whichever comes first, and never before an older one
+// that may still come. Pure: times are arguments. Thread: network.
 #pragma once
 
 #include <cstdint>
@@ -60,8 +60,8 @@ class FrameAssembler {
   /// The client-side epoch of the next frame, unless the server begins another one with it.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   /// Takes a frame as it came over TCP; false when it came before or when a later one did (ids
-  /// rise). One whose id jumps by more than kLargestJump begins a numbering and an epoch of its own.
-  /// Frames of parts that are older leave before it as they are.
+  /// rise). One whose id jumps by more than kLargestJump begins a numbering and an epoch of its
+  /// own. Frames of parts that are older leave before it as they are.
   bool add(CodedFrame frame, LocalTime arrived);
 
   /// What a datagram is to the frames so far.

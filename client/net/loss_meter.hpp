@@ -40,7 +40,7 @@ class LossMeter {
 
   std::map<std::uint64_t, Came> frames_;  // by id, since the last judgement
   std::uint64_t judged_ = 0;              // all frames up to this one are
-  std::uint64_t ignored_ = 0;             // up to this one they were sent in another number of copies
+  std::uint64_t ignored_ = 0;  // up to this one they were sent in another number of copies
   std::uint32_t copies_;
   double loss_ = 0.0;
   std::uint32_t needed_ = 1;

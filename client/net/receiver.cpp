@@ -9,8 +9,8 @@ namespace hapticast::client {
 namespace {
 // A pause of the stream is no jitter.
 constexpr Duration kLargestGap = std::chrono::seconds(1);
-// What waits for lost parts leaves so long before play time needs it; chosen: more than an object of
-// 200 x 200 px takes to be prepared.
+// What waits for lost parts leaves so long before play time needs it; chosen: more than an object
+// of 200 x 200 px takes to be prepared.
 constexpr Duration kPreparation = std::chrono::milliseconds(5);
 // The parts of a frame leave the server one after the other: of one that comes late the rest may be
 // on its way. Chosen: a large frame over 100 Mbit/s.
@@ -110,8 +110,8 @@ void Receiver::release(LocalTime now) {
   while (const auto late = assembler_.late()) {
     if (!clock_.ready()) continue;
     ++counts_.late;
-    jitter_.add(late->arrived,
-                lateness(late->media_time, late->arrived) + latest_.frame_interval * lookahead_frames_);
+    jitter_.add(late->arrived, lateness(late->media_time, late->arrived) +
+                                   latest_.frame_interval * lookahead_frames_);
   }
 }
 

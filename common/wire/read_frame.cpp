@@ -177,8 +177,8 @@ ObjectPiece read(const proto::Object& from, std::uint64_t frame_id, bool in_piec
 }
 
 /// All objects, none once the check has an error.
-std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64_t frame_id, bool in_pieces,
-                       Check& check) {
+std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64_t frame_id,
+                                     bool in_pieces, Check& check) {
   std::vector<ObjectPiece> to;
   check.bound(static_cast<std::size_t>(from.objects_size()), kMaxObjects, "too many objects");
   for (const proto::Object& object : from.objects()) {

@@ -26,6 +26,9 @@ SharedBytes WholeFrame::payload() {
 EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& slices,
                                   DatagramSigner* signer) {
   CodedFrame frame = coder_.code(made, slices);
+  relief_bytes_.clear();
+  for (const CodedObject& object : frame.objects)
+    relief_bytes_[object.id] += object.relief ? object.relief->bytes() : 0;
   EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr, nullptr};
   const bool repeat = !last_whole_ || frame.epoch != epoch_ ||
                       frame.media_time - *last_whole_ >= kRepeatReliefs ||

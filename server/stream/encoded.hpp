@@ -3,7 +3,9 @@
 // affair of the channel that takes them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -52,6 +54,9 @@ struct EncodedVideo {
   SharedBytes payload;
 };
 
+/// Of each object's reliefs as they were last sent, by its id.
+using ReliefBytes = std::map<std::uint32_t, std::size_t>;
+
 /// Makes the bytes of frames; remembers when all reliefs were sent last. Thread: one (the
 /// encoder's).
 class FrameEncoder {
@@ -61,9 +66,11 @@ class FrameEncoder {
   /// `signer`: makes datagrams as well.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     DatagramSigner* signer = nullptr);
+  [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }
 
  private:
   FrameCoder coder_;
+  ReliefBytes relief_bytes_;  // of the last frame
   std::optional<MediaTime> last_whole_;
   std::uint32_t epoch_ = 0;
 };

@@ -28,7 +28,6 @@ std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const Nomina
     const Lap lap(clock, plan, Stage::kSmooth);
     smoothed = make(true);
   }
-  plan.relief(2 * smoothed->height_mm.size());
   if (plan.measureNow()) {
     plan.costs(Stage::kSmooth,
                forceDifference_N(*smoothed, *make(false), nominal.workspace.mmPerPixel().x(),

@@ -123,7 +123,6 @@ std::vector<PlanLine> ScenePlan::lines() const {
     }
     line.saves_ms = time_ms_[i];
     if (!line.on) {
-      line.saves_bytes = line.stage == Stage::kHeights ? relief_bytes_ : 0.0;
       if (line.stage == Stage::kSmooth || line.stage == Stage::kClean || line.stage == Stage::kGrid)
         line.costs_N = at_rest_ ? 0.0 : cost_N_[i].value_or(0.0);
     }

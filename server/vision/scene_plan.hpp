@@ -20,9 +20,8 @@ struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
   std::string why;
-  double saves_ms = 0.0;     ///< per frame, when it is off, as last measured; 0: it never ran
-  double saves_bytes = 0.0;  ///< per frame
-  double costs_N = 0.0;      ///< rms force, as last measured
+  double saves_ms = 0.0;  ///< per frame, when it is off, as last measured; 0: it never ran
+  double costs_N = 0.0;   ///< rms force, as last measured
 };
 
 /// The plan of one object.
@@ -45,7 +44,6 @@ class ScenePlan {
   void nextFrame();
   [[nodiscard]] bool measureNow() const;
   void took(Stage stage, Duration time);
-  void relief(std::size_t bytes) { relief_bytes_ = static_cast<double>(bytes); }
 
   /// All stages, in order, for --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
@@ -65,7 +63,6 @@ class ScenePlan {
   bool at_rest_ = false;
   bool unchanged_ = false;
   int frame_ = 0;
-  double relief_bytes_ = 0.0;
   std::array<std::optional<double>, kStages> cost_N_{};
   std::array<double, kStages> time_ms_{};
   std::array<double, kStages> this_frame_ms_{};

@@ -90,7 +90,8 @@ TEST(FrameAssembler, EpochsRiseWithTheServersAndWithEveryConnection) {
   EXPECT_EQ(whole(assembler, frameOf(1, 7))->place.epoch, begin) << "whatever the server's is";
   EXPECT_EQ(whole(assembler, frameOf(2, 7))->place.epoch, begin);
   EXPECT_EQ(whole(assembler, frameOf(3, 8))->place.epoch, begin + 1);
-  EXPECT_EQ(whole(assembler, frameOf(4, 7))->place.epoch, begin + 2) << "an old number, a new epoch";
+  EXPECT_EQ(whole(assembler, frameOf(4, 7))->place.epoch, begin + 2)
+      << "an old number, a new epoch";
   assembler.restart();
   const auto again = whole(assembler, frameOf(1, 7));
   ASSERT_TRUE(again) << "ids start over";
@@ -98,7 +99,8 @@ TEST(FrameAssembler, EpochsRiseWithTheServersAndWithEveryConnection) {
   EXPECT_TRUE(again->place.first);
 }
 
-/// Frames by datagrams: 40 ms apart from media time 0.04 s on, each of the parts that `sides` needs.
+/// Frames by datagrams: 40 ms apart from media time 0.04 s on, each of the parts that `sides`
+/// needs.
 class FrameAssemblerParts : public ::testing::Test {
  protected:
   FrameAssemblerParts() {

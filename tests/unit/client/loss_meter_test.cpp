@@ -16,8 +16,7 @@ struct Network {
       ++id;
       for (std::uint32_t copy = 0; copy < copies && copy < id; ++copy) {
         for (int part = 0; part < parts; ++part) {
-          if (std::uniform_real_distribution(0.0, 1.0)(random) >= loss)
-            meter.add(id - copy, parts);
+          if (std::uniform_real_distribution(0.0, 1.0)(random) >= loss) meter.add(id - copy, parts);
         }
       }
       copies = meter.copies(localTime(now_s));

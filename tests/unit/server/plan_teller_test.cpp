@@ -16,7 +16,7 @@ class PlanTellerTest : public ::testing::Test {
     PlanLine line;
     line.on = on;
     line.why = (on ? "it moves" : "it is at rest") + how;
-    teller_.tell({{id, {line}}}, mediaTime(at_s));
+    teller_.tell({{id, {line}}}, {{id, 1234}}, mediaTime(at_s));
     return log_.count();
   }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/wire/height_codec.hpp"
+
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::server {
@@ -138,6 +140,17 @@ TEST(ServerSettings, HelpAndVersionEndWithZero) {
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-server 0."), 0U) << version.output;
   EXPECT_NE(version.output.find("optional packages"), std::string::npos) << version.output;
+}
+
+TEST(ServerSettings, TheBudgetOfForceSaysHowExactHeightsAre) {
+  VisionSettings vision;
+  EXPECT_DOUBLE_EQ(heightError_mm(vision), kDefaultHeightError_mm);
+  vision.material.stiffness_N_mm = 2.0;
+  EXPECT_DOUBLE_EQ(heightError_mm(vision), 0.25 * kDefaultHeightError_mm);
+  vision.plan.error_budget_N *= 2.0;
+  EXPECT_DOUBLE_EQ(heightError_mm(vision), 0.5 * kDefaultHeightError_mm);
+  vision.plan.error_budget_N = 1.0;
+  EXPECT_DOUBLE_EQ(heightError_mm(vision), 0.25);
 }
 
 }  // namespace
