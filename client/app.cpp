@@ -26,18 +26,10 @@ RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile
   return room;
 }
 
-Dial dialOf(Transport transport) {
-  switch (transport) {
-    case Transport::kTcp:
-      break;
-  }
-  return dialTcp;
-}
-
 ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   ConnectionSettings connection;
   connection.server = settings.server;
-  connection.dial = dialOf(settings.transport);
+  connection.delivery = settings.delivery;
   connection.wants_video = wants_video;
   return connection;
 }
@@ -98,6 +90,10 @@ ConnectionEvents App::connectionEvents() {
               [this](double share) {
                 if (const auto told = teller_.preparing(share, clock_.now()))
                   spdlog::info("{}", *told);
+              },
+          .delivery =
+              [this](const std::string& line) {
+                if (const auto told = teller_.news(line, clock_.now())) spdlog::info("{}", *told);
               },
           .disconnected =
               [this](const std::string& why) {
@@ -189,6 +185,8 @@ RunResult App::result(const LoopThread& loop) const {
   return {.loop = loop.stats(),
           .frames = receiver_.counts(),
           .bytes_received = connection_.bytesReceived(),
+          .datagrams = connection_.datagrams(),
+          .delivery = connection_.delivery(),
           .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
           .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,

@@ -21,6 +21,10 @@ class ConnectionTeller {
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
   /// The server looks through its clip and has done this share of it: told when a quarter more is.
   std::optional<std::string> preparing(double share, LocalTime now);
+  /// Something of the connection that goes on.
+  std::optional<std::string> news(const std::string& line, LocalTime now) {
+    return limit_.let(line, now);
+  }
   /// There is no connection, because of `why`; it will be tried again.
   std::optional<std::string> lost(const std::string& why, LocalTime now);
 

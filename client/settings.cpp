@@ -9,6 +9,8 @@
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/version.hpp"
+#include "common/text.hpp"
+#include "common/wire/limits.hpp"
 
 namespace hapticast::client {
 
@@ -19,7 +21,8 @@ const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kP
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
-const std::map<std::string, Transport> kTransports{{"tcp", Transport::kTcp}};
+const std::map<std::string, Way> kTransports{
+    {"udp", Way::kDatagrams}, {"tcp", Way::kTcp}, {"multicast", Way::kGroup}};
 
 /// What --device takes: auto, and the kinds of this build.
 const std::map<std::string, std::string>& devices() {
@@ -70,6 +73,28 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
       "at most), the force returns by itself, faded in; without it, only at the next start");
 }
 
+void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
+  addChoice(app, "--transport", delivery.best, kTransports,
+            "How frames travel: udp (default), tcp, or multicast where the server sends to a group. "
+            "What does not get through falls back, multicast to udp and udp to tcp, and is tried "
+            "again every 30 s");
+  const auto set = [&delivery](const std::string& text) {
+    const auto copies = numberIn<std::uint64_t>(text, 1, limits::kMostCopies);
+    if (text != "auto" && !copies)
+      throw CLI::ValidationError("--redundancy", inQuotes(text) + " is not auto or 1..4");
+    delivery.copies = static_cast<std::uint32_t>(copies.value_or(0));
+  };
+  app.add_option_function<std::string>(
+         "--redundancy", set,
+         "How often each datagram is sent, a frame apart: auto (default; as often as the network "
+         "loses some), or 1..4")
+      ->type_name("auto|N");
+  app.add_option("--interface", delivery.interface,
+                 "The network that joins a multicast group, by name or address; default: the one "
+                 "that leads to the server")
+      ->type_name("NAME|ADDRESS");
+}
+
 void addOutputOptions(CLI::App& app, Settings& settings) {
   if (hasViewer()) {
     app.add_option("--screenshot", settings.screenshot_file,
@@ -114,7 +139,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
               "Where hapticast-server listens; default: localhost:7447. One that is not there is "
               "waited for");
   addDeviceOptions(*app, settings);
-  addChoice(*app, "--transport", settings.transport, kTransports, "How frames travel");
+  addDeliveryOptions(*app, settings.delivery);
   addChoice(
       *app, "--surface", settings.surface, kSurfaceKinds,
       "proxy (default): the surface point the tip is tied to, with walls and friction; normal: "

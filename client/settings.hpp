@@ -9,18 +9,16 @@
 #include <string>
 
 #include "client/haptics/surface/surface_model.hpp"
+#include "client/net/delivery_choice.hpp"
 #include "common/endpoint.hpp"
 
 namespace hapticast::client {
-
-/// How frames travel.
-enum class Transport : std::uint8_t { kTcp };
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string device = "auto";
   std::string profile = "omni";  ///< a built-in name or a file
-  Transport transport = Transport::kTcp;
+  DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< a script's name or a CSV file
   std::string screenshot_file;

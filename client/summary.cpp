@@ -71,7 +71,20 @@ Json summary(const RunResult& result) {
             {"late", frames.late},
             {"concealed", frames.concealed},
             {"resyncs", frames.resyncs},
-            {"reliefs_refused", frames.reliefs_rejected}}},
+            {"reliefs_refused", frames.reliefs_rejected},
+            {"malformed", frames.malformed}}},
+          {"slices", {{"lost", frames.slices_lost}, {"refused", frames.slices_refused}}},
+          {"datagrams",
+           {{"received", result.datagrams.received},
+            {"repeated", result.datagrams.repeated},
+            {"foreign", result.datagrams.foreign},
+            {"astray", result.datagrams.astray},
+            {"forged", result.datagrams.forged},
+            {"over_budget", result.datagrams.over_budget}}},
+          {"delivery",
+           {{"way", wayName(result.delivery.way)},
+            {"loss", result.delivery.loss},
+            {"copies", result.delivery.copies}}},
           {"bytes_received", result.bytes_received},
           {"lookup", counters(loop.lookup, lookupKey)},
           {"contact_lookup", counters(loop.contact_lookup, lookupKey)},
@@ -125,8 +138,9 @@ std::string inWords(const RunResult& result) {
         100.0 * share(interpolated, loop.contact_ticks), loop.max_force_N);
   }
   text += fmt::format(
-      "{} frames received ({} lost, {} late), played {:.0f} ms behind their arrival's clock.\n",
-      result.frames.received, result.frames.lost, result.frames.late, result.playout_delay_ms);
+      "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's clock.\n",
+      result.frames.received, wayName(result.delivery.way), result.frames.lost, result.frames.late,
+      result.playout_delay_ms);
   const std::string chain = chainInWords(loop);
   if (loop.step_excess_max_N != 0.0) {
     text += fmt::format("WARNING: a force step exceeded its limit by {:.3f} N.\n",

@@ -8,6 +8,8 @@
 
 #include "client/haptics/loop.hpp"
 #include "client/haptics/realtime_thread.hpp"
+#include "client/net/datagram_inbox.hpp"
+#include "client/net/delivery_choice.hpp"
 #include "client/net/receiver.hpp"
 
 namespace hapticast::client {
@@ -17,6 +19,8 @@ struct RunResult {
   LoopStats loop;
   ReceiverCounts frames;
   std::uint64_t bytes_received = 0;
+  DatagramCounts datagrams;
+  DeliveryState delivery;
   double playout_delay_ms = 0.0;  ///< at the end
   double clock_offset_us = 0.0;   ///< media clock - local clock
   double clock_error_us = 0.0;    ///< its bound

@@ -18,14 +18,19 @@ struct Connection::Conversation {
       : channel(std::move(over)), pinger(io), watcher(io) {}
 
   void close() {
+    closed = true;
+    if (link) link->close();
     channel->close();
     pinger.cancel();
     watcher.cancel();
   }
 
   std::unique_ptr<Channel> channel;
+  std::shared_ptr<DatagramLink> link;  // null: frames come over TCP
+  std::optional<Delivery> order;       // to be said
   asio::steady_timer pinger;
   asio::steady_timer watcher;
+  bool closed = false;
   bool welcomed = false;
   std::optional<LocalTime> unanswered_since;  // the welcome, until a ping is answered
   bool pinging = false;
@@ -60,7 +65,17 @@ void Connection::stop() {
 }
 
 std::uint64_t Connection::bytesReceived() const {
-  return bytes_received_ + (talk_ ? talk_->channel->bytesRead() : 0);
+  if (!talk_) return bytes_received_;
+  return bytes_received_ + talk_->channel->bytesRead() +
+         (talk_->link ? talk_->link->bytesReceived() : 0);
+}
+
+DatagramCounts Connection::datagrams() const {
+  return talk_ && talk_->link ? datagrams_ + talk_->link->counts() : datagrams_;
+}
+
+DeliveryState Connection::delivery() const {
+  return talk_ && talk_->link ? talk_->link->state() : delivery_;
 }
 
 asio::awaitable<void> Connection::run() {
@@ -71,6 +86,8 @@ asio::awaitable<void> Connection::run() {
     const bool was_good =
         talk_ && talk_->first_frame && clock_.now() - *talk_->first_frame >= settings_.good_after;
     bytes_received_ = bytesReceived();
+    datagrams_ = datagrams();
+    delivery_ = delivery();
     talk_.reset();
     if (stopped_) break;
     if (was_welcomed) receiver_.disconnected(clock_.now());
@@ -131,19 +148,30 @@ asio::awaitable<bool> Connection::send(ConversationPtr talk, Message message) {
   co_return co_await talk->channel->write(encodeShared(message));
 }
 
-asio::awaitable<void> Connection::ping(ConversationPtr talk) {
-  for (std::size_t sent = 1;; ++sent) {
-    const LocalTime now = clock_.now();
-    talk->pings.push_back(now);
-    if (talk->pings.size() > kMaxPingsOut) talk->pings.pop_front();
-    if (!co_await send(talk, Ping{now})) co_return;
-    const bool burst = sent < ClockSync::kBurst;
-    if (!burst && !co_await send(talk, report())) co_return;
-    boost::system::error_code ec;
-    talk->pinger.expires_after(burst ? settings_.burst_interval : settings_.ping_interval);
-    co_await talk->pinger.async_wait(asio::redirect_error(asio::use_awaitable, ec));
-    if (ec) co_return;
+asio::awaitable<void> Connection::speak(ConversationPtr talk) {
+  std::size_t pings = 0;
+  LocalTime next_ping = clock_.now();
+  while (!talk->closed) {
+    if (const auto order = std::exchange(talk->order, std::nullopt)) {
+      if (!co_await send(talk, *order)) co_return;
+    } else if (clock_.now() >= next_ping) {
+      const bool burst = ++pings < ClockSync::kBurst;
+      next_ping = clock_.now() + (burst ? settings_.burst_interval : settings_.ping_interval);
+      if (!co_await ping(talk, !burst)) co_return;
+    } else {
+      boost::system::error_code woken;
+      talk->pinger.expires_after(next_ping - clock_.now());
+      co_await talk->pinger.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+    }
   }
+}
+
+asio::awaitable<bool> Connection::ping(ConversationPtr talk, bool with_report) {
+  const LocalTime now = clock_.now();
+  talk->pings.push_back(now);
+  if (talk->pings.size() > kMaxPingsOut) talk->pings.pop_front();
+  if (!co_await send(talk, Ping{now})) co_return false;
+  co_return !with_report || co_await send(talk, report());
 }
 
 asio::awaitable<Connection::Ending> Connection::readAll(ConversationPtr talk) {
@@ -155,17 +183,18 @@ asio::awaitable<Connection::Ending> Connection::readAll(ConversationPtr talk) {
       co_return Ending{"the connection was lost (" + talk->channel->whyEnded() + ")", {}};
     }
     auto message = decode(*payload.value());
-    auto error = message.ok() ? handle(*talk, std::move(message).value()) : message.error();
+    auto error = message.ok() ? handle(talk, std::move(message).value()) : message.error();
     if (error) co_return Ending{std::move(error->message), error->code};
     if (talk->welcomed && !talk->pinging) {
       talk->pinging = true;
       asio::co_spawn(
-          io_, [this, talk] { return ping(talk); }, asio::detached);
+          io_, [this, talk] { return speak(talk); }, asio::detached);
     }
   }
 }
 
-std::optional<WireError> Connection::handleWelcome(Conversation& talk, const Message& message) {
+std::optional<WireError> Connection::handleWelcome(const ConversationPtr& talk,
+                                                   const Message& message) {
   const auto* const welcome = std::get_if<Welcome>(&message);
   if (welcome == nullptr)
     return WireError{ErrorCode::kUnexpected, "the first message is no welcome"};
@@ -174,24 +203,43 @@ std::optional<WireError> Connection::handleWelcome(Conversation& talk, const Mes
                                               std::to_string(welcome->protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
-  talk.welcomed = true;
-  talk.unanswered_since = clock_.now();
+  talk->welcomed = true;
+  talk->unanswered_since = clock_.now();
   ever_welcomed_ = true;
-  talk.channel->setReadLimit(kMaxMessageBytes);
+  talk->channel->setReadLimit(kMaxMessageBytes);
   receiver_.connected(welcome->description, clock_.now());
   if (events_.welcomed) events_.welcomed(welcome->description);
+  openLink(talk, *welcome);
   return std::nullopt;
 }
 
-std::optional<WireError> Connection::handle(Conversation& talk, Message message) {
+void Connection::openLink(const ConversationPtr& talk, const Welcome& welcome) {
+  const auto server = parseEndpoint(talk->channel->peer(), {});
+  if (!server) return;  // a channel that is no connection between hosts
+  Conversation& here = *talk;  // which closes the link before it goes
+  talk->link = DatagramLink::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
+                                  {.order =
+                                       [&here](const Delivery& order) {
+                                         here.order = order;
+                                         here.pinger.cancel();
+                                       },
+                                   .news =
+                                       [this](const std::string& line) {
+                                         if (events_.delivery) events_.delivery(line);
+                                       }});
+}
+
+std::optional<WireError> Connection::handle(const ConversationPtr& talk_of, Message message) {
+  Conversation& talk = *talk_of;
   if (auto* const error = std::get_if<WireError>(&message)) return std::move(*error);
   const LocalTime now = clock_.now();
   std::optional<WireError> failure;
   if (!talk.welcomed) {
-    failure = handleWelcome(talk, message);
+    failure = handleWelcome(talk_of, message);
   } else if (auto* const frame = std::get_if<CodedFrame>(&message)) {
     if (!talk.first_frame) talk.first_frame = now;
-    receiver_.frame(std::move(*frame));
+    if (talk.link) talk.link->tcpFrame(frame->id);
+    receiver_.frame(std::move(*frame), now);
   } else if (const auto* const pong = std::get_if<Pong>(&message)) {
     handlePong(talk, *pong);
   } else if (auto* const video = std::get_if<VideoFrame>(&message)) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/net/datagram_link.hpp"
 #include "client/net/dial.hpp"
 #include "client/net/receiver.hpp"
 #include "common/wire/asio.hpp"
@@ -22,6 +23,7 @@ namespace hapticast::client {
 struct ConnectionSettings {
   Endpoint server{"127.0.0.1", kDefaultPort};
   Dial dial = dialTcp;
+  DeliverySettings delivery;
   std::string client_name = "hapticast-client";
   bool wants_video = false;
   Duration connect_deadline = std::chrono::seconds(5);    ///< look-up, connection and welcome, each
@@ -42,6 +44,7 @@ struct ConnectionEvents {
   std::function<void(const StreamDescription&)> welcomed;  ///< a connection is made
   std::function<void(VideoFrame)> video;
   std::function<void(double)> preparing;  ///< the share of its clip a server has looked through
+  std::function<void(const std::string&)> delivery;  ///< another way for the frames, one line
   std::function<void(const std::string&)> disconnected;  ///< why, one line; it will be tried again
   std::function<void(const std::string&)> failed;        ///< why, one line; it is over
 };
@@ -59,6 +62,9 @@ class Connection {
   /// For the reports to the server.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
   [[nodiscard]] std::uint64_t bytesReceived() const;
+  [[nodiscard]] DatagramCounts datagrams() const;
+  /// As it is, or was when the last connection ended.
+  [[nodiscard]] DeliveryState delivery() const;
 
  private:
   struct Conversation;  // with one server over one channel
@@ -76,11 +82,15 @@ class Connection {
   [[nodiscard]] bool hopeless(const Ending& ending) const;
   asio::awaitable<Ending> converse();
   asio::awaitable<Ending> readAll(ConversationPtr talk);
-  asio::awaitable<void> ping(ConversationPtr talk);
+  /// Pings, reports, and orders where frames shall come; the only one who writes.
+  asio::awaitable<void> speak(ConversationPtr talk);
+  asio::awaitable<bool> ping(ConversationPtr talk, bool with_report);
+  void openLink(const ConversationPtr& talk, const Welcome& welcome);
   asio::awaitable<void> watch(ConversationPtr talk);
   asio::awaitable<bool> send(ConversationPtr talk, Message message);
-  [[nodiscard]] std::optional<WireError> handle(Conversation& talk, Message message);
-  [[nodiscard]] std::optional<WireError> handleWelcome(Conversation& talk, const Message& message);
+  [[nodiscard]] std::optional<WireError> handle(const ConversationPtr& talk, Message message);
+  [[nodiscard]] std::optional<WireError> handleWelcome(const ConversationPtr& talk,
+                                                        const Message& message);
   void handlePong(Conversation& talk, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;
 
@@ -96,6 +106,8 @@ class Connection {
   bool ever_welcomed_ = false;
   bool in_contact_ = false;
   std::uint64_t bytes_received_ = 0;  // of the conversations that have ended
+  DatagramCounts datagrams_;          // the same
+  DeliveryState delivery_;            // of the last of them
 };
 
 }  // namespace hapticast::client

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "client/net/frame_assembler.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace hapticast::client {
@@ -9,24 +11,166 @@ void FrameAssembler::restart() {
   ++epoch_;
   server_epoch_.reset();
   last_id_.reset();
+  waiting_.clear();
+  left_.clear();
+  done_.clear();
+  late_.clear();
 }
 
-std::optional<AssembledFrame> FrameAssembler::add(CodedFrame frame) {
+bool FrameAssembler::add(CodedFrame frame, LocalTime arrived) {
+  const std::uint64_t id = frame.id;
+  const bool behind = last_id_ && id <= *last_id_;
+  const std::uint64_t jump = !last_id_ ? 0 : behind ? *last_id_ - id : id - *last_id_;
+  if (jump > kLargestJump) {
+    waiting_.clear();
+    left_.clear();
+    done_.clear();
+  } else if (behind) {
+    return false;
+  }
+  Waiting& waiting = waiting_[id];
+  if (waiting.frame) return false;
+  waiting = {std::move(frame), std::nullopt, arrived};
+  return true;
+}
+
+std::uint64_t FrameAssembler::newest() const {
+  const std::uint64_t left = last_id_.value_or(0);
+  return waiting_.empty() ? left : std::max(left, waiting_.rbegin()->first);
+}
+
+FrameAssembler::Want FrameAssembler::want(const DatagramHeader& part) const {
+  const bool any = last_id_ || !waiting_.empty();
+  if (any && (part.frame > newest() + kLargestJump || part.frame + kOldestPart < newest()))
+    return Want::kAstray;
+  const auto lacking = [&](const JoinedFrame& joined) {
+    return joined.lacks(part) ? Want::kNew : Want::kHad;
+  };
+  if (const auto waiting = waiting_.find(part.frame); waiting != waiting_.end())
+    return waiting->second.joined ? lacking(*waiting->second.joined) : Want::kHad;
+  if (const auto left = left_.find(part.frame); left != left_.end()) return lacking(left->second);
+  return done_.contains(part.frame) ? Want::kHad : Want::kNew;
+}
+
+Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
+                                            std::span<const std::uint8_t> payload,
+                                            LocalTime arrived) {
+  if (last_id_ && part.frame <= *last_id_) return addLate(part, payload, arrived);
+  Waiting& waiting = waiting_[part.frame];
+  if (!waiting.joined) waiting.joined.emplace(part);
+  waiting.arrived = arrived;
+  if (auto error = waiting.joined->add(part, payload)) {
+    waiting_.erase(part.frame);
+    done_.insert(part.frame);
+    return *error;
+  }
+  return waiting.joined->whole();
+}
+
+Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
+                                                std::span<const std::uint8_t> payload,
+                                                LocalTime arrived) {
+  JoinedFrame& joined = left_.try_emplace(part.frame, part).first->second;
+  auto error = joined.add(part, payload);
+  if (!error && !joined.whole()) return false;
+  // It stays among those that left until another relief has come, to fill up what is unchanged.
+  if (!error) late_.push_back({part.media_time, arrived});
+  if (error) {
+    left_.erase(part.frame);
+    done_.insert(part.frame);
+    return *error;
+  }
+  return true;
+}
+
+std::optional<MediaTime> FrameAssembler::lastLeft() const {
+  return last_id_ ? std::optional(last_media_time_) : std::nullopt;
+}
+
+std::optional<LocalTime> FrameAssembler::oldestCame() const {
+  return waiting_.empty() ? std::nullopt : std::optional(waiting_.begin()->second.arrived);
+}
+
+bool FrameAssembler::overfull() const {
+  const auto add = [](std::size_t sum, const auto& each) {
+    return sum + (each.second.joined ? each.second.joined->bytes() : 0);
+  };
+  return waiting_.size() > kMaxWaiting ||
+         std::accumulate(waiting_.begin(), waiting_.end(), std::size_t{0}, add) > kMaxBytes;
+}
+
+std::optional<AssembledFrame> FrameAssembler::next(bool due) {
+  while (!waiting_.empty()) {
+    const auto oldest = waiting_.begin();
+    Waiting& waiting = oldest->second;
+    const std::uint64_t id = oldest->first;
+    const bool in_order = !last_id_ || id == *last_id_ + 1;
+    const bool ready = waiting.frame || (waiting.joined->whole() && in_order);
+    // Without a frame before it nothing is played, and nothing is due.
+    if (!ready && !((due && last_id_) || overfull())) return std::nullopt;
+    Waiting taken = std::move(waiting);
+    waiting_.erase(oldest);
+    if (taken.frame) {
+      done_.insert(id);
+      return leave(std::move(*taken.frame), taken.arrived);
+    }
+    if (auto frame = leaveInParts(id, std::move(taken))) return frame;
+  }
+  return std::nullopt;
+}
+
+std::optional<AssembledFrame> FrameAssembler::leaveInParts(std::uint64_t id, Waiting waiting) {
+  JoinedFrame& joined = *waiting.joined;
+  const bool whole = joined.whole();
+  // An object whose head is missing would seem to have gone.
+  auto frame = joined.headed() ? joined.frame() : malformed("no head");
+  if (whole || (joined.headed() && !frame.ok())) {
+    done_.insert(id);
+  } else {
+    left_.emplace(id, std::move(joined));
+  }
+  if (!frame.ok()) return std::nullopt;
+  return leave(std::move(frame).value(), whole ? std::optional(waiting.arrived) : std::nullopt);
+}
+
+AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> arrived) {
   const bool behind = last_id_ && frame.id <= *last_id_;
   const std::uint64_t jump = !last_id_ ? 0 : behind ? *last_id_ - frame.id : frame.id - *last_id_;
   const bool resync = jump > kLargestJump;
-  if (behind && !resync) return std::nullopt;
   // The first frame after restart() belongs to the epoch that was announced to the loop.
   if (resync || (server_epoch_ && *server_epoch_ != frame.epoch)) ++epoch_;
   server_epoch_ = frame.epoch;
-  FramePlace place{epoch_, !last_id_, resync, 0, frame.media_time, {}};
+  FramePlace place{epoch_, !last_id_, resync, 0, frame.media_time, {}, arrived};
   if (last_id_ && !resync) {
     place.lost = frame.id - *last_id_ - 1;
     place.gap = frame.media_time - last_media_time_;
   }
   last_id_ = frame.id;
   last_media_time_ = frame.media_time;
-  return AssembledFrame{place, std::move(frame)};
+  forgetOld();
+  fillUp(frame);
+  return {place, std::move(frame)};
+}
+
+void FrameAssembler::fillUp(CodedFrame& frame) const {
+  for (CodedObject& object : frame.objects) {
+    const auto left = left_.find(object.changed_in_frame);
+    if (!object.relief && left != left_.end())
+      object.relief = left->second.relief(object.id, object.layer);
+  }
+}
+
+void FrameAssembler::forgetOld() {
+  const std::uint64_t oldest = *last_id_ > kOldestPart ? *last_id_ - kOldestPart : 0;
+  std::erase_if(left_, [&](const auto& each) { return each.first < oldest; });
+  std::erase_if(done_, [&](std::uint64_t id) { return id < oldest || id > *last_id_ + kLargestJump; });
+}
+
+std::optional<LateFrame> FrameAssembler::late() {
+  if (late_.empty()) return std::nullopt;
+  const LateFrame first = late_.front();
+  late_.pop_front();
+  return first;
 }
 
 }  // namespace hapticast::client

@@ -9,6 +9,12 @@ namespace hapticast::client {
 namespace {
 // A pause of the stream is no jitter.
 constexpr Duration kLargestGap = std::chrono::seconds(1);
+// What waits for lost parts leaves so long before play time needs it; chosen: more than an object of
+// 200 x 200 px takes to be prepared.
+constexpr Duration kPreparation = std::chrono::milliseconds(5);
+// The parts of a frame leave the server one after the other: of one that comes late the rest may be
+// on its way. Chosen: a large frame over 100 Mbit/s.
+constexpr Duration kBackToBack = std::chrono::milliseconds(2);
 }  // namespace
 
 Receiver::Receiver(Preparer& preparer, LatestValue<StreamState>& stream, int lookahead_frames)
@@ -49,7 +55,7 @@ void Receiver::pong(const Pong& pong, LocalTime arrival) {
 void Receiver::publish(LocalTime now) {
   latest_.connected = described_ && clock_.ready();
   if (latest_.connected) latest_.clock_offset = clock_.offset(now);
-  latest_.playout_delay_target = jitter_.delay(latest_.frame_interval * lookahead_frames_);
+  latest_.playout_delay_target = jitter_.delay(leastDelay());
   stream_.store(latest_);
 }
 
@@ -57,18 +63,56 @@ Duration Receiver::clockErrorBound() const {
   return clock_.ready() ? clock_.errorBound() : Duration::zero();
 }
 
-void Receiver::frame(CodedFrame frame) {
-  auto assembled = assembler_.add(std::move(frame));
-  if (!assembled) {
-    ++counts_.duplicates;
-    return;
+Duration Receiver::leastDelay() const {
+  return latest_.frame_interval * (lookahead_frames_ + (copies_ > 1 ? 1 : 0));
+}
+
+void Receiver::expectCopies(std::uint32_t copies, LocalTime now) {
+  copies_ = copies;
+  publish(now);
+}
+
+void Receiver::frame(CodedFrame frame, LocalTime now) {
+  if (!assembler_.add(std::move(frame), now)) ++counts_.duplicates;
+  release(now);
+}
+
+bool Receiver::part(const DatagramHeader& part, std::span<const std::uint8_t> payload,
+                    LocalTime now) {
+  const auto added = assembler_.add(part, payload, now);
+  if (!added.ok()) ++counts_.malformed;
+  release(now);
+  return added.ok() && added.value();
+}
+
+std::optional<LocalTime> Receiver::nextDue() const {
+  const auto last = assembler_.lastLeft();
+  const auto came = assembler_.oldestCame();
+  if (!came || !last || !clock_.ready()) return std::nullopt;
+  const Duration ahead = latest_.frame_interval * (lookahead_frames_ - 1);
+  const LocalTime needed(last->time_since_epoch() - ahead - latest_.clock_offset +
+                         latest_.pipeline_latency + latest_.playout_delay_target - kPreparation);
+  return std::max(needed, *came + kBackToBack);
+}
+
+void Receiver::release(LocalTime now) {
+  // Without a clock nothing is played, and nothing is worth waiting for.
+  const auto due = [&] { return !clock_.ready() || nextDue().value_or(now) <= now; };
+  while (auto assembled = assembler_.next(due())) {
+    assembled->place.left = now;
+    counts_.lost += assembled->place.lost;
+    if (assembled->place.resync) {
+      ++counts_.resyncs;
+      preparer_.reset(latest_.workspace);  // "unchanged since frame M" was said of other frames
+    }
+    counts_.overrun += preparer_.push(std::move(*assembled));
   }
-  counts_.lost += assembled->place.lost;
-  if (assembled->place.resync) {
-    ++counts_.resyncs;
-    preparer_.reset(latest_.workspace);  // "unchanged since frame M" was said of other frames
+  while (const auto late = assembler_.late()) {
+    if (!clock_.ready()) continue;
+    ++counts_.late;
+    jitter_.add(late->arrived,
+                lateness(late->media_time, late->arrived) + latest_.frame_interval * lookahead_frames_);
   }
-  counts_.overrun += preparer_.push(std::move(*assembled));
 }
 
 void Receiver::prepared(const PreparedFrame& frame) {
@@ -83,19 +127,24 @@ void Receiver::prepared(const PreparedFrame& frame) {
   publish(frame.ready);
 }
 
+Duration Receiver::lateness(MediaTime media_time, LocalTime arrived) const {
+  return MediaTime(arrived.time_since_epoch() + latest_.clock_offset) - media_time -
+         latest_.pipeline_latency;
+}
+
 void Receiver::observe(const PreparedFrame& frame) {
-  if (!clock_.ready()) return;
-  const MediaTime media_now(frame.ready.time_since_epoch() + clock_.offset(frame.ready));
-  const Duration lateness = media_now - frame.place.media_time - latest_.pipeline_latency;
+  // What left without some of its parts says nothing of when they come.
+  if (!clock_.ready() || !frame.place.arrived) return;
+  const LocalTime ready = *frame.place.arrived + (frame.ready - frame.place.left);
   // When play time reaches the frame before, interpolation begins to need this one.
   const Duration gap = std::clamp(frame.place.gap, Duration{0}, kLargestGap);
-  const Duration needed = lateness + gap * lookahead_frames_;
+  const Duration needed = lateness(frame.place.media_time, ready) + gap * lookahead_frames_;
   if (needed > latest_.playout_delay_target) {
     ++counts_.late;
   } else {
     counts_.concealed += frame.place.lost;
   }
-  jitter_.add(frame.ready, needed);
+  jitter_.add(ready, needed);
 }
 
 }  // namespace hapticast::client

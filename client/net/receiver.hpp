@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "client/haptics/stream_state.hpp"
 #include "client/net/frame_assembler.hpp"
@@ -22,6 +24,7 @@ struct ReceiverCounts {
   std::uint64_t late = 0;              ///< came after they were due (they are handed on)
   std::uint64_t concealed = 0;         ///< lost, but the next came in time to interpolate across
   std::uint64_t duplicates = 0;        ///< came twice or out of order: dropped
+  std::uint64_t malformed = 0;         ///< frames of parts that contradict each other: dropped
   std::uint64_t resyncs = 0;           ///< jumps of the ids that no loss explains
   std::uint64_t overrun = 0;           ///< dropped: they came faster than they can be prepared
   std::uint64_t no_slot = 0;           ///< dropped: the loop held every slot of the pool
@@ -43,8 +46,20 @@ class Receiver {
   void describe(const StreamDescription& description, LocalTime now);
   /// An answered ping.
   void pong(const Pong& pong, LocalTime arrival);
-  /// A frame that has come.
-  void frame(CodedFrame frame);
+  /// A frame that has come over TCP.
+  void frame(CodedFrame frame, LocalTime now);
+  /// What a datagram is to the frames so far.
+  [[nodiscard]] FrameAssembler::Want want(const DatagramHeader& part) const {
+    return assembler_.want(part);
+  }
+  /// A part that is wanted; true where its frame is whole now.
+  bool part(const DatagramHeader& part, std::span<const std::uint8_t> payload, LocalTime now);
+  /// Lets go what has to leave by now; to be called at nextDue().
+  void release(LocalTime now);
+  /// When a frame of which parts are missing has to leave; nothing while none waits.
+  [[nodiscard]] std::optional<LocalTime> nextDue() const;
+  /// Of each datagram so many copies come, a frame apart: play time waits for the second.
+  void expectCopies(std::uint32_t copies, LocalTime now);
   /// What the preparer says of a frame: only now the loop has it, so that its lateness is measured
   /// now.
   void prepared(const PreparedFrame& frame);
@@ -57,6 +72,9 @@ class Receiver {
  private:
   void publish(LocalTime now);
   void observe(const PreparedFrame& frame);
+  /// How late something was that came at `arrived`, beside what the server takes.
+  [[nodiscard]] Duration lateness(MediaTime media_time, LocalTime arrived) const;
+  [[nodiscard]] Duration leastDelay() const;
 
   Preparer& preparer_;
   LatestValue<StreamState>& stream_;
@@ -67,6 +85,7 @@ class Receiver {
   StreamState latest_;
   ReceiverCounts counts_;
   bool described_ = false;
+  std::uint32_t copies_ = 1;
 };
 
 }  // namespace hapticast::client

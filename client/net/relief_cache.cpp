@@ -24,10 +24,13 @@ bool ReliefCache::inPicture(const PixelRect& rect) const {
 void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
   const auto found = entries_.find({object.id, object.layer});
   Entry* const known = found == entries_.end() ? nullptr : &found->second;
-  const bool same = known != nullptr && (known->changed_in_frame == object.changed_in_frame ||
-                                         (object.relief && *known->coded == *object.relief));
   // A relief that is repeated may bring what was lost of it.
-  if (same && (known->coded->whole() || !object.relief)) {
+  const bool same = known != nullptr &&
+                    (object.relief && !(known->changed_in_frame == object.changed_in_frame &&
+                                        known->coded->whole())
+                         ? *known->coded == *object.relief
+                         : known->changed_in_frame == object.changed_in_frame);
+  if (same) {
     known->changed_in_frame = object.changed_in_frame;
     known->used_in_frame = frame_id;
     return;

@@ -16,6 +16,9 @@ constexpr std::size_t kCellsInPiece = 40;
 
 class Packer {
  public:
+  explicit Packer(std::size_t object_count)
+      : object_count_(static_cast<std::uint32_t>(object_count)) {}
+
   void head(const CodedObject& object) {
     add(object, [&object](proto::Object& to) {
       to.set_rest(false);
@@ -49,13 +52,19 @@ class Packer {
   template <class Put>
   void add(const CodedObject& object, const Put& put) {
     proto::HapticFrame grown = piece_;
-    put(objectIn(grown, object));
+    into(grown, object, put);
     if (grown.ByteSizeLong() > kMostPieceBytes) {
       flush();
       grown.Clear();
-      put(objectIn(grown, object));
+      into(grown, object, put);
     }
     piece_ = std::move(grown);
+  }
+  template <class Put>
+  void into(proto::HapticFrame& piece, const CodedObject& object, const Put& put) const {
+    proto::Object& to = objectIn(piece, object);
+    put(to);
+    if (!to.rest()) piece.set_object_count(object_count_);
   }
   static proto::Object& objectIn(proto::HapticFrame& piece, const CodedObject& object) {
     for (proto::Object& each : *piece.mutable_objects()) {
@@ -75,6 +84,7 @@ class Packer {
     piece_.Clear();
   }
 
+  std::uint32_t object_count_;
   proto::HapticFrame piece_;
   std::vector<std::vector<std::uint8_t>> pieces_;
   std::size_t bytes_ = 0;
@@ -89,7 +99,7 @@ bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
 }  // namespace
 
 std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame) {
-  Packer packer;
+  Packer packer(frame.objects.size());
   for (const CodedObject& object : frame.objects) packer.head(object);
   for (const CodedObject& object : frame.objects) {
     const std::size_t cells = object.grid ? object.grid->velocity_mm_s.size() : 0;
@@ -130,7 +140,11 @@ std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
     return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
   auto piece = readPiece(payload, header_.frame);
   if (!piece.ok()) return piece.error();
-  for (const ObjectPiece& each : piece.value()) {
+  if (const auto count = piece.value().object_count) {
+    if (object_count_.value_or(*count) != *count) return malformed("pieces of two frames");
+    object_count_ = count;
+  }
+  for (const ObjectPiece& each : piece.value().objects) {
     if (auto error = join(each)) return error;
   }
   bytes_ += payload.size();
@@ -181,6 +195,20 @@ bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Join
     to.grid.acceleration_mm_s2[first_cell + i] = piece.acceleration_mm_s2[i];
   }
   return true;
+}
+
+bool JoinedFrame::headed() const {
+  const auto heads = std::count_if(objects_.begin(), objects_.end(),
+                                   [](const auto& each) { return each.second.head; });
+  return object_count_ == static_cast<std::size_t>(heads);
+}
+
+std::shared_ptr<const CodedRelief> JoinedFrame::relief(std::uint32_t id,
+                                                       std::uint32_t layer) const {
+  const auto found = objects_.find({id, layer});
+  if (found == objects_.end() || !found->second.head || !found->second.object.relief)
+    return nullptr;
+  return std::make_shared<const CodedRelief>(found->second.relief);
 }
 
 Result<CodedFrame, WireError> JoinedFrame::frame() const {

@@ -25,7 +25,11 @@ struct ObjectPiece {
   /// Of the grid, whose size is told whole and whose vectors begin here.
   std::size_t first_cell = 0;
 };
-using FramePiece = std::vector<ObjectPiece>;
+struct FramePiece {
+  std::vector<ObjectPiece> objects;
+  /// Of the whole frame, where a head comes, or where there are none.
+  std::optional<std::size_t> object_count = std::nullopt;
+};
 
 /// The payloads of a frame's datagrams, at most kMostPieceBytes each; none where it needs more than
 /// kMostParts or 8 MiB. Requires a frame that decode() would take.
@@ -48,6 +52,12 @@ class JoinedFrame {
                                              std::span<const std::uint8_t> payload);
   [[nodiscard]] bool whole() const { return had_count_ == header_.parts; }
   [[nodiscard]] const DatagramHeader& header() const { return header_; }
+  /// Whether the head of every object has come: nothing of the frame is unknown but shapes.
+  [[nodiscard]] bool headed() const;
+  /// What has come of an object's relief; null where it has none, or its head is missing.
+  [[nodiscard]] std::shared_ptr<const CodedRelief> relief(std::uint32_t id,
+                                                          std::uint32_t layer) const;
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< of what has come
   /// What has come so far: objects whose head has, with the slices that have; a grid only where all
   /// of it has. An error where the pieces contradict each other.
   [[nodiscard]] Result<CodedFrame, WireError> frame() const;
@@ -69,6 +79,7 @@ class JoinedFrame {
   std::vector<bool> had_;
   std::size_t had_count_ = 0;
   std::size_t bytes_ = 0;
+  std::optional<std::size_t> object_count_;
   ByObject objects_;
 };
 

@@ -49,6 +49,7 @@ struct Delivery {
   bool on_tcp = true;
   bool datagrams = true;     ///< where it has echoed its token
   std::uint32_t copies = 1;  ///< of each datagram, 1..limits::kMostCopies; also of the group's
+  bool operator==(const Delivery&) const = default;
 };
 struct Ping {
   LocalTime t0;

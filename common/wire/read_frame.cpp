@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/wire/read_frame.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -177,9 +178,9 @@ ObjectPiece read(const proto::Object& from, std::uint64_t frame_id, bool in_piec
 }
 
 /// All objects, none once the check has an error.
-FramePiece readObjects(const proto::HapticFrame& from, std::uint64_t frame_id, bool in_pieces,
-                       Check& check) {
-  FramePiece to;
+std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64_t frame_id,
+                                     bool in_pieces, Check& check) {
+  std::vector<ObjectPiece> to;
   check.bound(static_cast<std::size_t>(from.objects_size()), kMaxObjects, "too many objects");
   for (const proto::Object& object : from.objects()) {
     if (check.error()) return {};
@@ -240,7 +241,7 @@ void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check) {
 
 CodedFrame readFrame(const proto::HapticFrame& from, Check& check) {
   CodedFrame to{from.epoch(), from.id(), MediaTime(check.time(from.media_time_ns())), {}};
-  FramePiece objects = readObjects(from, to.id, false, check);
+  std::vector<ObjectPiece> objects = readObjects(from, to.id, false, check);
   to.objects.reserve(objects.size());
   for (ObjectPiece& each : objects) to.objects.push_back(std::move(each.object));
   if (!check.error()) checkFrame(to, check);
@@ -248,10 +249,14 @@ CodedFrame readFrame(const proto::HapticFrame& from, Check& check) {
 }
 
 FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id, Check& check) {
-  FramePiece piece = readObjects(from, frame_id, true, check);
+  FramePiece piece{readObjects(from, frame_id, true, check)};
+  check.bound(from.object_count(), kMaxObjects, "too many objects");
+  const bool rest = std::all_of(piece.objects.begin(), piece.objects.end(),
+                                [](const ObjectPiece& each) { return !each.head; });
+  if (piece.objects.empty() || !rest) piece.object_count = from.object_count();
   CodedFrame frame;
-  frame.objects.reserve(piece.size());
-  for (const ObjectPiece& each : piece) frame.objects.push_back(each.object);
+  frame.objects.reserve(piece.objects.size());
+  for (const ObjectPiece& each : piece.objects) frame.objects.push_back(each.object);
   if (!check.error()) checkFrame(frame, check);
   return piece;
 }

@@ -44,7 +44,7 @@ struct Client {
 
   void take(Message message) {
     if (auto* const frame = std::get_if<CodedFrame>(&message)) {
-      receiver.frame(std::move(*frame));
+      receiver.frame(std::move(*frame), clock.now());
     } else if (const auto* const pong = std::get_if<Pong>(&message)) {
       receiver.pong(*pong, clock.now());
     } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
@@ -81,7 +81,7 @@ struct Client {
       }
       frame.objects.push_back(object);
     }
-    receiver.frame(testing::coded(frame));
+    receiver.frame(testing::coded(frame), clock.now());
   }
   /// What the loop sees.
   void play() {

@@ -55,7 +55,8 @@ TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
   StreamDescription quick = TestServer::description();
   quick.fps = 240;  // frames come as fast as the link lets them: the jitter decides, not the rate
   server.broadcaster.describe(quick);
-  LossyLink link(io, server.port(), {milliseconds(3), milliseconds(10), 5});
+  LossyLink link(io, server.port(),
+                 {.delay = milliseconds(3), .jitter = milliseconds(10), .seed = 5});
   TestClient client(io, clock, link.port(), [](auto& s) { s.ping_interval = milliseconds(10); });
   ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 40; ++id) {

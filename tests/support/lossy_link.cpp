@@ -8,8 +8,15 @@ namespace hapticast::testing {
 
 namespace {
 using asio::ip::tcp;
+using asio::ip::udp;
 constexpr auto kPoll = std::chrono::milliseconds(1);
-constexpr std::size_t kMaxWaiting = 64;  // chunks; beyond it the sender feels it
+constexpr std::size_t kChunkBytes = 16U << 10U;
+constexpr std::size_t kMostWaitingBytes = 4U << 20U;  // beyond it the sender feels it
+constexpr int kPortsTried = 20;
+
+udp::endpoint sameNumber(const tcp::endpoint& endpoint) {
+  return {endpoint.address(), endpoint.port()};
+}
 }  // namespace
 
 struct LossyLink::Relay {
@@ -23,28 +30,54 @@ struct LossyLink::Relay {
   tcp::socket far_side;
 };
 
-struct LossyLink::Way {
-  using Clock = asio::steady_timer::clock_type;
+struct LossyLink::Stream {
   struct Chunk {
-    Clock::time_point due;
+    LocalTime due;
     std::vector<std::uint8_t> bytes;
   };
-  Way(tcp::socket& source, tcp::socket& sink)
-      : from(source), to(sink), timer(source.get_executor()) {}
+  Stream(tcp::socket& source, tcp::socket& sink, LinkWay& way, std::uint32_t flow)
+      : from(source), to(sink), timer(source.get_executor()), model(way, flow) {}
   tcp::socket& from;
   tcp::socket& to;
   asio::steady_timer timer;
+  LinkModel model;
   std::deque<Chunk> waiting;
+  std::size_t waiting_bytes = 0;
   bool ended = false;
 };
 
-LossyLink::LossyLink(asio::io_context& io, std::uint16_t target, Profile profile)
-    : acceptor_(io, {asio::ip::address_v4::loopback(), 0}),
-      target_(target),
-      profile_(profile),
-      random_(profile.seed) {
+LossyLink::LossyLink(asio::io_context& io, const tcp::endpoint& listen_at,
+                     const tcp::endpoint& server, const LinkProfile& up, const LinkProfile& down)
+    : up_{up, {}, {}},
+      down_{down, {}, {}},
+      acceptor_(io),
+      server_(server),
+      datagrams_(io, up_, down_) {
+  for (int i = 1;; ++i) {
+    listen(listen_at);
+    if (datagrams_.open(sameNumber(acceptor_.local_endpoint()), sameNumber(server))) break;
+    acceptor_.close();
+    if (listen_at.port() != 0 || i == kPortsTried)
+      throw boost::system::system_error(asio::error::address_in_use, "UDP");
+  }
   asio::co_spawn(
       io, [this] { return acceptAll(); }, asio::detached);
+}
+
+LossyLink::LossyLink(asio::io_context& io, std::uint16_t target, const LinkProfile& profile)
+    : LossyLink(io, {asio::ip::address_v4::loopback(), 0},
+                {asio::ip::address_v4::loopback(), target}, profile, profile) {}
+
+void LossyLink::listen(const tcp::endpoint& at) {
+  acceptor_.open(at.protocol());
+  acceptor_.set_option(asio::socket_base::reuse_address(true));
+  acceptor_.bind(at);
+  acceptor_.listen();
+}
+
+void LossyLink::stall(bool stalled) {
+  stalled_ = stalled;
+  datagrams_.stall(stalled);
 }
 
 void LossyLink::cut() {
@@ -52,12 +85,14 @@ void LossyLink::cut() {
     if (const auto relay = each.lock()) relay->close();
   }
   relays_.clear();
+  datagrams_.forget();
 }
 
 void LossyLink::close() {
   boost::system::error_code ignored;
   acceptor_.close(ignored);
   cut();
+  datagrams_.close();
 }
 
 asio::awaitable<void> LossyLink::acceptAll() {
@@ -67,67 +102,81 @@ asio::awaitable<void> LossyLink::acceptAll() {
     co_await acceptor_.async_accept(relay->near_side,
                                     asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
-    co_await relay->far_side.async_connect({asio::ip::address_v4::loopback(), target_},
-                                           asio::redirect_error(asio::use_awaitable, ec));
+    co_await relay->far_side.async_connect(server_, asio::redirect_error(asio::use_awaitable, ec));
     if (ec) continue;  // closes the near side: nobody is there
-    relays_.push_back(relay);
-    for (const bool up : {true, false}) {
-      auto way = up ? std::make_shared<Way>(relay->near_side, relay->far_side)
-                    : std::make_shared<Way>(relay->far_side, relay->near_side);
-      const auto executor = acceptor_.get_executor();
-      asio::co_spawn(
-          executor, [this, relay, way] { return take(relay, way); }, asio::detached);
-      asio::co_spawn(
-          executor, [this, relay, way] { return deliver(relay, way); }, asio::detached);
-    }
+    start(relay);
   }
 }
 
-asio::awaitable<void> LossyLink::take(std::shared_ptr<Relay> relay, std::shared_ptr<Way> way) {
-  asio::steady_timer pause(way->from.get_executor());
-  auto last_due = Way::Clock::now();
+void LossyLink::start(const std::shared_ptr<Relay>& relay) {
+  std::erase_if(relays_, [](const auto& each) { return each.expired(); });
+  relays_.push_back(relay);
+  boost::system::error_code ignored;  // the delay is the model's affair
+  relay->near_side.set_option(tcp::no_delay(true), ignored);
+  relay->far_side.set_option(tcp::no_delay(true), ignored);
+  const std::uint32_t flow = 4 * relayed_++;
+  const auto executor = acceptor_.get_executor();
+  for (const bool up : {true, false}) {
+    auto stream = up ? std::make_shared<Stream>(relay->near_side, relay->far_side, up_, flow)
+                     : std::make_shared<Stream>(relay->far_side, relay->near_side, down_, flow + 1);
+    asio::co_spawn(
+        executor, [this, relay, stream] { return take(relay, stream); }, asio::detached);
+    asio::co_spawn(
+        executor, [this, relay, stream] { return deliver(relay, stream); }, asio::detached);
+  }
+}
+
+asio::awaitable<void> LossyLink::take(std::shared_ptr<Relay> relay,
+                                      std::shared_ptr<Stream> stream) {
+  asio::steady_timer pause(stream->from.get_executor());
   while (relay->near_side.is_open()) {
     boost::system::error_code ec;
-    if (stalled_ || way->waiting.size() >= kMaxWaiting) {
+    if (stalled_ || stream->waiting_bytes >= kMostWaitingBytes ||
+        !stream->model.room(clock_.now(), LinkModel::kSegmentBytes)) {
       pause.expires_after(kPoll);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ec));
       continue;
     }
-    std::vector<std::uint8_t> bytes(16U << 10U);
-    bytes.resize(co_await way->from.async_read_some(asio::buffer(bytes),
-                                                    asio::redirect_error(asio::use_awaitable, ec)));
+    const bool paced = (&stream->from == &relay->near_side ? up_ : down_).profile.rate_bits_s > 0.0;
+    std::vector<std::uint8_t> bytes(paced ? LinkModel::kSegmentBytes : kChunkBytes);
+    bytes.resize(co_await stream->from.async_read_some(
+        asio::buffer(bytes), asio::redirect_error(asio::use_awaitable, ec)));
     if (ec) break;
-    std::uniform_int_distribution<std::int64_t> jitter(0, profile_.jitter.count());
-    last_due = std::max(last_due, Way::Clock::now() + profile_.delay + Duration(jitter(random_)));
-    way->waiting.push_back({last_due, std::move(bytes)});
-    way->timer.cancel();
+    stream->waiting_bytes += bytes.size();
+    const LocalTime due = stream->model.stream(clock_.now(), bytes.size());
+    stream->waiting.push_back({due, std::move(bytes)});
+    if (stream->waiting.size() == 1) stream->timer.cancel();
   }
-  way->ended = true;
-  way->timer.cancel();
+  stream->ended = true;
+  stream->timer.cancel();
 }
 
-asio::awaitable<void> LossyLink::deliver(std::shared_ptr<Relay> relay, std::shared_ptr<Way> way) {
+asio::awaitable<void> LossyLink::deliver(std::shared_ptr<Relay> relay,
+                                         std::shared_ptr<Stream> stream) {
+  using TimePoint = asio::steady_timer::time_point;
   boost::system::error_code ec;
-  while (!(way->ended && way->waiting.empty())) {
-    const auto now = Way::Clock::now();
-    if (stalled_ || way->waiting.empty() || way->waiting.front().due > now) {
-      way->timer.expires_at(stalled_               ? now + kPoll
-                            : way->waiting.empty() ? Way::Clock::time_point::max()
-                                                   : way->waiting.front().due);
-      co_await way->timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+  while (!(stream->ended && stream->waiting.empty())) {
+    const LocalTime now = clock_.now();
+    if (stalled_ || stream->waiting.empty() || stream->waiting.front().due > now) {
+      const LocalTime due = stalled_                  ? now + kPoll
+                            : stream->waiting.empty() ? LocalTime::max()
+                                                      : stream->waiting.front().due;
+      stream->timer.expires_at(TimePoint(due.time_since_epoch()));
+      co_await stream->timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
       if (!relay->near_side.is_open()) co_return;
       continue;
     }
-    const auto chunk = std::move(way->waiting.front());
-    way->waiting.pop_front();
-    co_await asio::async_write(way->to, asio::buffer(chunk.bytes),
+    const auto chunk = std::move(stream->waiting.front());
+    stream->waiting.pop_front();
+    stream->waiting_bytes -= chunk.bytes.size();
+    co_await asio::async_write(stream->to, asio::buffer(chunk.bytes),
                                asio::redirect_error(asio::use_awaitable, ec));
     if (ec) break;
   }
   if (ec) {
     relay->close();
   } else {
-    way->to.shutdown(tcp::socket::shutdown_send, ec);
+    stream->to.shutdown(tcp::socket::shutdown_send, ec);
   }
 }
 

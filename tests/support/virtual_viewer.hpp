@@ -128,7 +128,7 @@ class VirtualViewer {
   bool take(Message message) {
     if (auto* const frame = std::get_if<CodedFrame>(&message)) {
       if (!welcomed_) return false;
-      receiver_.frame(std::move(*frame));
+      receiver_.frame(std::move(*frame), clock_.now());
       while (preparer_.step()) {
       }
       felt.rejected = receiver_.counts().reliefs_rejected + receiver_.counts().slices_refused;

@@ -43,7 +43,7 @@ class ReceiverTest : public ::testing::Test {
   void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
     clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
                         fromSeconds(kLatency_s + lateness_s)));
-    receiver.frame(testing::coded(frame));
+    receiver.frame(testing::coded(frame), clock.now());
     (void)preparer.step();
   }
   /// What the loop gets next; null when nothing came.

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Which way frames shall come: by the group, by datagrams of one's own, or over TCP. A way is used
+// once it has been seen to work while another one still delivers, and left as soon as it is seen to
+// fail; then the next one is tried, and half a minute later the best one again. Pure: times are
+// arguments. Thread: network.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/time.hpp"
+#include "common/wire/messages.hpp"
+
+namespace hapticast::client {
+
+enum class Way : std::uint8_t { kGroup, kDatagrams, kTcp };
+
+/// How frames shall travel where there is a choice.
+struct DeliverySettings {
+  Way best = Way::kDatagrams;  ///< kGroup falls back to kDatagrams, this to kTcp
+  std::uint32_t copies = 0;    ///< of each datagram; 0: as many as the loss asks for
+  std::string interface;       ///< that joins a group, by name or address; empty: the one to the server
+};
+
+/// How frames travel now.
+struct DeliveryState {
+  Way way = Way::kTcp;
+  double loss = 0.0;         ///< of datagrams, 0..1, as last measured
+  std::uint32_t copies = 1;  ///< of each datagram
+};
+
+/// udp, tcp or multicast.
+[[nodiscard]] const char* wayName(Way way) noexcept;
+
+class DeliveryChoice {
+ public:
+  /// Frames come over TCP and by nothing else for so long: the way has failed. One that has worked
+  /// until now has this time to go on, and is then given up at the next frames over TCP.
+  static constexpr Duration kPatience = std::chrono::seconds(1);
+  /// Of two ways that both work one is quicker; chosen.
+  static constexpr Duration kRace = std::chrono::milliseconds(200);
+  static constexpr Duration kTryAgain = std::chrono::seconds(30);
+
+  /// The ways that there are, the best one first; the last one is kTcp.
+  explicit DeliveryChoice(std::vector<Way> ways);
+
+  /// The way that is used or tried.
+  [[nodiscard]] Way way() const { return ways_[at_]; }
+  /// Whether frames come that way, so that TCP's are not needed.
+  [[nodiscard]] bool works() const { return works_; }
+
+  /// A datagram of full size has come that way.
+  void probed() { probed_ = true; }
+  /// A whole frame has come that way.
+  void wholeFrame(std::uint64_t id, LocalTime now);
+  /// A frame has come over TCP.
+  void tcpFrame(std::uint64_t id, LocalTime now);
+  /// The way cannot be used at all.
+  void impossible(const std::string& why, LocalTime now);
+  /// Looks at the time; `copies`: how many of each datagram are wanted.
+  void turn(LocalTime now, std::uint32_t copies);
+
+  /// What the server is to be told, once for each change.
+  [[nodiscard]] std::optional<Delivery> order();
+  /// What a person is to be told, once for each change.
+  [[nodiscard]] std::optional<std::string> news();
+
+ private:
+  void begin(std::size_t at, LocalTime now);
+  void fail(const std::string& why, LocalTime now);
+  [[nodiscard]] Delivery wanted() const;
+
+  std::vector<Way> ways_;
+  std::size_t at_ = 0;
+  bool works_ = false;
+  bool doubted_ = false;  // it worked, and nothing has come for a while
+  bool probed_ = false;
+  std::uint64_t newest_ = 0;  // whole frame that came that way
+  std::optional<LocalTime> came_at_;
+  std::optional<LocalTime> only_tcp_since_;  // frames come over TCP that do not come that way
+  std::optional<LocalTime> failed_at_;       // the best way
+  std::uint32_t copies_ = 1;
+  std::optional<Delivery> ordered_;
+  std::vector<Way> told_;  // ways of which it is told that they fail
+  std::string news_;
+};
+
+}  // namespace hapticast::client
