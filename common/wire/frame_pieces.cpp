@@ -13,12 +13,11 @@ namespace {
 
 /// Chosen: 960 bytes, beside which the rest of the message has room.
 constexpr std::size_t kCellsInPiece = 40;
-/// Of the field that says how many objects there are.
-constexpr std::size_t kObjectCountBytes = 2;
 
 class Packer {
  public:
-  explicit Packer(std::size_t object_count) : object_count_(object_count) {}
+  explicit Packer(std::size_t object_count)
+      : object_count_(static_cast<std::uint32_t>(object_count)) {}
 
   void head(const CodedObject& object) {
     add(object, [&object](proto::Object& to) {
@@ -53,13 +52,19 @@ class Packer {
   template <class Put>
   void add(const CodedObject& object, const Put& put) {
     proto::HapticFrame grown = piece_;
-    put(objectIn(grown, object));
-    if (grown.ByteSizeLong() + kObjectCountBytes > kMostPieceBytes) {
+    into(grown, object, put);
+    if (grown.ByteSizeLong() > kMostPieceBytes) {
       flush();
       grown.Clear();
-      put(objectIn(grown, object));
+      into(grown, object, put);
     }
     piece_ = std::move(grown);
+  }
+  template <class Put>
+  void into(proto::HapticFrame& piece, const CodedObject& object, const Put& put) const {
+    proto::Object& to = objectIn(piece, object);
+    put(to);
+    if (!to.rest()) piece.set_object_count(object_count_);
   }
   static proto::Object& objectIn(proto::HapticFrame& piece, const CodedObject& object) {
     for (proto::Object& each : *piece.mutable_objects()) {
@@ -72,7 +77,6 @@ class Packer {
     return added;
   }
   void flush() {
-    piece_.set_object_count(static_cast<std::uint32_t>(object_count_));
     std::vector<std::uint8_t> payload(piece_.ByteSizeLong());
     piece_.SerializeWithCachedSizesToArray(payload.data());
     bytes_ += payload.size();
@@ -80,7 +84,7 @@ class Packer {
     piece_.Clear();
   }
 
-  std::size_t object_count_;
+  std::uint32_t object_count_;
   proto::HapticFrame piece_;
   std::vector<std::vector<std::uint8_t>> pieces_;
   std::size_t bytes_ = 0;
@@ -142,9 +146,10 @@ std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
     return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
   auto piece = readPiece(payload, header_.frame);
   if (!piece.ok()) return piece.error();
-  const std::size_t count = piece.value().object_count;
-  if (object_count_.value_or(count) != count) return malformed("pieces of two frames");
-  object_count_ = count;
+  if (const auto count = piece.value().object_count) {
+    if (object_count_.value_or(*count) != *count) return malformed("pieces of two frames");
+    object_count_ = count;
+  }
   for (const ObjectPiece& each : piece.value().objects) {
     if (auto error = join(each)) return error;
   }

@@ -27,7 +27,8 @@ struct ObjectPiece {
 };
 struct FramePiece {
   std::vector<ObjectPiece> objects;
-  std::size_t object_count = 0;  ///< of the whole frame
+  /// Of the whole frame, where a head comes, or where there are none.
+  std::optional<std::size_t> object_count = std::nullopt;
 };
 
 /// The payloads of a frame's datagrams, at most kMostPieceBytes each; none where it needs more than

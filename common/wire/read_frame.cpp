@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/wire/read_frame.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -248,8 +249,11 @@ CodedFrame readFrame(const proto::HapticFrame& from, Check& check) {
 }
 
 FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id, Check& check) {
-  FramePiece piece{readObjects(from, frame_id, true, check), from.object_count()};
-  check.bound(piece.object_count, kMaxObjects, "too many objects");
+  FramePiece piece{readObjects(from, frame_id, true, check)};
+  check.bound(from.object_count(), kMaxObjects, "too many objects");
+  const bool rest = std::all_of(piece.objects.begin(), piece.objects.end(),
+                                [](const ObjectPiece& each) { return !each.head; });
+  if (piece.objects.empty() || !rest) piece.object_count = from.object_count();
   CodedFrame frame;
   frame.objects.reserve(piece.objects.size());
   for (const ObjectPiece& each : piece.objects) frame.objects.push_back(each.object);

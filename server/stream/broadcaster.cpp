@@ -35,7 +35,8 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       settings_(settings),
       timer_(io),
       counted_(clock.now()),
-      told_slow_(counted_ - kTellSlowEvery) {
+      told_slow_(counted_ - kTellSlowEvery),
+      told_datagrams_at_(told_slow_) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
 }
@@ -226,6 +227,7 @@ asio::awaitable<void> Broadcaster::watch() {
     counted_ = now;
     if (datagrams_ != nullptr) datagrams_->check(now);
     tellSlowViewers(now);
+    tellDatagrams(now);
     tellHidden();
   }
   tellHidden();
@@ -245,6 +247,22 @@ void Broadcaster::tellSlowViewers(LocalTime now) {
   if (!told) return;
   told_ = all.sent;
   told_slow_ = now;
+}
+
+void Broadcaster::tellDatagrams(LocalTime now) {
+  if (datagrams_ == nullptr || now - told_datagrams_at_ < kTellSlowEvery) return;
+  const DatagramSenderCounts all = datagrams_->counts();
+  const std::uint64_t lost = all.lost() - told_datagrams_.lost();
+  const std::uint64_t wrong = all.notBelieved() - told_datagrams_.notBelieved();
+  if (lost + wrong == 0) return;
+  const bool told =
+      say(spdlog::level::warn,
+          fmt::format("datagrams: {} were not sent, as the network took too few; {} echoes were "
+                      "not a viewer's own",
+                      lost, wrong));
+  if (!told) return;
+  told_datagrams_ = all;
+  told_datagrams_at_ = now;
 }
 
 }  // namespace hapticast::server

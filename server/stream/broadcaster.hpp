@@ -94,6 +94,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void sendAll(const Encoded& encoded);
   asio::awaitable<void> watch();
   void tellSlowViewers(LocalTime now);
+  void tellDatagrams(LocalTime now);
   /// How many lines were kept back, where nothing more has come to say it with.
   void tellHidden();
   void countViewers();
@@ -118,6 +119,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   SendCounts told_;      // of slow viewers
   LocalTime counted_;
   LocalTime told_slow_;
+  DatagramSenderCounts told_datagrams_;
+  LocalTime told_datagrams_at_;
   LogLimit comings_and_goings_;  // apart, so that a crowd does not hide what is wrong
   LogLimit problems_;
 };

@@ -30,7 +30,7 @@ std::size_t write(Control& control, int level, int type, const Info& info) {
   return whole.msg_controllen;
 }
 
-/// `v6`: the socket's kind, which may send to IPv4 as well.
+/// `v6`: the kind of the socket and of all addresses that it sends to; IPv4 ones are mapped.
 std::size_t writeSource(Control& control, const asio::ip::address& from, bool v6) {
   if (from.is_unspecified() || (from.is_v6() && !v6)) return 0;
   if (!v6) {
@@ -58,12 +58,12 @@ DatagramCounts& DatagramCounts::operator+=(const DatagramCounts& other) {
 }
 
 struct DatagramOut::Address {
-  explicit Address(const DatagramTarget& target, bool v6)
+  explicit Address(const DatagramTarget& target)
       : token(tokenBytes(target.token)),
         to(target.to),
         copies(target.copies),
         counts(target.counts),
-        control_size(writeSource(control, target.from, v6)) {}
+        control_size(writeSource(control, target.from, to.protocol() == asio::ip::udp::v6())) {}
 
   /// The parts of a datagram, token first.
   void fill(msghdr& message, std::array<iovec, 2>& parts, const std::vector<std::uint8_t>& body) {
@@ -101,21 +101,18 @@ void DatagramOut::send(std::vector<SharedBodies> newest_first,
                        const std::vector<DatagramTarget>& targets) {
   dropRest();
   frames_ = std::move(newest_first);
-  const bool v6 = socket_.local_endpoint().protocol() == asio::ip::udp::v6();
   targets_.reserve(targets.size());
-  for (const DatagramTarget& each : targets) targets_.emplace_back(each, v6);
+  for (const DatagramTarget& each : targets) targets_.emplace_back(each);
   if (!waiting_) go();
 }
 
 bool DatagramOut::sendNow(const std::vector<std::uint8_t>& body, const DatagramTarget& target) {
-  Address address(target, socket_.local_endpoint().protocol() == asio::ip::udp::v6());
+  Address address(target);
   msghdr message;
   std::array<iovec, 2> parts;
   address.fill(message, parts, body);
   return ::sendmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
-
-void DatagramOut::stop() { dropRest(); }
 
 bool DatagramOut::settle(Cursor& cursor) const {
   for (; cursor.frame < frames_.size(); cursor = {cursor.frame + 1, 0, 0}) {

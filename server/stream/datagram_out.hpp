@@ -28,9 +28,9 @@ struct DatagramCounts {
 /// Who gets datagrams.
 struct DatagramTarget {
   std::uint64_t token = 0;
-  asio::ip::udp::endpoint to;
-  asio::ip::address from;    ///< one of this machine's; unspecified: the system chooses
-  std::uint32_t copies = 1;  ///< frames of a round that it gets, the newest first
+  asio::ip::udp::endpoint to;  ///< of the socket's kind
+  asio::ip::address from;      ///< one of this machine's; unspecified: the system chooses
+  std::uint32_t copies = 1;    ///< frames of a round that it gets, the newest first
   std::shared_ptr<DatagramCounts> counts;
 };
 
@@ -50,10 +50,10 @@ class DatagramOut {
   /// Begins a round: the datagrams of `newest_first`, each frame's to whom it goes. What is left of
   /// the round before is dropped.
   void send(std::vector<SharedBodies> newest_first, const std::vector<DatagramTarget>& targets);
+  /// Drops what is left of the round.
+  void dropRest();
   /// Sends one datagram now; false where the system does not take it.
   bool sendNow(const std::vector<std::uint8_t>& body, const DatagramTarget& target);
-  /// Drops what waits.
-  void stop();
 
  private:
   struct Batch;
@@ -66,7 +66,6 @@ class DatagramOut {
 
   /// Whether there is a message at the cursor; moves it over those that nobody wants.
   [[nodiscard]] bool settle(Cursor& cursor) const;
-  void dropRest();
   void go();
   void goLater();
   /// Sends up to kBatch messages; false where the system takes no more for now.

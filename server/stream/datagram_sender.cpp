@@ -88,6 +88,7 @@ void DatagramSender::check(LocalTime now) {
 }
 
 void DatagramSender::send(const EncodedFrame& frame) {
+  if (!socket_.is_open()) return;
   if (!frame.datagrams) return last_.clear();
   last_.push_front(frame.datagrams);
   if (last_.size() > limits::kMostCopies) last_.pop_back();
@@ -109,8 +110,8 @@ void DatagramSender::send(const EncodedFrame& frame) {
 }
 
 void DatagramSender::stop() {
-  out_.stop();
-  if (group_out_) group_out_->stop();
+  out_.dropRest();
+  if (group_out_) group_out_->dropRest();
   boost::system::error_code ignored;
   socket_.close(ignored);
 }

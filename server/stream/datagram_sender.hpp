@@ -25,6 +25,17 @@ struct DatagramSenderCounts {
   DatagramCounts viewers;
   DatagramCounts group;
   std::array<std::uint64_t, kEchoVerdicts> echoes{};  ///< by EchoVerdict
+
+  [[nodiscard]] std::uint64_t of(EchoVerdict verdict) const {
+    return echoes[static_cast<std::size_t>(verdict)];
+  }
+  [[nodiscard]] std::uint64_t lost() const {
+    return viewers.dropped + viewers.failed + group.dropped + group.failed;
+  }
+  /// Who has just left, or echoes too often, is no stranger.
+  [[nodiscard]] std::uint64_t notBelieved() const {
+    return of(EchoVerdict::kMalformed) + of(EchoVerdict::kForeign) + of(EchoVerdict::kUnknownToken);
+  }
 };
 
 class DatagramSender {

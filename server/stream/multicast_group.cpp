@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "common/text.hpp"
@@ -14,8 +16,17 @@ namespace hapticast::server {
 
 namespace {
 
+using Interfaces = std::vector<NetworkInterface>;
+
+/// Those that speak this version of IP.
+Interfaces interfaces(bool v6) {
+  Interfaces all = networkInterfaces();
+  std::erase_if(all, [v6](const auto& each) { return each.address.is_v6() != v6; });
+  return all;
+}
+
 /// Each name once, as they come.
-std::vector<std::string> namesOf(const std::vector<NetworkInterface>& all, bool loopback) {
+std::vector<std::string> namesOf(const Interfaces& all, bool loopback) {
   std::vector<std::string> names;
   for (const NetworkInterface& each : all) {
     if (each.loopback == loopback &&
@@ -25,7 +36,7 @@ std::vector<std::string> namesOf(const std::vector<NetworkInterface>& all, bool 
   return names;
 }
 
-NetworkInterface choose(const std::vector<NetworkInterface>& all, const std::string& wanted,
+NetworkInterface choose(const Interfaces& all, const std::string& wanted,
                         const std::string& complaint) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const NetworkInterface& each) {
     return wanted.empty() || each.called(wanted);
@@ -57,9 +68,7 @@ MulticastGroup::MulticastGroup(asio::io_context& io, const MulticastChoice& choi
                        " is no multicast address (224.0.0.0 to 239.255.255.255, or ff00::/8)");
   }
   endpoint_ = {group, choice.group.port};
-  std::vector<NetworkInterface> all = networkInterfaces();
-  std::erase_if(all, [&](const auto& each) { return each.address.is_v6() != group.is_v6(); });
-  const NetworkInterface out = choose(all, choice.interface, complaint);
+  const NetworkInterface out = choose(interfaces(group.is_v6()), choice.interface, complaint);
   const auto require = [&](const boost::system::error_code& failed) {
     if (failed) throw std::runtime_error(complaint + failed.message() + " (" + out.name + ")");
   };

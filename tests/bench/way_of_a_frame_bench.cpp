@@ -5,6 +5,7 @@
 
 #include "common/wire/messages.hpp"
 #include "server/source/synthetic_source.hpp"
+#include "server/stream/datagram_signer.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/picture.hpp"
 #include "server/vision/vision.hpp"
@@ -57,6 +58,52 @@ void encodeFrame(benchmark::State& state) {
   state.counters["bytes"] = static_cast<double>(bytes().size());
 }
 BENCHMARK(encodeFrame)->Unit(benchmark::kMicrosecond);
+
+/// A coded frame as signed datagrams.
+void signDatagrams(benchmark::State& state) {
+  const CodedFrame frame = FrameCoder().code(visionResult().frame);
+  server::DatagramSigner signer;
+  for (auto _ : state) benchmark::DoNotOptimize(signer.sign(frame));
+  const auto bodies = signer.sign(frame);
+  state.counters["datagrams"] = static_cast<double>(bodies->size());
+  std::size_t bytes = 0;
+  for (const auto& body : *bodies) bytes += kTokenBytes + body.size();
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+BENCHMARK(signDatagrams)->Unit(benchmark::kMicrosecond);
+
+void signOneDatagram(benchmark::State& state) {
+  SigningKey key;
+  const std::vector<std::uint8_t> payload(kMostPieceBytes, 7);
+  for (auto _ : state) benchmark::DoNotOptimize(signedBody({}, payload, key));
+}
+BENCHMARK(signOneDatagram)->Unit(benchmark::kMicrosecond);
+
+void verifyOneDatagram(benchmark::State& state) {
+  SigningKey key;
+  const auto verifying = VerifyingKey::from(key.verifyingKey());
+  std::vector<std::uint8_t> bytes = probeBody(1, key);
+  bytes.insert(bytes.begin(), kTokenBytes, 0);
+  for (auto _ : state) {
+    const auto datagram = readDatagram(bytes);
+    benchmark::DoNotOptimize(verifying.value().verify(datagram->signed_bytes, datagram->signature));
+  }
+}
+BENCHMARK(verifyOneDatagram)->Unit(benchmark::kMicrosecond);
+
+void joinDatagrams(benchmark::State& state) {
+  const CodedFrame frame = FrameCoder().code(visionResult().frame);
+  const auto payloads = packFrame(frame);
+  for (auto _ : state) {
+    DatagramHeader header{
+        0, frame.epoch, frame.id, frame.media_time, 0, static_cast<std::uint16_t>(payloads.size())};
+    JoinedFrame joined(header);
+    for (; header.part < payloads.size(); ++header.part)
+      benchmark::DoNotOptimize(joined.add(header, payloads[header.part]));
+    benchmark::DoNotOptimize(joined.frame());
+  }
+}
+BENCHMARK(joinDatagrams)->Unit(benchmark::kMicrosecond);
 
 void encodeVideo(benchmark::State& state) {
   const server::VisionResult result = visionResult();

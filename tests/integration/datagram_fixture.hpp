@@ -31,7 +31,7 @@ struct DatagramServer : TestServer {
         encoder.encode(frame, {}, broadcaster.datagramsWanted() ? &signer : nullptr));
   }
   [[nodiscard]] std::uint64_t echoes(server::EchoVerdict verdict) const {
-    return sender->counts().echoes[static_cast<std::size_t>(verdict)];
+    return sender->counts().of(verdict);
   }
 
   server::DatagramSigner signer;

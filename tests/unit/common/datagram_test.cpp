@@ -6,17 +6,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/support/datagram_bytes.hpp"
+
 namespace hapticast {
 namespace {
 
 using DatagramBytes = std::vector<std::uint8_t>;
-
-DatagramBytes datagramOf(std::uint64_t token, const DatagramBytes& body) {
-  const TokenBytes front = tokenBytes(token);
-  DatagramBytes bytes(front.begin(), front.end());
-  bytes.insert(bytes.end(), body.begin(), body.end());
-  return bytes;
-}
 
 DatagramHeader someHeader() { return {0x01020304, 7, 0x1122334455667788, mediaTime(1.5), 3, 9}; }
 
@@ -26,7 +21,7 @@ TEST(DatagramTest, WhatIsWrittenIsRead) {
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, kMostPieceBytes}) {
     const DatagramBytes payload(size, 0xAB);
     const DatagramBytes bytes =
-        datagramOf(0x8877665544332211, signedBody(someHeader(), payload, key));
+        testing::datagramBytes(0x8877665544332211, signedBody(someHeader(), payload, key));
     EXPECT_EQ(bytes.size(), 100 + size);
     EXPECT_LE(bytes.size(), kMostDatagramBytes);
     const auto datagram = readDatagram(bytes);
@@ -41,7 +36,8 @@ TEST(DatagramTest, WhatIsWrittenIsRead) {
 TEST(DatagramTest, EveryByteButTheTokenIsSigned) {
   SigningKey key;
   const auto verifying = VerifyingKey::from(key.verifyingKey());
-  const DatagramBytes whole = datagramOf(5, signedBody(someHeader(), DatagramBytes(20, 1), key));
+  const DatagramBytes whole =
+      testing::datagramBytes(5, signedBody(someHeader(), DatagramBytes(20, 1), key));
   for (std::size_t i = 0; i < whole.size(); ++i) {
     DatagramBytes bytes = whole;
     bytes[i] ^= 1U;
@@ -56,7 +52,7 @@ TEST(DatagramTest, EveryByteButTheTokenIsSigned) {
 TEST(DatagramTest, SizesAndNumbersThatCannotBeAreRefused) {
   SigningKey key;
   const DatagramBytes body = signedBody(someHeader(), DatagramBytes(kMostPieceBytes, 1), key);
-  DatagramBytes bytes = datagramOf(5, body);
+  DatagramBytes bytes = testing::datagramBytes(5, body);
   EXPECT_TRUE(readDatagram(bytes));
   bytes.push_back(0);
   EXPECT_FALSE(readDatagram(bytes)) << "longer than a datagram may be";
@@ -64,15 +60,16 @@ TEST(DatagramTest, SizesAndNumbersThatCannotBeAreRefused) {
     EXPECT_FALSE(readDatagram(std::span(bytes).first(size))) << size;
   DatagramHeader header = someHeader();
   header.part = header.parts;
-  EXPECT_FALSE(readDatagram(datagramOf(5, signedBody(header, {}, key)))) << "part 9 of 0..8";
+  EXPECT_FALSE(readDatagram(testing::datagramBytes(5, signedBody(header, {}, key))))
+      << "part 9 of 0..8";
   header = someHeader();
   header.media_time = MediaTime(Duration(2'000'000'000'000'000'000));
-  EXPECT_FALSE(readDatagram(datagramOf(5, signedBody(header, {}, key)))) << "63 years";
+  EXPECT_FALSE(readDatagram(testing::datagramBytes(5, signedBody(header, {}, key)))) << "63 years";
 }
 
 TEST(DatagramTest, AProbeHasTheFullSize) {
   SigningKey key;
-  const DatagramBytes bytes = datagramOf(6, probeBody(77, key));
+  const DatagramBytes bytes = testing::datagramBytes(6, probeBody(77, key));
   EXPECT_EQ(bytes.size(), kMostDatagramBytes);
   const auto probe = readDatagram(bytes);
   ASSERT_TRUE(probe);
@@ -81,7 +78,8 @@ TEST(DatagramTest, AProbeHasTheFullSize) {
   EXPECT_TRUE(
       VerifyingKey::from(key.verifyingKey()).value().verify(probe->signed_bytes, probe->signature));
   DatagramHeader small;
-  EXPECT_FALSE(readDatagram(datagramOf(6, signedBody(small, {}, key)))) << "proves nothing";
+  EXPECT_FALSE(readDatagram(testing::datagramBytes(6, signedBody(small, {}, key))))
+      << "proves nothing";
 }
 
 TEST(DatagramTest, AnEchoHasTwelveBytes) {

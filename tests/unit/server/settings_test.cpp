@@ -20,6 +20,8 @@ TEST(ServerSettings, Defaults) {
   EXPECT_EQ(run.settings.frames, 0U);
   EXPECT_EQ(run.settings.listen, (Endpoint{"0.0.0.0", 7447}));
   EXPECT_EQ(run.settings.max_clients, 64U);
+  EXPECT_TRUE(run.settings.datagrams);
+  EXPECT_EQ(run.settings.multicast, std::nullopt);
   EXPECT_FALSE(run.settings.loop || run.settings.quiet || run.settings.vision.stretch);
   EXPECT_EQ(run.settings.vision.segment, SegmentMode::kAuto);
   EXPECT_EQ(run.settings.vision.motion, MotionMode::kAuto);
@@ -35,6 +37,9 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.frames, 1000U);
   EXPECT_EQ(settings.listen, (Endpoint{"127.0.0.1", 0}));
   EXPECT_EQ(settings.max_clients, 3U);
+  EXPECT_FALSE(settings.datagrams);
+  EXPECT_EQ(settings.multicast, (MulticastChoice{{"ff12::7", 7448}, "eth0"}));
+  EXPECT_EQ(settings.multicast_hops, 3U);
   EXPECT_TRUE(settings.quiet);
   EXPECT_TRUE(settings.wait_for_viewer);
   const VisionSettings& vision = settings.vision;
@@ -57,17 +62,19 @@ void expectAll(const Settings& settings) {
 }
 
 const std::vector<std::pair<std::string, std::string>> kAll = {
-    {"source", "my clip"}, {"fps", "60"},
-    {"loop", "true"},      {"frames", "1000"},
-    {"quiet", "true"},     {"listen", "127.0.0.1:0"},
-    {"max-clients", "3"},  {"object", "505,330"},
-    {"not", "300,400"},    {"object", "10,20"},
-    {"segment", "band"},   {"depth-range", "500,1500"},
-    {"stretch", "true"},   {"motion", "lk"},
-    {"stiffness", "0.4"},  {"mass", "0.25"},
-    {"method", "thesis"},  {"friction", "0.5,0.3"},
-    {"damping", "2.5"},    {"texture-depth", "1.5"},
-    {"fov", "70"},         {"wait-for-viewer", "true"},
+    {"source", "my clip"},  {"fps", "60"},
+    {"loop", "true"},       {"frames", "1000"},
+    {"quiet", "true"},      {"listen", "127.0.0.1:0"},
+    {"max-clients", "3"},   {"object", "505,330"},
+    {"not", "300,400"},     {"object", "10,20"},
+    {"segment", "band"},    {"depth-range", "500,1500"},
+    {"stretch", "true"},    {"motion", "lk"},
+    {"stiffness", "0.4"},   {"mass", "0.25"},
+    {"method", "thesis"},   {"friction", "0.5,0.3"},
+    {"damping", "2.5"},     {"texture-depth", "1.5"},
+    {"fov", "70"},          {"wait-for-viewer", "true"},
+    {"transport", "tcp"},   {"multicast", "[ff12::7]:7448@eth0"},
+    {"multicast-ttl", "3"},
 };
 
 TEST(ServerSettings, EveryFlag) {
@@ -98,6 +105,12 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--listen", "a:b:80", "[ADDR:]PORT"},
       {"--max-clients", "0", "1"},
       {"--max-clients", "10001", "10000"},
+      {"--transport", "quic", "tcp|udp"},
+      {"--multicast", "239.1.2.3", "GROUP:PORT[@INTERFACE]"},
+      {"--multicast", ":7448", "GROUP:PORT[@INTERFACE]"},
+      {"--multicast", "239.1.2.3:0", "GROUP:PORT[@INTERFACE]"},
+      {"--multicast", "239.1.2.3:7448@", "GROUP:PORT[@INTERFACE]"},
+      {"--multicast-ttl", "0", "1 to 255"},
       {"--object", "12", "U,V in px"},
       {"--object", "nan,1", "U,V in px"},
       {"--not", "1,2,3", "U,V in px"},

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Datagrams: no bytes crash who reads them, and what is accepted can be felt and sent on. The input
+// is bodies of one frame, each behind two bytes that say how long it is; what is mutated is signed
+// here, so that it gets beyond the signature.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/wire/frame_pieces.hpp"
+#include "common/wire/messages.hpp"
+
+namespace {
+
+using namespace hapticast;
+using Bytes = std::vector<std::uint8_t>;
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+constexpr std::size_t kBeforePayload = kDatagramHeaderBytes - kTokenBytes;
+
+Bytes datagramOf(std::span<const std::uint8_t> body, SigningKey& key) {
+  const Signature signature = key.sign(body);
+  Bytes bytes(kTokenBytes + body.size() + signature.size(), 7);
+  std::copy(body.begin(), body.end(), bytes.begin() + kTokenBytes);
+  std::copy(signature.begin(), signature.end(), bytes.end() - kSignatureBytes);
+  return bytes;
+}
+
+/// What has been joined is a frame like any other, once reliefs of which nothing came are left out.
+void sendOn(CodedFrame frame) {
+  for (CodedObject& object : frame.objects) {
+    if (object.relief && object.relief->slices.empty()) object.relief = nullptr;
+  }
+  require(decode(encode(frame)).ok());
+  const auto payloads = packFrame(frame);
+  require(!payloads.empty());
+  JoinedFrame again(
+      {0, frame.epoch, frame.id, frame.media_time, 0, static_cast<std::uint16_t>(payloads.size())});
+  DatagramHeader header = again.header();
+  for (const Bytes& payload : payloads) {
+    require(payload.size() <= kMostPieceBytes);
+    require(!again.add(header, payload));
+    ++header.part;
+  }
+  require(again.whole() && again.frame().ok());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static SigningKey key(KeyBytes{});
+  static const VerifyingKey verifying = VerifyingKey::from(key.verifyingKey()).value();
+  std::span<const std::uint8_t> rest(data, size);
+  (void)readDatagram(rest);
+  (void)readEcho(rest);
+  std::optional<JoinedFrame> joined;
+  while (rest.size() >= 2) {
+    const std::size_t wanted = rest[0] + 256U * rest[1];
+    rest = rest.subspan(2);
+    const auto body = rest.first(std::min(wanted, rest.size()));
+    rest = rest.subspan(body.size());
+    const Bytes bytes = datagramOf(body, key);
+    const auto datagram = readDatagram(bytes);
+    if (!datagram) continue;
+    require(body.size() >= kBeforePayload);
+    require(verifying.verify(datagram->signed_bytes, datagram->signature));
+    if (datagram->header.probe()) continue;
+    if (!joined) joined.emplace(datagram->header);
+    if (!joined->lacks(datagram->header)) continue;
+    if (joined->add(datagram->header, datagram->payload)) return 0;  // the frame is given up
+  }
+  if (!joined) return 0;
+  auto frame = joined->frame();
+  if (frame.ok()) sendOn(std::move(frame).value());
+  return 0;
+}

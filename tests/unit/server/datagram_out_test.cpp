@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "server/stream/datagram_out.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <utility>
+
+namespace hapticast::server {
+namespace {
+
+using Udp = asio::ip::udp;
+
+Udp::endpoint loopback(std::uint16_t port = 0) { return {asio::ip::address_v4::loopback(), port}; }
+
+SharedBodies bodies(std::size_t count, std::uint8_t value) {
+  return std::make_shared<const std::vector<std::vector<std::uint8_t>>>(
+      count, std::vector<std::uint8_t>(100, value));
+}
+
+class DatagramOutTest : public ::testing::Test {
+ protected:
+  DatagramOutTest() { socket.non_blocking(true); }
+
+  DatagramTarget target(std::uint64_t token, std::uint32_t copies = 1) {
+    return {token, reader.local_endpoint(), {}, copies, std::make_shared<DatagramCounts>()};
+  }
+  /// The token and the first byte of the body of each datagram that has come.
+  std::vector<std::pair<int, int>> came() {
+    std::vector<std::pair<int, int>> found;
+    reader.non_blocking(true);
+    std::array<std::uint8_t, 2000> bytes{};
+    boost::system::error_code ec;
+    for (;;) {
+      const std::size_t size = reader.receive(asio::buffer(bytes), 0, ec);
+      if (ec) return found;
+      EXPECT_EQ(size, 108U);
+      found.emplace_back(bytes[0], bytes[8]);
+    }
+  }
+
+  asio::io_context io;
+  Udp::socket socket{io, loopback()};
+  Udp::socket reader{io, loopback()};
+  DatagramOut out{socket};
+};
+
+TEST_F(DatagramOutTest, EachDatagramGoesToAllBeforeTheNextAndCopiesComeLast) {
+  const auto once = target(1);
+  const auto twice = target(2, 2);
+  out.send({bodies(2, 10), bodies(1, 20)}, {once, twice});
+  EXPECT_EQ(came(),
+            (std::vector<std::pair<int, int>>{{1, 10}, {2, 10}, {1, 10}, {2, 10}, {2, 20}}));
+  EXPECT_EQ(once.counts->sent, 2U);
+  EXPECT_EQ(twice.counts->sent, 3U);
+}
+
+TEST_F(DatagramOutTest, ANewerFrameWinsOverWhatIsLeft) {
+  const auto viewer = target(1);
+  out.send({bodies(DatagramOut::kAtOnce + 500, 1)}, {viewer});
+  EXPECT_EQ(viewer.counts->sent, DatagramOut::kAtOnce) << "then it lets others have their turn";
+  out.send({bodies(3, 2)}, {viewer});
+  EXPECT_EQ(viewer.counts->dropped, 500U);
+  io.run();
+  EXPECT_EQ(viewer.counts->sent, DatagramOut::kAtOnce + 3);
+  EXPECT_EQ(viewer.counts->dropped, 500U);
+}
+
+TEST_F(DatagramOutTest, ALongRoundGoesOnByItself) {
+  const auto viewer = target(1);
+  out.send({bodies(3 * DatagramOut::kAtOnce, 1)}, {viewer});
+  io.run();
+  EXPECT_EQ(viewer.counts->sent, 3 * DatagramOut::kAtOnce);
+  EXPECT_EQ(viewer.counts->dropped, 0U);
+}
+
+TEST_F(DatagramOutTest, WhatTheSystemRefusesTouchesNobodyElse) {
+  auto impossible = target(1);
+  impossible.from = asio::ip::make_address("203.0.113.77");  // not this machine's
+  const auto other = target(2);
+  out.send({bodies(20, 5)}, {impossible, other});
+  io.run();
+  EXPECT_EQ(impossible.counts->failed, 20U);
+  EXPECT_EQ(impossible.counts->sent, 0U);
+  EXPECT_EQ(other.counts->sent, 20U);
+  EXPECT_EQ(came().size(), 20U);
+}
+
+TEST_F(DatagramOutTest, NothingToSendAndNobodyToSendItToAreFine) {
+  const auto viewer = target(1);
+  out.send({}, {viewer});
+  out.send({bodies(1, 1)}, {});
+  out.dropRest();
+  io.run();
+  EXPECT_EQ(viewer.counts->sent + viewer.counts->dropped + viewer.counts->failed, 0U);
+  EXPECT_TRUE(came().empty());
+}
+
+}  // namespace
+}  // namespace hapticast::server
