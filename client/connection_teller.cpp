@@ -39,6 +39,7 @@ std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, Loca
   };
   add(counts.reliefs_rejected, told_.reliefs_rejected,
       "reliefs outside the announced picture or too high, whose objects are not shown: ");
+  add(counts.slices_refused, told_.slices_refused, "slices of heights that cannot be decoded: ");
   add(counts.resyncs, told_.resyncs, "jumps of the frames' ids, after which touch begins anew: ");
   add(counts.reliefs_missing, told_.reliefs_missing,
       "objects without a shape, which are not shown: ");

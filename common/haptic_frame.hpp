@@ -82,23 +82,30 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-struct HapticObject {
-  std::uint32_t id = 0;                  ///< a re-found object gets a new one
-  std::uint32_t layer = 0;               ///< 0 = nearest
-  std::uint64_t changed_in_frame = 0;    ///< frame id in which `relief` last changed
-  std::shared_ptr<const Relief> relief;  ///< null: unchanged since `changed_in_frame`
+/// One object of a frame, whose heights are a `Shape`: Relief where they are made and felt,
+/// CodedRelief (common/wire/coded_frame.hpp) where they travel.
+template <class Shape>
+struct ObjectOf {
+  std::uint32_t id = 0;                 ///< a re-found object gets a new one
+  std::uint32_t layer = 0;              ///< 0 = nearest
+  std::uint64_t changed_in_frame = 0;   ///< frame id in which `relief` last changed
+  std::shared_ptr<const Shape> relief;  ///< null: unchanged since `changed_in_frame`
   Motion motion;
   std::shared_ptr<const MotionGrid> grid;  ///< null: the rigid motion explains it
   std::vector<Impact> impacts;             ///< at most kMaxImpacts, of the frames around
   Material material;
 };
 
-struct HapticFrame {
-  std::uint32_t epoch = 0;            ///< new at every cut, seek, wrap that moves, range change
-  std::uint64_t id = 0;               ///< counts up without reuse over the server's life
-  MediaTime media_time;               ///< capture time
-  std::vector<HapticObject> objects;  ///< at most kMaxObjects
+template <class Shape>
+struct FrameOf {
+  std::uint32_t epoch = 0;               ///< new at every cut, seek, wrap that moves, range change
+  std::uint64_t id = 0;                  ///< counts up without reuse over the server's life
+  MediaTime media_time;                  ///< capture time
+  std::vector<ObjectOf<Shape>> objects;  ///< at most kMaxObjects
 };
+
+using HapticObject = ObjectOf<Relief>;
+using HapticFrame = FrameOf<Relief>;
 
 /// The picture of the same instant, for the viewer's window.
 struct VideoFrame {

@@ -24,6 +24,11 @@ constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 // Whoever waits looks so often whether stop() was called; chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
 
+std::optional<MulticastGroup> groupOf(asio::io_context& io, const Settings& settings) {
+  if (!settings.multicast) return std::nullopt;
+  return MulticastGroup(io, *settings.multicast, static_cast<int>(settings.multicast_hops));
+}
+
 SourceInfo infoOf(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
   if (!name.empty()) info.name = name;
@@ -39,7 +44,19 @@ App::App(Settings settings, const Clock& clock)
       vision_(infoOf(*source_, settings_.name), settings_.vision, &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
-      listener_(io_, settings_.listen, broadcaster_) {}
+      listener_(io_, settings_.listen, broadcaster_) {
+  if (!settings_.datagrams) {
+    if (settings_.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
+    return;
+  }
+  datagrams_.emplace(io_, clock, listener_, settings_);
+  broadcaster_.carryDatagrams(datagrams_->sender);
+}
+
+App::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
+                          const Settings& settings)
+    : group(groupOf(io, settings)),
+      sender(io, clock, listener.endpoint(), signer, group ? &*group : nullptr) {}
 
 void App::run() {
   asio::signal_set signals(io_, SIGINT, SIGTERM);
@@ -57,7 +74,8 @@ void App::run() {
   };
   try {
     look();
-    EncoderThread encoder({&broadcaster_});  // a further sink is named here
+    EncoderThread encoder({&broadcaster_}, datagrams_ ? &datagrams_->signer
+                                                      : nullptr);  // a further sink is named here
     if (!stop_) play(encoder);
     encoder.finish();
   } catch (...) {

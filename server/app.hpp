@@ -14,7 +14,10 @@
 #include "server/settings.hpp"
 #include "server/source/pacer.hpp"
 #include "server/stream/broadcaster.hpp"
+#include "server/stream/datagram_sender.hpp"
+#include "server/stream/datagram_signer.hpp"
 #include "server/stream/listener.hpp"
+#include "server/stream/multicast_group.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {
@@ -34,6 +37,15 @@ class App {
   [[nodiscard]] bool streaming() const { return streaming_; }
 
  private:
+  /// What sends the stream by UDP.
+  struct Datagrams {
+    Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
+              const Settings& settings);
+    DatagramSigner signer;
+    std::optional<MulticastGroup> group;
+    DatagramSender sender;
+  };
+
   void look();
   /// Lets viewers in, once: not before the source has shown that there is nothing to complain of.
   void open();
@@ -51,6 +63,7 @@ class App {
   asio::io_context io_;
   Broadcaster broadcaster_;
   Listener listener_;
+  std::optional<Datagrams> datagrams_;
   PlanTeller plan_teller_;
   std::atomic<bool> stop_{false};
   bool open_ = false;

@@ -13,8 +13,8 @@ constexpr int kJpegQuality = 80;      // chosen: a 640 x 480 picture is some 30 
 constexpr std::size_t kMostJobs = 2;  // then vision waits, so that latency does not grow
 }  // namespace
 
-EncoderThread::EncoderThread(std::vector<StreamSink*> sinks)
-    : sinks_(std::move(sinks)), thread_([this] { run(); }) {}
+EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer)
+    : sinks_(std::move(sinks)), signer_(signer), thread_([this] { run(); }) {}
 
 EncoderThread::~EncoderThread() { stop(); }
 
@@ -66,7 +66,9 @@ void EncoderThread::encode(Job job) {
     for (StreamSink* sink : sinks_) sink->describe(*described_);
   }
   VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
-  const EncodedFrame frame = encoder_.encode(std::move(job.result.frame));
+  const bool datagrams =
+      std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
+  const EncodedFrame frame = encoder_.encode(job.result.frame, {}, datagrams ? signer_ : nullptr);
   for (StreamSink* sink : sinks_) sink->publish(frame);
   if (std::none_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->videoWanted(); }))
     return;

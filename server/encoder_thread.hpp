@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/stream/datagram_signer.hpp"
 #include "server/stream/stream_sink.hpp"
 #include "server/vision/vision.hpp"
 
@@ -18,8 +19,9 @@ namespace hapticast::server {
 
 class EncoderThread {
  public:
-  /// Starts the thread. The sinks outlive it.
-  explicit EncoderThread(std::vector<StreamSink*> sinks);
+  /// Starts the thread. The sinks and the signer outlive it; without a signer there are no
+  /// datagrams.
+  explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr);
   /// Encodes what still waits and ends the thread; a failure that finish() was not asked for is
   /// lost.
   ~EncoderThread();
@@ -41,6 +43,7 @@ class EncoderThread {
   void stop() noexcept;
 
   std::vector<StreamSink*> sinks_;
+  DatagramSigner* signer_;
   FrameEncoder encoder_;                        // by the thread
   std::optional<StreamDescription> described_;  // by the thread
   std::mutex mutex_;

@@ -25,7 +25,8 @@ int serve(const hapticast::server::Settings& settings) {
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
   } catch (const hapticast::server::AddressError& error) {
-    spdlog::error("--listen: {}", hapticast::oneLine(error.what()));
+    const std::string what = hapticast::oneLine(error.what());
+    spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
     return kWrongInput;
   }
   return kDone;

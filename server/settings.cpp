@@ -27,6 +27,8 @@ const std::map<std::string, MotionMode> kMotionModes{{"auto", MotionMode::kAuto}
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
 
+const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
+
 constexpr double kMostDepth_mm = 1e6;
 
 void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
@@ -165,6 +167,37 @@ void addName(CLI::App& app, std::string& name) {
       ->type_name("TEXT");
 }
 
+void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
+  constexpr const char* kForm = "GROUP:PORT[@INTERFACE], for example 239.1.2.3:7448";
+  const auto set = [&multicast](const std::string& text) {
+    const std::size_t at = text.find('@');
+    const auto group = parseEndpoint(text.substr(0, at), Endpoint{"", 0});
+    const bool named = at == std::string::npos || at + 1 < text.size();
+    if (!group || group->host.empty() || group->port == 0 || !named)
+      throw CLI::ValidationError("--multicast", inQuotes(text) + " is not " + kForm);
+    multicast = MulticastChoice{*group, at == std::string::npos ? "" : text.substr(at + 1)};
+  };
+  app.add_option_function<std::string>(
+         "--multicast", set,
+         "Send each datagram once for all viewers of a network who take it from this group; "
+         "INTERFACE is a name or an address of this machine")
+      ->type_name("GROUP:PORT[@INTERFACE]");
+}
+
+void addNetworkOptions(CLI::App& app, Settings& settings) {
+  addEndpoint(app, "--listen", settings.listen, 0, "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
+              "Where clients connect: an IP address of this machine and a port; default: "
+              "0.0.0.0:7447 (all addresses); port 0: any free one");
+  addChoice(app, "--transport", settings.datagrams, kTransports,
+            "udp: frames go by UDP to viewers who can take them, else by TCP; tcp: all by TCP. "
+            "Default: udp");
+  addMulticast(app, settings.multicast);
+  addNumber(app, "--multicast-ttl", settings.multicast_hops, std::uint64_t{1}, std::uint64_t{255},
+            "N 1..255", "How many networks multicast may cross; default: 1, this one");
+  addNumber(app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
+            "N", "More are turned away with a message; default: 64");
+}
+
 /// The author's say on what is touched.
 void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
@@ -184,14 +217,9 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
       "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends it.",
       "hapticast-server");
-  addVersion(*app, "sources: synthetic, images, videos, cameras; transports: tcp");
+  addVersion(*app, "sources: synthetic, images, videos, cameras; transports: udp, multicast, tcp");
   addSourceOptions(*app, settings);
-  addEndpoint(*app, "--listen", settings.listen, 0,
-              "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
-              "Where clients connect: an IP address of this machine and a port; default: "
-              "0.0.0.0:7447 (all addresses); port 0: any free one");
-  addNumber(*app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
-            "N", "More are turned away with a message; default: 64");
+  addNetworkOptions(*app, settings);
   addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);

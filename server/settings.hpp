@@ -7,9 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/endpoint.hpp"
+#include "server/stream/multicast_choice.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -21,6 +23,9 @@ struct Settings {
   bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< stop after so many; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};
+  bool datagrams = true;  ///< --transport udp
+  std::optional<MulticastChoice> multicast;
+  std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
   std::string name;  ///< what viewers see; empty: the source's own
   VisionSettings vision;

@@ -29,8 +29,9 @@ set(rules
 set(doors
   "^boost/"                          "^common/wire/asio\\.hpp$"
   "^common/wire/asio\\.hpp$"              "^((common/wire|server/stream|client/net|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^common/wire/(decode|encode)\\.cpp$"
+  "\\.pb\\.h$"                       "^common/wire/(decode|encode|read_frame|write_frame|frame_pieces)\\.[ch]pp$"
   "^google/protobuf"                 "^common/wire/(decode|encode|scan)\\.cpp$"
+  "^openssl/"                        "^common/wire/signature\\.cpp$"
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/summary\\.cpp$|tests/)"

@@ -189,7 +189,7 @@ std::optional<WireError> Connection::handle(Conversation& talk, Message message)
   std::optional<WireError> failure;
   if (!talk.welcomed) {
     failure = handleWelcome(talk, message);
-  } else if (auto* const frame = std::get_if<HapticFrame>(&message)) {
+  } else if (auto* const frame = std::get_if<CodedFrame>(&message)) {
     if (!talk.first_frame) talk.first_frame = now;
     receiver_.frame(std::move(*frame));
   } else if (const auto* const pong = std::get_if<Pong>(&message)) {

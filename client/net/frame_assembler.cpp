@@ -11,7 +11,7 @@ void FrameAssembler::restart() {
   last_id_.reset();
 }
 
-std::optional<AssembledFrame> FrameAssembler::add(HapticFrame frame) {
+std::optional<AssembledFrame> FrameAssembler::add(CodedFrame frame) {
   const bool behind = last_id_ && frame.id <= *last_id_;
   const std::uint64_t jump = !last_id_ ? 0 : behind ? *last_id_ - frame.id : frame.id - *last_id_;
   const bool resync = jump > kLargestJump;

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "common/haptic_frame.hpp"
+#include "common/wire/coded_frame.hpp"
 
 namespace hapticast::client {
 
@@ -24,7 +24,7 @@ struct FramePlace {
 /// A whole frame in its place.
 struct AssembledFrame {
   FramePlace place;
-  HapticFrame frame;
+  CodedFrame frame;
 };
 
 class FrameAssembler {
@@ -39,7 +39,7 @@ class FrameAssembler {
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   /// Takes a frame as it came; nullopt when it came before or when a later one did (ids rise). One
   /// whose id jumps by more than kLargestJump begins a numbering and an epoch of its own.
-  [[nodiscard]] std::optional<AssembledFrame> add(HapticFrame frame);
+  [[nodiscard]] std::optional<AssembledFrame> add(CodedFrame frame);
 
  private:
   std::uint32_t epoch_ = 0;

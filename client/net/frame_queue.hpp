@@ -20,14 +20,14 @@ class FrameQueue {
  public:
   /// As many as the loop can hold: the burst that follows a stall of the network is played.
   static constexpr std::size_t kMaxFrames = FramePool::kSlots;
-  /// Chosen: all pixels of reliefs that wait, and of reliefs that are kept; 5 bytes each, so that a
-  /// server cannot make a viewer hold more than 2 x 83 MB here.
-  static constexpr std::size_t kMaxPixels = 4 * kMaxReliefPixels;
+  /// Chosen: all slices that wait, and all that are kept, so that a server cannot make a viewer
+  /// hold more than 2 x 64 MB here.
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
   /// A frame, and the objects with the reliefs of the frames that were left out before it.
   struct Taken {
     AssembledFrame assembled;
-    std::vector<HapticObject> left_out;  ///< oldest first
+    std::vector<CodedObject> left_out;  ///< oldest first
   };
 
   /// Appends a frame; returns how many older ones were left out for it.
@@ -39,11 +39,11 @@ class FrameQueue {
 
  private:
   void leaveOutOldest();
-  void keep(HapticObject object);
+  void keep(CodedObject object);
 
   std::deque<AssembledFrame> frames_;  // oldest first
-  std::size_t pixels_ = 0;             // of their reliefs
-  std::vector<HapticObject> kept_;     // of frames left out, one per object and layer
+  std::size_t bytes_ = 0;              // of their reliefs
+  std::vector<CodedObject> kept_;      // of frames left out, one per object and layer
 };
 
 }  // namespace hapticast::client

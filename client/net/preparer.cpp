@@ -22,7 +22,7 @@ bool covers(const MotionGrid& grid, const PixelRect& rect) {
 }
 
 /// What the loop sees of an object, except its field and grid.
-PlayObject playObject(const HapticObject& object) {
+PlayObject playObject(const CodedObject& object) {
   PlayObject play;
   play.id = object.id;
   play.layer = object.layer;
@@ -84,8 +84,8 @@ std::optional<AssembledFrame> Preparer::next() {
   }
   if (begins) reliefs_.reset(*begins, method_);
   if (!taken) return std::nullopt;
-  for (const HapticObject& object : taken->left_out) {
-    (void)reliefs_.remember(object, taken->assembled.frame.id);
+  for (const CodedObject& object : taken->left_out) {
+    reliefs_.remember(object, taken->assembled.frame.id);
   }
   return std::move(taken->assembled);
 }
@@ -101,8 +101,8 @@ bool Preparer::step() {
     fill(pool_.slot(index), *assembled, result);
   } else {
     // The next frames may say "unchanged" of what this one brings.
-    for (const HapticObject& object : assembled->frame.objects) {
-      (void)reliefs_.remember(object, assembled->frame.id);
+    for (const CodedObject& object : assembled->frame.objects) {
+      reliefs_.remember(object, assembled->frame.id);
     }
   }
   result.ready = clock_.now();
@@ -112,7 +112,7 @@ bool Preparer::step() {
 }
 
 void Preparer::fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result) {
-  const HapticFrame& frame = assembled.frame;
+  const CodedFrame& frame = assembled.frame;
   slot.frame.epoch = assembled.place.epoch;
   slot.frame.id = frame.id;
   slot.frame.media_time = frame.media_time;
@@ -126,11 +126,13 @@ void Preparer::fill(FramePool::Slot& slot, const AssembledFrame& assembled, Prep
   }
 }
 
-void Preparer::fillObject(FramePool::Slot& slot, std::size_t index, const HapticObject& object,
+void Preparer::fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
                           std::uint64_t frame_id, PreparedFrame& result) {
   ReliefCache::Resolved relief = reliefs_.resolve(object, frame_id);
   if (relief.rejected) ++result.reliefs_rejected;
   if (!relief.field && !relief.rejected) ++result.reliefs_missing;
+  result.slices_lost += relief.slices_lost;
+  result.slices_refused += relief.slices_refused;
 
   PlayObject& play = slot.frame.objects[index];
   play = playObject(object);

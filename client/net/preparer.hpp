@@ -26,6 +26,8 @@ struct PreparedFrame {
   bool handed_on = false;  ///< false: the loop held every slot of the pool
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
+  std::uint64_t slices_lost = 0;
+  std::uint64_t slices_refused = 0;
 };
 
 class Preparer {
@@ -61,7 +63,7 @@ class Preparer {
   /// Takes the oldest frame and brings the reliefs up to the moment before it.
   [[nodiscard]] std::optional<AssembledFrame> next();
   void fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result);
-  void fillObject(FramePool::Slot& slot, std::size_t index, const HapticObject& object,
+  void fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
                   std::uint64_t frame_id, PreparedFrame& result);
 
   FramePool& pool_;

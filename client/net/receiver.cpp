@@ -57,7 +57,7 @@ Duration Receiver::clockErrorBound() const {
   return clock_.ready() ? clock_.errorBound() : Duration::zero();
 }
 
-void Receiver::frame(HapticFrame frame) {
+void Receiver::frame(CodedFrame frame) {
   auto assembled = assembler_.add(std::move(frame));
   if (!assembled) {
     ++counts_.duplicates;
@@ -75,6 +75,8 @@ void Receiver::prepared(const PreparedFrame& frame) {
   ++(frame.handed_on ? counts_.received : counts_.no_slot);
   counts_.reliefs_missing += frame.reliefs_missing;
   counts_.reliefs_rejected += frame.reliefs_rejected;
+  counts_.slices_lost += frame.slices_lost;
+  counts_.slices_refused += frame.slices_refused;
   // The first frame of a connection is sent whenever the viewer comes, so that its age says nothing
   // of the network; a frame of the connection before says nothing of this one.
   if (!frame.place.first && frame.place.epoch >= latest_.first_epoch) observe(frame);

@@ -10,7 +10,6 @@
 #include "client/net/frame_assembler.hpp"
 #include "client/net/jitter_estimator.hpp"
 #include "client/net/preparer.hpp"
-#include "common/haptic_frame.hpp"
 #include "common/latest_value.hpp"
 #include "common/wire/clock_sync.hpp"
 #include "common/wire/messages.hpp"
@@ -27,7 +26,9 @@ struct ReceiverCounts {
   std::uint64_t overrun = 0;           ///< dropped: they came faster than they can be prepared
   std::uint64_t no_slot = 0;           ///< dropped: the loop held every slot of the pool
   std::uint64_t reliefs_missing = 0;   ///< "unchanged", but never seen: an object without field
-  std::uint64_t reliefs_rejected = 0;  ///< outside the announced picture
+  std::uint64_t reliefs_rejected = 0;  ///< outside the announced picture, or too high
+  std::uint64_t slices_lost = 0;       ///< parts of reliefs that never came
+  std::uint64_t slices_refused = 0;    ///< parts of reliefs that could not be decoded
 };
 
 class Receiver {
@@ -43,7 +44,7 @@ class Receiver {
   /// An answered ping.
   void pong(const Pong& pong, LocalTime arrival);
   /// A frame that has come.
-  void frame(HapticFrame frame);
+  void frame(CodedFrame frame);
   /// What the preparer says of a frame: only now the loop has it, so that its lateness is measured
   /// now.
   void prepared(const PreparedFrame& frame);

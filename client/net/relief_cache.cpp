@@ -16,47 +16,83 @@ void ReliefCache::reset(const Workspace& workspace, Method method) {
   entries_.clear();
 }
 
-bool ReliefCache::fits(const Relief& relief) const {
-  const PixelRect& rect = relief.rect;
-  if (rect.empty() || rect.u < 0 || rect.v < 0 || rect.u + rect.width > workspace_.width_px ||
-      rect.v + rect.height > workspace_.height_px) {
-    return false;
-  }
-  const auto highest = std::max_element(relief.height_mm.begin(), relief.height_mm.end());
-  return *highest <= workspace_.depth_mm + kHeightSlack_mm;
+bool ReliefCache::inPicture(const PixelRect& rect) const {
+  return !rect.empty() && rect.u >= 0 && rect.v >= 0 &&
+         rect.u + rect.width <= workspace_.width_px && rect.v + rect.height <= workspace_.height_px;
 }
 
-bool ReliefCache::remember(const HapticObject& object, std::uint64_t frame_id) {
-  const auto known = entries_.find({object.id, object.layer});
-  if (known != entries_.end() && known->second.changed_in_frame == object.changed_in_frame) {
-    known->second.used_in_frame = frame_id;
-    return true;
+void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
+  const auto found = entries_.find({object.id, object.layer});
+  Entry* const known = found == entries_.end() ? nullptr : &found->second;
+  const bool same = known != nullptr && (known->changed_in_frame == object.changed_in_frame ||
+                                         (object.relief && *known->coded == *object.relief));
+  // A relief that is repeated may bring what was lost of it.
+  if (same && (known->coded->whole() || !object.relief)) {
+    known->changed_in_frame = object.changed_in_frame;
+    known->used_in_frame = frame_id;
+    return;
   }
-  if (!object.relief) return true;
-  if (known != entries_.end() && *known->second.raw == *object.relief) {
-    known->second.changed_in_frame = object.changed_in_frame;
-    known->second.used_in_frame = frame_id;
-    return true;
-  }
-  if (!fits(*object.relief)) return false;
-  entries_[{object.id, object.layer}] = {object.changed_in_frame, frame_id, object.relief, nullptr};
+  if (!object.relief) return;
+  Entry entry{object.changed_in_frame, frame_id, object.relief, object.motion, {}, false, {}};
+  if (known != nullptr) entry.before = known->before;
+  entries_[{object.id, object.layer}] = std::move(entry);
   if (entries_.size() > kMaxEntries) forgetOldest();
-  return true;
 }
 
-ReliefCache::Resolved ReliefCache::resolve(const HapticObject& object, std::uint64_t frame_id) {
-  if (!remember(object, frame_id)) return {nullptr, true};
+ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint64_t frame_id) {
+  remember(object, frame_id);
   const auto known = entries_.find({object.id, object.layer});
   if (known == entries_.end() || known->second.changed_in_frame != object.changed_in_frame) {
     return {};  // said to be unchanged, but it never came
   }
   Entry& entry = known->second;
-  if (!entry.field) {
-    entry.field = std::make_shared<const HeightField>(
-        method_ == Method::kThesis ? HeightField::prepareThesis(*entry.raw, workspace_)
-                                   : HeightField::prepare(*entry.raw, workspace_));
+  if (entry.decoded) return {entry.resolved.field, entry.resolved.rejected};
+  entry.decoded = true;
+  entry.resolved = prepare(entry);
+  return entry.resolved;
+}
+
+ReliefCache::Resolved ReliefCache::prepare(Entry& entry) {
+  Resolved out;
+  out.rejected = !inPicture(entry.coded->rect);
+  if (out.rejected) return out;
+  const auto relief = decode(entry, out);
+  if (!relief) return out;
+  const auto highest = std::max_element(relief->height_mm.begin(), relief->height_mm.end());
+  out.rejected = *highest > workspace_.depth_mm + kHeightSlack_mm;
+  if (out.rejected) return out;
+  entry.before = {relief, entry.motion};
+  out.field = std::make_shared<const HeightField>(
+      method_ == Method::kThesis ? HeightField::prepareThesis(*relief, workspace_)
+                                 : HeightField::prepare(*relief, workspace_));
+  return out;
+}
+
+std::shared_ptr<const Relief> ReliefCache::decode(const Entry& entry, Resolved& counts) {
+  const CodedRelief& coded = *entry.coded;
+  const auto pixels =
+      static_cast<std::size_t>(coded.rect.width) * static_cast<std::size_t>(coded.rect.height);
+  auto relief = std::make_shared<Relief>();
+  relief->rect = coded.rect;
+  relief->height_mm.assign(pixels, 0.0F);
+  relief->mask.assign(pixels, 0);
+  std::vector<std::uint8_t> have(pixels, 0);
+  for (const SliceBytes& slice : coded.slices) {
+    const auto covered = decoder_.decode(slice, *relief);
+    if (!covered.ok()) {
+      ++counts.slices_refused;
+      continue;
+    }
+    const PixelRect& part = covered.value();
+    for (int v = part.v; v < part.v + part.height; ++v)
+      std::fill_n(have.begin() + std::ptrdiff_t{v} * coded.rect.width + part.u, part.width, 1);
   }
-  return {entry.field, false};
+  counts.slices_lost = coded.slice_count - coded.slices.size();
+  if (counts.slices_lost + counts.slices_refused == 0) return relief;
+  if (!entry.before.relief) return nullptr;
+  carryOver(entry.before, entry.motion, workspace_, have, *relief);
+  const auto inside = std::find(relief->mask.begin(), relief->mask.end(), 1);
+  return inside == relief->mask.end() ? nullptr : relief;
 }
 
 void ReliefCache::forgetOldest() {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The reliefs of the stream by object: what "unchanged" in a frame refers to. A relief is kept raw
-// until a frame that is played needs it, and prepared for touch then: of a frame that is left out
-// only the raw relief has to be remembered. The raw one stays, for one that is sent again without a
-// change is the same to touch, whatever frame it is told to have changed in. Thread: one (the
-// preparer's).
+// The reliefs of the stream by object: what "unchanged" in a frame refers to. A relief is kept as
+// slices until a frame that is played needs it, and decoded and prepared for touch then: of a frame
+// that is left out only the slices have to be remembered. They stay, for a relief that is sent
+// again without a change is the same to touch, whatever frame it is told to have changed in. What a
+// relief lacks is carried over from the one before. Thread: one (the preparer's).
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 #include <memory>
 #include <utility>
 
-#include "common/haptic_frame.hpp"
+#include "client/net/carry_over.hpp"
 #include "common/relief/height_field.hpp"
+#include "common/wire/coded_frame.hpp"
 
 namespace hapticast::client {
 
@@ -22,18 +23,21 @@ class ReliefCache {
   struct Resolved {
     std::shared_ptr<const HeightField> field;  ///< null: nothing to touch
     bool rejected = false;                     ///< a relief that does not fit the announced picture
+    /// Slices that never came, and slices that could not be decoded; counted once for each relief.
+    std::uint64_t slices_lost = 0;
+    std::uint64_t slices_refused = 0;
   };
 
   /// Begins a new stream: forgets everything. `method` chooses how heights are prepared.
   void reset(const Workspace& workspace, Method method);
 
   /// Remembers the relief of an object of frame `frame_id`, or that it was used again, without
-  /// preparing it. Returns false when the relief does not fit the announced picture (then it is not
-  /// remembered).
-  bool remember(const HapticObject& object, std::uint64_t frame_id);
-  /// Remembers the relief and returns it prepared for touch. May allocate and take milliseconds,
-  /// once for each change of a relief.
-  [[nodiscard]] Resolved resolve(const HapticObject& object, std::uint64_t frame_id);
+  /// decoding it.
+  void remember(const CodedObject& object, std::uint64_t frame_id);
+  /// Remembers the relief and returns it prepared for touch. A relief of which slices are missing
+  /// is touched where there was one before it, from which they are carried over. May allocate and
+  /// take milliseconds, once for each change of a relief.
+  [[nodiscard]] Resolved resolve(const CodedObject& object, std::uint64_t frame_id);
 
   /// Objects gone for longer than these newest ones are forgotten; who comes back is sent the
   /// repeated relief. Chosen: twice what a frame can hold.
@@ -43,14 +47,21 @@ class ReliefCache {
   struct Entry {
     std::uint64_t changed_in_frame = 0;
     std::uint64_t used_in_frame = 0;
-    std::shared_ptr<const Relief> raw;
-    std::shared_ptr<const HeightField> field;  // null until it is needed
+    std::shared_ptr<const CodedRelief> coded;
+    Motion motion;      // of the object when it looked so
+    SeenRelief before;  // the last one that was decoded, if any; once this one is, it
+    bool decoded = false;
+    Resolved resolved;  // once it is decoded
   };
-  [[nodiscard]] bool fits(const Relief& relief) const;
+  Resolved prepare(Entry& entry);
+  /// The relief of an entry; null where slices are missing that nothing can be carried over for.
+  std::shared_ptr<const Relief> decode(const Entry& entry, Resolved& counts);
+  [[nodiscard]] bool inPicture(const PixelRect& rect) const;
   void forgetOldest();
 
   Workspace workspace_;
   Method method_ = Method::kHapticast;
+  HeightDecoder decoder_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Entry> entries_;  // by object id and layer
 };
 

@@ -21,4 +21,10 @@
 
 namespace hapticast {
 namespace asio = boost::asio;
+
+/// The IPv4 address that a socket for both versions sees as ::ffff:a.b.c.d; others as they are.
+inline asio::ip::address unmapped(const asio::ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
+  return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
 }
+}  // namespace hapticast

@@ -21,6 +21,12 @@ namespace hapticast {
 /// The bytes of one message (common/wire/messages.hpp), without any framing.
 using Payload = std::span<const std::uint8_t>;
 
+/// The two hosts of a connection, unspecified where it has none.
+struct Hosts {
+  asio::ip::address peer;
+  asio::ip::address local;
+};
+
 class Channel {
  public:
   virtual ~Channel() = default;
@@ -52,6 +58,7 @@ class Channel {
   /// The longest payload that read() takes from now on.
   void setReadLimit(std::size_t bytes) { read_limit_bytes_ = bytes; }
   [[nodiscard]] const std::string& peer() const { return peer_; }  ///< address, for the log
+  [[nodiscard]] const Hosts& hosts() const { return hosts_; }
   [[nodiscard]] const std::string& whyEnded() const { return why_ended_; }
   /// Bytes on the way so far, framing included; during a write they rise as the peer takes them.
   [[nodiscard]] std::uint64_t bytesRead() const { return bytes_read_; }
@@ -62,6 +69,7 @@ class Channel {
       : peer_(std::move(peer)), read_limit_bytes_(read_limit_bytes) {}
 
   std::string peer_;
+  Hosts hosts_;
   std::string why_ended_;
   std::size_t read_limit_bytes_;
   std::uint64_t bytes_read_ = 0;

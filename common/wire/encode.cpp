@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Domain structs -> protobuf bytes (the other direction: wire.cpp).
+// Domain structs -> protobuf bytes (the other direction: decode.cpp).
 #include "common/wire/messages.hpp"
 
 #include <google/protobuf/stubs/common.h>
 
 #include "common/wire/limits.hpp"
-#include "common/wire/relief_bytes.hpp"
+#include "common/wire/write_frame.hpp"
 #include "hapticast.pb.h"
 
 namespace hapticast {
@@ -27,12 +27,6 @@ std::string printable(const std::string& text, std::size_t limit) {
     i += valid ? character.size() : 1;
   }
   return clean;
-}
-
-void write(const Vec3& from, proto::Vec3& to) {
-  to.set_x(static_cast<float>(from.x()));
-  to.set_y(static_cast<float>(from.y()));
-  to.set_z(static_cast<float>(from.z()));
 }
 
 void write(const Hello& from, proto::Message& message) {
@@ -68,6 +62,14 @@ void write(const Welcome& from, proto::Message& message) {
   to.set_session_id(from.session_id);
   to.set_datagram_token(from.datagram_token);
   write(from.description, *to.mutable_description());
+  to.set_datagram_port(from.datagram_port);
+  to.set_stream(from.stream);
+  if (from.verifying_key)
+    to.set_verifying_key(from.verifying_key->data(), from.verifying_key->size());
+  if (!from.group) return;
+  to.mutable_group()->set_address(from.group->address);
+  to.mutable_group()->set_port(from.group->port);
+  to.mutable_group()->set_token(from.group->token);
 }
 
 void write(const Ping& from, proto::Message& message) {
@@ -81,65 +83,15 @@ void write(const Pong& from, proto::Message& message) {
   to.set_t2_ns(from.t2.time_since_epoch().count());
 }
 
-void write(const Relief& from, proto::Relief& to) {
-  to.set_u(static_cast<std::uint32_t>(from.rect.u));
-  to.set_v(static_cast<std::uint32_t>(from.rect.v));
-  to.set_width(static_cast<std::uint32_t>(from.rect.width));
-  to.set_height(static_cast<std::uint32_t>(from.rect.height));
-  const HeightScale scale = packRelief(from, *to.mutable_mask(), *to.mutable_heights());
-  to.set_offset_mm(scale.offset_mm);
-  to.set_scale_mm(scale.scale_mm);
+void write(const CodedFrame& from, proto::Message& message) {
+  writeFrame(from, *message.mutable_frame());
 }
 
-void write(const MotionGrid& from, proto::MotionGrid& to) {
-  to.set_columns(static_cast<std::uint32_t>(from.columns));
-  to.set_rows(static_cast<std::uint32_t>(from.rows));
-  for (const auto& v : from.velocity_mm_s) to.mutable_velocity_mm_s()->Add(v.begin(), v.end());
-  for (const auto& a : from.acceleration_mm_s2) {
-    to.mutable_acceleration_mm_s2()->Add(a.begin(), a.end());
-  }
-}
-
-void write(const Motion& from, proto::Motion& to) {
-  write(from.position_mm, *to.mutable_position_mm());
-  write(from.velocity_mm_s, *to.mutable_velocity_mm_s());
-  write(from.acceleration_mm_s2, *to.mutable_acceleration_mm_s2());
-  to.set_angle_rad(static_cast<float>(from.angle_rad));
-  to.set_angular_velocity_rad_s(static_cast<float>(from.angular_velocity_rad_s));
-  to.set_reference_point(static_cast<proto::ReferencePoint>(from.reference_point));
-  to.set_quality(static_cast<float>(from.quality));
-  to.set_visible_fraction(static_cast<float>(from.visible_fraction));
-}
-
-void write(const Material& from, proto::Material& to) {
-  const auto given = [](const std::optional<double>& value) { return static_cast<float>(*value); };
-  if (from.stiffness_N_mm) to.set_stiffness_n_mm(given(from.stiffness_N_mm));
-  if (from.damping_Ns_m) to.set_damping_ns_m(given(from.damping_Ns_m));
-  if (from.static_friction) to.set_static_friction(given(from.static_friction));
-  if (from.dynamic_friction) to.set_dynamic_friction(given(from.dynamic_friction));
-  if (from.texture_K_mm) to.set_texture_k_mm(given(from.texture_K_mm));
-}
-
-void write(const HapticFrame& from, proto::Message& message) {
-  auto& to = *message.mutable_frame();
-  to.set_epoch(from.epoch);
-  to.set_id(from.id);
-  to.set_media_time_ns(from.media_time.time_since_epoch().count());
-  for (const HapticObject& object : from.objects) {
-    auto& out = *to.add_objects();
-    out.set_id(object.id);
-    out.set_layer(object.layer);
-    out.set_changed_in_frame(object.changed_in_frame);
-    if (object.relief) write(*object.relief, *out.mutable_relief());
-    write(object.motion, *out.mutable_motion());
-    if (object.grid) write(*object.grid, *out.mutable_motion()->mutable_grid());
-    for (const Impact& impact : object.impacts) {
-      auto& hit = *out.add_impacts();
-      hit.set_time_ns(impact.time.time_since_epoch().count());
-      write(impact.delta_velocity_mm_s, *hit.mutable_delta_velocity_mm_s());
-    }
-    if (object.material != Material{}) write(object.material, *out.mutable_material());
-  }
+void write(const Delivery& from, proto::Message& message) {
+  auto& to = *message.mutable_delivery();
+  to.set_on_tcp(from.on_tcp);
+  to.set_datagrams(from.datagrams);
+  to.set_copies(from.copies);
 }
 
 void write(const VideoFrame& from, proto::Message& message) {

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "common/wire/limits.hpp"
-#include "common/wire/relief_bytes.hpp"
 #include "common/wire/slice/header.hpp"
 #include "common/wire/slice/mask_coder.hpp"
 #include "common/wire/slice/rough.hpp"
@@ -87,8 +86,8 @@ void writeRow(const std::int32_t* units, const std::uint8_t* mask, int width, fl
               std::uint8_t* inside) {
   constexpr float kMmPerUnit = 1.0F / codec::kUnitsPerMm;
   for (int x = 0; x < width; ++x) {
-    const float mm =
-        std::clamp(static_cast<float>(units[x]) * kMmPerUnit, kLowestHeight_mm, kHighestHeight_mm);
+    const float mm = std::clamp(static_cast<float>(units[x]) * kMmPerUnit, limits::kLowestHeight_mm,
+                                limits::kHighestHeight_mm);
     height_mm[x] = mm * static_cast<float>(mask[x]);
     inside[x] = mask[x];
   }

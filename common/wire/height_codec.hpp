@@ -21,8 +21,9 @@ namespace hapticast {
 /// With the coarse step below it adds less than half a point to the force's error
 /// (hapticast-evaluate codec).
 inline constexpr double kDefaultHeightError_mm = 0.02;
-/// With a datagram's header and signature this stays below IPv6's least MTU of 1280 bytes.
-inline constexpr std::size_t kMostSliceBytes = 1120;
+/// With a datagram's header and signature, and the names of its object and relief, this stays below
+/// IPv6's least MTU of 1280 bytes.
+inline constexpr std::size_t kMostSliceBytes = 1100;
 
 struct SliceSettings {
   double error_mm = kDefaultHeightError_mm;  ///< of any pixel; 0.002..0.499

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/wire/height_codec.hpp"
-#include "common/wire/relief_bytes.hpp"
+#include "common/wire/limits.hpp"
 #include "common/wire/slice/analysis.hpp"
 #include "common/wire/slice/header.hpp"
 #include "common/wire/slice/mask_coder.hpp"
@@ -20,7 +20,8 @@ void takeRow(const float* height_mm, const std::uint8_t* inside, int width, std:
              std::uint8_t* mask) {
   for (int x = 0; x < width; ++x) {
     const float mm = height_mm[x] == height_mm[x] ? height_mm[x] : 0.0F;
-    const float height = std::min(std::max(mm, kLowestHeight_mm), kHighestHeight_mm);
+    const float height =
+        std::min(std::max(mm, limits::kLowestHeight_mm), limits::kHighestHeight_mm);
     const float exact = height * static_cast<float>(codec::kUnitsPerMm);
     units[x] = static_cast<std::int32_t>(exact + (exact < 0.0F ? -0.5F : 0.5F));
     mask[x] = inside[x] != 0 ? 1 : 0;

@@ -7,6 +7,8 @@
 
 namespace hapticast::limits {
 
+inline constexpr float kLowestHeight_mm = -1.0F;  ///< below the picture's plane: only by rounding
+inline constexpr float kHighestHeight_mm = 1000.0F;
 inline constexpr double kPosition_mm = 1e4;
 inline constexpr double kVelocity_mm_s = 1e6;
 inline constexpr double kAcceleration_mm_s2 = 1e8;
@@ -25,6 +27,8 @@ inline constexpr std::int64_t kLatency_ns = 10'000'000'000;
 inline constexpr std::size_t kClientName = 64;  ///< bytes of UTF-8, as all texts
 inline constexpr std::size_t kStreamName = 256;
 inline constexpr std::size_t kErrorText = 512;
+inline constexpr std::size_t kGroupAddress = 64;
+inline constexpr std::uint32_t kMostCopies = 4;  ///< of a datagram
 inline constexpr std::size_t kJpeg = 4U << 20U;
 
 }  // namespace hapticast::limits

@@ -4,15 +4,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "common/haptic_frame.hpp"
 #include "common/result.hpp"
+#include "common/wire/coded_frame.hpp"
 #include "common/wire/error.hpp"
 #include "common/wire/framing.hpp"
+#include "common/wire/signature.hpp"
 
 namespace hapticast {
 
@@ -25,11 +27,28 @@ struct Hello {
   bool wants_video = false;
   bool wants_frames_on_tcp = true;
 };
+/// A multicast group that carries the stream.
+struct DatagramGroup {
+  std::string address;
+  std::uint16_t port = 0;
+  std::uint64_t token = 0;
+  bool operator==(const DatagramGroup&) const = default;
+};
 struct Welcome {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint32_t session_id = 0;
-  std::uint64_t datagram_token = 0;
+  std::uint64_t datagram_token = 0;  ///< 0: no datagrams, and nothing of what follows them
   StreamDescription description;
+  std::uint16_t datagram_port = 0;  ///< 0: that of the TCP connection
+  std::uint32_t stream = 0;         ///< of this run of the server, in every datagram
+  std::optional<KeyBytes> verifying_key = std::nullopt;
+  std::optional<DatagramGroup> group = std::nullopt;
+};
+/// How a client wants its frames from now on.
+struct Delivery {
+  bool on_tcp = true;
+  bool datagrams = true;     ///< where it has echoed its token
+  std::uint32_t copies = 1;  ///< of each datagram, 1..limits::kMostCopies; also of the group's
 };
 struct Ping {
   LocalTime t0;
@@ -54,17 +73,18 @@ struct Preparing {
   double share = 0.0;  ///< of the clip, 0..1
 };
 
-using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, HapticFrame, VideoFrame,
-                             ReceiverReport, WireError, Preparing>;
+using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
+                             ReceiverReport, WireError, Preparing, Delivery>;
 
 /// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
-/// Heights are rounded to the 16-bit values of Relief (error at most half their scale).
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
 
 /// The same, to be shared by all who send them.
 [[nodiscard]] SharedBytes encodeShared(const Message& message);
 
-/// Never throws on bad bytes; limits are checked before anything is allocated by content.
+/// Never throws on bad bytes; limits are checked before anything is allocated by content. Slices
+/// are checked as far as their first bytes go: whether they can be decoded is HeightDecoder's to
+/// say.
 [[nodiscard]] Result<Message, WireError> decode(std::span<const std::uint8_t> bytes);
 
 }  // namespace hapticast

@@ -69,6 +69,7 @@ void Broadcaster::publish(EncodedFrame frame) {
     last_frame_ = frame;
     preparing_ = nullptr;
     sendAll([&](Session& viewer) { viewer.queue(frame); });
+    if (datagrams_ != nullptr) datagrams_->send(frame);
   });
 }
 
@@ -108,6 +109,7 @@ void Broadcaster::stop() {
       for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
     }
     timer_.cancel();
+    if (datagrams_ != nullptr) datagrams_->stop();
   });
 }
 
@@ -150,6 +152,14 @@ std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
 }
 
+void Broadcaster::offerDatagrams(const Hosts& hosts, Welcome& welcome) {
+  if (datagrams_ != nullptr) datagrams_->offer(hosts, welcome);
+}
+
+void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery) {
+  if (datagrams_ != nullptr) datagrams_->deliver(datagram_token, delivery);
+}
+
 void Broadcaster::joined(Session& session) {
   const auto self = session.shared_from_this();
   std::erase(strangers_, self);
@@ -167,6 +177,7 @@ void Broadcaster::ending(const std::shared_ptr<Session>& session,
   const bool was_viewer = std::erase(viewers_, session) > 0;
   std::erase(strangers_, session);
   countViewers();
+  if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
   addStranger(session);
   if (!why) {
     if (was_viewer) say(spdlog::level::info, session->label() + " left");
@@ -230,6 +241,7 @@ asio::awaitable<void> Broadcaster::watch() {
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
+    if (datagrams_ != nullptr) datagrams_->check(now);
     tellSlowViewers(now);
     tellHidden();
   }

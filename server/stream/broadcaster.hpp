@@ -15,6 +15,7 @@
 
 #include "common/wire/asio.hpp"
 #include "common/wire/messages.hpp"
+#include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/log_limit.hpp"
 #include "server/stream/session.hpp"
@@ -34,6 +35,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
+  /// Offers viewers to send their frames as datagrams as well. Before the first of them comes;
+  /// `sender` outlives the connections.
+  void carryDatagrams(DatagramSender& sender) { datagrams_ = &sender; }
   /// Sends a frame to every viewer; who joins later gets the newest at once. Thread: any.
   void publish(EncodedFrame frame) override;
   /// Sends a picture to those who want it. Thread: any.
@@ -46,6 +50,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Whether encoding pictures is worth it. Thread: any.
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
+  }
+  [[nodiscard]] bool datagramsWanted() const override {
+    return datagrams_ != nullptr && datagrams_->wanted();
   }
   /// How many have been welcomed and have not left. Thread: any.
   [[nodiscard]] std::size_t viewers() const {
@@ -69,6 +76,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] const MediaClock& mediaClock() const override { return media_clock_; }
   [[nodiscard]] const StreamDescription& description() const override { return description_; }
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override;
+  void offerDatagrams(const Hosts& hosts, Welcome& welcome) override;
+  void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void joined(Session& session) override;
   void ending(const std::shared_ptr<Session>& session,
               const std::optional<WireError>& why) override;
@@ -98,6 +107,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   const MediaClock& media_clock_;
   StreamDescription description_;
   StreamSettings settings_;
+  DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;    // welcomed and not closing; the one that is served first comes first
   Sessions strangers_;  // no hello yet, or closing; the oldest first

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "server/stream/datagram_signer.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -21,20 +23,23 @@ SharedBytes WholeFrame::payload() {
   return payload_;
 }
 
-EncodedFrame FrameEncoder::encode(HapticFrame frame) {
-  EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr};
+EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& slices,
+                                  DatagramSigner* signer) {
+  CodedFrame frame = coder_.code(made, slices);
+  EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr, nullptr};
   const bool repeat = !last_whole_ || frame.epoch != epoch_ ||
                       frame.media_time - *last_whole_ >= kRepeatReliefs ||
                       frame.media_time < *last_whole_;
-  HapticFrame lean = frame;
+  CodedFrame lean = frame;
   bool left_out = false;
-  for (HapticObject& object : lean.objects) {
+  for (CodedObject& object : lean.objects) {
     if (repeat || object.changed_in_frame == frame.id || !object.relief) continue;
     object.relief = nullptr;
     left_out = true;
   }
   if (!left_out) last_whole_ = frame.media_time;
   epoch_ = frame.epoch;
+  if (signer != nullptr) encoded.datagrams = signer->sign(lean);
   encoded.lean = encodeShared(std::move(lean));
   encoded.whole = left_out ? std::make_shared<WholeFrame>(std::move(frame))
                            : std::make_shared<WholeFrame>(encoded.lean);

@@ -7,8 +7,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "common/haptic_frame.hpp"
+#include "common/wire/coded_frame.hpp"
 #include "common/wire/framing.hpp"
 #include "common/wire/messages.hpp"
 
@@ -18,7 +20,7 @@ namespace hapticast::server {
 /// for it, so it becomes bytes at the first call. Thread: any.
 class WholeFrame {
  public:
-  explicit WholeFrame(HapticFrame frame) : frame_(std::move(frame)) {}
+  explicit WholeFrame(CodedFrame frame) : frame_(std::move(frame)) {}
   /// Its bytes are there already.
   explicit WholeFrame(SharedBytes payload) : payload_(std::move(payload)) {}
 
@@ -26,9 +28,12 @@ class WholeFrame {
 
  private:
   std::mutex mutex_;
-  std::optional<HapticFrame> frame_;  // until it is bytes
+  std::optional<CodedFrame> frame_;  // until it is bytes
   SharedBytes payload_;
 };
+
+/// A frame's datagrams without their tokens, signed.
+using SharedBodies = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
 
 struct EncodedFrame {
   std::uint32_t epoch = 0;
@@ -36,7 +41,10 @@ struct EncodedFrame {
   MediaTime media_time;
   SharedBytes lean;  ///< for who got the frame before: reliefs that did not change are left out
   std::shared_ptr<WholeFrame> whole;  ///< never null
+  SharedBodies datagrams = nullptr;   ///< the lean frame's; null: nobody takes them
 };
+
+class DatagramSigner;
 
 struct EncodedVideo {
   std::uint64_t id = 0;
@@ -50,9 +58,12 @@ class FrameEncoder {
  public:
   /// `frame` carries every relief; its objects' `changed_in_frame` say which are new. Reliefs that
   /// did not change are repeated every second of media time and at every new epoch.
-  [[nodiscard]] EncodedFrame encode(HapticFrame frame);
+  /// `signer`: makes datagrams as well.
+  [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
+                                    DatagramSigner* signer = nullptr);
 
  private:
+  FrameCoder coder_;
   std::optional<MediaTime> last_whole_;
   std::uint32_t epoch_ = 0;
 };

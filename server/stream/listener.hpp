@@ -3,21 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 
 #include "common/endpoint.hpp"
 #include "common/wire/asio.hpp"
+#include "server/stream/address_error.hpp"
 #include "server/stream/broadcaster.hpp"
 
 namespace hapticast::server {
-
-/// What was given as address is none: wrong input, where other failures to listen are the
-/// machine's.
-class AddressError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 class Listener {
  public:
@@ -30,6 +23,7 @@ class Listener {
   void start();
   /// Where it listens, with the port that was taken.
   [[nodiscard]] const Endpoint& address() const { return address_; }
+  [[nodiscard]] asio::ip::tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
   /// No new connections from now on. Thread: any.
   void stop();
 

@@ -46,7 +46,7 @@ void Session::start() {
 }
 
 void Session::queue(const EncodedFrame& frame) {
-  if (welcomed() && hello_->wants_frames_on_tcp) queue_.pushFrame(frame);
+  if (welcomed() && frames_on_tcp_) queue_.pushFrame(frame);
 }
 
 void Session::queue(const EncodedVideo& video) {
@@ -170,7 +170,10 @@ void Session::handle(const Hello& hello) {
   if (hello_) return close({ErrorCode::kUnexpected, "a second hello"});
   if (const auto refusal = host_.refuse(hello)) return close(*refusal);
   hello_ = hello;
-  const Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
+  frames_on_tcp_ = hello.wants_frames_on_tcp;
+  Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
+  host_.offerDatagrams(channel_->hosts(), welcome);
+  datagram_token_ = welcome.datagram_token;
   (void)queue_.pushControl(encodeShared(welcome));  // the first message
   host_.joined(*this);
   flush();
@@ -181,6 +184,14 @@ void Session::handle(const Ping& ping) {
   if (pongs_.size() >= kMaxPongs) return close({ErrorCode::kUnexpected, "too many pings"});
   pongs_.push_back({ping.t0, host_.mediaClock().now(), {}});
   flush();
+}
+
+void Session::handle(const Delivery& delivery) {
+  if (!hello_) return close({ErrorCode::kUnexpected, "a delivery before the hello"});
+  // What waits is stale by then, and what was lost meanwhile is not known: the next one is whole.
+  if (delivery.on_tcp != frames_on_tcp_) queue_.clearFrames();
+  frames_on_tcp_ = delivery.on_tcp;
+  host_.deliver(datagram_token_, delivery);
 }
 
 void Session::handle(const ReceiverReport& report) {

@@ -28,6 +28,10 @@ class SessionHost {
   [[nodiscard]] virtual const StreamDescription& description() const = 0;
   /// Why this client cannot be welcomed, if so.
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
+  /// Writes into the welcome what this client is told of datagrams, if anything.
+  virtual void offerDatagrams(const Hosts& hosts, Welcome& welcome) = 0;
+  /// How the client that has this token wants its frames.
+  virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// The session has welcomed its client.
   virtual void joined(Session& session) = 0;
   /// The session is no viewer any more: it ends by our decision, or, without a reason, by its
@@ -68,6 +72,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void check(LocalTime now);
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
+  [[nodiscard]] std::uint64_t datagramToken() const { return datagram_token_; }
   [[nodiscard]] bool wantsVideo() const { return welcomed() && hello_->wants_video; }
   [[nodiscard]] std::string label() const;    ///< for the log
   [[nodiscard]] std::string address() const;  ///< the peer's, without its port
@@ -79,6 +84,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void take(Payload payload);
   void handle(const Hello& hello);
   void handle(const Ping& ping);
+  void handle(const Delivery& delivery);
   void handle(const ReceiverReport& report);
   template <class Other>
   void handle(const Other& other);
@@ -100,6 +106,8 @@ class Session : public std::enable_shared_from_this<Session> {
   SharedBytes unfinished_;  // a part of it is on the way; the writer's next
   std::deque<Pong> pongs_;  // t2 is filled in when one is sent
   std::optional<Hello> hello_;
+  bool frames_on_tcp_ = false;
+  std::uint64_t datagram_token_ = 0;  // 0: it was offered none
   LocalTime started_;
   LocalTime heard_;  // last message
   bool ended_ = false;

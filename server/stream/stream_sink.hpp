@@ -19,6 +19,8 @@ class StreamSink {
   virtual void publish(EncodedVideo video) = 0;
   /// Whether encoding pictures is worth it.
   [[nodiscard]] virtual bool videoWanted() const = 0;
+  /// Whether signing datagrams of frames is worth it.
+  [[nodiscard]] virtual bool datagramsWanted() const = 0;
 };
 
 }  // namespace hapticast::server

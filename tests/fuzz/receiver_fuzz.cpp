@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/net/receiver.hpp"
+#include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -42,7 +43,7 @@ struct Client {
   Client() { receiver.connected(stream, clock.now()); }
 
   void take(Message message) {
-    if (auto* const frame = std::get_if<HapticFrame>(&message)) {
+    if (auto* const frame = std::get_if<CodedFrame>(&message)) {
       receiver.frame(std::move(*frame));
     } else if (const auto* const pong = std::get_if<Pong>(&message)) {
       receiver.pong(*pong, clock.now());
@@ -80,7 +81,7 @@ struct Client {
       }
       frame.objects.push_back(object);
     }
-    receiver.frame(frame);
+    receiver.frame(testing::coded(frame));
   }
   /// What the loop sees.
   void play() {

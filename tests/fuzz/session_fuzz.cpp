@@ -33,6 +33,10 @@ struct Host final : server::SessionHost {
     if (hello.protocol_version == kProtocolVersion) return std::nullopt;
     return WireError{ErrorCode::kVersion, "another version"};
   }
+  void offerDatagrams(const Hosts&, Welcome&) override {}
+  void deliver(std::uint64_t token, const Delivery& delivery) override {
+    require(token == 0 && delivery.copies >= 1 && delivery.copies <= 4);
+  }
   void joined(server::Session&) override { ++welcomed; }
   void ending(const std::shared_ptr<server::Session>&, const std::optional<WireError>&) override {}
   void gone(const std::shared_ptr<server::Session>&) override { has_ended = true; }

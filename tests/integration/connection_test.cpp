@@ -203,7 +203,7 @@ TEST_F(ConnectionTest, AServerThatErrsAfterEveryWelcomeIsTriedAtTheSlowestPace) 
   const auto round = [&] {
     ASSERT_TRUE(runUntil([&] { return server.accept(); }));
     server.peer->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
-    server.peer->send(HapticFrame{});
+    server.peer->send(CodedFrame{});
     if (good) {
       const LocalTime until = clock.now() + milliseconds(400);
       ASSERT_TRUE(runUntil([&] { return clock.now() > until; }));
@@ -232,7 +232,7 @@ TEST_F(ConnectionTest, IgnoresPongsItDidNotAskFor) {
   ASSERT_TRUE(runUntil([&] { return server.accept(); }));
   server.peer->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
   for (int i = 0; i < 20; ++i) server.peer->send(Pong{localTime(i), mediaTime(i), mediaTime(i)});
-  server.peer->send(HapticFrame{});
+  server.peer->send(CodedFrame{});
   ASSERT_TRUE(runUntil([&] {
     client.drain();
     return client.frames.size() == 1;
@@ -247,7 +247,7 @@ TEST_F(ConnectionTest, LeavesAServerThatAnswersNoPings) {
   server.peer->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
   std::uint64_t id = 0;
   ASSERT_TRUE(runUntil([&] {  // frames alone are no clock
-    HapticFrame frame;
+    CodedFrame frame;
     frame.id = ++id;
     server.peer->send(frame);
     client.drain();

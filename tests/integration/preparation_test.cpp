@@ -45,7 +45,7 @@ TEST_F(PreparationTest, PongsAreStampedWhileAFrameIsPrepared) {
     return !ec;
   }));
   server->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
-  server->send(HapticFrame{});
+  server->send(CodedFrame{});
   ASSERT_TRUE(runUntil([&] { return busy.asked.load(); }));
 
   std::size_t answered = 0;

@@ -91,7 +91,7 @@ class HonestViewers {
     if (ping) viewer.peer->send(Ping{});
     viewer.peer->poll();
     closed += viewer.peer->closed ? 1 : 0;
-    for (const HapticFrame& frame : viewer.peer->all<HapticFrame>()) {
+    for (const CodedFrame& frame : viewer.peer->all<CodedFrame>()) {
       if (viewer.last_id) {
         wrong += frame.id <= *viewer.last_id ? 1 : 0;
         lost += frame.id > *viewer.last_id + 1 ? frame.id - *viewer.last_id - 1 : 0;

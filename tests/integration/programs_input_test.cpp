@@ -260,7 +260,7 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
   viewer.send(Hello{kProtocolVersion, "well-behaved", false, true});
   const auto frames = [&] {
     viewer.poll();
-    return viewer.all<HapticFrame>();
+    return viewer.all<CodedFrame>();
   };
   // What peers get that send these bytes, at once: an error, and the end of the connection.
   const auto farewells = [&](const std::vector<std::vector<std::uint8_t>>& sent) {

@@ -120,7 +120,7 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
     if (now_s() > pinged_s + 1.0) viewer.send(Ping{localTime(pinged_s = now_s())});
     viewer.poll();
     EXPECT_FALSE(viewer.closed);
-    const auto frames = viewer.all<HapticFrame>();
+    const auto frames = viewer.all<CodedFrame>();
     return frames.empty() ? 0 : frames.back().id;
   };
   ASSERT_TRUE(waitUntil(kSoon, [&] { return lastId() > 0; }));
@@ -140,7 +140,7 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
   stopped.signal(SIGCONT);
   EXPECT_TRUE(stopped.says("connected: ", kSoon, 2)) << stopped.output();
 
-  const auto frames = viewer.all<HapticFrame>();
+  const auto frames = viewer.all<CodedFrame>();
   for (std::size_t i = 1; i < frames.size(); ++i) ASSERT_EQ(frames[i].id, frames[i - 1].id + 1);
   const std::uint64_t counted = last - frames.front().id + 1;
   std::cout << kClients << " clients, " << counted << " frames counted beside a killed and a "

@@ -20,10 +20,10 @@ TEST_F(ServerTest, WelcomesAndSendsFramesAndPongs) {
   server.publish(2, 8, false);
   ASSERT_TRUE(runUntil([&] {
     peer->poll();
-    return peer->all<HapticFrame>().size() == 2 && !peer->all<Pong>().empty();
+    return peer->all<CodedFrame>().size() == 2 && !peer->all<Pong>().empty();
   }));
-  EXPECT_TRUE(peer->all<HapticFrame>()[0].objects[0].relief);
-  EXPECT_FALSE(peer->all<HapticFrame>()[1].objects[0].relief) << "unchanged";
+  EXPECT_TRUE(peer->all<CodedFrame>()[0].objects[0].relief);
+  EXPECT_FALSE(peer->all<CodedFrame>()[1].objects[0].relief) << "unchanged";
   const Pong pong = peer->all<Pong>()[0];
   EXPECT_EQ(pong.t0, localTime(1.5));
   EXPECT_LE(pong.t1, pong.t2);
@@ -37,15 +37,15 @@ TEST_F(ServerTest, WhoJoinsGetsTheWholeLastFrameAtOnce) {
   server.publish(2, 8, false);
   ASSERT_TRUE(runUntil([&] {
     first->poll();
-    return first->all<HapticFrame>().size() == 2;
+    return first->all<CodedFrame>().size() == 2;
   }));
   const auto late = viewer(server);
   ASSERT_TRUE(runUntil([&] {
     late->poll();
-    return late->all<HapticFrame>().size() == 1;
+    return late->all<CodedFrame>().size() == 1;
   }));
-  EXPECT_EQ(late->all<HapticFrame>()[0].id, 2U);
-  EXPECT_TRUE(late->all<HapticFrame>()[0].objects[0].relief);
+  EXPECT_EQ(late->all<CodedFrame>()[0].id, 2U);
+  EXPECT_TRUE(late->all<CodedFrame>()[0].objects[0].relief);
 }
 
 TEST_F(ServerTest, SendsVideoToThoseWhoWantIt) {
@@ -59,7 +59,7 @@ TEST_F(ServerTest, SendsVideoToThoseWhoWantIt) {
   ASSERT_TRUE(runUntil([&] {
     blind->poll();
     seeing->poll();
-    return !blind->all<HapticFrame>().empty() && !seeing->all<VideoFrame>().empty();
+    return !blind->all<CodedFrame>().empty() && !seeing->all<VideoFrame>().empty();
   }));
   EXPECT_TRUE(blind->all<VideoFrame>().empty());
 }
@@ -81,9 +81,9 @@ TEST_F(ServerTest, AnnouncesAnotherStreamToAll) {
   server.publish(2);
   ASSERT_TRUE(runUntil([&] {
     late->poll();
-    return !late->all<HapticFrame>().empty();
+    return !late->all<CodedFrame>().empty();
   }));
-  EXPECT_EQ(late->all<HapticFrame>()[0].id, 2U) << "frames of the other picture are void";
+  EXPECT_EQ(late->all<CodedFrame>()[0].id, 2U) << "frames of the other picture are void";
 }
 
 TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
@@ -112,7 +112,7 @@ TEST_F(ServerTest, RefusesRandomBytesWhileOthersKeepReceiving) {
   server.publish(1);
   EXPECT_TRUE(runUntil([&] {
     other->poll();
-    return !other->all<HapticFrame>().empty();
+    return !other->all<CodedFrame>().empty();
   }));
   EXPECT_EQ(server.broadcaster.counts().clients, 1U);
   EXPECT_EQ(server.broadcaster.counts().refused, 20U);
@@ -130,8 +130,7 @@ TEST_F(ServerTest, RefusesTooLongAndEmptyMessages) {
 
 TEST_F(ServerTest, RefusesMessagesAtTheWrongMoment) {
   TestServer server(io, clock);
-  for (const Message& early :
-       {Message(Ping{}), Message(ReceiverReport{}), Message(HapticFrame{})}) {
+  for (const Message& early : {Message(Ping{}), Message(ReceiverReport{}), Message(CodedFrame{})}) {
     RawPeer peer(io, server.port());
     peer.send(early);
     EXPECT_EQ(farewell(peer).code, ErrorCode::kUnexpected);
@@ -190,9 +189,9 @@ TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
     // The quick one has every frame, whole, before the next is made.
     EXPECT_TRUE(runUntil([&] {
       quick->poll();
-      return !quick->all<HapticFrame>().empty();
+      return !quick->all<CodedFrame>().empty();
     }));
-    EXPECT_EQ(quick->all<HapticFrame>()[0].id, id);
+    EXPECT_EQ(quick->all<CodedFrame>()[0].id, id);
     dropped = dropped || server.broadcaster.counts().sent.dropped() > 0;
     return server.broadcaster.counts().clients == 1;
   }));
@@ -207,9 +206,9 @@ TEST_F(ServerTest, WhatPilesUpWhileItIsBusyIsReplacedByWhatIsNewer) {
   server.broadcaster.describe(TestServer::description());  // nothing new, and the last of all
   ASSERT_TRUE(runUntil([&] {
     peer->poll();
-    return peer->all<HapticFrame>().size() >= server::SendQueue::kMaxFrames;
+    return peer->all<CodedFrame>().size() >= server::SendQueue::kMaxFrames;
   }));
-  const auto frames = peer->all<HapticFrame>();
+  const auto frames = peer->all<CodedFrame>();
   ASSERT_EQ(frames.size(), server::SendQueue::kMaxFrames);
   EXPECT_EQ(frames.front().id, 8U);
   EXPECT_EQ(frames.back().id, 10U);
@@ -232,7 +231,7 @@ TEST_F(ServerTest, TakesFramesFromAnotherThread) {
   });
   EXPECT_TRUE(runUntil([&] {
     peer->poll();
-    const auto frames = peer->all<HapticFrame>();
+    const auto frames = peer->all<CodedFrame>();
     const auto descriptions = peer->all<StreamDescription>();
     return !frames.empty() && frames.back().id == 200 && !descriptions.empty() &&
            descriptions.back().largest_acceleration_mm_s2 == 200.0;

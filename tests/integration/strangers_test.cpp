@@ -30,7 +30,7 @@ TEST_F(StrangersTest, WhoSaysNothingKeepsNobodyOut) {
   server.publish(1);
   EXPECT_TRUE(runUntil([&] {
     viewer_of_ours->poll();
-    return !viewer_of_ours->all<HapticFrame>().empty();
+    return !viewer_of_ours->all<CodedFrame>().empty();
   }));
   std::size_t turned_out = 0;
   for (const auto& each : silent) {

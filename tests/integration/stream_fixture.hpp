@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,10 +22,10 @@ namespace hapticast::testing {
 /// A server's stream half: listener and broadcaster.
 struct TestServer {
   TestServer(asio::io_context& io, const Clock& clock, server::StreamSettings settings = {},
-             std::uint16_t port = 0)
+             std::uint16_t port = 0, const std::string& host = "127.0.0.1")
       : media(clock),
         broadcaster(io, clock, media, description(), settings),
-        listener(io, {"127.0.0.1", port}, broadcaster) {
+        listener(io, {host, port}, broadcaster) {
     listener.start();
   }
 
@@ -39,31 +40,54 @@ struct TestServer {
     listener.stop();
     broadcaster.stop();
   }
-  /// Publishes a frame with one object whose relief is `side` x `side` px and changes in every
-  /// frame or never.
+  /// Publishes a frame with one object whose relief is `side` x `side` px, flat where it is small
+  /// and noise where it has to be many bytes, and changes in every frame or never.
   void publish(std::uint64_t id, int side = 8, bool changes = true) {
     HapticFrame frame;
     frame.id = id;
     frame.media_time = media.now();
-    frame.objects.push_back(
-        {1, 0, changes ? id : 1, flatRelief({0, 0, side, side}), {}, nullptr, {}, {}});
+    frame.objects.push_back({1,
+                             0,
+                             changes ? id : 1,
+                             side < 200 ? flatRelief({0, 0, side, side}) : noise(side),
+                             {},
+                             nullptr,
+                             {},
+                             {}});
     broadcaster.publish(encoder.encode(frame));
+  }
+
+  /// The same one again, so that it is coded once.
+  std::shared_ptr<const Relief> noise(int side) {
+    if (noise_ && noise_->rect.width == side) return noise_;
+    auto relief = flatRelief({0, 0, side, side});
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> height(0.0F, 30.0F);
+    for (float& each : relief->height_mm) each = height(random);
+    return noise_ = relief;
   }
 
   LocalMediaClock media;
   server::Broadcaster broadcaster;
   server::Listener listener;
   server::FrameEncoder encoder;
+
+ private:
+  std::shared_ptr<const Relief> noise_;
 };
 
 /// A hand-made peer: sends any bytes, reads what comes when asked to.
 class RawPeer {
  public:
   /// `from`: the last number of its own address 127.0.0.x.
-  RawPeer(asio::io_context& io, std::uint16_t port, std::uint8_t from = 1) : socket_(io) {
-    socket_.open(asio::ip::tcp::v4());
-    socket_.bind({asio::ip::address_v4({127, 0, 0, from}), 0});
-    socket_.connect({asio::ip::address_v4::loopback(), port});
+  RawPeer(asio::io_context& io, std::uint16_t port, std::uint8_t from = 1)
+      : RawPeer(io, {asio::ip::address_v4::loopback(), port},
+                asio::ip::address_v4({127, 0, 0, from})) {}
+  RawPeer(asio::io_context& io, const asio::ip::tcp::endpoint& to, const asio::ip::address& from)
+      : socket_(io) {
+    socket_.open(to.protocol());
+    socket_.bind({from, 0});
+    socket_.connect(to);
     socket_.non_blocking(true);
   }
   explicit RawPeer(asio::ip::tcp::socket socket) : socket_(std::move(socket)) {

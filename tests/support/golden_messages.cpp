@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/golden_messages.hpp"
 
+#include "tests/support/coded.hpp"
+
 namespace hapticast::testing {
 
 namespace {
@@ -70,17 +72,27 @@ HapticFrame goldenFrame() {
   return frame;
 }
 
+Welcome goldenWelcome() {
+  Welcome welcome{kProtocolVersion, 42, 0x0123456789ABCDEF, goldenDescription()};
+  welcome.datagram_port = 7448;
+  welcome.stream = 0x89ABCDEF;
+  welcome.verifying_key.emplace().fill(0x5A);
+  welcome.group = DatagramGroup{"239.1.2.3", 7449, 0xFEDCBA9876543210};
+  return welcome;
+}
+
 std::vector<std::pair<std::string, Message>> goldenMessages() {
   return {
       {"hello", Hello{kProtocolVersion, "viewer-1", true, true}},
-      {"welcome", Welcome{kProtocolVersion, 42, 0x0123456789ABCDEF, goldenDescription()}},
+      {"welcome", goldenWelcome()},
       {"ping", Ping{localTime(1.25)}},
       {"pong", Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001)}},
       {"description", goldenDescription()},
-      {"frame", goldenFrame()},
+      {"frame", coded(goldenFrame())},
       {"video", VideoFrame{3, 1000, mediaTime(40.04), {0xFF, 0xD8, 0xFF, 0xE0, 0xFF, 0xD9}}},
       {"report", ReceiverReport{1000, 3, 2, 52.5, 125.0, true}},
       {"preparing", Preparing{0.5}},
+      {"delivery", Delivery{false, true, 2}},
       {"error", WireError{ErrorCode::kServerFull, "all 64 places are taken"}},
   };
 }

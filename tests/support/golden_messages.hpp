@@ -17,5 +17,7 @@ std::vector<std::pair<std::string, Message>> goldenMessages();
 HapticFrame goldenFrame();
 
 StreamDescription goldenDescription();
+/// One that offers datagrams and a group.
+Welcome goldenWelcome();
 
 }  // namespace hapticast::testing

@@ -89,6 +89,7 @@ inline std::shared_ptr<MotionGrid> gridOf(const PixelRect& rect,
 // The lies by what they lie about, in the order of lies().
 Lies floats();
 Lies structure();
+Lies slices();
 Lies order();
 Lies geometry();
 Lies motion();

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 
 namespace hapticast::testing {
@@ -67,7 +68,8 @@ std::vector<Bytes> LyingServer::messages(double until_s) {
     lie_.tell(telling);
     if (telling.silent) continue;
     if (telling.description) out.push_back(encode(*telling.description));
-    const Bytes bytes = telling.bytes ? *telling.bytes : encode(telling.frame);
+    const Bytes bytes =
+        telling.bytes ? *telling.bytes : encode(coder_.code(telling.frame, kFinestSlices));
     out.insert(out.end(), static_cast<std::size_t>(telling.copies), bytes);
   }
   return out;

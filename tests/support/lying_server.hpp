@@ -94,6 +94,7 @@ class LyingServer {
   [[nodiscard]] HapticFrame honestFrame(double t_s) const;
 
   const Lie& lie_;
+  FrameCoder coder_;
   std::mt19937_64 random_{7};
   std::uint64_t next_ = 0;
 };

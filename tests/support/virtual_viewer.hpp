@@ -32,7 +32,7 @@ struct Felt {
   std::vector<std::uint32_t> interferences;
   std::vector<bool> contact;
   std::uint64_t refused = 0;   ///< messages
-  std::uint64_t rejected = 0;  ///< objects
+  std::uint64_t rejected = 0;  ///< objects, and slices of them
   double last_force_N = 0.0;
   double metered_mJ = 0.0;  ///< the same work by the client's own meters, at the end
 
@@ -126,12 +126,12 @@ class VirtualViewer {
 
  private:
   bool take(Message message) {
-    if (auto* const frame = std::get_if<HapticFrame>(&message)) {
+    if (auto* const frame = std::get_if<CodedFrame>(&message)) {
       if (!welcomed_) return false;
       receiver_.frame(std::move(*frame));
       while (preparer_.step()) {
       }
-      felt.rejected = receiver_.counts().reliefs_rejected;
+      felt.rejected = receiver_.counts().reliefs_rejected + receiver_.counts().slices_refused;
       return true;
     }
     if (const auto* const welcome = std::get_if<Welcome>(&message)) {

@@ -13,6 +13,7 @@
 #include "tests/evaluate/codec/codec_shapes.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/topics.hpp"
+#include "tests/support/coded.hpp"
 
 namespace hapticast::evaluate {
 
@@ -140,13 +141,16 @@ void measureShapes(const Options& options, Report& report) {
 // A stream whose reliefs went through slices.
 Stream sliced(const Stream& stream, const SliceSettings& settings) {
   Stream out = stream;
+  HeightEncoder encoder;
   for (Stream::Bytes& bytes : out.frames) {
     auto decoded = decode(*bytes.message);
-    auto& frame = std::get<HapticFrame>(decoded.value());
-    for (HapticObject& object : frame.objects) {
+    auto& frame = std::get<CodedFrame>(decoded.value());
+    for (CodedObject& object : frame.objects) {
       if (!object.relief) continue;
-      Coded cost;
-      object.relief = std::make_shared<Relief>(throughSlices(*object.relief, settings, cost));
+      CodedRelief relief{object.relief->rect, {}, 0};
+      relief.slices = encoder.encode(testing::decodedRelief(*object.relief), settings);
+      relief.slice_count = relief.slices.size();
+      object.relief = std::make_shared<CodedRelief>(std::move(relief));
     }
     bytes.message = encodeShared(frame);
   }

@@ -48,7 +48,7 @@ class Viewer {
       auto message = decode(bytes);
       if (!message.ok())
         throw std::runtime_error("a frame cannot be read: " + stream_.description.name);
-      receiver_.frame(std::get<HapticFrame>(std::move(message.value())));
+      receiver_.frame(std::get<CodedFrame>(std::move(message.value())));
       (void)preparer_.step();
     }
     return next_ > first;

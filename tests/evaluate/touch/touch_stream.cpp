@@ -7,6 +7,7 @@
 
 #include "server/stream/encoded.hpp"
 #include "tests/evaluate/thread_time.hpp"
+#include "tests/support/coded.hpp"
 
 namespace hapticast::evaluate {
 
@@ -57,7 +58,8 @@ Stream play(server::RgbdSource& source, const server::VisionSettings& settings, 
   Stream out;
   const auto take = [&](server::VisionResult& result) {
     look(result.frame, vision.description().workspace);
-    out.frames.push_back({toSeconds(result.frame.media_time), encoder.encode(result.frame).lean});
+    out.frames.push_back({toSeconds(result.frame.media_time),
+                          encoder.encode(result.frame, testing::kFinestSlices).lean});
   };
   while (auto frame = source.read()) {
     if (frame->clip_time_s > longest_s) break;

@@ -6,8 +6,8 @@
 namespace hapticast::client {
 namespace {
 
-HapticFrame frameOf(std::uint64_t id, std::uint32_t epoch = 0) {
-  HapticFrame frame;
+CodedFrame frameOf(std::uint64_t id, std::uint32_t epoch = 0) {
+  CodedFrame frame;
   frame.id = id;
   frame.epoch = epoch;
   frame.media_time = mediaTime(0.04 * static_cast<double>(id));
@@ -44,7 +44,7 @@ TEST(FrameAssembler, OneAbsurdIdDoesNotSilenceTheStream) {
   assembler.restart();
   const std::uint32_t begin = assembler.epoch();
   ASSERT_TRUE(assembler.add(frameOf(81)));
-  HapticFrame absurd = frameOf(82);
+  CodedFrame absurd = frameOf(82);
   absurd.id = ~std::uint64_t{0};
   const auto jumped = assembler.add(absurd);
   ASSERT_TRUE(jumped);

@@ -8,13 +8,13 @@
 namespace hapticast::client {
 namespace {
 
-HapticObject objectOf(std::uint32_t id, std::uint64_t changed, std::size_t pixels) {
-  auto relief = std::make_shared<Relief>();
-  relief->mask.assign(pixels, 1);
-  return {id, 0, changed, pixels > 0 ? std::move(relief) : nullptr, {}, nullptr, {}, {}};
+CodedObject objectOf(std::uint32_t id, std::uint64_t changed, std::size_t bytes) {
+  auto relief = std::make_shared<CodedRelief>();
+  relief->slices.emplace_back(bytes);
+  return {id, 0, changed, bytes > 0 ? std::move(relief) : nullptr, {}, nullptr, {}, {}};
 }
 
-AssembledFrame frameWith(std::uint64_t id, std::vector<HapticObject> objects = {}) {
+AssembledFrame frameWith(std::uint64_t id, std::vector<CodedObject> objects = {}) {
   AssembledFrame assembled;
   assembled.frame.id = id;
   assembled.frame.objects = std::move(objects);
@@ -49,9 +49,9 @@ TEST(FrameQueue, TheNewestWinAndTheReliefsOfWhatIsLeftOutStay) {
   EXPECT_TRUE(queue.pop()->left_out.empty());
 }
 
-TEST(FrameQueue, IsBoundedByPixelsToo) {
+TEST(FrameQueue, IsBoundedByBytesToo) {
   FrameQueue queue;
-  constexpr std::size_t kHalf = FrameQueue::kMaxPixels / 2;
+  constexpr std::size_t kHalf = FrameQueue::kMaxBytes / 2;
   EXPECT_EQ(queue.push(frameWith(1, {objectOf(1, 1, kHalf)})), 0U);
   EXPECT_EQ(queue.push(frameWith(2, {objectOf(2, 2, kHalf)})), 0U);
   EXPECT_EQ(queue.push(frameWith(3, {objectOf(3, 3, kHalf)})), 1U);
@@ -78,11 +78,11 @@ TEST(FrameQueue, KeepsReliefsOfNoMoreObjectsThanTheCacheDoes) {
 TEST(FrameQueue, ClearForgetsEverything) {
   FrameQueue queue;
   for (std::uint64_t id = 1; id <= FrameQueue::kMaxFrames + 1; ++id) {
-    (void)queue.push(frameWith(id, {objectOf(1, id, FrameQueue::kMaxPixels / 40)}));
+    (void)queue.push(frameWith(id, {objectOf(1, id, FrameQueue::kMaxBytes / 40)}));
   }
   queue.clear();
   EXPECT_TRUE(queue.empty());
-  EXPECT_EQ(queue.push(frameWith(1, {objectOf(1, 1, FrameQueue::kMaxPixels)})), 0U);
+  EXPECT_EQ(queue.push(frameWith(1, {objectOf(1, 1, FrameQueue::kMaxBytes)})), 0U);
   EXPECT_TRUE(queue.pop()->left_out.empty());
 }
 

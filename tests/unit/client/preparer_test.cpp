@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -21,8 +22,8 @@ AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief
   assembled.place.media_time = assembled.frame.media_time =
       mediaTime(0.04 * static_cast<double>(id));
   const auto side = static_cast<int>(8 + changed % 8);
-  assembled.frame.objects.push_back(
-      {7, 0, changed, with_relief ? flatRelief({0, 0, side, side}) : nullptr, {}, nullptr, {}, {}});
+  assembled.frame.objects.push_back(testing::coded(HapticObject{
+      7, 0, changed, with_relief ? flatRelief({0, 0, side, side}) : nullptr, {}, nullptr, {}, {}}));
   return assembled;
 }
 

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -42,7 +43,7 @@ class ReceiverTest : public ::testing::Test {
   void arrive(const HapticFrame& frame, double lateness_s = 0.010) {
     clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
                         fromSeconds(kLatency_s + lateness_s)));
-    receiver.frame(frame);
+    receiver.frame(testing::coded(frame));
     (void)preparer.step();
   }
   /// What the loop gets next; null when nothing came.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 
 namespace hapticast::client {
@@ -19,12 +20,12 @@ TEST(ReliefCache, ASameReliefResentIsTheSameToTouch) {
     object.id = 1;
     object.changed_in_frame = ++frame_id;
     object.relief = std::move(relief);
-    return cache.resolve(object, frame_id).field;
+    return cache.resolve(testing::coded(object), frame_id).field;
   };
   const auto first = fieldOf(flatRelief(kResent_px));
   ASSERT_TRUE(first);
   EXPECT_EQ(fieldOf(flatRelief(kResent_px)), first);
-  HapticObject unchanged;
+  CodedObject unchanged;
   unchanged.id = 1;
   unchanged.changed_in_frame = frame_id;
   EXPECT_EQ(cache.resolve(unchanged, frame_id + 1).field, first) << "since the newer of the two";

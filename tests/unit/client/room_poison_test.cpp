@@ -165,7 +165,7 @@ double chaos(const RoomSettings& room, unsigned seed, bool moving) {
                           : luck < 0.002 ? DeviceStatus::kNoData
                                          : DeviceStatus::kOk;
     (void)attack.step();
-    if (testing::Test::HasFatalFailure()) break;
+    if (::testing::Test::HasFatalFailure()) break;
   }
   return attack.max_force_N;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/wire/messages.hpp"
+#include "tests/support/coded.hpp"
 
 namespace hapticast::testing {
 
@@ -20,6 +21,9 @@ T roundTrip(const T& message) {
   return std::get<T>(std::move(decoded).value());
 }
 
+/// What arrives of a frame; its reliefs as slices.
+inline CodedFrame roundTrip(const HapticFrame& frame) { return roundTrip(coded(frame)); }
+
 /// The error that a message gives at the other side; fails the test when it is taken.
 inline ErrorCode refusal(const Message& message) {
   const auto decoded = decode(encode(message));
@@ -27,6 +31,8 @@ inline ErrorCode refusal(const Message& message) {
   EXPECT_FALSE(decoded.error().message.empty());
   return decoded.error().code;
 }
+
+inline ErrorCode refusal(const HapticFrame& frame) { return refusal(Message(coded(frame))); }
 
 inline Relief randomRelief(PixelRect rect, std::uint32_t seed, float height_mm) {
   std::mt19937 random(seed);

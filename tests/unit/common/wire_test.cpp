@@ -84,10 +84,23 @@ TEST(Wire, CarriesHelloWelcomePingPong) {
   EXPECT_EQ(hello.client_name, "ann");
   EXPECT_TRUE(hello.wants_video);
   EXPECT_FALSE(hello.wants_frames_on_tcp);
-  const auto welcome = roundTrip(Welcome{1, 9, 77, goldenDescription()});
-  EXPECT_EQ(welcome.session_id, 9U);
-  EXPECT_EQ(welcome.datagram_token, 77U);
+  const auto plain = roundTrip(Welcome{1, 9, 0, goldenDescription()});
+  EXPECT_EQ(plain.session_id, 9U);
+  EXPECT_EQ(plain.datagram_token, 0U);
+  EXPECT_EQ(plain.verifying_key, std::nullopt);
+  EXPECT_EQ(plain.group, std::nullopt);
+  const Welcome sent = testing::goldenWelcome();
+  const auto welcome = roundTrip(sent);
+  EXPECT_EQ(welcome.datagram_token, sent.datagram_token);
   EXPECT_EQ(welcome.description, goldenDescription());
+  EXPECT_EQ(welcome.datagram_port, 7448);
+  EXPECT_EQ(welcome.stream, sent.stream);
+  EXPECT_EQ(welcome.verifying_key, sent.verifying_key);
+  EXPECT_EQ(welcome.group, sent.group);
+  const auto delivery = roundTrip(Delivery{false, true, 4});
+  EXPECT_FALSE(delivery.on_tcp);
+  EXPECT_TRUE(delivery.datagrams);
+  EXPECT_EQ(delivery.copies, 4U);
   EXPECT_EQ(roundTrip(Ping{localTime(-1.5)}).t0, localTime(-1.5));
   const auto pong = roundTrip(Pong{localTime(1), mediaTime(2), mediaTime(3)});
   EXPECT_EQ(pong.t0, localTime(1));
@@ -118,12 +131,12 @@ TEST(Wire, CarriesDescriptionsReportsVideoAndErrors) {
 
 TEST(Wire, CarriesEveryFieldOfAFrame) {
   const HapticFrame sent = goldenFrame();
-  const HapticFrame got = roundTrip(sent);
+  const CodedFrame got = roundTrip(sent);
   EXPECT_EQ(got.epoch, 3U);
   EXPECT_EQ(got.id, 1000U);
   EXPECT_EQ(got.media_time, sent.media_time);
   ASSERT_EQ(got.objects.size(), 2U);
-  const HapticObject& ball = got.objects[0];
+  const CodedObject& ball = got.objects[0];
   const HapticObject& from = sent.objects[0];
   EXPECT_EQ(ball.id, 7U);
   EXPECT_EQ(ball.layer, 1U);
@@ -167,32 +180,39 @@ TEST(Wire, CarriesEachFieldOfAMaterialAloneAndItsZero) {
   }
 }
 
-TEST(Wire, HeightsKeepWithinHalfAStepAndMasksExactly) {
+TEST(Wire, HeightsKeepWithinTheBoundAndMasksExactly) {
   for (const int width : {1, 7, 8, 9, 64, 1920}) {
     HapticFrame frame = goldenFrame();
     frame.objects[0].grid = nullptr;
     const Relief sent = randomRelief({0, 2, width, 5}, static_cast<std::uint32_t>(width), 30.0F);
     frame.objects[0].relief = std::make_shared<Relief>(sent);
-    const HapticFrame got = roundTrip(frame);
+    const CodedFrame got = roundTrip(frame);
     ASSERT_TRUE(got.objects[0].relief);
-    const Relief& relief = *got.objects[0].relief;
+    EXPECT_TRUE(got.objects[0].relief->whole());
+    const Relief relief = testing::decodedRelief(*got.objects[0].relief);
     EXPECT_EQ(relief.rect, sent.rect);
     EXPECT_EQ(relief.mask, sent.mask);
     ASSERT_EQ(relief.height_mm.size(), sent.height_mm.size());
     for (std::size_t i = 0; i < sent.height_mm.size(); ++i) {
-      EXPECT_NEAR(relief.height_mm[i], sent.height_mm[i], 30.0 / 65535.0 / 2.0 + 5e-6);
+      EXPECT_NEAR(relief.height_mm[i], sent.height_mm[i], testing::kFinestSlices.error_mm);
     }
   }
 }
 
-TEST(Wire, ConstantHeightsAreExact) {
+TEST(Wire, SlicesOfAReliefStayAsTheyAre) {
+  const CodedFrame sent = testing::coded(goldenFrame());
+  EXPECT_EQ(*roundTrip(sent).objects[0].relief, *sent.objects[0].relief);
+}
+
+TEST(FrameCoder, CodesAReliefOnceForAsLongAsItStays) {
+  FrameCoder coder;
   HapticFrame frame = goldenFrame();
-  Relief flat = randomRelief({0, 0, 4, 4}, 1, 1.0F);
-  flat.mask.assign(16, 1);
-  flat.height_mm.assign(16, 12.3F);
-  frame.objects[0].relief = std::make_shared<Relief>(flat);
-  const HapticFrame got = roundTrip(frame);
-  EXPECT_EQ(got.objects[0].relief->height_mm, flat.height_mm);
+  const auto first = coder.code(frame).objects[0].relief;
+  EXPECT_EQ(coder.code(frame).objects[0].relief, first);
+  EXPECT_NE(coder.code(frame, testing::kFinestSlices).objects[0].relief, first) << "another bound";
+  frame.objects[0].relief = std::make_shared<Relief>(*frame.objects[0].relief);
+  EXPECT_NE(coder.code(frame, testing::kFinestSlices).objects[0].relief, first);
+  EXPECT_FALSE(coder.code(frame).objects[1].relief) << "left out means unchanged";
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ HapticFrame frame(std::uint64_t id) {
   return frame;
 }
 
-HapticFrame decoded(const SharedBytes& bytes) {
+CodedFrame decoded(const SharedBytes& bytes) {
   auto message = decode(*bytes);
-  return std::get<HapticFrame>(std::move(message).value());
+  return std::get<CodedFrame>(std::move(message).value());
 }
 
 TEST(FrameEncoder, LeavesOutWhatDidNotChange) {
@@ -38,11 +38,11 @@ TEST(FrameEncoder, LeavesOutWhatDidNotChange) {
   const EncodedFrame second = encoder.encode(frame(2));
   EXPECT_EQ(second.id, 2U);
   EXPECT_EQ(second.media_time, mediaTime(0.08));
-  const HapticFrame lean = decoded(second.lean);
+  const CodedFrame lean = decoded(second.lean);
   EXPECT_TRUE(lean.objects[0].relief);
   EXPECT_FALSE(lean.objects[1].relief);
   EXPECT_EQ(second.epoch, 0U);
-  const HapticFrame whole = decoded(second.whole->payload());
+  const CodedFrame whole = decoded(second.whole->payload());
   EXPECT_TRUE(whole.objects[0].relief);
   EXPECT_TRUE(whole.objects[1].relief);
   EXPECT_EQ(second.whole->payload(), second.whole->payload()) << "once for all who ask";

@@ -20,11 +20,13 @@ class CountingSink final : public StreamSink {
   }
   void publish(EncodedVideo video) override { videos.push_back(video.id); }
   [[nodiscard]] bool videoWanted() const override { return wants_video; }
+  [[nodiscard]] bool datagramsWanted() const override { return wants_datagrams; }
 
   std::vector<std::string> names;
   std::vector<EncodedFrame> frames;
   std::vector<std::uint64_t> videos;
   bool wants_video = false;
+  bool wants_datagrams = false;
   std::uint64_t fails_at = 0;
 };
 
@@ -55,6 +57,19 @@ TEST(EncoderThread, GivesEverySinkTheSameBytesInOrder) {
   }
   EXPECT_EQ(first.names, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(second.videos.size(), 20U);
+}
+
+TEST(EncoderThread, SignsDatagramsOnlyForWhoWantsThem) {
+  DatagramSigner signer;
+  for (const bool wanted : {false, true}) {
+    CountingSink sink;
+    sink.wants_datagrams = wanted;
+    EncoderThread encoder({&sink}, &signer);
+    encoder.push(named("a"), result(1));
+    encoder.finish();
+    ASSERT_EQ(sink.frames.size(), 1U);
+    EXPECT_EQ(sink.frames[0].datagrams != nullptr, wanted);
+  }
 }
 
 TEST(EncoderThread, MakesPicturesOnlyForWhoWantsThem) {

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/carry_over.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <optional>
+
+namespace hapticast::client {
+
+namespace {
+
+/// The height at an image point: bilinear between pixel centres inside the mask, the mean of those
+/// that are inside where the mask ends; nullopt outside.
+std::optional<float> heightAt(const Relief& relief, const Vec2& image_px) {
+  const double u = image_px.x() - relief.rect.u - 0.5, v = image_px.y() - relief.rect.v - 0.5;
+  if (!(u > -1.0 && v > -1.0 && u < relief.rect.width && v < relief.rect.height))
+    return std::nullopt;
+  const auto inside = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < relief.rect.width && y < relief.rect.height &&
+           relief.mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(relief.rect.width) +
+                       static_cast<std::size_t>(x)] != 0;
+  };
+  if (!inside(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v))))
+    return std::nullopt;
+  const int left = static_cast<int>(std::floor(u)), top = static_cast<int>(std::floor(v));
+  double sum = 0.0, weights = 0.0;
+  for (const int y : {top, top + 1}) {
+    for (const int x : {left, left + 1}) {
+      if (!inside(x, y)) continue;
+      const double weight = (1.0 - std::abs(u - x)) * (1.0 - std::abs(v - y));
+      const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(relief.rect.width) +
+                      static_cast<std::size_t>(x);
+      sum += weight * static_cast<double>(relief.height_mm[at]);
+      weights += weight;
+    }
+  }
+  return static_cast<float>(sum / weights);  // the nearest pixel has a quarter at least
+}
+
+}  // namespace
+
+void carryOver(const SeenRelief& before, const Motion& now, const Workspace& workspace,
+               const std::vector<std::uint8_t>& have, Relief& to) {
+  const Motion& then = before.motion;
+  const Eigen::Rotation2Dd back(then.angle_rad - now.angle_rad);
+  const auto raised = static_cast<float>(now.position_mm.z() - then.position_mm.z());
+  std::size_t i = 0;
+  for (int v = to.rect.v; v < to.rect.v + to.rect.height; ++v) {
+    for (int u = to.rect.u; u < to.rect.u + to.rect.width; ++u, ++i) {
+      if (have[i] != 0) continue;
+      const Vec2 from_point = workspace.toNominal({u + 0.5, v + 0.5}) - now.position_mm.head<2>();
+      const Vec2 was = back * from_point + then.position_mm.head<2>();
+      const auto height = heightAt(*before.relief, workspace.toImage(was));
+      to.mask[i] = height ? 1 : 0;
+      to.height_mm[i] = height ? *height + raised : 0.0F;
+    }
+  }
+}
+
+}  // namespace hapticast::client

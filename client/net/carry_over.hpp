@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// What a lost slice would have brought: the relief before, carried along with the object. Pure.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/haptic_frame.hpp"
+
+namespace hapticast::client {
+
+/// A relief, and where its object was when it was seen so.
+struct SeenRelief {
+  std::shared_ptr<const Relief> relief;
+  Motion motion;
+};
+
+/// Fills the pixels of `to` that `have` does not mark (a byte for each pixel of its rectangle) with
+/// what `before` has there once it is moved, turned about its reference point and raised as the
+/// object was until `now`.
+void carryOver(const SeenRelief& before, const Motion& now, const Workspace& workspace,
+               const std::vector<std::uint8_t>& have, Relief& to);
+
+}  // namespace hapticast::client

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "common/wire/frame_pieces.hpp"
+
+#include <algorithm>
+
+#include "common/wire/framing.hpp"
+#include "common/wire/read_frame.hpp"
+#include "common/wire/write_frame.hpp"
+
+namespace hapticast {
+
+namespace {
+
+/// Chosen: 960 bytes, beside which the rest of the message has room.
+constexpr std::size_t kCellsInPiece = 40;
+
+class Packer {
+ public:
+  void head(const CodedObject& object) {
+    add(object, [&object](proto::Object& to) {
+      to.set_rest(false);
+      writeHead(object, to);
+      if (!object.relief) return;
+      writeRect(object.relief->rect, *to.mutable_relief());
+      to.mutable_relief()->set_slice_count(
+          static_cast<std::uint32_t>(object.relief->slices.size()));
+    });
+  }
+  void slice(const CodedObject& object, const SliceBytes& slice) {
+    add(object, [&](proto::Object& to) {
+      writeRect(object.relief->rect, *to.mutable_relief());
+      to.mutable_relief()->add_slices(slice.data(), slice.size());
+    });
+  }
+  void cells(const CodedObject& object, std::size_t first) {
+    add(object, [&](proto::Object& to) {
+      writeCells(*object.grid, first, kCellsInPiece, *to.mutable_motion()->mutable_grid());
+    });
+  }
+  /// The payloads: at least one, which may be empty.
+  std::vector<std::vector<std::uint8_t>> finish() {
+    flush();
+    const bool small = pieces_.size() <= kMostParts && bytes_ <= kMaxMessageBytes;
+    return small ? std::move(pieces_) : std::vector<std::vector<std::uint8_t>>();
+  }
+
+ private:
+  /// Into the piece that is being filled, or into a new one where it does not fit.
+  template <class Put>
+  void add(const CodedObject& object, const Put& put) {
+    proto::HapticFrame grown = piece_;
+    put(objectIn(grown, object));
+    if (grown.ByteSizeLong() > kMostPieceBytes) {
+      flush();
+      grown.Clear();
+      put(objectIn(grown, object));
+    }
+    piece_ = std::move(grown);
+  }
+  static proto::Object& objectIn(proto::HapticFrame& piece, const CodedObject& object) {
+    for (proto::Object& each : *piece.mutable_objects()) {
+      if (each.id() == object.id && each.layer() == object.layer) return each;
+    }
+    proto::Object& added = *piece.add_objects();
+    added.set_id(object.id);
+    added.set_layer(object.layer);
+    added.set_rest(true);
+    return added;
+  }
+  void flush() {
+    std::vector<std::uint8_t> payload(piece_.ByteSizeLong());
+    piece_.SerializeWithCachedSizesToArray(payload.data());
+    bytes_ += payload.size();
+    pieces_.push_back(std::move(payload));
+    piece_.Clear();
+  }
+
+  proto::HapticFrame piece_;
+  std::vector<std::vector<std::uint8_t>> pieces_;
+  std::size_t bytes_ = 0;
+};
+
+/// What of the header is the same in all parts of a frame.
+bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
+  a.part = b.part;
+  return a == b;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame) {
+  Packer packer;
+  for (const CodedObject& object : frame.objects) packer.head(object);
+  for (const CodedObject& object : frame.objects) {
+    const std::size_t cells = object.grid ? object.grid->velocity_mm_s.size() : 0;
+    for (std::size_t i = 0; i < cells; i += kCellsInPiece) packer.cells(object, i);
+    if (!object.relief) continue;
+    for (const SliceBytes& slice : object.relief->slices) packer.slice(object, slice);
+  }
+  return packer.finish();
+}
+
+Result<FramePiece, WireError> readPiece(std::span<const std::uint8_t> payload,
+                                        std::uint64_t frame) {
+  Check check;
+  check.bound(payload.size(), kMostPieceBytes, "a piece is too long");
+  if (!check.error()) boundCountsOfFrame(payload, check);
+  proto::HapticFrame parsed;
+  if (!check.error()) {
+    check.require(parsed.ParseFromArray(payload.data(), static_cast<int>(payload.size())),
+                  "bytes that are not a piece");
+  }
+  if (check.error()) return *check.error();
+  FramePiece piece = readFramePiece(parsed, frame, check);
+  if (check.error()) return *check.error();
+  return piece;
+}
+
+JoinedFrame::JoinedFrame(const DatagramHeader& any_part)
+    : header_(any_part), had_(any_part.parts) {}
+
+bool JoinedFrame::lacks(const DatagramHeader& part) const {
+  return sameFrame(part, header_) && part.part < had_.size() && !had_[part.part];
+}
+
+std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
+                                          std::span<const std::uint8_t> payload) {
+  if (!lacks(part)) return malformed("a part that was had before, or of another frame");
+  if (bytes_ + payload.size() > kMaxMessageBytes)
+    return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
+  auto piece = readPiece(payload, header_.frame);
+  if (!piece.ok()) return piece.error();
+  for (const ObjectPiece& each : piece.value()) {
+    if (auto error = join(each)) return error;
+  }
+  bytes_ += payload.size();
+  had_[part.part] = true;
+  ++had_count_;
+  return std::nullopt;
+}
+
+std::optional<WireError> JoinedFrame::join(ObjectPiece piece) {
+  const CodedObject& from = piece.object;
+  const std::pair key{from.id, from.layer};
+  if (!objects_.contains(key) && objects_.size() == kMaxObjects)
+    return WireError{ErrorCode::kTooLarge, "too many objects"};
+  Joined& to = objects_[key];
+  if (piece.head && to.head) return malformed("an object appears twice");
+  if (from.relief && !joinRelief(*from.relief, to))
+    return malformed("parts of a relief that contradict each other");
+  if (from.grid && !joinGrid(*from.grid, piece.first_cell, to))
+    return malformed("parts of a grid that contradict each other");
+  if (piece.head) {
+    to.object = piece.object;
+    to.head = true;
+  }
+  return std::nullopt;
+}
+
+bool JoinedFrame::joinRelief(const CodedRelief& piece, Joined& to) {
+  if (to.relief.rect.empty()) to.relief.rect = piece.rect;
+  if (to.relief.rect != piece.rect) return false;
+  if (piece.slice_count > 0) to.relief.slice_count = piece.slice_count;
+  to.relief.slices.insert(to.relief.slices.end(), piece.slices.begin(), piece.slices.end());
+  return true;
+}
+
+bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
+  const auto cells = static_cast<std::size_t>(piece.columns) * static_cast<std::size_t>(piece.rows);
+  if (to.cells.empty()) {
+    to.grid = {piece.columns, piece.rows, {}, {}};
+    to.grid.velocity_mm_s.resize(cells);
+    to.grid.acceleration_mm_s2.resize(cells);
+    to.cells.resize(cells);
+  }
+  if (to.grid.columns != piece.columns || to.grid.rows != piece.rows) return false;
+  for (std::size_t i = 0; i < piece.velocity_mm_s.size(); ++i) {
+    if (to.cells[first_cell + i]) return false;
+    to.cells[first_cell + i] = true;
+    to.grid.velocity_mm_s[first_cell + i] = piece.velocity_mm_s[i];
+    to.grid.acceleration_mm_s2[first_cell + i] = piece.acceleration_mm_s2[i];
+  }
+  return true;
+}
+
+Result<CodedFrame, WireError> JoinedFrame::frame() const {
+  CodedFrame frame{header_.epoch, header_.frame, header_.media_time, {}};
+  frame.objects.reserve(objects_.size());
+  for (const auto& [key, each] : objects_) {
+    if (!each.head) continue;
+    CodedObject& object = frame.objects.emplace_back(each.object);
+    if (object.relief) object.relief = std::make_shared<const CodedRelief>(each.relief);
+    object.grid = nullptr;
+    if (!each.cells.empty() &&
+        std::all_of(each.cells.begin(), each.cells.end(), [](bool had) { return had; }))
+      object.grid = std::make_shared<const MotionGrid>(each.grid);
+  }
+  Check check;
+  checkFrame(frame, check);
+  if (check.error()) return *check.error();
+  return frame;
+}
+
+}  // namespace hapticast

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// Ed25519 signatures (RFC 8032): whoever knows the verifying key can check what only the signing
+// key can make. The one door to OpenSSL's signatures and random numbers. Thread: one per object,
+// except where a function says "any".
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "common/result.hpp"
+
+struct evp_md_ctx_st;
+struct evp_pkey_st;
+
+namespace hapticast {
+
+inline constexpr std::size_t kSignatureBytes = 64;
+inline constexpr std::size_t kKeyBytes = 32;
+using Signature = std::array<std::uint8_t, kSignatureBytes>;
+using KeyBytes = std::array<std::uint8_t, kKeyBytes>;
+
+namespace signature_detail {
+struct Free {
+  void operator()(evp_md_ctx_st* context) const noexcept;
+  void operator()(evp_pkey_st* key) const noexcept;
+};
+using Key = std::unique_ptr<evp_pkey_st, Free>;
+using Context = std::unique_ptr<evp_md_ctx_st, Free>;
+}  // namespace signature_detail
+
+class SigningKey {
+ public:
+  /// A fresh one that nobody can guess. Throws std::runtime_error where the system has no random
+  /// numbers.
+  SigningKey();
+  /// The one that RFC 8032 derives from a seed: for tests and examples.
+  explicit SigningKey(const KeyBytes& seed);
+
+  [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] const KeyBytes& verifyingKey() const noexcept { return verifying_key_; }
+
+ private:
+  explicit SigningKey(signature_detail::Key key);
+
+  signature_detail::Key key_;
+  signature_detail::Context context_;
+  KeyBytes verifying_key_{};
+};
+
+class VerifyingKey {
+ public:
+  /// An error where the bytes are no key of 32 bytes.
+  [[nodiscard]] static Result<VerifyingKey> from(std::span<const std::uint8_t> bytes);
+
+  /// Whether the key's owner has signed exactly these bytes.
+  [[nodiscard]] bool verify(std::span<const std::uint8_t> bytes,
+                            std::span<const std::uint8_t> signature) const noexcept;
+
+ private:
+  VerifyingKey(signature_detail::Key key, signature_detail::Context context) noexcept;
+
+  signature_detail::Key key_;
+  signature_detail::Context context_;
+};
+
+/// 64 bits that nobody can guess, never 0. Throws std::runtime_error where the system has none.
+/// Thread: any.
+[[nodiscard]] std::uint64_t unguessable();
+
+}  // namespace hapticast

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "server/stream/datagram_sender.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "common/wire/limits.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// Chosen: a frame's datagrams for some hundred viewers. The system allows less, as it is set up.
+constexpr int kSendBuffer_bytes = 4 << 20;
+
+std::vector<SharedBodies> roundOf(const std::deque<SharedBodies>& frames) {
+  return {frames.begin(), frames.end()};
+}
+
+}  // namespace
+
+DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
+                               const asio::ip::tcp::endpoint& listener,
+                               const DatagramSigner& signer, MulticastGroup* group)
+    : socket_(io),
+      clock_(clock),
+      signer_(signer),
+      group_(group),
+      listener_port_(listener.port()),
+      book_(signer.stream()),
+      out_(socket_) {
+  const auto require = [&](const boost::system::error_code& failed) {
+    if (failed) throw std::runtime_error("cannot send datagrams: " + failed.message());
+  };
+  boost::system::error_code ec;
+  asio::ip::udp::endpoint at(listener.address(), listener.port());
+  require(socket_.open(at.protocol(), ec));
+  require(socket_.non_blocking(true, ec));
+  socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer_bytes), ec);
+  if (socket_.bind(at, ec)) {
+    spdlog::info("UDP port {} is in use: datagrams come from another one", listener.port());
+    at.port(0);
+    require(socket_.bind(at, ec));
+  }
+  port_ = socket_.local_endpoint().port();
+  if (group_ != nullptr) {
+    group_out_ = std::make_unique<DatagramOut>(group_->socket());
+    group_token_ = unguessable();
+  }
+  asio::co_spawn(
+      io, [this] { return takeEchoes(); }, asio::detached);
+}
+
+void DatagramSender::offer(const Hosts& hosts, Welcome& welcome) {
+  if (hosts.peer.is_unspecified() || hosts.local.is_unspecified()) return;
+  welcome.datagram_token = book_.add(hosts.peer, hosts.local);
+  welcome.datagram_port = port_ == listener_port_ ? 0 : port_;
+  welcome.stream = signer_.stream();
+  welcome.verifying_key = signer_.verifyingKey();
+  if (group_ != nullptr) {
+    const auto& at = group_->endpoint();
+    welcome.group = DatagramGroup{at.address().to_string(), at.port(), group_token_};
+  }
+  countTakers();
+}
+
+void DatagramSender::left(std::uint64_t token) {
+  counts_.viewers += book_.remove(token);
+  countTakers();
+}
+
+void DatagramSender::deliver(std::uint64_t token, const Delivery& delivery) {
+  book_.deliver(token, delivery);
+  countTakers();
+}
+
+void DatagramSender::countTakers() {
+  const bool group = group_ != nullptr && book_.size() > 0;
+  wanted_.store(group || book_.anyTaker(), std::memory_order_relaxed);
+}
+
+void DatagramSender::check(LocalTime now) {
+  book_.forget(now);
+  countTakers();
+}
+
+void DatagramSender::send(const EncodedFrame& frame) {
+  if (!frame.datagrams) return last_.clear();
+  last_.push_front(frame.datagrams);
+  if (last_.size() > limits::kMostCopies) last_.pop_back();
+  std::vector<DatagramTarget> targets;
+  targets.reserve(book_.size());
+  book_.forEachTaker([&targets](std::uint64_t token, const AddressBook::Viewer& viewer) {
+    targets.push_back({token, *viewer.at, viewer.local, viewer.copies, viewer.counts});
+  });
+  // Whoever comes last has it some milliseconds later: not always the same one.
+  if (!targets.empty()) {
+    const auto first = static_cast<std::ptrdiff_t>(frame.id % targets.size());
+    std::rotate(targets.begin(), targets.begin() + first, targets.end());
+  }
+  out_.send(roundOf(last_), targets);
+  if (group_out_ && book_.size() > 0) {
+    group_out_->send(roundOf(last_),
+                     {{group_token_, group_->endpoint(), {}, book_.groupCopies(), group_counts_}});
+  }
+}
+
+void DatagramSender::stop() {
+  out_.stop();
+  if (group_out_) group_out_->stop();
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+}
+
+asio::awaitable<void> DatagramSender::takeEchoes() {
+  std::array<std::uint8_t, kEchoBytes + 1> bytes{};  // what is longer shows
+  while (socket_.is_open()) {
+    boost::system::error_code ec;
+    co_await socket_.async_wait(asio::socket_base::wait_read,
+                                asio::redirect_error(asio::use_awaitable, ec));
+    for (std::size_t i = 0; i < kMostEchoes && !ec && socket_.is_open(); ++i) {
+      asio::ip::udp::endpoint from;
+      const std::size_t size = socket_.receive_from(asio::buffer(bytes), from, 0, ec);
+      if (!ec) take(std::span(bytes).first(size), from);
+    }
+  }
+}
+
+void DatagramSender::take(std::span<const std::uint8_t> bytes,
+                          const asio::ip::udp::endpoint& from) {
+  const EchoVerdict verdict = book_.take(bytes, from, clock_.now());
+  ++counts_.echoes[static_cast<std::size_t>(verdict)];
+  if (verdict != EchoVerdict::kBelieved) return;
+  const std::uint64_t token = readEcho(bytes)->token;
+  const AddressBook::Viewer& viewer = *book_.find(token);
+  // One that the system does not take comes with the next echo.
+  (void)out_.sendNow(signer_.probe(), {token, from, viewer.local, 1, viewer.counts});
+  countTakers();
+}
+
+DatagramSenderCounts DatagramSender::counts() const {
+  DatagramSenderCounts counts = counts_;
+  counts.group = *group_counts_;
+  counts.viewers += book_.counts();
+  return counts;
+}
+
+}  // namespace hapticast::server

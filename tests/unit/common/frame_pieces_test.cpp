@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "common/wire/frame_pieces.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <random>
+
+#include "common/wire/messages.hpp"
+#include "tests/support/coded.hpp"
+#include "tests/support/golden_messages.hpp"
+#include "tests/unit/common/wire_messages.hpp"
+
+namespace hapticast {
+namespace {
+
+using Payloads = std::vector<std::vector<std::uint8_t>>;
+
+std::shared_ptr<const MotionGrid> fullGrid(const PixelRect& rect) {
+  auto grid = std::make_shared<MotionGrid>();
+  grid->columns = gridCells(rect.width);
+  grid->rows = gridCells(rect.height);
+  for (int i = 0; i < grid->columns * grid->rows; ++i) {
+    const auto value = static_cast<float>(i);
+    grid->velocity_mm_s.emplace_back(value, -value, 1.0F);
+    grid->acceleration_mm_s2.emplace_back(10.0F, value, 2.0F * value);
+  }
+  return grid;
+}
+
+/// Objects of all sizes: rough reliefs of many slices, grids, and some that did not change.
+CodedFrame largeFrame(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  HapticFrame frame = testing::goldenFrame();
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    HapticObject object = frame.objects[i % 2];
+    object.id = 4'000'000'000U + i;
+    object.layer = i % 3;
+    if (i % 3 != 2) {
+      const PixelRect rect{static_cast<int>(random() % 100), 3,
+                           20 + static_cast<int>(random() % 150),
+                           10 + static_cast<int>(random() % 100)};
+      object.relief = std::make_shared<Relief>(
+          testing::randomRelief(rect, seed + i, i % 2 == 0 ? 30.0F : 0.5F));
+      object.grid = i % 2 == 0 ? fullGrid(rect) : nullptr;
+    }
+    frame.objects.push_back(object);
+  }
+  return testing::coded(frame, {});
+}
+
+/// The same order of objects and slices, whichever they came in.
+CodedFrame inOrder(CodedFrame frame) {
+  std::sort(frame.objects.begin(), frame.objects.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.id, a.layer) < std::pair(b.id, b.layer);
+  });
+  for (CodedObject& object : frame.objects) {
+    if (!object.relief) continue;
+    auto relief = std::make_shared<CodedRelief>(*object.relief);
+    std::sort(relief->slices.begin(), relief->slices.end());
+    object.relief = relief;
+  }
+  return frame;
+}
+
+DatagramHeader headerOf(const CodedFrame& frame, std::size_t part, std::size_t parts) {
+  return {1,
+          frame.epoch,
+          frame.id,
+          frame.media_time,
+          static_cast<std::uint16_t>(part),
+          static_cast<std::uint16_t>(parts)};
+}
+
+JoinedFrame joined(const CodedFrame& frame, const Payloads& payloads,
+                   const std::vector<std::size_t>& order) {
+  JoinedFrame join(headerOf(frame, order.front(), payloads.size()));
+  for (const std::size_t part : order) {
+    const DatagramHeader header = headerOf(frame, part, payloads.size());
+    EXPECT_TRUE(join.lacks(header));
+    const auto error = join.add(header, payloads[part]);
+    EXPECT_FALSE(error) << part << ": " << error->message;
+    EXPECT_FALSE(join.lacks(header));
+  }
+  return join;
+}
+
+TEST(FramePiecesTest, WhatIsPackedComesOutWhateverTheOrder) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    const CodedFrame frame = largeFrame(seed);
+    const Payloads payloads = packFrame(frame);
+    ASSERT_GT(payloads.size(), 10U);
+    std::vector<std::size_t> order(payloads.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), std::mt19937(seed));
+    for (const auto& payload : payloads) EXPECT_LE(payload.size(), kMostPieceBytes);
+    const JoinedFrame join = joined(frame, payloads, order);
+    EXPECT_TRUE(join.whole());
+    const auto out = join.frame();
+    ASSERT_TRUE(out.ok()) << out.error().message;
+    for (const CodedObject& object : out.value().objects)
+      EXPECT_TRUE(!object.relief || object.relief->whole());
+    EXPECT_EQ(encode(inOrder(out.value())), encode(inOrder(frame)));
+  }
+}
+
+TEST(FramePiecesTest, WhatArrivesIsUsable) {
+  const CodedFrame frame = largeFrame(9);
+  const Payloads payloads = packFrame(frame);
+  std::mt19937 random(3);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::size_t> order{0};  // the first one has heads
+    for (std::size_t i = 1; i < payloads.size(); ++i) {
+      if (random() % 3 != 0) order.push_back(i);
+    }
+    const JoinedFrame join = joined(frame, payloads, order);
+    const auto out = join.frame();
+    ASSERT_TRUE(out.ok()) << out.error().message;
+    EXPECT_EQ(join.whole(), order.size() == payloads.size());
+    EXPECT_FALSE(out.value().objects.empty());
+    for (const CodedObject& object : out.value().objects) {
+      if (!object.relief) continue;
+      EXPECT_LE(object.relief->slices.size(), object.relief->slice_count);
+      (void)testing::decodedRelief(*object.relief);
+    }
+  }
+}
+
+TEST(FramePiecesTest, ASmallFrameIsOneDatagram) {
+  const CodedFrame golden = testing::coded(testing::goldenFrame());
+  EXPECT_EQ(packFrame(golden).size(), 1U);
+  const Payloads nothing = packFrame(CodedFrame{});
+  ASSERT_EQ(nothing.size(), 1U);
+  EXPECT_TRUE(nothing[0].empty());
+  EXPECT_TRUE(joined(CodedFrame{}, nothing, {0}).frame().value().objects.empty());
+}
+
+TEST(FramePiecesTest, TheLongestSliceFitsADatagramWithTheLargestNumbers) {
+  CodedFrame frame;
+  frame.id = ~0ULL;
+  CodedObject object;
+  object.id = ~0U;
+  object.layer = 15;
+  object.changed_in_frame = frame.id;
+  auto relief = std::make_shared<CodedRelief>();
+  relief->rect = {1000, 200, 900, 800};
+  relief->slices.assign(20'000, SliceBytes(kMostSliceBytes, 1));
+  relief->slice_count = relief->slices.size();
+  object.relief = relief;
+  frame.objects.push_back(object);
+  EXPECT_TRUE(packFrame(frame).empty()) << "22 MB are no frame";
+  relief->slices.resize(7'000);
+  const Payloads payloads = packFrame(frame);
+  EXPECT_EQ(payloads.size(), 7'001U);
+  for (const auto& payload : payloads) ASSERT_LE(payload.size(), kMostPieceBytes);
+}
+
+TEST(FramePiecesTest, PartsThatContradictEachOtherMakeNoFrame) {
+  const CodedFrame frame = largeFrame(4);
+  const Payloads payloads = packFrame(frame);
+  const DatagramHeader first = headerOf(frame, 0, payloads.size());
+  const auto fails = [&](const std::vector<std::uint8_t>& second) {
+    JoinedFrame join(first);
+    EXPECT_FALSE(join.add(first, payloads[0]));
+    DatagramHeader header = first;
+    header.part = 1;
+    return join.add(header, second).has_value() || !join.frame().ok();
+  };
+  EXPECT_FALSE(fails(payloads.back()));
+  EXPECT_TRUE(fails(payloads[0])) << "the same objects again";
+  CodedFrame moved = frame;
+  for (CodedObject& object : moved.objects) {
+    if (!object.relief) continue;
+    auto relief = std::make_shared<CodedRelief>(*object.relief);
+    relief->rect.u += 1;
+    object.relief = relief;
+  }
+  EXPECT_TRUE(fails(packFrame(moved).back())) << "a slice of a rectangle elsewhere";
+  EXPECT_TRUE(fails({0xFF}));
+  JoinedFrame join(first);
+  for (const auto& change : std::vector<std::function<void(DatagramHeader&)>>{
+           [](auto& h) { ++h.frame; }, [](auto& h) { ++h.epoch; }, [](auto& h) { ++h.parts; },
+           [](auto& h) { h.media_time += Duration(1); }, [](auto& h) { ++h.stream; }}) {
+    DatagramHeader other = first;
+    change(other);
+    EXPECT_FALSE(join.lacks(other));
+    EXPECT_TRUE(join.add(other, payloads[0]));
+  }
+}
+
+TEST(FramePiecesTest, APieceKeepsTheLimitsOfAFrame) {
+  EXPECT_FALSE(readPiece(std::vector<std::uint8_t>(kMostPieceBytes + 1), 1).ok());
+  CodedFrame many;
+  for (std::uint32_t i = 0; i <= kMaxObjects; ++i) {
+    many.objects.emplace_back();
+    many.objects.back().id = i;
+  }
+  EXPECT_FALSE(readPiece(packFrame(many)[0], 1).ok()) << "17 objects";
+  CodedFrame later;
+  later.id = 5;
+  later.objects.emplace_back();
+  later.objects[0].changed_in_frame = 5;
+  EXPECT_TRUE(readPiece(packFrame(later)[0], 5).ok());
+  EXPECT_FALSE(readPiece(packFrame(later)[0], 4).ok()) << "changed in a later frame";
+  later.objects[0].motion.quality = 2.0;
+  EXPECT_FALSE(readPiece(packFrame(later)[0], 5).ok());
+}
+
+TEST(FramePiecesTest, AWholeFrameHasNoPiecesOfObjects) {
+  // The only object of a piece that is all slices, sent as a frame.
+  const CodedFrame frame = largeFrame(2);
+  const auto payload = packFrame(frame).back();
+  std::vector<std::uint8_t> message{0x32,
+                                    static_cast<std::uint8_t>((payload.size() & 0x7FU) | 0x80U),
+                                    static_cast<std::uint8_t>(payload.size() >> 7U)};
+  message.insert(message.end(), payload.begin(), payload.end());
+  ASSERT_GE(payload.size(), 128U);
+  EXPECT_FALSE(decode(message).ok());
+}
+
+}  // namespace
+}  // namespace hapticast
