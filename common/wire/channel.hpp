@@ -35,8 +35,11 @@ class Channel {
   /// (whyEnded()); kMalformed or kTooLarge when the peer's framing is wrong, after which no further
   /// payload comes. One read at a time.
   virtual asio::awaitable<Result<std::optional<Payload>, WireError>> read() = 0;
-  /// Writes one payload of 1..kMaxMessageBytes bytes; false when the connection has ended. One
-  /// write at a time.
+  /// Writes as much of a payload of 1..kMaxMessageBytes bytes as goes without waiting, and returns
+  /// whether that is all of it. If it is not, write() of the same payload has to follow: it goes on
+  /// where this stopped, and tells whether the connection has ended. Not during a write.
+  [[nodiscard]] virtual bool writeNow(const SharedBytes& payload) noexcept = 0;
+  /// Writes one payload; false when the connection has ended. One write at a time.
   virtual asio::awaitable<bool> write(SharedBytes payload) = 0;
   /// Reads and throws away what comes until the peer ends the connection or `most_bytes` have come.
   /// Closing a socket with unread bytes would reset the connection before the peer has read why.

@@ -4,6 +4,7 @@
 #include <linux/sockios.h>
 #include <sys/ioctl.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "common/endpoint.hpp"
@@ -35,6 +36,7 @@ TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_byte
       reader_(read_limit_bytes) {
   boost::system::error_code ignored;  // without it messages only come later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
+  socket_.non_blocking(true, ignored);  // for writeNow()
   hosts_.peer = unmapped(peerOf(socket_).address());
   hosts_.local = unmapped(socket_.local_endpoint(ignored).address());
 }
@@ -59,18 +61,33 @@ asio::awaitable<std::size_t> TcpChannel::readSome() {
   co_return ec ? 0 : size;
 }
 
-asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
+bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
   prefix_ = lengthPrefix(payload->size());
   const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_), asio::buffer(*payload)};
+  boost::system::error_code ec;
+  written_ = socket_.write_some(buffers, ec);
+  bytes_written_ += written_;
+  if (written_ < kPrefixBytes + payload->size()) return false;
+  written_ = 0;
+  return true;
+}
+
+asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
+  prefix_ = lengthPrefix(payload->size());
+  const std::size_t done = std::exchange(written_, 0);
+  const std::array<asio::const_buffer, 2> buffers{
+      asio::buffer(prefix_) + std::min(done, kPrefixBytes),
+      asio::buffer(*payload) + (done - std::min(done, kPrefixBytes))};
   const std::uint64_t before = bytes_written_;
   boost::system::error_code ec;
-  co_await asio::async_write(
+  const std::size_t all = co_await asio::async_write(
       socket_, buffers,
       [this, before](const boost::system::error_code& error, std::size_t written) {
         bytes_written_ = before + written;
         return error ? 0 : kWriteAtOnceBytes;
       },
       asio::redirect_error(asio::use_awaitable, ec));
+  bytes_written_ = before + all;
   if (ec) why_ended_ = ec.message();
   co_return !ec;
 }

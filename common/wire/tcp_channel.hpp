@@ -15,6 +15,7 @@ class TcpChannel final : public Channel {
   TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes);
 
   asio::awaitable<Result<std::optional<Payload>, WireError>> read() override;
+  bool writeNow(const SharedBytes& payload) noexcept override;
   asio::awaitable<bool> write(SharedBytes payload) override;
   asio::awaitable<void> drain(std::size_t most_bytes) override;
   void finishWriting() noexcept override;
@@ -29,7 +30,8 @@ class TcpChannel final : public Channel {
   asio::ip::tcp::socket socket_;
   std::vector<std::uint8_t> chunk_;
   FrameReader reader_;
-  LengthPrefix prefix_{};  // of the payload that is being written
+  LengthPrefix prefix_{};    // of the payload that is being written
+  std::size_t written_ = 0;  // of prefix and payload, by writeNow()
 };
 
 }  // namespace hapticast

@@ -41,39 +41,56 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       io_, [this] { return watch(); }, asio::detached);
 }
 
-template <class Encoded>
-void Broadcaster::sendAll(const Encoded& encoded) {
-  for (const auto& viewer : viewers_) viewer->send(encoded);
+template <class Take>
+void Broadcaster::onIo(Take take) {
+  ++waiting_;
+  asio::post(io_, [this, take = std::move(take)] {
+    --waiting_;
+    take();
+  });
+}
+
+template <class Queue>
+void Broadcaster::sendAll(const Queue& queue) {
+  // Sending to all takes a while. What has been published in the meantime goes only into the
+  // queues, where newer frames replace older ones, and the last of it sends: a server with too much
+  // to do drops frames, and is never late.
+  const bool last = waiting_ == 0;
+  for (const auto& viewer : viewers_) {
+    queue(*viewer);
+    if (last) viewer->flush();
+  }
+  // Whoever comes last has it some milliseconds later: not always the same one.
+  if (last && !viewers_.empty())
+    std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
 }
 
 void Broadcaster::publish(EncodedFrame frame) {
-  asio::post(io_, [this, frame = std::move(frame)] {
+  onIo([this, frame = std::move(frame)] {
     last_frame_ = frame;
     preparing_ = nullptr;
-    sendAll(frame);
+    sendAll([&](Session& viewer) { viewer.queue(frame); });
     if (datagrams_ != nullptr) datagrams_->send(frame);
-    // Whoever comes last has it some milliseconds later: not always the same one.
-    if (!viewers_.empty()) std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
   });
 }
 
 void Broadcaster::publish(EncodedVideo video) {
-  asio::post(io_, [this, video = std::move(video)] {
+  onIo([this, video = std::move(video)] {
     last_video_ = video;
-    sendAll(video);
+    sendAll([&](Session& viewer) { viewer.queue(video); });
   });
 }
 
 void Broadcaster::prepare(double share) {
-  asio::post(io_, [this, share] {
+  onIo([this, share] {
     preparing_ = encodeShared(Preparing{share});
-    sendAll(preparing_);
+    sendAll([&](Session& viewer) { viewer.queue(preparing_); });
   });
 }
 
 void Broadcaster::describe(const StreamDescription& description) {
-  asio::post(io_, [this, description] {
-    if (description == description_) return;
+  onIo([this, description] {
+    if (description == description_) return sendAll([](Session&) {});  // what may wait for it
     const bool other_picture = !(description.workspace == description_.workspace);
     description_ = description;
     if (other_picture) {
@@ -81,7 +98,7 @@ void Broadcaster::describe(const StreamDescription& description) {
       last_video_.reset();
     }
     const SharedBytes payload = encodeShared(description_);
-    for (const auto& viewer : viewers_) viewer->describe(payload, other_picture);
+    sendAll([&](Session& viewer) { viewer.queueDescription(payload, other_picture); });
   });
 }
 
@@ -150,9 +167,9 @@ void Broadcaster::joined(Session& session) {
   viewers_.push_back(self);
   ++counts_.welcomed;
   countViewers();
-  if (preparing_) session.send(preparing_);
-  if (last_frame_) session.send(*last_frame_);
-  if (last_video_) session.send(*last_video_);
+  if (preparing_) session.queue(preparing_);  // it sends them itself
+  if (last_frame_) session.queue(*last_frame_);
+  if (last_video_) session.queue(*last_video_);
   say(spdlog::level::info, session.label() + " joined");
 }
 

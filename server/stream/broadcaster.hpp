@@ -90,8 +90,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// The oldest stranger from the address that most of them come from: so that a single host
   /// cannot take everybody's places.
   [[nodiscard]] std::shared_ptr<Session> whoHasToGo() const;
-  template <class Encoded>
-  void sendAll(const Encoded& encoded);
+  /// Calls `take` on io when its turn comes. Thread: any.
+  template <class Take>
+  void onIo(Take take);
+  /// `queue` puts something into each viewer's queue; sends it unless something newer waits.
+  template <class Queue>
+  void sendAll(const Queue& queue);
   asio::awaitable<void> watch();
   void tellSlowViewers(LocalTime now);
   void tellDatagrams(LocalTime now);
@@ -112,6 +116,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   SharedBytes preparing_;  // until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
+  std::atomic<int> waiting_{0};  // calls by onIo() whose turn has not come
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;

@@ -45,28 +45,36 @@ void Session::start() {
       io_, [self] { return self->writeAll(); }, asio::detached);
 }
 
-void Session::send(const EncodedFrame& frame) {
-  if (!welcomed() || !frames_on_tcp_) return;
-  queue_.pushFrame(frame);
-  wake_.cancel();
+void Session::queue(const EncodedFrame& frame) {
+  if (welcomed() && frames_on_tcp_) queue_.pushFrame(frame);
 }
 
-void Session::send(const EncodedVideo& video) {
-  if (!wantsVideo()) return;
-  queue_.pushVideo(video);
-  wake_.cancel();
+void Session::queue(const EncodedVideo& video) {
+  if (wantsVideo()) queue_.pushVideo(video);
 }
 
-void Session::send(const SharedBytes& control) {
-  if (!welcomed()) return;
-  (void)queue_.pushControl(control);  // who does not read need not be told
-  wake_.cancel();
+void Session::queue(const SharedBytes& control) {
+  if (welcomed()) (void)queue_.pushControl(control);  // who does not read need not be told
 }
 
-void Session::describe(const SharedBytes& description, bool other_picture) {
+void Session::queueDescription(const SharedBytes& description, bool other_picture) {
   if (!welcomed()) return;
   if (other_picture) queue_.clearFrames();
   queue_.pushDescription(description);
+}
+
+void Session::flush() {
+  if (!writer_sleeps_) return;  // it looks at the queue itself before it sleeps again
+  while (!unfinished_) {
+    SharedBytes payload = nextPayload();
+    if (!payload) return;
+    if (!channel_->writeNow(payload)) unfinished_ = std::move(payload);
+  }
+  wakeWriter();
+}
+
+void Session::wakeWriter() {
+  writer_sleeps_ = false;
   wake_.cancel();
 }
 
@@ -78,14 +86,14 @@ void Session::sayGoodbye(const WireError& farewell, const std::optional<WireErro
   queue_.clear();
   pongs_.clear();
   (void)queue_.pushControl(encodeShared(farewell));  // the queue was just emptied
-  wake_.cancel();
+  wakeWriter();                                      // it ends the writing, too
   host_.ending(shared_from_this(), why);
 }
 
 void Session::end() {
   ended_ = true;
   channel_->close();
-  wake_.cancel();
+  wakeWriter();
   host_.gone(shared_from_this());
 }
 
@@ -168,14 +176,14 @@ void Session::handle(const Hello& hello) {
   datagram_token_ = welcome.datagram_token;
   (void)queue_.pushControl(encodeShared(welcome));  // the first message
   host_.joined(*this);
-  wake_.cancel();
+  flush();
 }
 
 void Session::handle(const Ping& ping) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a ping before the hello"});
   if (pongs_.size() >= kMaxPongs) return close({ErrorCode::kUnexpected, "too many pings"});
   pongs_.push_back({ping.t0, host_.mediaClock().now(), {}});
-  wake_.cancel();
+  flush();
 }
 
 void Session::handle(const Delivery& delivery) {
@@ -207,7 +215,7 @@ SharedBytes Session::nextPayload() {
 
 asio::awaitable<void> Session::writeAll() {
   while (!ended_) {
-    if (SharedBytes payload = nextPayload()) {
+    if (SharedBytes payload = unfinished_ ? std::exchange(unfinished_, nullptr) : nextPayload()) {
       writing_ = true;
       const bool written = co_await channel_->write(std::move(payload));
       writing_ = false;
@@ -223,6 +231,7 @@ asio::awaitable<void> Session::writeAll() {
     }
     boost::system::error_code ec;
     wake_.expires_at(asio::steady_timer::time_point::max());
+    writer_sleeps_ = true;
     co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
 }

@@ -55,11 +55,15 @@ class Session : public std::enable_shared_from_this<Session> {
           std::uint32_t id);
 
   void start();
-  void send(const EncodedFrame& frame);
-  void send(const EncodedVideo& video);
-  void send(const SharedBytes& control);
+  /// Puts it into the queue, where newer ones may replace it until flush().
+  void queue(const EncodedFrame& frame);
+  void queue(const EncodedVideo& video);
+  void queue(const SharedBytes& control);
   /// `other_picture`: what waits belongs to another workspace and is forgotten.
-  void describe(const SharedBytes& description, bool other_picture);
+  void queueDescription(const SharedBytes& description, bool other_picture);
+  /// Sends what waits, as far as the connection takes it at once, which costs far less than to wake
+  /// the writer; what is left is the writer's. Never ends the session.
+  void flush();
   /// Tells the peer why, then closes; what still waits is forgotten.
   void close(const WireError& why);
   /// Ends it at once, without a word to the peer.
@@ -91,13 +95,15 @@ class Session : public std::enable_shared_from_this<Session> {
   void sayGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();
   [[nodiscard]] SharedBytes nextPayload();
+  void wakeWriter();
 
   asio::io_context& io_;
   std::unique_ptr<Channel> channel_;
-  asio::steady_timer wake_;  // the writer sleeps on it; cancelled when there is something to do
+  asio::steady_timer wake_;  // the writer sleeps on it
   SessionHost& host_;
   std::uint32_t id_;
   SendQueue queue_;
+  SharedBytes unfinished_;  // a part of it is on the way; the writer's next
   std::deque<Pong> pongs_;  // t2 is filled in when one is sent
   std::optional<Hello> hello_;
   bool frames_on_tcp_ = false;
@@ -107,6 +113,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool ended_ = false;
   bool read_ended_ = false;   // nothing more comes from the peer, or nothing that matters
   bool write_ended_ = false;  // the last word is written
+  bool writer_sleeps_ = false;
   bool writing_ = false;
   LocalTime write_progress_;  // when the peer was last seen to take something
   std::uint64_t bytes_taken_ = 0;

@@ -199,6 +199,22 @@ TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
   EXPECT_EQ(server.broadcaster.counts().timed_out, 1U);
 }
 
+TEST_F(ServerTest, WhatPilesUpWhileItIsBusyIsReplacedByWhatIsNewer) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server);
+  for (std::uint64_t id = 1; id <= 10; ++id) server.publish(id);
+  server.broadcaster.describe(TestServer::description());  // nothing new, and the last of all
+  ASSERT_TRUE(runUntil([&] {
+    peer->poll();
+    return peer->all<CodedFrame>().size() >= server::SendQueue::kMaxFrames;
+  }));
+  const auto frames = peer->all<CodedFrame>();
+  ASSERT_EQ(frames.size(), server::SendQueue::kMaxFrames);
+  EXPECT_EQ(frames.front().id, 8U);
+  EXPECT_EQ(frames.back().id, 10U);
+  EXPECT_EQ(server.broadcaster.counts().sent.frames_dropped_full, 7U);
+}
+
 TEST_F(ServerTest, TakesFramesFromAnotherThread) {
   TestServer server(io, clock);
   const auto peer = viewer(server, true);

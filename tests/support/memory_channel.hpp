@@ -36,13 +36,14 @@ class MemoryChannel final : public Channel {
       co_return WireError{ErrorCode::kTooLarge, "a payload above the limit"};
     co_return std::optional<Payload>(*current_);
   }
-  asio::awaitable<bool> write(SharedBytes payload) override {
-    if (out_->ended) co_return false;
+  bool writeNow(const SharedBytes& payload) noexcept override {
+    if (out_->ended) return false;
     bytes_written_ += payload->size();
-    out_->waiting.push_back(std::move(payload));
+    out_->waiting.push_back(payload);
     out_->changed.cancel();
-    co_return true;
+    return true;
   }
+  asio::awaitable<bool> write(SharedBytes payload) override { co_return writeNow(payload); }
   asio::awaitable<void> drain(std::size_t most_bytes) override {
     for (std::size_t drained = 0; drained <= most_bytes && !(in_->waiting.empty() && in_->ended);) {
       if (in_->waiting.empty()) {

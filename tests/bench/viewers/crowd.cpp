@@ -24,7 +24,8 @@ constexpr std::size_t kUnderWay = 16;   // not welcomed yet; servers keep only s
 constexpr std::size_t kHeadBytes = 64;  // holds id and media time of a frame
 constexpr std::size_t kNeededBytes = 40;
 constexpr std::size_t kMostSmallBytes = 64U << 10U;
-constexpr auto kPingEvery = std::chrono::seconds(2);  // servers want to hear something
+constexpr auto kPingEvery = std::chrono::seconds(1);  // as clients do
+constexpr int kMostPings = 100;                       // without a look at what has come
 constexpr auto kStragglers = milliseconds(500);
 constexpr auto kJoinWithin = std::chrono::seconds(60);
 
@@ -188,9 +189,13 @@ void Crowd::wait(Duration at_most) {
 }
 
 void Crowd::pingAll() {
-  if (plain_ || clock_.now() < next_pings_) return;
-  next_pings_ = clock_.now() + kPingEvery;
-  for (const auto& viewer : viewers_) {
+  if (plain_) return;
+  // One after the other, each as often as it should: in a crowd nobody is in step.
+  const LocalTime now = clock_.now();
+  const auto most = static_cast<Duration::rep>(viewers_.size());
+  for (int i = 0; i < kMostPings && next_ping_at_ <= now; ++i) {
+    next_ping_at_ = std::max(next_ping_at_ + Duration(kPingEvery) / most, now - kPingEvery);
+    const auto& viewer = viewers_[next_ping_++ % viewers_.size()];
     if (viewer && viewer->welcomed) ping(*viewer);
   }
 }

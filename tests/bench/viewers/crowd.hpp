@@ -79,7 +79,8 @@ class Crowd {
   std::size_t welcomed_ = 0;
   std::size_t watching_ = 0;  // have had a frame
   ClockSync sync_;            // by the first viewer's pings
-  LocalTime next_pings_;
+  LocalTime next_ping_at_;
+  std::size_t next_ping_ = 0;  // whose turn it is
   std::uint64_t newest_ = 0;
   bool counting_ = false;
   std::uint64_t counted_from_ = 0;

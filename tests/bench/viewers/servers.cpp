@@ -27,7 +27,7 @@ namespace {
 
 /// A frame's payload of so many bytes: its head, then a field that readers skip.
 std::vector<std::uint8_t> paddedFrame(std::uint64_t id, MediaTime media_time, std::size_t bytes) {
-  HapticFrame frame;
+  CodedFrame frame;
   frame.id = id;
   frame.media_time = media_time;
   std::vector<std::uint8_t> payload = encode(frame);

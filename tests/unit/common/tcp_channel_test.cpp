@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "common/wire/tcp_channel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+namespace hapticast {
+namespace {
+
+using asio::ip::tcp;
+
+struct TcpChannelTest : ::testing::Test {
+  TcpChannelTest() {
+    tcp::acceptor acceptor(io, {asio::ip::address_v4::loopback(), 0});
+    acceptor.set_option(asio::socket_base::receive_buffer_size(65536));  // who is accepted has it
+    tcp::socket near(io);
+    near.connect(acceptor.local_endpoint());
+    far = acceptor.accept();
+    near.set_option(asio::socket_base::send_buffer_size(20000));
+    channel = std::make_unique<TcpChannel>(std::move(near), kMaxSmallMessageBytes);
+  }
+  static SharedBytes payload(std::size_t bytes) {
+    std::vector<std::uint8_t> made(bytes);
+    for (std::size_t i = 0; i < bytes; ++i) made[i] = static_cast<std::uint8_t>(i % 251);
+    return std::make_shared<const std::vector<std::uint8_t>>(std::move(made));
+  }
+  asio::io_context io;
+  tcp::socket far{io};
+  std::unique_ptr<TcpChannel> channel;
+};
+
+TEST_F(TcpChannelTest, WritesAtOnceWhatFits) {
+  const SharedBytes sent = payload(100);
+  ASSERT_TRUE(channel->writeNow(sent));
+  EXPECT_EQ(channel->bytesWritten(), kPrefixBytes + 100U);
+  std::vector<std::uint8_t> got(kPrefixBytes + 100);
+  asio::read(far, asio::buffer(got));
+  EXPECT_EQ(got[0], 100U);
+  EXPECT_TRUE(std::equal(sent->begin(), sent->end(), got.begin() + kPrefixBytes));
+}
+
+TEST_F(TcpChannelTest, AWriteGoesOnWhereWriteNowHasStopped) {
+  const SharedBytes large = payload(1U << 20U), small = payload(10);
+  ASSERT_FALSE(channel->writeNow(large)) << "more than the buffers hold";
+  const std::uint64_t at_once = channel->bytesWritten();
+  EXPECT_GT(at_once, 0U);
+  bool written = false;
+  asio::co_spawn(
+      io,
+      [&]() -> asio::awaitable<void> {
+        written = co_await channel->write(large) && channel->writeNow(small);
+      },
+      asio::detached);
+  std::vector<std::uint8_t> got(2 * kPrefixBytes + large->size() + small->size());
+  asio::async_read(far, asio::buffer(got),
+                   [](const boost::system::error_code& ec, std::size_t) { EXPECT_FALSE(ec); });
+  io.run();
+  EXPECT_TRUE(written);
+  EXPECT_EQ(channel->bytesWritten(), got.size());
+  FrameReader reader(kMaxMessageBytes);
+  reader.feed(got);
+  for (const SharedBytes& each : {large, small}) {
+    const auto next = reader.next();
+    ASSERT_TRUE(next.ok() && next.value());
+    EXPECT_TRUE(std::equal(next.value()->begin(), next.value()->end(), each->begin(), each->end()));
+  }
+}
+
+TEST_F(TcpChannelTest, SaysByTheWriteThatTheConnectionHasEnded) {
+  channel->close();
+  const SharedBytes sent = payload(10);
+  EXPECT_FALSE(channel->writeNow(sent));
+  bool written = true;
+  asio::co_spawn(
+      io, [&]() -> asio::awaitable<void> { written = co_await channel->write(sent); },
+      asio::detached);
+  io.run();
+  EXPECT_FALSE(written);
+  EXPECT_FALSE(channel->whyEnded().empty());
+}
+
+}  // namespace
+}  // namespace hapticast
