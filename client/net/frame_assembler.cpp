@@ -14,6 +14,7 @@ void FrameAssembler::restart() {
   waiting_.clear();
   left_.clear();
   done_.clear();
+  by_tcp_.clear();
   late_.clear();
 }
 
@@ -25,12 +26,14 @@ bool FrameAssembler::add(CodedFrame frame, LocalTime arrived) {
     waiting_.clear();
     left_.clear();
     done_.clear();
+    by_tcp_.clear();
   } else if (behind) {
     return false;
   }
   Waiting& waiting = waiting_[id];
-  if (waiting.frame) return false;
-  waiting = {std::move(frame), std::nullopt, arrived};
+  if (waiting.frame || (waiting.joined && waiting.joined->whole())) return false;
+  waiting.frame = std::move(frame);
+  waiting.arrived = arrived;
   return true;
 }
 
@@ -47,7 +50,7 @@ FrameAssembler::Want FrameAssembler::want(const DatagramHeader& part) const {
     return joined.lacks(part) ? Want::kNew : Want::kHad;
   };
   if (const auto waiting = waiting_.find(part.frame); waiting != waiting_.end())
-    return waiting->second.joined ? lacking(*waiting->second.joined) : Want::kHad;
+    return waiting->second.joined ? lacking(*waiting->second.joined) : Want::kNew;
   if (const auto left = left_.find(part.frame); left != left_.end()) return lacking(left->second);
   return done_.contains(part.frame) ? Want::kHad : Want::kNew;
 }
@@ -58,9 +61,10 @@ Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
   if (last_id_ && part.frame <= *last_id_) return addLate(part, payload, arrived);
   Waiting& waiting = waiting_[part.frame];
   if (!waiting.joined) waiting.joined.emplace(part);
-  waiting.arrived = arrived;
+  if (!waiting.frame) waiting.arrived = arrived;
   if (auto error = waiting.joined->add(part, payload)) {
-    waiting_.erase(part.frame);
+    waiting.joined.reset();
+    if (!waiting.frame) waiting_.erase(part.frame);
     done_.insert(part.frame);
     return *error;
   }
@@ -73,8 +77,8 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
   JoinedFrame& joined = left_.try_emplace(part.frame, part).first->second;
   auto error = joined.add(part, payload);
   if (!error && !joined.whole()) return false;
-  // It stays among those that left until another relief has come, to fill up what is unchanged.
-  if (!error) late_.push_back({part.media_time, arrived});
+  // It stays among those that left, to fill up what is unchanged.
+  if (!error && !by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
   if (error) {
     left_.erase(part.frame);
     done_.insert(part.frame);
@@ -111,7 +115,8 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
     Waiting taken = std::move(waiting);
     waiting_.erase(oldest);
     if (taken.frame) {
-      done_.insert(id);
+      by_tcp_.insert(id);
+      if (taken.joined) left_.emplace(id, std::move(*taken.joined));
       return leave(std::move(*taken.frame), taken.arrived);
     }
     if (auto frame = leaveInParts(id, std::move(taken))) return frame;
@@ -163,6 +168,7 @@ void FrameAssembler::fillUp(CodedFrame& frame) const {
 void FrameAssembler::forgetOld() {
   const std::uint64_t oldest = *last_id_ > kOldestPart ? *last_id_ - kOldestPart : 0;
   std::erase_if(left_, [&](const auto& each) { return each.first < oldest; });
+  std::erase_if(by_tcp_, [&](std::uint64_t id) { return id < oldest || id > *last_id_; });
   std::erase_if(done_,
                 [&](std::uint64_t id) { return id < oldest || id > *last_id_ + kLargestJump; });
 }

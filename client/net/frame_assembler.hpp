@@ -71,8 +71,8 @@ class FrameAssembler {
     kAstray,  ///< too far from the frames that come, or the frame needs none
   };
   [[nodiscard]] Want want(const DatagramHeader& part) const;
-  /// Takes a part that is wanted; true where its frame is whole now. After an error the frame is
-  /// given up.
+  /// Takes a part that is wanted; true where its frame is whole now, be it that TCP was quicker.
+  /// After an error the frame is given up.
   Result<bool, WireError> add(const DatagramHeader& part, std::span<const std::uint8_t> payload,
                               LocalTime arrived);
 
@@ -89,7 +89,7 @@ class FrameAssembler {
  private:
   struct Waiting {
     std::optional<CodedFrame> frame;    // came over TCP
-    std::optional<JoinedFrame> joined;  // or in parts
+    std::optional<JoinedFrame> joined;  // in parts, or in parts as well
     LocalTime arrived;                  // the last that came of it
   };
   using Joining = std::map<std::uint64_t, JoinedFrame>;  // by id
@@ -113,6 +113,7 @@ class FrameAssembler {
   // those of which nothing more is wanted.
   Joining left_;
   std::set<std::uint64_t> done_;
+  std::set<std::uint64_t> by_tcp_;  // frames that left whole; parts only show that they get through
   std::deque<LateFrame> late_;
 };
 
