@@ -80,12 +80,13 @@ struct LiedTo {
 };
 /// For so long a light hand feels it. `nailed`: the tip cannot move.
 inline LiedTo lieTo(const testing::Lie& lie, double seconds, const Hand& hand = Hand::light(),
-                    bool nailed = false) {
+                    bool nailed = false, std::optional<double> datagram_loss = std::nullopt) {
   RoomSettings room;
   PlantProfile plant;
   const HandScript script = handOf(lie.hand);
   auto viewer = std::make_unique<VirtualViewer>(room, plant, hand, nailed ? nullptr : &script);
   if (nailed) viewer->nail({0.1, 0.1, 8.0});
+  if (datagram_loss) viewer->byDatagrams(*datagram_loss);
   testing::LyingServer server(lie);
   LiedTo out;
   out.last = converse(server, *viewer, seconds);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Lies in the slices of a relief: first bytes that contradict each other, and codes that mean
 // something else than heights of this object.
+#include <stdexcept>
+
 #include "tests/support/coded.hpp"
 #include "tests/support/lies_parts.hpp"
 
@@ -11,9 +13,11 @@ namespace {
 /// The plateau's slices in pieces, so that there are several.
 CodedFrame pieces(const Telling& t) {
   HapticFrame frame = t.frame;
-  frame.objects.front().relief = shape([](double x, double y) { return 10.0 + x * y; });
+  frame.objects.front().relief = shape([](double x, double y) {
+    return 10.0 + 0.3 * std::sin(23.0 * x * y) + 0.1 * std::cos(90.0 * x);
+  });
   frame.objects.front().changed_in_frame = frame.id;
-  return coded(frame, {.error_mm = 0.002, .most_bytes = 400});
+  return coded(frame, {.error_mm = 0.002, .most_bytes = 300});
 }
 
 /// From the 30th frame on every frame's slices are changed, and it is sent so.
@@ -22,6 +26,7 @@ auto sliced(void (*change)(CodedRelief&, std::mt19937_64&)) {
     if (t.n < 30) return;
     CodedFrame frame = pieces(t);
     CodedRelief relief = *frame.objects.front().relief;
+    if (relief.slices.size() < 2) throw std::logic_error("the plateau has to be in several slices");
     change(relief, t.random);
     frame.objects.front().relief = std::make_shared<CodedRelief>(std::move(relief));
     t.bytes = encode(frame);
@@ -74,7 +79,7 @@ Lies slices() {
          for (SliceBytes& slice : relief.slices)
            slice[7 + random() % (slice.size() - 7)] ^= static_cast<std::uint8_t>(random());
        })},
-      {"slices_swapped_places", kHold, kLimited, sliced([](auto& relief, auto& random) {
+      {"slices_swapped_places", kHold, kHarmless, sliced([](auto& relief, auto& random) {
          const std::size_t other = 1 + random() % (relief.slices.size() - 1);
          // Where they lie stays; what they say goes with the other.
          for (std::size_t i = 7; i < std::min(relief.slices[0].size(), relief.slices[other].size());

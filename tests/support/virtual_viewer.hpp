@@ -8,7 +8,9 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <random>
 #include <span>
 #include <utility>
 #include <vector>
@@ -107,6 +109,9 @@ class VirtualViewer {
   /// A millisecond passes, then the room ticks.
   const TickReport& tick() {
     clock_.advance(kTickPeriod);
+    receiver_.release(clock_.now());
+    while (preparer_.step()) {
+    }
     const Vec3 sent_N = room_->report().force_N;
     const Vec3 from_mm = device_.truePosition_mm();
     const Vec3 speed_mm_s = device_.trueVelocity_mm_s();
@@ -122,16 +127,42 @@ class VirtualViewer {
     nail_mm_ = DeviceMapping::fit(Workspace{}, settings_.profile.workspace_mm).toDevice(nominal_mm);
   }
 
+  /// Frames that come over TCP are handed on as datagrams, in any order, and this share of them is
+  /// lost. (Signatures change nothing of that: the server that lies has the key.)
+  void byDatagrams(double loss) { datagram_loss_ = loss; }
+
   Felt felt;
 
  private:
+  void takeParts(const CodedFrame& frame) {
+    std::vector<std::vector<std::uint8_t>> parts = packFrame(frame);
+    std::vector<std::size_t> order(parts.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::shuffle(order.begin(), order.end(), random_);
+    for (const std::size_t part : order) {
+      if (std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_) continue;
+      const DatagramHeader header{1,
+                                  frame.epoch,
+                                  frame.id,
+                                  frame.media_time,
+                                  static_cast<std::uint16_t>(part),
+                                  static_cast<std::uint16_t>(parts.size())};
+      if (receiver_.want(header) == FrameAssembler::Want::kNew)
+        (void)receiver_.part(header, parts[part], clock_.now());
+    }
+  }
   bool take(Message message) {
     if (auto* const frame = std::get_if<CodedFrame>(&message)) {
       if (!welcomed_) return false;
-      receiver_.frame(std::move(*frame), clock_.now());
+      if (datagram_loss_) {
+        takeParts(*frame);
+      } else {
+        receiver_.frame(std::move(*frame), clock_.now());
+      }
       while (preparer_.step()) {
       }
-      felt.rejected = receiver_.counts().reliefs_rejected + receiver_.counts().slices_refused;
+      felt.rejected = receiver_.counts().reliefs_rejected + receiver_.counts().slices_refused +
+                      receiver_.counts().malformed;
       return true;
     }
     if (const auto* const welcome = std::get_if<Welcome>(&message)) {
@@ -190,6 +221,8 @@ class VirtualViewer {
   std::unique_ptr<Room> room_;
   bool nailed_;
   bool welcomed_ = false;
+  std::optional<double> datagram_loss_;
+  std::mt19937 random_{9};
   Vec3 nail_mm_ = Vec3::Zero();
   Vec3 counted_mm_ = Vec3::Zero();
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_;

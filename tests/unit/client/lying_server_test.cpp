@@ -47,6 +47,19 @@ TEST_P(LyingServerTest, StepsNoMoreThanTheChainAllowsUnderATipThatCannotMove) {
   EXPECT_LE(felt.max_fall_N, kFall_N + 1e-9);
 }
 
+TEST_P(LyingServerTest, ByDatagramsItGetsNoFurther) {
+  const testing::Lie& lie = testing::lies()[GetParam()];
+  const LiedTo got = lieTo(lie, kSeconds, Hand::light(), false, 0.05);
+  expectSafe(got.felt);
+  if (lie.verdict == testing::Verdict::kTrustLost) {
+    EXPECT_NE(got.verdict(), testing::Verdict::kHarmless);
+  }
+  const Felt nailed = lieTo(lie, kNailed_s, Hand::light(), true, 0.05).felt;
+  expectSafe(nailed);
+  EXPECT_LE(nailed.max_rise_N, kRise_N + 1e-9);
+  EXPECT_LE(nailed.max_fall_N, kFall_N + 1e-9);
+}
+
 INSTANTIATE_TEST_SUITE_P(Lies, LyingServerTest,
                          ::testing::Range<std::size_t>(0, testing::lies().size()),
                          [](const auto& at) { return testing::lies()[at.param].name; });
