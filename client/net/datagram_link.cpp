@@ -12,6 +12,8 @@ namespace {
 constexpr Duration kEchoUntilProbed = std::chrono::milliseconds(200);
 constexpr Duration kEchoEvery = std::chrono::seconds(10);  // keeps firewalls and NAT open
 constexpr Duration kTurn = std::chrono::milliseconds(20);
+// Chosen: so many in a second that are not looked at are a flood, in which the server's own drown.
+constexpr std::uint64_t kFlood = 400;
 
 std::vector<Way> waysOf(const DeliverySettings& settings, const Welcome& welcome) {
   std::vector<Way> ways;
@@ -83,7 +85,17 @@ asio::awaitable<void> DatagramLink::watch() {
   }
 }
 
+bool DatagramLink::flooded(LocalTime now) {
+  const std::uint64_t ignored = path_ ? path_->counts().over_budget : 0;
+  if (now - ignored_since_ >= std::chrono::seconds(1) || ignored < ignored_before_) {
+    ignored_since_ = now;
+    ignored_before_ = ignored;
+  }
+  return ignored - ignored_before_ > kFlood;
+}
+
 void DatagramLink::turn(LocalTime now) {
+  if (flooded(now)) choice_.impossible("more of them come than can be verified", now);
   if (settings_.copies == 0) copies_ = meter_.copies(now);
   choice_.turn(now, copies_);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);

@@ -46,6 +46,8 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   void start();
   asio::awaitable<void> watch();
   void turn(LocalTime now);
+  /// Whether more datagrams come than may be looked at.
+  [[nodiscard]] bool flooded(LocalTime now);
   /// Opens and closes paths as the choice asks for them.
   void followChoice(LocalTime now);
   void take(Way way, const Datagram& datagram, LocalTime now);
@@ -63,9 +65,10 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   LossMeter meter_;
   std::optional<Way> opened_;
   std::shared_ptr<DatagramPath> path_;
-  LocalTime opened_at_{};
   std::optional<LocalTime> echoed_at_;
   bool probed_ = false;
+  std::uint64_t ignored_before_ = 0;  // datagrams, by ignored_since_
+  LocalTime ignored_since_{};
   DatagramCounts counts_;  // of paths that were closed
   std::uint64_t bytes_ = 0;
   bool closed_ = false;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSeconds = 6.0;
 constexpr double kNailed_s = 2.0;
+constexpr double kByDatagrams_s = 3.0;
 // What the chain allows a stream to do to an Omni's force in a tick.
 constexpr double kRise_N = 0.2;
 constexpr double kFall_N = 0.5;
@@ -49,12 +50,12 @@ TEST_P(LyingServerTest, StepsNoMoreThanTheChainAllowsUnderATipThatCannotMove) {
 
 TEST_P(LyingServerTest, ByDatagramsItGetsNoFurther) {
   const testing::Lie& lie = testing::lies()[GetParam()];
-  const LiedTo got = lieTo(lie, kSeconds, Hand::light(), false, 0.05);
+  const LiedTo got = lieTo(lie, kByDatagrams_s, Hand::light(), false, 0.05);
   expectSafe(got.felt);
   if (lie.verdict == testing::Verdict::kTrustLost) {
     EXPECT_NE(got.verdict(), testing::Verdict::kHarmless);
   }
-  const Felt nailed = lieTo(lie, kNailed_s, Hand::light(), true, 0.05).felt;
+  const Felt nailed = lieTo(lie, 0.5 * kByDatagrams_s, Hand::light(), true, 0.05).felt;
   expectSafe(nailed);
   EXPECT_LE(nailed.max_rise_N, kRise_N + 1e-9);
   EXPECT_LE(nailed.max_fall_N, kFall_N + 1e-9);
