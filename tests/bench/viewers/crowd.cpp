@@ -26,6 +26,7 @@ constexpr std::size_t kNeededBytes = 40;
 constexpr std::size_t kMostSmallBytes = 64U << 10U;
 constexpr auto kPingEvery = std::chrono::seconds(1);  // as clients do
 constexpr int kMostPings = 100;                       // without a look at what has come
+constexpr Duration kEchoEvery = std::chrono::seconds(10);
 constexpr auto kStragglers = milliseconds(500);
 constexpr auto kJoinWithin = std::chrono::seconds(60);
 
@@ -95,6 +96,7 @@ struct Crowd::Viewer {
   Viewer() = default;
   ~Viewer() {
     if (socket >= 0) ::close(socket);
+    if (datagrams >= 0) ::close(datagrams);
   }
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
@@ -106,10 +108,19 @@ struct Crowd::Viewer {
   std::size_t small_bytes = 0;      // of it in all; 0: none is on its way
   bool welcomed = false;
   bool watching = false;
+  int datagrams = -1;  // their socket
+  Echo its_echo;
+  LocalTime next_echo;
+  struct Frame {
+    std::uint64_t id = 0;
+    std::size_t missing = 0;
+    std::vector<bool> had;
+  };
+  std::array<Frame, 4> frames;  // by their id; of which not all parts have come
 };
 
-Crowd::Crowd(const sockaddr_in& server, std::size_t viewers, bool plain)
-    : server_(server), plain_(plain), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+Crowd::Crowd(const sockaddr_in& server, std::size_t viewers, Way way)
+    : server_(server), way_(way), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
   viewers_.resize(viewers);
 }
 
@@ -127,15 +138,18 @@ void Crowd::connect(Viewer& viewer) {
     fail("cannot connect");
   epoll_event event{EPOLLIN, {.ptr = &viewer}};
   ::epoll_ctl(epoll_, EPOLL_CTL_ADD, viewer.socket, &event);
-  if (!plain_) say(viewer.socket, Hello{kProtocolVersion, "viewers", false, true});
-  viewer.welcomed = plain_;
-  if (plain_) ++welcomed_;
+  viewer.welcomed = way_ == Way::kPlain;
+  if (viewer.welcomed) {
+    ++welcomed_;
+  } else {
+    say(viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ == Way::kTcp});
+  }
 }
 
 void Crowd::join() {
   const LocalTime give_up = clock_.now() + kJoinWithin;
   std::size_t connected = 0;
-  while (watching_ < viewers_.size() || !(plain_ || sync_.ready())) {
+  while (watching_ < viewers_.size() || !(way_ == Way::kPlain || sync_.ready())) {
     if (clock_.now() > give_up) {
       throw std::runtime_error("after a minute " + std::to_string(welcomed_) +
                                " are welcomed and " + std::to_string(watching_) + " get frames");
@@ -145,7 +159,7 @@ void Crowd::join() {
       connect(*viewers_[connected++]);
     }
     wait(milliseconds(5));
-    if (!plain_ && viewers_[0]->welcomed && !sync_.ready()) ping(*viewers_[0]);
+    if (way_ != Way::kPlain && viewers_[0]->welcomed && !sync_.ready()) ping(*viewers_[0]);
     pingAll();
   }
 }
@@ -189,20 +203,65 @@ void Crowd::wait(Duration at_most) {
 }
 
 void Crowd::pingAll() {
-  if (plain_) return;
+  if (way_ == Way::kPlain) return;
   // One after the other, each as often as it should: in a crowd nobody is in step.
   const LocalTime now = clock_.now();
   const auto most = static_cast<Duration::rep>(viewers_.size());
   for (int i = 0; i < kMostPings && next_ping_at_ <= now; ++i) {
     next_ping_at_ = std::max(next_ping_at_ + Duration(kPingEvery) / most, now - kPingEvery);
     const auto& viewer = viewers_[next_ping_++ % viewers_.size()];
-    if (viewer && viewer->welcomed) ping(*viewer);
+    if (!viewer || !viewer->welcomed) continue;
+    ping(*viewer);
+    if (viewer->datagrams >= 0 && viewer->next_echo <= now) echo(*viewer);
   }
 }
 
 void Crowd::ping(Viewer& viewer) { say(viewer.socket, Ping{clock_.now()}); }
 
+void Crowd::echo(Viewer& viewer) {
+  const EchoBytes bytes = echoBytes(viewer.its_echo);
+  if (::send(viewer.datagrams, bytes.data(), bytes.size(), MSG_DONTWAIT) < 0) fail("no echo");
+  viewer.next_echo = clock_.now() + (viewer.watching ? kEchoEvery : Duration(0));
+}
+
+void Crowd::readDatagrams(Viewer& viewer) {
+  std::array<std::array<std::uint8_t, kDatagramHeaderBytes>, 32> heads{};
+  std::array<iovec, 32> parts{};
+  std::array<mmsghdr, 32> messages{};
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    parts[i] = {heads[i].data(), heads[i].size()};  // the rest is thrown away in the kernel
+    messages[i].msg_hdr.msg_iov = &parts[i];
+    messages[i].msg_hdr.msg_iovlen = 1;
+  }
+  for (std::size_t count = heads.size(); count == heads.size();) {
+    const int got =
+        ::recvmmsg(viewer.datagrams, messages.data(), messages.size(), MSG_DONTWAIT, nullptr);
+    count = got > 0 ? static_cast<std::size_t>(got) : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      std::array<std::uint8_t, kDatagramHeaderBytes + kSignatureBytes> bytes{};
+      std::copy(heads[i].begin(), heads[i].end(), bytes.begin());
+      if (const auto read = readDatagram(bytes)) datagram(viewer, read->header);
+    }
+  }
+}
+
+void Crowd::datagram(Viewer& viewer, const DatagramHeader& header) {
+  if (header.probe()) return;
+  Viewer::Frame& of = viewer.frames[header.frame % viewer.frames.size()];
+  if (of.id > header.frame) return;
+  if (of.id < header.frame) {
+    of.id = header.frame;
+    of.missing = header.parts;
+    of.had.assign(header.parts, false);
+  }
+  if (of.had[header.part]) return;
+  of.had[header.part] = true;
+  const std::size_t bytes = std::size_t{header.parts} * kMostPieceBytes;  // somewhat too many
+  if (--of.missing == 0) frame(viewer, of.id, header.media_time.time_since_epoch(), bytes);
+}
+
 void Crowd::read(Viewer& viewer) {
+  if (viewer.datagrams >= 0) readDatagrams(viewer);
   for (;;) {
     ssize_t size = 0;
     if (viewer.skip > 0) {  // thrown away in the kernel, without a copy
@@ -242,8 +301,8 @@ bool Crowd::take(Viewer& viewer) {
   if (viewer.held < std::min(whole, kNeededBytes)) return false;
   const std::size_t here = std::min(viewer.held, whole);
   const std::span<const std::uint8_t> held(viewer.head.data(), here);
-  if (frameHead(held.subspan(kPrefixBytes))) {
-    frame(viewer, held.subspan(kPrefixBytes), length);
+  if (const auto head = frameHead(held.subspan(kPrefixBytes))) {
+    if (way_ != Way::kUdp) frame(viewer, head->id, Duration(head->media_time_ns), length);
     viewer.skip = whole - here;
   } else {
     if (whole > kMostSmallBytes) throw std::runtime_error("a message that is no frame is too long");
@@ -261,31 +320,49 @@ void Crowd::message(Viewer& viewer, std::span<const std::uint8_t> payload) {
   if (!decoded.ok()) throw std::runtime_error("the server sends what is no message");
   if (const auto* const error = std::get_if<WireError>(&decoded.value()))
     throw std::runtime_error("the server says: " + error->message);
-  if (std::holds_alternative<Welcome>(decoded.value())) {
+  if (const auto* const welcome = std::get_if<Welcome>(&decoded.value())) {
     viewer.welcomed = true;
     ++welcomed_;
+    if (way_ == Way::kUdp) askForDatagrams(viewer, *welcome);
   }
   const auto* const pong = std::get_if<Pong>(&decoded.value());
   if (pong != nullptr && &viewer == viewers_[0].get())
     sync_.add(pong->t0, pong->t1, pong->t2, clock_.now());
 }
 
-void Crowd::frame(Viewer& viewer, std::span<const std::uint8_t> head, std::size_t bytes) {
-  const FrameHead frame = *frameHead(head);
+void Crowd::askForDatagrams(Viewer& viewer, const Welcome& welcome) {
+  if (welcome.datagram_token == 0) throw std::runtime_error("the server sends no datagrams");
+  sockaddr_in to = server_;
+  if (welcome.datagram_port != 0) to.sin_port = htons(welcome.datagram_port);
+  viewer.datagrams = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (viewer.datagrams < 0 ||
+      ::connect(viewer.datagrams, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
+    fail("no socket for datagrams");
+  const int buffer_bytes = 1 << 20;
+  ::setsockopt(viewer.datagrams, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
+  epoll_event event{EPOLLIN, {.ptr = &viewer}};
+  ::epoll_ctl(epoll_, EPOLL_CTL_ADD, viewer.datagrams, &event);
+  viewer.its_echo = {welcome.datagram_token, welcome.stream};
+  echo(viewer);
+  say(viewer.socket, Delivery{false, true, 1});
+}
+
+void Crowd::frame(Viewer& viewer, std::uint64_t id, Duration media_time, std::size_t bytes) {
   if (!viewer.watching) {
     viewer.watching = true;
     ++watching_;
   }
-  newest_ = std::max(newest_, frame.id);
-  if (!counting_ || frame.id < counted_from_) return;
+  newest_ = std::max(newest_, id);
+  if (!counting_ || id < counted_from_) return;
   const LocalTime now = clock_.now();
-  Seen& seen = seen_[frame.id];
+  Seen& seen = seen_[id];
   if (seen.viewers++ == 0) seen.first = now;
   ++passage_.delivered;
   passage_.bytes += bytes;
   passage_.spread.add((now - seen.first).count());
-  const Duration media_now = now.time_since_epoch() + (plain_ ? Duration(0) : sync_.offset(now));
-  passage_.latency.add(media_now.count() - frame.media_time_ns);
+  const Duration media_now =
+      now.time_since_epoch() + (way_ == Way::kPlain ? Duration(0) : sync_.offset(now));
+  passage_.latency.add((media_now - media_time).count());
 }
 
 }  // namespace hapticast::testing

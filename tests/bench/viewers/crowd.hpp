@@ -14,6 +14,7 @@
 
 #include "common/histogram.hpp"
 #include "common/wire/clock_sync.hpp"
+#include "common/wire/datagram.hpp"
 #include "common/wire/messages.hpp"
 
 namespace hapticast::testing {
@@ -29,11 +30,15 @@ struct Passage {
   Histogram spread;          ///< behind the first viewer to get that frame
 };
 
+enum class Way {
+  kPlain,  ///< by TCP, unasked, with this machine's steady clock as their media time
+  kTcp,
+  kUdp,
+};
+
 class Crowd {
  public:
-  /// `plain`: frames come unasked, with this machine's steady clock as their media time; the
-  /// viewers say nothing.
-  Crowd(const sockaddr_in& server, std::size_t viewers, bool plain);
+  Crowd(const sockaddr_in& server, std::size_t viewers, Way way);
   ~Crowd();
   Crowd(const Crowd&) = delete;
   Crowd& operator=(const Crowd&) = delete;
@@ -65,15 +70,19 @@ class Crowd {
   void wait(Duration at_most);
   void pingAll();
   void ping(Viewer& viewer);
+  void askForDatagrams(Viewer& viewer, const Welcome& welcome);
+  void echo(Viewer& viewer);
+  void readDatagrams(Viewer& viewer);
+  void datagram(Viewer& viewer, const DatagramHeader& header);
   void read(Viewer& viewer);
   /// Takes the message at the front of what the viewer holds; false: more of it is needed.
   bool take(Viewer& viewer);
   void message(Viewer& viewer, std::span<const std::uint8_t> payload);
-  void frame(Viewer& viewer, std::span<const std::uint8_t> head, std::size_t bytes);
+  void frame(Viewer& viewer, std::uint64_t id, Duration media_time, std::size_t bytes);
 
   SteadyClock clock_;
   sockaddr_in server_;
-  bool plain_;
+  Way way_;
   int epoll_ = -1;
   std::vector<std::unique_ptr<Viewer>> viewers_;
   std::size_t welcomed_ = 0;

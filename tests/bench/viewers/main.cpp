@@ -21,12 +21,15 @@ namespace {
 
 enum ExitCode : int { kDone = 0, kFailed = 1 };
 
+const std::map<std::string, Way> kTransports{{"tcp", Way::kTcp}, {"udp", Way::kUdp}};
+
 struct Settings {
   Endpoint server{"127.0.0.1", kDefaultPort};
   Frames frames;
   double seconds = 5.0;
   std::uint64_t rounds = 3;
   std::uint64_t server_pid = 0;
+  Way way = Way::kTcp;
   bool broadcast = false;
   bool bare = false;
 };
@@ -43,15 +46,17 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "--broadcast", settings.broadcast,
       "instead: starts the server's own broadcaster, fed with frames of --bytes at --fps");
   addNumber(*app, "--bytes", settings.frames.bytes, std::uint64_t{64}, std::uint64_t{8U << 20U},
-            "N", "of each frame (default: 20000)");
+            "N", "of each frame's relief (default: 20000)");
   addNumber(*app, "--fps", settings.frames.fps, 0.1, 1000.0, "F", "frames a second (default: 30)");
   addNumber(*app, "--viewers", settings.frames.viewers, std::uint64_t{1}, std::uint64_t{100000},
             "N", "how many (default: 1000)");
   addNumber(*app, "--seconds", settings.seconds, 0.1, 1e5, "S", "of each round (default: 5)");
   addNumber(*app, "--rounds", settings.rounds, std::uint64_t{1}, std::uint64_t{1000}, "N",
             "how often, for medians (default: 3)");
+  addChoice(*app, "--transport", settings.way, kTransports, "how frames come (default: tcp)");
   app->add_flag("--bare", settings.bare,
-                "beside each round the same frames from a bare loop around send(), for the ratio");
+                "beside each round frames as large from a bare loop around send() by TCP, for the "
+                "ratio");
   app->set_config("--config", "", "FILE");
   return app;
 }
@@ -75,8 +80,8 @@ struct Round {
   double process_us = 0.0;
 };
 
-Round play(const Endpoint& server, std::optional<pid_t> pid, bool plain, const Settings& settings) {
-  Crowd crowd(resolve(server), settings.frames.viewers, plain);
+Round play(const Endpoint& server, std::optional<pid_t> pid, Way way, const Settings& settings) {
+  Crowd crowd(resolve(server), settings.frames.viewers, way);
   crowd.join();
   ProcessTime before, after;
   Round round;
@@ -113,10 +118,10 @@ void tell(const char* who, const Round& round, std::size_t viewers) {
 Round playServer(const Settings& settings) {
   if (settings.broadcast) {
     const ServerProcess server(broadcaster(settings.frames));
-    return play({"127.0.0.1", server.port()}, server.id(), false, settings);
+    return play({"127.0.0.1", server.port()}, server.id(), settings.way, settings);
   }
   const auto pid = static_cast<pid_t>(settings.server_pid);
-  return play(settings.server, pid > 0 ? std::optional(pid) : std::nullopt, false, settings);
+  return play(settings.server, pid > 0 ? std::optional(pid) : std::nullopt, settings.way, settings);
 }
 
 /// With frames as large and as often as they came from the server.
@@ -124,7 +129,7 @@ Round playBare(Settings settings, const Passage& as) {
   settings.frames.bytes = as.delivered > 0 ? as.bytes / as.delivered : settings.frames.bytes;
   settings.frames.fps = static_cast<double>(as.frames) / toSeconds(as.time);
   const ServerProcess server(bareLoop(settings.frames));
-  return play({"127.0.0.1", server.port()}, server.id(), true, settings);
+  return play({"127.0.0.1", server.port()}, server.id(), Way::kPlain, settings);
 }
 
 double median(std::vector<double> values) {
@@ -134,7 +139,7 @@ double median(std::vector<double> values) {
 
 void run(const Settings& settings) {
   const std::size_t viewers = settings.frames.viewers;
-  if (server::raiseFileLimit(viewers) < viewers)
+  if (server::raiseFileLimit(2 * viewers) < 2 * viewers)
     throw std::runtime_error("this system allows fewer open files than viewers");
   std::vector<double> server_us, bare_us, ratios;
   for (std::uint64_t i = 0; i < settings.rounds; ++i) {

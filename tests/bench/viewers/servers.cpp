@@ -11,12 +11,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
+#include "server/stream/datagram_sender.hpp"
 #include "server/stream/file_limit.hpp"
 #include "server/stream/listener.hpp"
 #include "tests/support/framed.hpp"
@@ -25,20 +27,22 @@ namespace hapticast::testing {
 
 namespace {
 
-/// A frame's payload of so many bytes: its head, then a field that readers skip.
-std::vector<std::uint8_t> paddedFrame(std::uint64_t id, MediaTime media_time, std::size_t bytes) {
+/// A relief of about so many bytes on the wire; nobody here decodes it.
+std::shared_ptr<const CodedRelief> reliefOf(std::size_t bytes) {
+  CodedRelief relief{{0, 0, 640, 480}, {}, 0};
+  for (std::size_t left = bytes; left > 0; left -= relief.slices.back().size())
+    relief.slices.emplace_back(std::min(left, kMostSliceBytes));
+  relief.slice_count = relief.slices.size();
+  return std::make_shared<const CodedRelief>(std::move(relief));
+}
+
+CodedFrame frameWith(std::uint64_t id, MediaTime media_time,
+                     const std::shared_ptr<const CodedRelief>& relief) {
   CodedFrame frame;
   frame.id = id;
   frame.media_time = media_time;
-  std::vector<std::uint8_t> payload = encode(frame);
-  constexpr std::size_t kFieldBytes = 6;  // tag and length
-  if (payload.size() + kFieldBytes > bytes) return payload;
-  std::size_t padding = bytes - payload.size() - kFieldBytes;
-  payload.insert(payload.end(), {1000 * 8 % 128 + 2 + 128, 1000 * 8 / 128});
-  for (int i = 0; i < 4; ++i, padding >>= 7U)
-    payload.push_back(static_cast<std::uint8_t>((padding & 0x7FU) | (i < 3 ? 0x80U : 0U)));
-  payload.resize(bytes);
-  return payload;
+  frame.objects.push_back({1, 0, id, relief, {}, nullptr, {}, {}});
+  return frame;
 }
 
 /// Calls `publish` with the number of each frame at its time, for ever.
@@ -109,15 +113,20 @@ ServerProcess::Serve broadcaster(const Frames& frames) {
     settings.max_clients = server::raiseFileLimit(frames.viewers);
     server::Broadcaster broadcaster(io, clock, media, description, settings);
     server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
+    server::DatagramSigner signer;
+    server::DatagramSender sender(io, clock, listener.endpoint(), signer);
+    broadcaster.carryDatagrams(sender);
     listener.start();
     const std::jthread network([&io] { io.run(); });
     tell(listener.address().port);
+    const auto relief = reliefOf(frames.bytes);
     pace(frames.fps, [&](std::uint64_t id) {
       const MediaTime now = media.now();
-      const auto payload =
-          std::make_shared<const std::vector<std::uint8_t>>(paddedFrame(id, now, frames.bytes));
+      const CodedFrame frame = frameWith(id, now, relief);
+      const SharedBytes payload = encodeShared(frame);
       broadcaster.publish(
-          server::EncodedFrame{0, id, now, payload, std::make_shared<server::WholeFrame>(payload)});
+          server::EncodedFrame{0, id, now, payload, std::make_shared<server::WholeFrame>(payload),
+                               broadcaster.datagramsWanted() ? signer.sign(frame) : nullptr});
     });
   };
 }
@@ -146,9 +155,10 @@ ServerProcess::Serve bareLoop(const Frames& frames) {
       sockets.push_back(socket);
     }
     const SteadyClock clock;
+    const auto relief = reliefOf(frames.bytes);
     pace(frames.fps, [&](std::uint64_t id) {
       const MediaTime now(clock.now().time_since_epoch());
-      const auto bytes = framed(paddedFrame(id, now, frames.bytes));
+      const auto bytes = framed(encode(frameWith(id, now, relief)));
       for (const int socket : sockets) sendAll(socket, bytes);
     });
   };

@@ -31,7 +31,7 @@ class ServerProcess {
 };
 
 struct Frames {
-  std::size_t bytes = 20000;  ///< of the payload of each
+  std::size_t bytes = 20000;  ///< of the relief of each
   double fps = 30.0;
   std::size_t viewers = 1000;
 };
