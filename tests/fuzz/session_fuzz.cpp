@@ -125,17 +125,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         say(encodeShared(ReceiverReport{}));
         break;
       case 4:
-        session->send(frameOf(step, host.media));
+        session->queue(frameOf(step, host.media));
+        session->flush();
         break;
       case 5:
-        session->describe(encodeShared(host.stream), script.byte() % 2 == 0);
+        session->queueDescription(encodeShared(host.stream), script.byte() % 2 == 0);
+        session->flush();
         break;
       case 6:
         host.manual.advance(std::chrono::milliseconds(10 * script.byte()));
         session->check(host.manual.now());
         break;
       default:
-        session->send(server::encodeVideo({0, step, host.media.now(), {0xFF, 0xD8}}));
+        session->queue(server::encodeVideo({0, step, host.media.now(), {0xFF, 0xD8}}));
+        session->flush();
         break;
     }
     io.restart();

@@ -11,6 +11,7 @@
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
+#include "common/wire/limits.hpp"
 #include "server/settings.hpp"
 
 namespace {
@@ -56,7 +57,7 @@ void client(const std::string& text) {
   const auto& settings = program.settings;
   require(settings.seconds >= 0.0 && settings.seconds <= 1e8);
   require((settings.device == "virtual" || settings.device == "auto") &&
-          settings.transport == hapticast::client::Transport::kTcp);
+          settings.delivery.copies <= hapticast::limits::kMostCopies);
   require(!settings.server.host.empty());
 }
 
