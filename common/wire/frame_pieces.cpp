@@ -159,7 +159,7 @@ std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
   return std::nullopt;
 }
 
-std::optional<WireError> JoinedFrame::join(ObjectPiece piece) {
+std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
   const CodedObject& from = piece.object;
   const std::pair key{from.id, from.layer};
   if (!objects_.contains(key) && objects_.size() == kMaxObjects)

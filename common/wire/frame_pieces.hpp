@@ -71,7 +71,7 @@ class JoinedFrame {
     bool head = false;
   };
   using ByObject = std::map<std::pair<std::uint32_t, std::uint32_t>, Joined>;
-  [[nodiscard]] std::optional<WireError> join(ObjectPiece piece);
+  [[nodiscard]] std::optional<WireError> join(const ObjectPiece& piece);
   static bool joinRelief(const CodedRelief& piece, Joined& to);
   static bool joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to);
 

@@ -10,7 +10,8 @@ using client::Way;
 
 class DatagramClientTest : public StreamTest {
  protected:
-  static std::function<void(client::ConnectionSettings&)> with(client::DeliverySettings delivery) {
+  static std::function<void(client::ConnectionSettings&)> with(
+      const client::DeliverySettings& delivery) {
     return [delivery](client::ConnectionSettings& settings) { settings.delivery = delivery; };
   }
   /// A frame about every 20 ms, until `done`.

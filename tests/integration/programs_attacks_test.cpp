@@ -52,7 +52,7 @@ struct KeptBySystem {
 class HonestViewers {
  public:
   explicit HonestViewers(std::uint16_t port)
-      : thread_([this, port](std::stop_token stop) {
+      : thread_([this, port](const std::stop_token& stop) {
           for (std::size_t i = 0; i < kViewers; ++i) {
             viewers_.push_back({std::make_unique<RawPeer>(io_, port), 0, {}});
             viewers_.back().peer->send(Hello{kProtocolVersion, "honest", false, true});

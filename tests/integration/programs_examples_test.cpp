@@ -11,9 +11,13 @@ class ProgramsExamplesTest : public ProgramsTest {
   /// Lets the script take some frames and returns its exit code; the reliefs are in `out`.
   int readStream(const std::string& address, const std::string& out,
                  std::vector<std::string> flags) const {
-    std::vector<std::string> command{
-        HAPTICAST_PYTHON, HAPTICAST_EXAMPLES "/read_stream.py", address, "--frames", "30", "--out",
-        path(out)};
+    std::vector<std::string> command{HAPTICAST_PYTHON,
+                                     std::string(HAPTICAST_EXAMPLES) + "/read_stream.py",
+                                     address,
+                                     "--frames",
+                                     "30",
+                                     "--out",
+                                     path(out)};
     command.insert(command.end(), flags.begin(), flags.end());
     Process script(std::move(command));
     const auto exit_code = script.wait(kSoon);

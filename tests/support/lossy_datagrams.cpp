@@ -90,7 +90,7 @@ std::shared_ptr<LossyDatagrams::Client> LossyDatagrams::clientOf(const udp::endp
   if (client) return client;
   client = std::make_shared<Client>(io_, address, server_, up_, down_, known_++);
   listen(client);
-  const auto taken = client;
+  auto taken = client;
   if (clients_.size() > kMostClients) {
     const auto oldest = std::min_element(
         clients_.begin(), clients_.end(),

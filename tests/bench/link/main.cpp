@@ -2,6 +2,7 @@
 // hapticast-link: a bad network to try things by hand. Stands between clients and a server on TCP
 // and UDP, and says once a second what became of the packets.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -84,8 +85,9 @@ std::string told(const LinkCounts& now, const LinkCounts& before) {
   add(&LinkCounts::duplicated, "doubled");
   add(&LinkCounts::reordered, "held back");
   if (now.deliveries > before.deliveries) {
-    const auto delay = (now.delay - before.delay) / (now.deliveries - before.deliveries);
-    line << ", " << static_cast<double>(delay.count() / 10000) / 100.0 << " ms under way";
+    const auto deliveries = static_cast<double>(now.deliveries - before.deliveries);
+    const double delay_ms = 1e3 * toSeconds(now.delay - before.delay) / deliveries;
+    line << ", " << std::round(100.0 * delay_ms) / 100.0 << " ms under way";
   }
   return line.str();
 }
@@ -131,18 +133,18 @@ void run(const Settings& settings) {
 }  // namespace hapticast::testing
 
 int main(int argc, char** argv) {
-  hapticast::testing::Settings settings;
-  const auto command_line = hapticast::testing::commandLine(settings);
-  if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
-    return *exit_code;
-  settings.profile.delay = hapticast::fromSeconds(1e-3 * settings.delay_ms);
-  settings.profile.jitter = hapticast::fromSeconds(1e-3 * settings.jitter_ms);
-  settings.profile.rate_bits_s = 1e6 * settings.rate_Mbit_s;
   try {
+    hapticast::testing::Settings settings;
+    const auto command_line = hapticast::testing::commandLine(settings);
+    if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
+      return *exit_code;
+    settings.profile.delay = hapticast::fromSeconds(1e-3 * settings.delay_ms);
+    settings.profile.jitter = hapticast::fromSeconds(1e-3 * settings.jitter_ms);
+    settings.profile.rate_bits_s = 1e6 * settings.rate_Mbit_s;
     hapticast::testing::run(settings);
+    return hapticast::testing::kDone;
   } catch (const std::exception& error) {
     std::cerr << "hapticast-link: " << hapticast::oneLine(error.what()) << "\n";
     return hapticast::testing::kFailed;
   }
-  return hapticast::testing::kDone;
 }

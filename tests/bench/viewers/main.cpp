@@ -162,15 +162,15 @@ void run(const Settings& settings) {
 }  // namespace hapticast::testing
 
 int main(int argc, char** argv) {
-  hapticast::testing::Settings settings;
-  const auto command_line = hapticast::testing::commandLine(settings);
-  if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
-    return *exit_code;
   try {
+    hapticast::testing::Settings settings;
+    const auto command_line = hapticast::testing::commandLine(settings);
+    if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
+      return *exit_code;
     hapticast::testing::run(settings);
+    return hapticast::testing::kDone;
   } catch (const std::exception& error) {
     std::cerr << "hapticast-viewers: " << hapticast::oneLine(error.what()) << "\n";
     return hapticast::testing::kFailed;
   }
-  return hapticast::testing::kDone;
 }

@@ -7,7 +7,6 @@
 
 #include "server/stream/encoded.hpp"
 #include "tests/evaluate/thread_time.hpp"
-#include "tests/support/coded.hpp"
 
 namespace hapticast::evaluate {
 
@@ -48,6 +47,9 @@ double maskError_px(const TouchScene& scene, const HapticFrame& frame, const Wor
 
 namespace {
 
+// As fine as slices go: what they add at their default is measured by the topic codec.
+constexpr SliceSettings kExactSlices{.error_mm = 0.001};
+
 // `look` sees every frame before it is encoded, and may change it.
 Stream play(server::RgbdSource& source, const server::VisionSettings& settings, bool scan,
             double longest_s, const std::function<void(HapticFrame&, const Workspace&)>& look) {
@@ -58,8 +60,8 @@ Stream play(server::RgbdSource& source, const server::VisionSettings& settings, 
   Stream out;
   const auto take = [&](server::VisionResult& result) {
     look(result.frame, vision.description().workspace);
-    out.frames.push_back({toSeconds(result.frame.media_time),
-                          encoder.encode(result.frame, testing::kFinestSlices).lean});
+    out.frames.push_back(
+        {toSeconds(result.frame.media_time), encoder.encode(result.frame, kExactSlices).lean});
   };
   while (auto frame = source.read()) {
     if (frame->clip_time_s > longest_s) break;

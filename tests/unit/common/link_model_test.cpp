@@ -165,7 +165,7 @@ TEST(LinkModelTest, ANarrowPathSwallowsLargeDatagrams) {
 }
 
 TEST(LinkModelTest, TheRateIsSharedAndTheQueueBounded) {
-  LinkWay way{{.rate_bits_s = 8e6, .queue_bytes = 10 * 1028}, {}, {}};
+  LinkWay way{{.rate_bits_s = 8e6, .queue_bytes = std::size_t{10} * 1028}, {}, {}};
   LinkModel one(way, 0), other(way, 1);
   const LocalTime now = localTime(1.0);
   std::vector<LocalTime> arrivals;
@@ -233,6 +233,7 @@ TEST(LinkModelTest, IsTheSameAgainAndItsFaultsDoNotChangeEachOther) {
   LinkWay way{profile, {}, {}};
   LinkModel flow(way, 1);
   std::vector<bool> came;
+  came.reserve(kPackets);
   for (int i = 0; i < kPackets; ++i) came.push_back(flow.datagram(localTime(10.0), 1000).count > 0);
   EXPECT_NE(came, once.came);
 }

@@ -84,8 +84,9 @@ TEST(WireRefuses, MaterialsThatAreNegative) {
 CodedFrame withSlices(PixelRect rect, std::vector<SliceBytes> slices) {
   CodedFrame frame = testing::coded(goldenFrame());
   frame.objects[0].grid = nullptr;
+  const std::size_t count = slices.size();
   frame.objects[0].relief =
-      std::make_shared<CodedRelief>(CodedRelief{rect, std::move(slices), slices.size()});
+      std::make_shared<CodedRelief>(CodedRelief{rect, std::move(slices), count});
   return frame;
 }
 
