@@ -21,8 +21,9 @@ const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kP
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
-const std::map<std::string, Way> kTransports{
-    {"udp", Way::kDatagrams}, {"tcp", Way::kTcp}, {"multicast", Way::kGroup}};
+const std::map<std::string, Way> kTransports{{wayName(Way::kDatagrams), Way::kDatagrams},
+                                             {wayName(Way::kTcp), Way::kTcp},
+                                             {wayName(Way::kGroup), Way::kGroup}};
 
 /// What --device takes: auto, and the kinds of this build.
 const std::map<std::string, std::string>& devices() {
@@ -90,7 +91,7 @@ void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
          "How often each datagram is sent, a frame apart: auto (default; as often as the network "
          "loses some), or 1..4")
       ->type_name("auto|N");
-  app.add_option("--interface", delivery.interface,
+  app.add_option("--interface", delivery.interface_name,
                  "The network that joins a multicast group, by name or address; default: the one "
                  "that leads to the server")
       ->type_name("NAME|ADDRESS");

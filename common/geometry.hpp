@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 
 namespace hapticast {
 
@@ -18,6 +19,10 @@ struct PixelRect {
   int height = 0;
 
   [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
+  /// Requires one that is not empty.
+  [[nodiscard]] std::size_t pixels() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
   bool operator==(const PixelRect&) const = default;
 };
 

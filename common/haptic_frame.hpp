@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/geometry.hpp"
@@ -35,6 +36,11 @@ struct Relief {
   std::vector<float> height_mm;    ///< row-major, rect.width * rect.height; 0..Workspace::depth_mm
   std::vector<std::uint8_t> mask;  ///< same shape; 1 inside the object, 0 outside
   bool operator==(const Relief&) const = default;
+
+  /// All of it outside, at height 0.
+  static Relief blank(const PixelRect& rect) {
+    return {rect, std::vector<float>(rect.pixels()), std::vector<std::uint8_t>(rect.pixels())};
+  }
 };
 
 /// Velocity and acceleration of the surface that the object's own motion does not explain (in the
@@ -103,6 +109,13 @@ struct FrameOf {
   MediaTime media_time;                  ///< capture time
   std::vector<ObjectOf<Shape>> objects;  ///< at most kMaxObjects
 };
+
+/// What an object is known by from frame to frame: its id and layer.
+using ObjectKey = std::pair<std::uint32_t, std::uint32_t>;
+template <class Shape>
+ObjectKey keyOf(const ObjectOf<Shape>& object) {
+  return {object.id, object.layer};
+}
 
 using HapticObject = ObjectOf<Relief>;
 using HapticFrame = FrameOf<Relief>;

@@ -15,10 +15,13 @@ std::optional<float> heightAt(const Relief& relief, const Vec2& image_px) {
   const double u = image_px.x() - relief.rect.u - 0.5, v = image_px.y() - relief.rect.v - 0.5;
   if (!(u > -1.0 && v > -1.0 && u < relief.rect.width && v < relief.rect.height))
     return std::nullopt;
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(relief.rect.width) +
+           static_cast<std::size_t>(x);
+  };
   const auto inside = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < relief.rect.width && y < relief.rect.height &&
-           relief.mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(relief.rect.width) +
-                       static_cast<std::size_t>(x)] != 0;
+           relief.mask[at(x, y)] != 0;
   };
   if (!inside(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v))))
     return std::nullopt;
@@ -28,9 +31,7 @@ std::optional<float> heightAt(const Relief& relief, const Vec2& image_px) {
     for (const int x : {left, left + 1}) {
       if (!inside(x, y)) continue;
       const double weight = (1.0 - std::abs(u - x)) * (1.0 - std::abs(v - y));
-      const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(relief.rect.width) +
-                      static_cast<std::size_t>(x);
-      sum += weight * static_cast<double>(relief.height_mm[at]);
+      sum += weight * static_cast<double>(relief.height_mm[at(x, y)]);
       weights += weight;
     }
   }

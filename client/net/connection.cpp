@@ -183,7 +183,7 @@ asio::awaitable<Connection::Ending> Connection::readAll(ConversationPtr talk) {
       co_return Ending{"the connection was lost (" + talk->channel->whyEnded() + ")", {}};
     }
     auto message = decode(*payload.value());
-    auto error = message.ok() ? handle(talk, std::move(message).value()) : message.error();
+    auto error = message.ok() ? handle(*talk, std::move(message).value()) : message.error();
     if (error) co_return Ending{std::move(error->message), error->code};
     if (talk->welcomed && !talk->pinging) {
       talk->pinging = true;
@@ -193,8 +193,7 @@ asio::awaitable<Connection::Ending> Connection::readAll(ConversationPtr talk) {
   }
 }
 
-std::optional<WireError> Connection::handleWelcome(const ConversationPtr& talk,
-                                                   const Message& message) {
+std::optional<WireError> Connection::handleWelcome(Conversation& talk, const Message& message) {
   const auto* const welcome = std::get_if<Welcome>(&message);
   if (welcome == nullptr)
     return WireError{ErrorCode::kUnexpected, "the first message is no welcome"};
@@ -203,39 +202,38 @@ std::optional<WireError> Connection::handleWelcome(const ConversationPtr& talk,
                                               std::to_string(welcome->protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
-  talk->welcomed = true;
-  talk->unanswered_since = clock_.now();
+  talk.welcomed = true;
+  talk.unanswered_since = clock_.now();
   ever_welcomed_ = true;
-  talk->channel->setReadLimit(kMaxMessageBytes);
+  talk.channel->setReadLimit(kMaxMessageBytes);
   receiver_.connected(welcome->description, clock_.now());
   if (events_.welcomed) events_.welcomed(welcome->description);
   openLink(talk, *welcome);
   return std::nullopt;
 }
 
-void Connection::openLink(const ConversationPtr& talk, const Welcome& welcome) {
-  const auto server = parseEndpoint(talk->channel->peer(), {});
-  if (!server) return;         // a channel that is no connection between hosts
-  Conversation& here = *talk;  // which closes the link before it goes
-  talk->link = DatagramLink::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
-                                  {.order =
-                                       [&here](const Delivery& order) {
-                                         here.order = order;
-                                         here.pinger.cancel();
-                                       },
-                                   .news =
-                                       [this](const std::string& line) {
-                                         if (events_.delivery) events_.delivery(line);
-                                       }});
+void Connection::openLink(Conversation& talk, const Welcome& welcome) {
+  const auto server = parseEndpoint(talk.channel->peer(), {});
+  if (!server) return;  // a channel that is no connection between hosts
+  // The conversation closes its link before it goes.
+  talk.link = DatagramLink::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
+                                 {.order =
+                                      [&talk](const Delivery& order) {
+                                        talk.order = order;
+                                        talk.pinger.cancel();
+                                      },
+                                  .news =
+                                      [this](const std::string& line) {
+                                        if (events_.delivery) events_.delivery(line);
+                                      }});
 }
 
-std::optional<WireError> Connection::handle(const ConversationPtr& talk_of, Message message) {
-  Conversation& talk = *talk_of;
+std::optional<WireError> Connection::handle(Conversation& talk, Message message) {
   if (auto* const error = std::get_if<WireError>(&message)) return std::move(*error);
   const LocalTime now = clock_.now();
   std::optional<WireError> failure;
   if (!talk.welcomed) {
-    failure = handleWelcome(talk_of, message);
+    failure = handleWelcome(talk, message);
   } else if (auto* const frame = std::get_if<CodedFrame>(&message)) {
     if (!talk.first_frame) talk.first_frame = now;
     if (talk.link) talk.link->tcpFrame(frame->id);

@@ -85,12 +85,11 @@ class Connection {
   /// Pings, reports, and orders where frames shall come; the only one who writes.
   asio::awaitable<void> speak(ConversationPtr talk);
   asio::awaitable<bool> ping(ConversationPtr talk, bool with_report);
-  void openLink(const ConversationPtr& talk, const Welcome& welcome);
+  void openLink(Conversation& talk, const Welcome& welcome);
   asio::awaitable<void> watch(ConversationPtr talk);
   asio::awaitable<bool> send(ConversationPtr talk, Message message);
-  [[nodiscard]] std::optional<WireError> handle(const ConversationPtr& talk, Message message);
-  [[nodiscard]] std::optional<WireError> handleWelcome(const ConversationPtr& talk,
-                                                       const Message& message);
+  [[nodiscard]] std::optional<WireError> handle(Conversation& talk, Message message);
+  [[nodiscard]] std::optional<WireError> handleWelcome(Conversation& talk, const Message& message);
   void handlePong(Conversation& talk, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;
 

@@ -100,7 +100,7 @@ void DatagramLink::turn(LocalTime now) {
   choice_.turn(now, copies_);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
   followChoice(now);
-  const Duration pause = probed_ ? kEchoEvery : kEchoUntilProbed;
+  const Duration pause = choice_.wasProbed() ? kEchoEvery : kEchoUntilProbed;
   if (opened_ == Way::kDatagrams && path_ && (!echoed_at_ || now - *echoed_at_ >= pause)) {
     echoed_at_ = now;
     path_->send(echoBytes({welcome_.datagram_token, welcome_.stream}));
@@ -120,7 +120,6 @@ void DatagramLink::followChoice(LocalTime now) {
     const Way way = choice_.way();
     opened_ = way;
     echoed_at_.reset();
-    probed_ = false;
     if (way == Way::kTcp) return;
     auto key = VerifyingKey::from(*welcome_.verifying_key);
     if (!key.ok()) return choice_.impossible(key.error().message, now);
@@ -129,7 +128,7 @@ void DatagramLink::followChoice(LocalTime now) {
                         std::move(key).value());
     auto path =
         group ? DatagramPath::ofGroup(io_, clock_, {welcome_.group->address, welcome_.group->port},
-                                      settings_.interface, server_, std::move(inbox))
+                                      settings_.interface_name, server_, std::move(inbox))
               : DatagramPath::toServer(io_, clock_, server_, std::move(inbox));
     if (!path.ok()) {
       choice_.impossible(path.error().message, now);
@@ -148,7 +147,6 @@ void DatagramLink::followChoice(LocalTime now) {
 void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
   if (closed_ || way != choice_.way()) return;
   if (datagram.header.probe()) {
-    probed_ = true;
     choice_.probed();
   } else if (receiver_.part(datagram.header, datagram.payload, now)) {
     choice_.wholeFrame(datagram.header.frame, now);

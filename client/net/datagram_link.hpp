@@ -66,7 +66,6 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   std::optional<Way> opened_;
   std::shared_ptr<DatagramPath> path_;
   std::optional<LocalTime> echoed_at_;
-  bool probed_ = false;
   std::uint64_t ignored_before_ = 0;  // datagrams, by ignored_since_
   LocalTime ignored_since_{};
   DatagramCounts counts_;  // of paths that were closed

@@ -43,7 +43,7 @@ class DatagramPath : public std::enable_shared_from_this<DatagramPath> {
  private:
   DatagramPath(asio::ip::udp::socket socket, const Clock& clock, DatagramInbox inbox);
   asio::awaitable<void> readAll();
-  /// Reads what is there, a bounded number; false where there was more.
+  /// Reads what is there, a bounded number; true where there may be more.
   bool readSome();
 
   asio::ip::udp::socket socket_;

@@ -8,55 +8,32 @@ namespace hapticast::client {
 
 namespace {
 
-const char* inWords(Way way) {
-  switch (way) {
-    case Way::kGroup:
-      return "by multicast";
-    case Way::kDatagrams:
-      return "by UDP";
-    case Way::kTcp:
-      break;
-  }
-  return "over TCP";
+std::string inWords(Way way) {
+  constexpr std::array<const char*, kWayNames.size()> kHow{"by multicast", "by UDP", "over TCP"};
+  return kHow[static_cast<std::size_t>(way)];
 }
 
 }  // namespace
 
-const char* wayName(Way way) noexcept {
-  switch (way) {
-    case Way::kGroup:
-      return "multicast";
-    case Way::kDatagrams:
-      return "udp";
-    case Way::kTcp:
-      break;
-  }
-  return "tcp";
-}
+DeliveryChoice::DeliveryChoice(std::vector<Way> ways) : ways_(std::move(ways)) { begin(0); }
 
-DeliveryChoice::DeliveryChoice(std::vector<Way> ways) : ways_(std::move(ways)) {
-  begin(0, LocalTime{});
-}
-
-void DeliveryChoice::begin(std::size_t at, LocalTime now) {
+void DeliveryChoice::begin(std::size_t at) {
   at_ = at;
   works_ = doubted_ = false;
   probed_ = way() != Way::kDatagrams;  // nobody asks a group for one
-  came_at_.reset();
   only_tcp_since_.reset();
-  if (at_ > 0 && !failed_at_) failed_at_ = now;
 }
 
-void DeliveryChoice::fail(const std::string& why, LocalTime now) {
+void DeliveryChoice::impossible(const std::string& why, LocalTime now) {
   const Way failed = way();
   if (failed == Way::kTcp) return;
   failed_at_ = now;
-  begin(at_ + 1, now);
+  begin(at_ + 1);
   // A way that is tried again and fails again is no news.
   if (std::find(told_.begin(), told_.end(), failed) != told_.end()) return;
   told_.push_back(failed);
-  news_ = std::string("no frames come ") + inWords(failed) + " (" + why + "): taking them " +
-          inWords(way()) + (way() == Way::kTcp ? ", trying again every 30 s" : "");
+  news_ = "no frames come " + inWords(failed) + " (" + why + "): taking them " + inWords(way()) +
+          (way() == Way::kTcp ? ", trying again every 30 s" : "");
 }
 
 void DeliveryChoice::wholeFrame(std::uint64_t id, LocalTime now) {
@@ -67,21 +44,17 @@ void DeliveryChoice::wholeFrame(std::uint64_t id, LocalTime now) {
   // Where a datagram of full size does not get through, frames will be missing.
   if (works_ || !probed_) return;
   works_ = true;
-  if (at_ > 0) return;
-  failed_at_.reset();
-  if (!std::exchange(told_, {}).empty())
-    news_ = std::string("frames come ") + inWords(way()) + " again";
+  if (at_ == 0 && !std::exchange(told_, {}).empty())
+    news_ = "frames come " + inWords(way()) + " again";
 }
 
 void DeliveryChoice::tcpFrame(std::uint64_t id, LocalTime now) {
   if (way() != Way::kTcp && id > newest_ && !only_tcp_since_) only_tcp_since_ = now;
 }
 
-void DeliveryChoice::impossible(const std::string& why, LocalTime now) { fail(why, now); }
-
 void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
   copies_ = copies;
-  if (works_ && came_at_ && now - *came_at_ >= kPatience) {
+  if (works_ && now - came_at_ >= kPatience) {
     // Either nothing is sent, or it does not arrive: TCP will tell.
     works_ = false;
     doubted_ = true;
@@ -89,12 +62,8 @@ void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
   }
   const Duration patience = doubted_ ? kRace : kPatience;
   if (only_tcp_since_ && now - *only_tcp_since_ >= patience)
-    fail(probed_ || way() == Way::kGroup ? "they are lost" : "does a firewall hold them back?",
-         now);
-  if (at_ > 0 && failed_at_ && now - *failed_at_ >= kTryAgain) {
-    failed_at_ = now;
-    begin(0, now);
-  }
+    impossible(probed_ ? "they are lost" : "does a firewall hold them back?", now);
+  if (at_ > 0 && now - failed_at_ >= kTryAgain) begin(0);
 }
 
 Delivery DeliveryChoice::wanted() const {

@@ -5,6 +5,8 @@
 // arguments. Thread: network.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,13 +18,16 @@
 namespace hapticast::client {
 
 enum class Way : std::uint8_t { kGroup, kDatagrams, kTcp };
+/// On the command line and in the summary.
+inline constexpr std::array<const char*, 3> kWayNames{"multicast", "udp", "tcp"};
+constexpr const char* wayName(Way way) noexcept { return kWayNames[static_cast<std::size_t>(way)]; }
 
 /// How frames shall travel where there is a choice.
 struct DeliverySettings {
   Way best = Way::kDatagrams;  ///< kGroup falls back to kDatagrams, this to kTcp
   std::uint32_t copies = 0;    ///< of each datagram; 0: as many as the loss asks for
-  std::string interface {
-  };  ///< that joins a group, by name or address; empty: the one to the server
+  /// That joins a group, by name or address; empty: the one that leads to the server.
+  std::string interface_name{};
 };
 
 /// How frames travel now.
@@ -31,9 +36,6 @@ struct DeliveryState {
   double loss = 0.0;         ///< of datagrams, 0..1, as last measured
   std::uint32_t copies = 1;  ///< of each datagram
 };
-
-/// udp, tcp or multicast.
-[[nodiscard]] const char* wayName(Way way) noexcept;
 
 class DeliveryChoice {
  public:
@@ -54,11 +56,12 @@ class DeliveryChoice {
 
   /// A datagram of full size has come that way.
   void probed() { probed_ = true; }
+  [[nodiscard]] bool wasProbed() const { return probed_; }
   /// A whole frame has come that way.
   void wholeFrame(std::uint64_t id, LocalTime now);
   /// A frame has come over TCP.
   void tcpFrame(std::uint64_t id, LocalTime now);
-  /// The way cannot be used at all.
+  /// The way is of no use: it cannot be opened, is flooded, or brings no frames.
   void impossible(const std::string& why, LocalTime now);
   /// Looks at the time; `copies`: how many of each datagram are wanted.
   void turn(LocalTime now, std::uint32_t copies);
@@ -69,8 +72,7 @@ class DeliveryChoice {
   [[nodiscard]] std::optional<std::string> news();
 
  private:
-  void begin(std::size_t at, LocalTime now);
-  void fail(const std::string& why, LocalTime now);
+  void begin(std::size_t at);
   [[nodiscard]] Delivery wanted() const;
 
   std::vector<Way> ways_;
@@ -78,10 +80,10 @@ class DeliveryChoice {
   bool works_ = false;
   bool doubted_ = false;  // it worked, and nothing has come for a while
   bool probed_ = false;
-  std::uint64_t newest_ = 0;  // whole frame that came that way
-  std::optional<LocalTime> came_at_;
+  std::uint64_t newest_ = 0;                 // whole frame that came that way
+  LocalTime came_at_{};                      // that frame
   std::optional<LocalTime> only_tcp_since_;  // frames come over TCP that do not come that way
-  std::optional<LocalTime> failed_at_;       // the best way
+  LocalTime failed_at_{};                    // a way, the last time
   std::uint32_t copies_ = 1;
   std::optional<Delivery> ordered_;
   std::vector<Way> told_;  // ways of which it is told that they fail

@@ -11,23 +11,29 @@ void FrameAssembler::restart() {
   ++epoch_;
   server_epoch_.reset();
   last_id_.reset();
+  forget();
+  late_.clear();
+}
+
+void FrameAssembler::forget() {
   waiting_.clear();
   left_.clear();
   done_.clear();
   by_tcp_.clear();
-  late_.clear();
+}
+
+bool FrameAssembler::behind(std::uint64_t id) const { return last_id_ && id <= *last_id_; }
+
+bool FrameAssembler::jumps(std::uint64_t id) const {
+  if (!last_id_) return false;
+  return (behind(id) ? *last_id_ - id : id - *last_id_) > kLargestJump;
 }
 
 bool FrameAssembler::add(CodedFrame frame, LocalTime arrived) {
   const std::uint64_t id = frame.id;
-  const bool behind = last_id_ && id <= *last_id_;
-  const std::uint64_t jump = !last_id_ ? 0 : behind ? *last_id_ - id : id - *last_id_;
-  if (jump > kLargestJump) {
-    waiting_.clear();
-    left_.clear();
-    done_.clear();
-    by_tcp_.clear();
-  } else if (behind) {
+  if (jumps(id)) {
+    forget();
+  } else if (behind(id)) {
     return false;
   }
   Waiting& waiting = waiting_[id];
@@ -58,7 +64,7 @@ FrameAssembler::Want FrameAssembler::want(const DatagramHeader& part) const {
 Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
                                             std::span<const std::uint8_t> payload,
                                             LocalTime arrived) {
-  if (last_id_ && part.frame <= *last_id_) return addLate(part, payload, arrived);
+  if (behind(part.frame)) return addLate(part, payload, arrived);
   Waiting& waiting = waiting_[part.frame];
   if (!waiting.joined) waiting.joined.emplace(part);
   if (!waiting.frame) waiting.arrived = arrived;
@@ -75,15 +81,14 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
                                                 std::span<const std::uint8_t> payload,
                                                 LocalTime arrived) {
   JoinedFrame& joined = left_.try_emplace(part.frame, part).first->second;
-  auto error = joined.add(part, payload);
-  if (!error && !joined.whole()) return false;
-  // It stays among those that left, to fill up what is unchanged.
-  if (!error && !by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
-  if (error) {
+  if (auto error = joined.add(part, payload)) {
     left_.erase(part.frame);
     done_.insert(part.frame);
     return *error;
   }
+  if (!joined.whole()) return false;
+  // It stays among those that left, to fill up what is unchanged.
+  if (!by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
   return true;
 }
 
@@ -139,9 +144,7 @@ std::optional<AssembledFrame> FrameAssembler::leaveInParts(std::uint64_t id, Wai
 }
 
 AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> arrived) {
-  const bool behind = last_id_ && frame.id <= *last_id_;
-  const std::uint64_t jump = !last_id_ ? 0 : behind ? *last_id_ - frame.id : frame.id - *last_id_;
-  const bool resync = jump > kLargestJump;
+  const bool resync = jumps(frame.id);
   // The first frame after restart() belongs to the epoch that was announced to the loop.
   if (resync || (server_epoch_ && *server_epoch_ != frame.epoch)) ++epoch_;
   server_epoch_ = frame.epoch;
@@ -160,8 +163,7 @@ AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> 
 void FrameAssembler::fillUp(CodedFrame& frame) const {
   for (CodedObject& object : frame.objects) {
     const auto left = left_.find(object.changed_in_frame);
-    if (!object.relief && left != left_.end())
-      object.relief = left->second.relief(object.id, object.layer);
+    if (!object.relief && left != left_.end()) object.relief = left->second.relief(keyOf(object));
   }
 }
 

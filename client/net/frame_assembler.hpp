@@ -61,7 +61,7 @@ class FrameAssembler {
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   /// Takes a frame as it came over TCP; false when it came before or when a later one did (ids
   /// rise). One whose id jumps by more than kLargestJump begins a numbering and an epoch of its
-  /// own. Frames of parts that are older leave before it as they are.
+  /// own. Older frames of parts leave before it, when they are whole or due.
   bool add(CodedFrame frame, LocalTime arrived);
 
   /// What a datagram is to the frames so far.
@@ -92,8 +92,12 @@ class FrameAssembler {
     std::optional<JoinedFrame> joined;  // in parts, or in parts as well
     LocalTime arrived;                  // the last that came of it
   };
-  using Joining = std::map<std::uint64_t, JoinedFrame>;  // by id
 
+  /// All but the last frame that left.
+  void forget();
+  [[nodiscard]] bool behind(std::uint64_t id) const;  ///< the last frame that left, or it
+  /// Whether the id is no successor of the last one's, nor a straggler.
+  [[nodiscard]] bool jumps(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t newest() const;
   [[nodiscard]] bool overfull() const;
   [[nodiscard]] std::optional<AssembledFrame> leaveInParts(std::uint64_t id, Waiting waiting);
@@ -111,7 +115,7 @@ class FrameAssembler {
   std::map<std::uint64_t, Waiting> waiting_;   // by id
   // Of the last kOldestPart frames: those that left or were given up before they were whole, and
   // those of which nothing more is wanted.
-  Joining left_;
+  std::map<std::uint64_t, JoinedFrame> left_;  // by id
   std::set<std::uint64_t> done_;
   std::set<std::uint64_t> by_tcp_;  // frames that left whole; parts only show that they get through
   std::deque<LateFrame> late_;

@@ -50,9 +50,7 @@ void FrameQueue::leaveOutOldest() {
 }
 
 void FrameQueue::keep(CodedObject object) {
-  std::erase_if(kept_, [&](const CodedObject& each) {
-    return each.id == object.id && each.layer == object.layer;
-  });
+  std::erase_if(kept_, [&](const CodedObject& each) { return keyOf(each) == keyOf(object); });
   kept_.push_back(std::move(object));
   while (kept_.size() > ReliefCache::kMaxEntries || bytesOf(kept_) > kMaxBytes) {
     kept_.erase(kept_.begin());

@@ -42,9 +42,8 @@ std::uint32_t LossMeter::copies(LocalTime now) {
 void LossMeter::judge() {
   const std::uint64_t newest = frames_.rbegin()->first;
   const std::uint64_t until = newest > kSettled ? newest - kSettled : 0;
-  double sent = 0.0, came = 0.0;
+  double parts = 0.0, came = 0.0;
   std::uint64_t first = 0, seen = 0;
-  double parts = 0.0;
   for (auto each = frames_.begin(); each != frames_.end() && each->first <= until;) {
     if (each->first > ignored_) {
       if (first == 0) first = judged_ > ignored_ ? judged_ + 1 : each->first;
@@ -58,7 +57,7 @@ void LossMeter::judge() {
   if (seen == 0) return;
   // Of frames of which nothing came it is not known how many parts they had.
   const double frames = static_cast<double>(std::max(until - first + 1, seen));
-  sent = parts / static_cast<double>(seen) * frames * copies_;
+  const double sent = parts / static_cast<double>(seen) * frames * copies_;
   const double lost = std::clamp(1.0 - came / sent, 0.0, 1.0);
   loss_ = std::max(lost, kForgets * loss_ + (1.0 - kForgets) * lost);
   needed_ = 1;

@@ -68,6 +68,7 @@ Duration Receiver::leastDelay() const {
 }
 
 void Receiver::expectCopies(std::uint32_t copies, LocalTime now) {
+  if (copies == copies_) return;  // asked for in every turn
   copies_ = copies;
   publish(now);
 }

@@ -22,7 +22,7 @@ bool ReliefCache::inPicture(const PixelRect& rect) const {
 }
 
 void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
-  const auto found = entries_.find({object.id, object.layer});
+  const auto found = entries_.find(keyOf(object));
   Entry* const known = found == entries_.end() ? nullptr : &found->second;
   // A relief that is repeated may bring what was lost of it.
   const bool same =
@@ -38,13 +38,13 @@ void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
   if (!object.relief) return;
   Entry entry{object.changed_in_frame, frame_id, object.relief, object.motion, {}, false, {}};
   if (known != nullptr) entry.before = known->before;
-  entries_[{object.id, object.layer}] = std::move(entry);
+  entries_[keyOf(object)] = std::move(entry);
   if (entries_.size() > kMaxEntries) forgetOldest();
 }
 
 ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint64_t frame_id) {
   remember(object, frame_id);
-  const auto known = entries_.find({object.id, object.layer});
+  const auto known = entries_.find(keyOf(object));
   if (known == entries_.end() || known->second.changed_in_frame != object.changed_in_frame) {
     return {};  // said to be unchanged, but it never came
   }
@@ -73,13 +73,8 @@ ReliefCache::Resolved ReliefCache::prepare(Entry& entry) {
 
 std::shared_ptr<const Relief> ReliefCache::decode(const Entry& entry, Resolved& counts) {
   const CodedRelief& coded = *entry.coded;
-  const auto pixels =
-      static_cast<std::size_t>(coded.rect.width) * static_cast<std::size_t>(coded.rect.height);
-  auto relief = std::make_shared<Relief>();
-  relief->rect = coded.rect;
-  relief->height_mm.assign(pixels, 0.0F);
-  relief->mask.assign(pixels, 0);
-  std::vector<std::uint8_t> have(pixels, 0);
+  const auto relief = std::make_shared<Relief>(Relief::blank(coded.rect));
+  std::vector<std::uint8_t> have(coded.rect.pixels(), 0);
   for (const SliceBytes& slice : coded.slices) {
     const auto covered = decoder_.decode(slice, *relief);
     if (!covered.ok()) {

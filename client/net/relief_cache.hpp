@@ -62,7 +62,7 @@ class ReliefCache {
   Workspace workspace_;
   Method method_ = Method::kHapticast;
   HeightDecoder decoder_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Entry> entries_;  // by object id and layer
+  std::map<ObjectKey, Entry> entries_;
 };
 
 }  // namespace hapticast::client

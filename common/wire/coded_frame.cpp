@@ -14,9 +14,9 @@ std::size_t CodedRelief::bytes() const {
 CodedFrame FrameCoder::code(const HapticFrame& frame, const SliceSettings& settings) {
   CodedFrame out{frame.epoch, frame.id, frame.media_time, {}};
   out.objects.reserve(frame.objects.size());
-  ByObject now;
+  std::map<ObjectKey, Known> now;
   for (const HapticObject& object : frame.objects) {
-    const std::pair key{object.id, object.layer};
+    const ObjectKey key = keyOf(object);
     std::shared_ptr<const CodedRelief> coded;
     if (const auto before = known_.find(key); object.relief && before != known_.end() &&
                                               before->second.relief == object.relief &&

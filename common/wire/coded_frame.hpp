@@ -49,12 +49,11 @@ class FrameCoder {
     SliceSettings settings;
     std::shared_ptr<const CodedRelief> coded;
   };
-  using ByObject = std::map<std::pair<std::uint32_t, std::uint32_t>, Known>;
   std::shared_ptr<const CodedRelief> codeRelief(const Relief& relief,
                                                 const SliceSettings& settings);
 
   HeightEncoder encoder_;
-  ByObject known_;  // of the frame before, by object id and layer
+  std::map<ObjectKey, Known> known_;  // of the frame before
 };
 
 }  // namespace hapticast

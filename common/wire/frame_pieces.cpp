@@ -161,7 +161,7 @@ std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
 
 std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
   const CodedObject& from = piece.object;
-  const std::pair key{from.id, from.layer};
+  const ObjectKey key = keyOf(from);
   if (!objects_.contains(key) && objects_.size() == kMaxObjects)
     return WireError{ErrorCode::kTooLarge, "too many objects"};
   Joined& to = objects_[key];
@@ -209,9 +209,8 @@ bool JoinedFrame::headed() const {
   return object_count_ == static_cast<std::size_t>(heads);
 }
 
-std::shared_ptr<const CodedRelief> JoinedFrame::relief(std::uint32_t id,
-                                                       std::uint32_t layer) const {
-  const auto found = objects_.find({id, layer});
+std::shared_ptr<const CodedRelief> JoinedFrame::relief(const ObjectKey& object) const {
+  const auto found = objects_.find(object);
   if (found == objects_.end() || !found->second.head || !found->second.object.relief)
     return nullptr;
   return inOrder(found->second.relief);

@@ -55,8 +55,7 @@ class JoinedFrame {
   /// Whether the head of every object has come: nothing of the frame is unknown but shapes.
   [[nodiscard]] bool headed() const;
   /// What has come of an object's relief; null where it has none, or its head is missing.
-  [[nodiscard]] std::shared_ptr<const CodedRelief> relief(std::uint32_t id,
-                                                          std::uint32_t layer) const;
+  [[nodiscard]] std::shared_ptr<const CodedRelief> relief(const ObjectKey& object) const;
   [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< of what has come
   /// What has come so far: objects whose head has, with the slices that have; a grid only where all
   /// of it has. An error where the pieces contradict each other.
@@ -70,7 +69,6 @@ class JoinedFrame {
     std::vector<bool> cells;  // of the grid: those that came
     bool head = false;
   };
-  using ByObject = std::map<std::pair<std::uint32_t, std::uint32_t>, Joined>;
   [[nodiscard]] std::optional<WireError> join(const ObjectPiece& piece);
   static bool joinRelief(const CodedRelief& piece, Joined& to);
   static bool joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to);
@@ -80,7 +78,7 @@ class JoinedFrame {
   std::size_t had_count_ = 0;
   std::size_t bytes_ = 0;
   std::optional<std::size_t> object_count_;
-  ByObject objects_;
+  std::map<ObjectKey, Joined> objects_;
 };
 
 }  // namespace hapticast

@@ -267,12 +267,10 @@ void checkFrame(const CodedFrame& frame, Check& check) {
   for (std::size_t i = 0; i < frame.objects.size(); ++i) {
     const CodedObject& object = frame.objects[i];
     for (std::size_t j = 0; j < i; ++j) {
-      check.require(frame.objects[j].id != object.id || frame.objects[j].layer != object.layer,
-                    "an object appears twice");
+      check.require(keyOf(frame.objects[j]) != keyOf(object), "an object appears twice");
     }
     if (!object.relief) continue;
-    pixels += static_cast<std::size_t>(object.relief->rect.width) *
-              static_cast<std::size_t>(object.relief->rect.height);
+    pixels += object.relief->rect.pixels();
     check.bound(pixels, kMaxReliefPixels, "the reliefs of a frame cover too many pixels");
   }
   for (const CodedObject& object : frame.objects) {

@@ -122,10 +122,9 @@ std::vector<PlanLine> ScenePlan::lines() const {
       line.why = why.value_or(whyOn(line.stage));
     }
     line.saves_ms = time_ms_[i];
-    if (!line.on) {
-      if (line.stage == Stage::kSmooth || line.stage == Stage::kClean || line.stage == Stage::kGrid)
-        line.costs_N = at_rest_ ? 0.0 : cost_N_[i].value_or(0.0);
-    }
+    const bool costs =
+        line.stage == Stage::kSmooth || line.stage == Stage::kClean || line.stage == Stage::kGrid;
+    if (!line.on && costs) line.costs_N = at_rest_ ? 0.0 : cost_N_[i].value_or(0.0);
     out.push_back(line);
   }
   return out;

@@ -36,12 +36,8 @@ void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const 
 
 // Whether a frame with one more object is still one that a client takes.
 bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
-  const auto pixels = [](const HapticObject& o) {
-    return static_cast<std::size_t>(o.relief->rect.width) *
-           static_cast<std::size_t>(o.relief->rect.height);
-  };
-  std::size_t sum = pixels(object);
-  for (const HapticObject& other : frame.objects) sum += pixels(other);
+  std::size_t sum = object.relief->rect.pixels();
+  for (const HapticObject& other : frame.objects) sum += other.relief->rect.pixels();
   return frame.objects.size() < kMaxObjects && sum <= kMaxReliefPixels;
 }
 

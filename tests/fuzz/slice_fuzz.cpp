@@ -10,11 +10,6 @@
 
 namespace {
 
-hapticast::Relief blank(int width, int height) {
-  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  return {{0, 0, width, height}, std::vector<float>(pixels), std::vector<std::uint8_t>(pixels)};
-}
-
 void require(bool holds) {
   if (!holds) std::abort();
 }
@@ -23,13 +18,13 @@ void require(bool holds) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
-  hapticast::Relief relief = blank(data[0] + 1, data[1] + 1);
+  hapticast::Relief relief = hapticast::Relief::blank({0, 0, data[0] + 1, data[1] + 1});
   hapticast::HeightDecoder decoder;
   if (!decoder.decode(std::span(data + 2, size - 2), relief).ok()) return 0;
   for (const float mm : relief.height_mm) require(mm >= -1.0F && mm <= 1000.0F);
   if (relief.mask.size() > 4096) return 0;  // what is large is slow
   hapticast::HeightEncoder encoder;
-  hapticast::Relief again = blank(relief.rect.width, relief.rect.height);
+  hapticast::Relief again = hapticast::Relief::blank(relief.rect);
   for (const auto& slice : encoder.encode(relief)) {
     require(slice.size() <= hapticast::kMostSliceBytes);
     require(decoder.decode(slice, again).ok());

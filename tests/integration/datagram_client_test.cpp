@@ -144,7 +144,7 @@ TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
   } catch (const std::exception& error) {
     GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
   }
-  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface = "lo"}));
+  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
   ASSERT_TRUE(streamUntil(*server, client, [&] {
     return client.connection.delivery().way == Way::kGroup || !client.news.empty();
   }));
@@ -164,7 +164,8 @@ TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {
   } catch (const std::exception& error) {
     GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
   }
-  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface = "nowhere"}));
+  TestClient client(io, clock, server->port(),
+                    with({.best = Way::kGroup, .interface_name = "nowhere"}));
   ASSERT_TRUE(streamUntil(*server, client, [&] { return byUdp(client); }));
   ASSERT_EQ(client.news.size(), 1U);
   EXPECT_NE(client.news[0].find("nowhere"), std::string::npos) << client.news[0];

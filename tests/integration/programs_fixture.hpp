@@ -20,6 +20,7 @@
 
 #include "common/geometry.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace hapticast::testing {
 
@@ -76,19 +77,11 @@ inline std::vector<LogRow> readLog(const std::string& file) {
 
 class ProgramsTest : public ::testing::Test {
  protected:
-  ProgramsTest() {
-    const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = ::testing::TempDir() + "hapticast_" + test->test_suite_name() + "_" + test->name() +
-              "_" + std::to_string(::getpid());
-    std::filesystem::create_directories(folder_);
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder_ / name).string();
   }
-  ~ProgramsTest() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
   std::string write(const std::string& name, const std::string& text) const {
-    std::filesystem::create_directories(std::filesystem::path(path(name)).parent_path());
-    std::ofstream(path(name), std::ios::binary) << text;
-    return path(name);
+    return folder_.write(name, text);
   }
 
   /// A small clip: a near disc on a far wall, moving a little, with its mask.
@@ -140,7 +133,7 @@ class ProgramsTest : public ::testing::Test {
   }
 
  private:
-  std::string folder_;
+  const TempFolder folder_;
 };
 
 }  // namespace hapticast::testing

@@ -108,7 +108,7 @@ TEST_F(ProgramsInputTest, AServerListensWhereItIsTold) {
 TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   const std::vector<std::array<std::string, 3>> wrong = {
       {"--seconds", "0", "from 0.001"},       {"--seconds", "nan", "from 0.001"},
-      {"--surface", "x", "normal|perturbed"}, {"--transport", "udp", "tcp"},
+      {"--surface", "x", "normal|perturbed"}, {"--transport", "upd", "tcp|udp"},
       {"--method", "x", "hapticast|thesis"},
   };
   for (const auto& [flag, value, allowed] : wrong)

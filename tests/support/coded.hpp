@@ -24,9 +24,7 @@ inline CodedObject coded(const HapticObject& object) {
 
 /// A relief from its slices. Throws where one of them cannot be decoded.
 inline Relief decodedRelief(const CodedRelief& from) {
-  const auto pixels =
-      static_cast<std::size_t>(from.rect.width) * static_cast<std::size_t>(from.rect.height);
-  Relief relief{from.rect, std::vector<float>(pixels, 0.0F), std::vector<std::uint8_t>(pixels, 0)};
+  Relief relief = Relief::blank(from.rect);
   HeightDecoder decoder;
   for (const SliceBytes& slice : from.slices) {
     const auto covered = decoder.decode(slice, relief);

@@ -12,7 +12,7 @@ namespace hapticast {
 inline std::shared_ptr<Relief> flatRelief(const PixelRect& rect, float height_mm = 5.0F) {
   auto relief = std::make_shared<Relief>();
   relief->rect = rect;
-  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
+  const std::size_t pixels = rect.pixels();
   relief->height_mm.assign(pixels, height_mm);
   relief->mask.assign(pixels, 1);
   return relief;

@@ -38,6 +38,13 @@ SliceBytes wholePlateau(std::uint8_t mode) {
   return {static_cast<std::uint8_t>(mode << 4U | 15U), 0, 0, 15, 15, 163, 0};
 }
 
+template <std::uint8_t Mode>
+void noise(CodedRelief& relief, std::mt19937_64& random) {
+  relief.slices = {wholePlateau(Mode)};
+  for (int i = 0; i < 1000; ++i)
+    relief.slices.front().push_back(static_cast<std::uint8_t>(random()));
+}
+
 }  // namespace
 
 Lies slices() {
@@ -65,16 +72,8 @@ Lies slices() {
       {"slices_cut", kHold, kRefused, sliced([](auto& relief, auto&) {
          for (SliceBytes& slice : relief.slices) slice.resize(slice.size() / 3 + 7);
        })},
-      {"slices_noise_smooth", kHold, kRefused, sliced([](auto& relief, auto& random) {
-         relief.slices = {wholePlateau(0)};
-         for (int i = 0; i < 1000; ++i)
-           relief.slices.front().push_back(static_cast<std::uint8_t>(random()));
-       })},
-      {"slices_noise_rough", kHold, kRefused, sliced([](auto& relief, auto& random) {
-         relief.slices = {wholePlateau(1)};
-         for (int i = 0; i < 1000; ++i)
-           relief.slices.front().push_back(static_cast<std::uint8_t>(random()));
-       })},
+      {"slices_noise_smooth", kHold, kRefused, sliced(noise<0>)},
+      {"slices_noise_rough", kHold, kRefused, sliced(noise<1>)},
       {"slices_flipped_bits", kHold, kRefused, sliced([](auto& relief, auto& random) {
          for (SliceBytes& slice : relief.slices)
            slice[7 + random() % (slice.size() - 7)] ^= static_cast<std::uint8_t>(random());

@@ -37,8 +37,8 @@ class MemoryChannel final : public Channel {
     co_return std::optional<Payload>(*current_);
   }
   // Without memory a test may end.
-  bool writeNow(
-      const SharedBytes& payload) noexcept override {  // NOLINT(bugprone-exception-escape)
+  // NOLINTNEXTLINE(bugprone-exception-escape)
+  bool writeNow(const SharedBytes& payload) noexcept override {
     if (out_->ended) return false;
     bytes_written_ += payload->size();
     out_->waiting.push_back(payload);

@@ -12,14 +12,7 @@
 
 namespace hapticast::testing {
 
-inline Relief emptyRelief(int width, int height) {
-  Relief out;
-  out.rect = {0, 0, width, height};
-  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  out.height_mm.assign(pixels, 0.0F);
-  out.mask.assign(pixels, 0);
-  return out;
-}
+inline Relief emptyRelief(int width, int height) { return Relief::blank({0, 0, width, height}); }
 
 /// `at(x, y)`: a height, or less than -100 where there is none.
 template <class HeightAt>

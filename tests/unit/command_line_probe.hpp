@@ -3,12 +3,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +14,7 @@
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace hapticast::testing_support {
 
@@ -41,16 +39,11 @@ struct CommandLineProbe {
   /// A config file of these keys, and flags beside it.
   static CommandLineProbe withConfig(const std::vector<std::pair<std::string, std::string>>& keys,
                                      std::vector<std::string> arguments = {}) {
-    const std::string file =
-        testing::TempDir() + "hapticast_settings_" + std::to_string(getpid()) + ".conf";
-    {
-      std::ofstream out(file);
-      for (const auto& [key, value] : keys) out << key << " = " << value << "\n";
-    }
-    arguments.insert(arguments.end(), {"--config", file});
-    CommandLineProbe probe(arguments);
-    std::remove(file.c_str());
-    return probe;
+    const TempFolder folder;
+    std::string lines;
+    for (const auto& [key, value] : keys) lines += key + " = " + value + "\n";
+    arguments.insert(arguments.end(), {"--config", folder.write("program.conf", lines)});
+    return CommandLineProbe(arguments);
   }
 
   /// One line on stderr that holds all of `parts`.

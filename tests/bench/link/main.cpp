@@ -4,18 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <exception>
 #include <iostream>
 #include <sstream>
 
 #include "common/cli/options.hpp"
-#include "common/cli/parse.hpp"
 #include "tests/support/lossy_link.hpp"
+#include "tests/support/program.hpp"
 
 namespace hapticast::testing {
 namespace {
-
-enum ExitCode : int { kDone = 0, kFailed = 1 };
 
 const std::map<std::string, Jitter> kDistributions{{"uniform", Jitter::kUniform},
                                                    {"normal", Jitter::kNormal},
@@ -24,7 +21,7 @@ const std::map<std::string, Jitter> kDistributions{{"uniform", Jitter::kUniform}
 struct Settings {
   Endpoint listen{"127.0.0.1", 7448};
   Endpoint server{"127.0.0.1", kDefaultPort};
-  LinkProfile profile;
+  LinkProfile profile;  ///< but for these three
   double delay_ms = 0.0;
   double jitter_ms = 0.0;
   double rate_Mbit_s = 0.0;
@@ -97,9 +94,12 @@ asio::ip::tcp::endpoint resolve(asio::io_context& io, const Endpoint& of) {
 }
 
 void run(const Settings& settings) {
+  LinkProfile profile = settings.profile;
+  profile.delay = fromSeconds(1e-3 * settings.delay_ms);
+  profile.jitter = fromSeconds(1e-3 * settings.jitter_ms);
+  profile.rate_bits_s = 1e6 * settings.rate_Mbit_s;
   asio::io_context io;
-  LossyLink link(io, resolve(io, settings.listen), resolve(io, settings.server), settings.profile,
-                 settings.profile);
+  LossyLink link(io, resolve(io, settings.listen), resolve(io, settings.server), profile, profile);
   std::cout << "relaying " << toString(Endpoint{settings.listen.host, link.port()}) << " to "
             << toString(settings.server) << "; Ctrl-C ends it" << std::endl;
   asio::signal_set signals(io, SIGINT, SIGTERM);
@@ -133,18 +133,6 @@ void run(const Settings& settings) {
 }  // namespace hapticast::testing
 
 int main(int argc, char** argv) {
-  try {
-    hapticast::testing::Settings settings;
-    const auto command_line = hapticast::testing::commandLine(settings);
-    if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
-      return *exit_code;
-    settings.profile.delay = hapticast::fromSeconds(1e-3 * settings.delay_ms);
-    settings.profile.jitter = hapticast::fromSeconds(1e-3 * settings.jitter_ms);
-    settings.profile.rate_bits_s = 1e6 * settings.rate_Mbit_s;
-    hapticast::testing::run(settings);
-    return hapticast::testing::kDone;
-  } catch (const std::exception& error) {
-    std::cerr << "hapticast-link: " << hapticast::oneLine(error.what()) << "\n";
-    return hapticast::testing::kFailed;
-  }
+  using namespace hapticast::testing;
+  return program<Settings>("hapticast-link", commandLine, run, argc, argv);
 }

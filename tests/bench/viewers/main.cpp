@@ -5,21 +5,17 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <exception>
-#include <iostream>
 #include <optional>
 
 #include "common/cli/options.hpp"
-#include "common/cli/parse.hpp"
 #include "server/stream/file_limit.hpp"
 #include "tests/bench/viewers/cpu_time.hpp"
 #include "tests/bench/viewers/crowd.hpp"
 #include "tests/bench/viewers/servers.hpp"
+#include "tests/support/program.hpp"
 
 namespace hapticast::testing {
 namespace {
-
-enum ExitCode : int { kDone = 0, kFailed = 1 };
 
 const std::map<std::string, Way> kTransports{{"tcp", Way::kTcp}, {"udp", Way::kUdp}};
 
@@ -162,15 +158,6 @@ void run(const Settings& settings) {
 }  // namespace hapticast::testing
 
 int main(int argc, char** argv) {
-  try {
-    hapticast::testing::Settings settings;
-    const auto command_line = hapticast::testing::commandLine(settings);
-    if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
-      return *exit_code;
-    hapticast::testing::run(settings);
-    return hapticast::testing::kDone;
-  } catch (const std::exception& error) {
-    std::cerr << "hapticast-viewers: " << hapticast::oneLine(error.what()) << "\n";
-    return hapticast::testing::kFailed;
-  }
+  using namespace hapticast::testing;
+  return program<Settings>("hapticast-viewers", commandLine, run, argc, argv);
 }

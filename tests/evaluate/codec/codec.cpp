@@ -19,16 +19,11 @@ namespace hapticast::evaluate {
 
 namespace {
 
-Relief blank(const PixelRect& rect) {
-  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
-  return {rect, std::vector<float>(pixels, 0.0F), std::vector<std::uint8_t>(pixels, 0)};
-}
-
 // The relief as a viewer gets it.
 Relief throughSlices(const Relief& relief, const SliceSettings& settings, Coded& cost) {
   static thread_local HeightEncoder encoder;
   static thread_local HeightDecoder decoder;
-  Relief out = blank(relief.rect);
+  Relief out = Relief::blank(relief.rect);
   const double start_us = threadTime_us();
   const auto slices = encoder.encode(relief, settings);
   const double middle_us = threadTime_us();
@@ -141,18 +136,18 @@ void measureShapes(const Options& options, Report& report) {
 // A stream whose reliefs went through slices.
 Stream sliced(const Stream& stream, const SliceSettings& settings) {
   Stream out = stream;
-  HeightEncoder encoder;
+  FrameCoder coder;
   for (Stream::Bytes& bytes : out.frames) {
     auto decoded = decode(*bytes.message);
-    auto& frame = std::get<CodedFrame>(decoded.value());
-    for (CodedObject& object : frame.objects) {
-      if (!object.relief) continue;
-      CodedRelief relief{object.relief->rect, {}, 0};
-      relief.slices = encoder.encode(testing::decodedRelief(*object.relief), settings);
-      relief.slice_count = relief.slices.size();
-      object.relief = std::make_shared<CodedRelief>(std::move(relief));
+    const auto& frame = std::get<CodedFrame>(decoded.value());
+    HapticFrame plain{frame.epoch, frame.id, frame.media_time, {}};
+    for (const CodedObject& object : frame.objects) {
+      std::shared_ptr<const Relief> relief;
+      if (object.relief)
+        relief = std::make_shared<const Relief>(testing::decodedRelief(*object.relief));
+      plain.objects.push_back(withRelief(object, relief));
     }
-    bytes.message = encodeShared(frame);
+    bytes.message = encodeShared(coder.code(plain, settings));
   }
   return out;
 }

@@ -3,11 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/client/complaint.hpp"
 
 namespace hapticast::client {
@@ -62,10 +61,8 @@ TEST(DeviceProfileFile, EveryFieldByItsName) {
 }
 
 TEST(DeviceProfileFile, IsReadFromAFile) {
-  const std::string file = ::testing::TempDir() + "hapticast_profile.txt";
-  std::ofstream(file, std::ios::binary) << "mass_kg = 0.3";
-  EXPECT_EQ(loadDeviceProfile(file).mass_kg, 0.3);
-  std::remove(file.c_str());
+  const TempFolder folder;
+  EXPECT_EQ(loadDeviceProfile(folder.write("device.txt", "mass_kg = 0.3")).mass_kg, 0.3);
 }
 
 TEST(DeviceProfileFile, WhatIsNotSaidIsOmni) {

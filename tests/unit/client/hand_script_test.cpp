@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/client/complaint.hpp"
 
 namespace hapticast::client {
@@ -150,12 +149,10 @@ TEST(HandTargetsFile, IsFollowedLinearly) {
 }
 
 TEST(HandTargetsFile, IsReadFromAFile) {
-  const std::string file = ::testing::TempDir() + "hapticast_hand.csv";
-  std::ofstream(file, std::ios::binary) << "0.5,1,2,3\n";
-  const auto targets = loadHandTargets(file);
+  const TempFolder folder;
+  const auto targets = loadHandTargets(folder.write("hand.csv", "0.5,1,2,3\n"));
   ASSERT_EQ(targets.size(), 1U);
   EXPECT_EQ(targets[0].position_mm, Vec3(1.0, 2.0, 3.0));
-  std::remove(file.c_str());
 }
 
 TEST(HandTargetsFile, ComplaintsNameTheLine) {

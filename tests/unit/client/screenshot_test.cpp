@@ -3,9 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+
+#include "tests/support/temp_folder.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -29,12 +30,12 @@ VideoFrame greyPicture(double time_s, int grey) {
 
 class ScreenshotTest : public ::testing::Test {
  protected:
-  ~ScreenshotTest() override { std::remove(file.c_str()); }
   cv::Mat written() {
     screenshot.finish();
     return cv::imread(file);
   }
-  const std::string file = ::testing::TempDir() + "hapticast_screenshot.png";
+  const TempFolder folder;
+  const std::string file = (folder / "screenshot.png").string();
   Screenshot screenshot{file};
 };
 

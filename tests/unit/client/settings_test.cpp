@@ -21,7 +21,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.fault_folder, "");
   EXPECT_EQ(run.settings.delivery.best, Way::kDatagrams);
   EXPECT_EQ(run.settings.delivery.copies, 0U);
-  EXPECT_EQ(run.settings.delivery.interface, "");
+  EXPECT_EQ(run.settings.delivery.interface_name, "");
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
   EXPECT_EQ(run.settings.hand, "press");
   EXPECT_EQ(run.settings.seconds, 0.0);
@@ -38,7 +38,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.hand, "slide");
   EXPECT_EQ(settings.delivery.best, Way::kTcp);
   EXPECT_EQ(settings.delivery.copies, 3U);
-  EXPECT_EQ(settings.delivery.interface, "lo");
+  EXPECT_EQ(settings.delivery.interface_name, "lo");
   EXPECT_EQ(settings.surface, SurfaceKind::kPerturbed);
   EXPECT_EQ(settings.method, Method::kThesis);
   EXPECT_EQ(settings.log_file, "a.csv");

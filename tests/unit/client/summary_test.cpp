@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temp_folder.hpp"
+
 namespace hapticast::client {
 namespace {
 
@@ -19,7 +20,8 @@ using Json = nlohmann::ordered_json;
 
 /// What a strict reader (RFC 8259) finds in the summary; a key that stands twice fails the test.
 Json written(const RunResult& result) {
-  const std::string file = ::testing::TempDir() + "hapticast_summary.json";
+  const TempFolder folder;
+  const std::string file = (folder / "summary.json").string();
   writeSummary(file, result);
   std::ifstream in(file);
   std::vector<std::set<std::string>> keys;
@@ -32,7 +34,6 @@ Json written(const RunResult& result) {
     return true;
   };
   Json json = Json::parse(in, once);
-  std::remove(file.c_str());
   return json;
 }
 

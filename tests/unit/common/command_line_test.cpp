@@ -6,7 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
+
+#include "tests/support/temp_folder.hpp"
 
 namespace hapticast {
 namespace {
@@ -37,6 +38,7 @@ class CommandLineTest : public testing::Test {
     return parseCommandLine(app_, static_cast<int>(arguments.size()), arguments.data());
   }
 
+  const TempFolder folder_;
   CLI::App app_;
   std::vector<Vec2> points_;
   Endpoint listen_;
@@ -131,9 +133,9 @@ TEST(CommandLine, ForeignTextCannotSteerATerminal) {
 }
 
 TEST_F(CommandLineTest, ConfigFileHoldsTheSameKeys) {
-  const std::string path = testing::TempDir() + "/hapticast.conf";
-  std::ofstream(path)
-      << "# a comment\nobject = 505,330\nobject = 10,20\nlisten = [::1]:90\nfps = 60\n";
+  const std::string path =
+      folder_.write("program.conf",
+                    "# a comment\nobject = 505,330\nobject = 10,20\nlisten = [::1]:90\nfps = 60\n");
   EXPECT_EQ(parse({"--config", path.c_str()}), std::nullopt);
   EXPECT_EQ(points_, (std::vector<Vec2>{{505.0, 330.0}, {10.0, 20.0}}));
   EXPECT_EQ(listen_, (Endpoint{"::1", 90}));
@@ -153,14 +155,12 @@ TEST_F(CommandLineTest, NumbersAreFiniteAndWithinTheirRange) {
 }
 
 TEST_F(CommandLineTest, ConfigFileCollectsAListFromAllItsLines) {
-  const std::string path = testing::TempDir() + "/hapticast_list.conf";
-  std::ofstream(path) << "object = 1,2\nfps = 60\nobject = 3,4\n";
+  const std::string path = folder_.write("program.conf", "object = 1,2\nfps = 60\nobject = 3,4\n");
   EXPECT_EQ(parse({"--config", path.c_str()}), std::nullopt);
   EXPECT_EQ(points_, (std::vector<Vec2>{{1.0, 2.0}, {3.0, 4.0}}));
 }
 
 TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
-  const std::string path = testing::TempDir() + "/hapticast_wrong.conf";
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"fps = 60\n[section]\n", ".conf:2: '[section]' is not a `key = value` line"},
       {"fps\n", ".conf:1: 'fps' is not a `key = value` line"},
@@ -172,7 +172,7 @@ TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
       {"fps = 600\n", ".conf: --fps: '600' is not a number"},
       {"# " + std::string(70'000, 'x'), ".conf: larger than 64 KiB"}};
   for (const auto& [text, complaint] : wrong) {
-    std::ofstream(path) << text;
+    const std::string path = folder_.write("program.conf", text);
     testing::internal::CaptureStderr();
     EXPECT_EQ(parse({"--config", path.c_str()}), 2) << text.substr(0, 40);
     const std::string line = testing::internal::GetCapturedStderr();
@@ -182,8 +182,7 @@ TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
 }
 
 TEST_F(CommandLineTest, ConfigFileRefusesUnknownKeys) {
-  const std::string path = testing::TempDir() + "/hapticast_unknown.conf";
-  std::ofstream(path) << "stifness = 1\n";
+  const std::string path = folder_.write("program.conf", "stifness = 1\n");
   testing::internal::CaptureStderr();
   EXPECT_EQ(parse({"--config", path.c_str()}), 2);
   EXPECT_NE(testing::internal::GetCapturedStderr().find("stifness"), std::string::npos);

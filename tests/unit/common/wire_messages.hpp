@@ -38,7 +38,7 @@ inline Relief randomRelief(PixelRect rect, std::uint32_t seed, float height_mm) 
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> height(0.0F, height_mm);
   Relief relief{rect, {}, {}};
-  const auto pixels = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height);
+  const std::size_t pixels = rect.pixels();
   for (std::size_t i = 0; i < pixels; ++i) {
     relief.mask.push_back(i == 0 || random() % 3 != 0 ? 1 : 0);
     relief.height_mm.push_back(relief.mask.back() != 0 ? height(random) : 0.0F);

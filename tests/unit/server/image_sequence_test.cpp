@@ -43,7 +43,7 @@ class ImageSequenceFolder : public testing::Test {
   [[nodiscard]] std::string openError() const {
     return errorOf([this] { ImageSequence(folder.string(), 0.0); });
   }
-  TempFolder folder;
+  SourceFolder folder;
 };
 
 TEST_F(ImageSequenceFolder, ReadsFramesInOrder) {

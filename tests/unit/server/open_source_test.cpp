@@ -41,7 +41,7 @@ TEST(OpenSource, APathWithNeither) {
       openError("/no/such/place"),
       AllOf(HasSubstr("/no/such/place: no such file or folder"), HasSubstr("synthetic:NAME")));
   EXPECT_THAT(openError(""), HasSubstr("(empty source)"));
-  const TempFolder folder;
+  const SourceFolder folder;
   folder.write("video.mp4", std::string("x"));
   EXPECT_THAT(openError((folder / "video.mp4").string()),
               AllOf(HasSubstr("is a single file"), HasSubstr("COLOR,DEPTH")));
@@ -49,7 +49,7 @@ TEST(OpenSource, APathWithNeither) {
 }
 
 TEST(OpenSource, APairWithAPartMissing) {
-  const TempFolder folder;
+  const SourceFolder folder;
   folder.write("c.mp4", std::string("x"));
   const std::string color = (folder / "c.mp4").string();
   EXPECT_THAT(openError(color + ","), HasSubstr("one of the two videos is missing"));
@@ -59,7 +59,7 @@ TEST(OpenSource, APairWithAPartMissing) {
 }
 
 TEST(OpenSource, FilesWithCommasInTheirNames) {
-  const TempFolder folder;
+  const SourceFolder folder;
   const auto write = [&](const std::string& name) {
     std::string file = (folder / name).string();
     cv::VideoWriter writer(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25.0, {32, 32});
@@ -72,7 +72,7 @@ TEST(OpenSource, FilesWithCommasInTheirNames) {
 }
 
 TEST(OpenSource, AFolderOfImages) {
-  const TempFolder folder;
+  const SourceFolder folder;
   folder.write("rgb/1.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(9)));
   folder.write("depth/1.png", cv::Mat(24, 32, CV_16UC1, cv::Scalar(700)));
   const auto source = openSource(folder.string(), 50.0);

@@ -140,7 +140,7 @@ TEST(Playback, LoopsIntoANewEpochAndNeverSkipsItsFirstFrame) {
 }
 
 TEST(Playback, LoopingOverFramesThatHaveAllBecomeUnreadableIsAnError) {
-  const TempFolder folder;
+  const SourceFolder folder;
   for (const char* name : {"1.png", "2.png", "3.png"}) {
     folder.write(std::string("rgb/") + name, cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(9)));
     folder.write(std::string("depth/") + name, cv::Mat(24, 32, CV_16UC1, cv::Scalar(700)));

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -14,39 +13,18 @@
 
 #include "server/source/rgbd_source.hpp"
 #include "tests/support/log_lines.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace hapticast::server {
 
-/// A folder of this test's own, removed with all in it.
-class TempFolder {
+/// A folder of this test's own, of images too.
+class SourceFolder : public TempFolder {
  public:
-  TempFolder() {
-    const auto* const test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ =
-        std::filesystem::path(testing::TempDir()) / ("hapticast_" + std::to_string(getpid()) + "_" +
-                                                     test->test_suite_name() + "_" + test->name());
-    std::filesystem::create_directories(path_);
-  }
-  ~TempFolder() { std::filesystem::remove_all(path_); }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
-    return path_ / name;
-  }
-  [[nodiscard]] std::string string() const { return path_.string(); }
-
-  void write(const std::string& name, const std::string& text) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << text;
-  }
+  using TempFolder::write;
   void write(const std::string& name, const cv::Mat& image) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    ASSERT_TRUE(cv::imwrite((path_ / name).string(), image));
+    std::filesystem::create_directories((*this / name).parent_path());
+    ASSERT_TRUE(cv::imwrite((*this / name).string(), image));
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// The line a SourceError says; "" (and a failed test) if nothing is thrown or it is not one line.

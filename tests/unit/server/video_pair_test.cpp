@@ -37,7 +37,7 @@ class VideoPairFiles : public testing::Test {
   [[nodiscard]] static std::string openError(const std::string& color, const std::string& depth) {
     return errorOf([&] { VideoPair(color, depth, 0.0); });
   }
-  TempFolder folder;
+  SourceFolder folder;
 };
 
 TEST_F(VideoPairFiles, ReadsBothTogether) {
