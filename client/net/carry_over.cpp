@@ -38,20 +38,41 @@ std::optional<float> heightAt(const Relief& relief, const Vec2& image_px) {
   return static_cast<float>(sum / weights);  // the nearest pixel has a quarter at least
 }
 
+/// Where a point of an object goes as it moves.
+Vec2 carried(const Vec2& at_mm, const Motion& from, const Motion& to) {
+  const Eigen::Rotation2Dd turn(to.angle_rad - from.angle_rad);
+  return turn * (at_mm - from.position_mm.head<2>()) + to.position_mm.head<2>();
+}
+
 }  // namespace
+
+PixelRect carriedRect(const SeenRelief& before, const Motion& now, const Workspace& workspace) {
+  const PixelRect& rect = before.relief->rect;
+  const Vec2 picture(workspace.width_px, workspace.height_px);
+  Vec2 low = picture, high = Vec2::Zero();
+  for (const int u : {rect.u, rect.u + rect.width}) {
+    for (const int v : {rect.v, rect.v + rect.height}) {
+      const Vec2 to_mm = carried(workspace.toNominal(Vec2(u, v)), before.motion, now);
+      const Vec2 to = workspace.toImage(to_mm).cwiseMax(0.0).cwiseMin(picture);
+      low = low.cwiseMin(to);
+      high = high.cwiseMax(to);
+    }
+  }
+  const Eigen::Vector2i first = low.array().floor().cast<int>();
+  const Eigen::Vector2i size = high.array().ceil().cast<int>() - first.array();
+  return {first.x(), first.y(), size.x(), size.y()};
+}
 
 void carryOver(const SeenRelief& before, const Motion& now, const Workspace& workspace,
                const std::vector<std::uint8_t>& have, Relief& to) {
   const Motion& then = before.motion;
-  const Eigen::Rotation2Dd back(then.angle_rad - now.angle_rad);
   const auto raised = static_cast<float>(now.position_mm.z() - then.position_mm.z());
   std::size_t i = 0;
   for (int v = to.rect.v; v < to.rect.v + to.rect.height; ++v) {
     for (int u = to.rect.u; u < to.rect.u + to.rect.width; ++u, ++i) {
       if (have[i] != 0) continue;
-      const Vec2 from_point = workspace.toNominal({u + 0.5, v + 0.5}) - now.position_mm.head<2>();
-      const Vec2 was = back * from_point + then.position_mm.head<2>();
-      const auto height = heightAt(*before.relief, workspace.toImage(was));
+      const Vec2 was_mm = carried(workspace.toNominal({u + 0.5, v + 0.5}), now, then);
+      const auto height = heightAt(*before.relief, workspace.toImage(was_mm));
       to.mask[i] = height ? 1 : 0;
       to.height_mm[i] = height ? *height + raised : 0.0F;
     }

@@ -16,6 +16,11 @@ struct SeenRelief {
   Motion motion;
 };
 
+/// Where the relief is once it is moved and turned as the object was until `now`: no more than the
+/// picture, empty outside it.
+[[nodiscard]] PixelRect carriedRect(const SeenRelief& before, const Motion& now,
+                                    const Workspace& workspace);
+
 /// Fills the pixels of `to` that `have` does not mark (a byte for each pixel of its rectangle) with
 /// what `before` has there once it is moved, turned about its reference point and raised as the
 /// object was until `now`.

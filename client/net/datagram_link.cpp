@@ -55,8 +55,7 @@ DatagramLink::DatagramLink(asio::io_context& io, const Clock& clock, Receiver& r
       events_(std::move(events)),
       timer_(io),
       choice_(waysOf(settings, welcome)),
-      copies_(std::max(settings.copies, 1U)),
-      meter_(copies_) {
+      copies_(settings.copies > 0 ? settings.copies : LossMeter::kFirstCopies) {
   if (welcome_.datagram_port != 0) server_.port = welcome_.datagram_port;
 }
 
@@ -137,7 +136,7 @@ void DatagramLink::followChoice(LocalTime now) {
     path_ = std::move(path).value();
     path_->start(
         [this](const DatagramHeader& header) {
-          meter_.add(header.frame, header.parts);
+          meter_.add(header);
           return receiver_.want(header);
         },
         [this, way](const Datagram& datagram, LocalTime at) { take(way, datagram, at); });

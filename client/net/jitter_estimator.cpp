@@ -12,10 +12,17 @@ constexpr std::size_t kMaxSamples = std::size_t{5} * 240;  // the window at the 
 }
 
 void JitterEstimator::add(LocalTime arrival, Duration needed) {
-  samples_.push_back({arrival, needed});
+  // Held to what is ever asked for: a wild lateness must not overflow.
+  samples_.push_back({arrival, std::clamp(needed, -kMaxDelay, kMaxDelay)});
   while (samples_.front().arrival + kWindow < arrival || samples_.size() > kMaxSamples) {
     samples_.pop_front();
   }
+}
+
+void JitterEstimator::shift(Duration by) {
+  if (by == Duration::zero()) return;
+  for (Sample& each : samples_)
+    each.needed += std::clamp(by, -kMaxDelay - each.needed, kMaxDelay - each.needed);
 }
 
 Duration JitterEstimator::delay(Duration least) const {
@@ -26,10 +33,8 @@ Duration JitterEstimator::delay(Duration least) const {
   const auto rank =
       static_cast<std::ptrdiff_t>(std::ceil(kQuantile * static_cast<double>(needed.size()))) - 1;
   std::nth_element(needed.begin(), needed.begin() + rank, needed.end());
-  // Held to the limit before adding: a wild lateness must not overflow.
-  const Duration quantile =
-      std::clamp(needed[static_cast<std::size_t>(rank)], -kMaxDelay, kMaxDelay);
-  return std::clamp(quantile + kMargin, std::min(least, kMaxDelay), kMaxDelay);
+  return std::clamp(needed[static_cast<std::size_t>(rank)] + kMargin, std::min(least, kMaxDelay),
+                    kMaxDelay);
 }
 
 }  // namespace hapticast::client

@@ -70,7 +70,8 @@ class Preparer {
   const Clock& clock_;
   Method method_;
   std::function<void(const PreparedFrame&)> done_;
-  ReliefCache reliefs_;  // thread of step() only
+  ReliefCache reliefs_;      // thread of step() only
+  std::uint32_t epoch_ = 0;  // the same: of the last frame
 
   std::mutex mutex_;
   std::condition_variable_any something_waits_;

@@ -9,9 +9,10 @@ namespace hapticast::client {
 namespace {
 // A pause of the stream is no jitter.
 constexpr Duration kLargestGap = std::chrono::seconds(1);
-// What waits for lost parts leaves so long before play time needs it; chosen: more than an object
-// of 200 x 200 px takes to be prepared.
-constexpr Duration kPreparation = std::chrono::milliseconds(5);
+// Of a frame interval: so much longer than play time asks for it a frame waits for its last parts.
+// Meanwhile the one before is carried on, which is felt less than a part that is missing (measured
+// by hapticast-evaluate network).
+constexpr int kWaitsOfInterval = 4;
 // The parts of a frame leave the server one after the other: of one that comes late the rest may be
 // on its way. Chosen: a large frame over 100 Mbit/s.
 constexpr Duration kBackToBack = std::chrono::milliseconds(2);
@@ -54,7 +55,11 @@ void Receiver::pong(const Pong& pong, LocalTime arrival) {
 
 void Receiver::publish(LocalTime now) {
   latest_.connected = described_ && clock_.ready();
-  if (latest_.connected) latest_.clock_offset = clock_.offset(now);
+  if (latest_.connected) {
+    const Duration before = latest_.clock_offset;
+    latest_.clock_offset = clock_.offset(now);
+    jitter_.shift(latest_.clock_offset - before);
+  }
   latest_.playout_delay_target = jitter_.delay(leastDelay());
   stream_.store(latest_);
 }
@@ -64,7 +69,7 @@ Duration Receiver::clockErrorBound() const {
 }
 
 Duration Receiver::leastDelay() const {
-  return latest_.frame_interval * (lookahead_frames_ + (copies_ > 1 ? 1 : 0));
+  return latest_.frame_interval * (lookahead_frames_ + static_cast<int>(copies_) - 1);
 }
 
 void Receiver::expectCopies(std::uint32_t copies, LocalTime now) {
@@ -92,7 +97,8 @@ std::optional<LocalTime> Receiver::nextDue() const {
   if (!came || !last || !clock_.ready()) return std::nullopt;
   const Duration ahead = latest_.frame_interval * (lookahead_frames_ - 1);
   const LocalTime needed(last->time_since_epoch() - ahead - latest_.clock_offset +
-                         latest_.pipeline_latency + latest_.playout_delay_target - kPreparation);
+                         latest_.pipeline_latency + latest_.playout_delay_target +
+                         latest_.frame_interval / kWaitsOfInterval);
   return std::max(needed, *came + kBackToBack);
 }
 

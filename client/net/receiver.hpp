@@ -58,7 +58,7 @@ class Receiver {
   void release(LocalTime now);
   /// When a frame of which parts are missing has to leave; nothing while none waits.
   [[nodiscard]] std::optional<LocalTime> nextDue() const;
-  /// Of each datagram so many copies come, a frame apart: play time waits for the second.
+  /// Of each datagram so many copies come, a frame apart: play time waits for the last.
   void expectCopies(std::uint32_t copies, LocalTime now);
   /// What the preparer says of a frame: only now the loop has it, so that its lateness is measured
   /// now.

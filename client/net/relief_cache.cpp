@@ -45,18 +45,30 @@ void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
 ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint64_t frame_id) {
   remember(object, frame_id);
   const auto known = entries_.find(keyOf(object));
-  if (known == entries_.end() || known->second.changed_in_frame != object.changed_in_frame) {
-    return {};  // said to be unchanged, but it never came
-  }
+  if (known == entries_.end()) return {};  // said to be unchanged, but nothing ever came
   Entry& entry = known->second;
+  if (entry.changed_in_frame != object.changed_in_frame) {
+    carryAll(entry, object);
+    entry.used_in_frame = frame_id;
+  }
   if (entry.decoded) return {entry.resolved.field, entry.resolved.rejected};
   entry.decoded = true;
   entry.resolved = prepare(entry);
   return entry.resolved;
 }
 
+void ReliefCache::carryAll(Entry& entry, const CodedObject& object) const {
+  PixelRect rect;
+  if (entry.before.relief) rect = carriedRect(entry.before, object.motion, workspace_);
+  entry.changed_in_frame = object.changed_in_frame;
+  entry.coded = std::make_shared<const CodedRelief>(CodedRelief{rect, {}, 1});
+  entry.motion = object.motion;
+  entry.decoded = false;
+}
+
 ReliefCache::Resolved ReliefCache::prepare(Entry& entry) {
   Resolved out;
+  if (entry.coded->rect.empty() && entry.coded->slices.empty()) return out;
   out.rejected = !inPicture(entry.coded->rect);
   if (out.rejected) return out;
   const auto relief = decode(entry, out);

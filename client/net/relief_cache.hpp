@@ -31,12 +31,14 @@ class ReliefCache {
   /// Begins a new stream: forgets everything. `method` chooses how heights are prepared.
   void reset(const Workspace& workspace, Method method);
 
+  /// Another epoch: nothing of the one before goes on in it.
+  void forget() { entries_.clear(); }
   /// Remembers the relief of an object of frame `frame_id`, or that it was used again, without
   /// decoding it.
   void remember(const CodedObject& object, std::uint64_t frame_id);
-  /// Remembers the relief and returns it prepared for touch. A relief of which slices are missing
-  /// is touched where there was one before it, from which they are carried over. May allocate and
-  /// take milliseconds, once for each change of a relief.
+  /// Remembers the relief and returns it prepared for touch. A relief of which slices are missing,
+  /// or all of which never came, is touched where there was one before it, from which they are
+  /// carried over. May allocate and take milliseconds, once for each change of a relief.
   [[nodiscard]] Resolved resolve(const CodedObject& object, std::uint64_t frame_id);
 
   /// Objects gone for longer than these newest ones are forgotten; who comes back is sent the
@@ -53,6 +55,8 @@ class ReliefCache {
     bool decoded = false;
     Resolved resolved;  // once it is decoded
   };
+  /// What changed never came: what was there before goes on in its place.
+  void carryAll(Entry& entry, const CodedObject& object) const;
   Resolved prepare(Entry& entry);
   /// The relief of an entry; null where slices are missing that nothing can be carried over for.
   std::shared_ptr<const Relief> decode(const Entry& entry, Resolved& counts);

@@ -47,7 +47,7 @@ class SessionHost {
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  static constexpr std::size_t kMaxPongs = 16;  ///< pings answered at once
+  static constexpr std::size_t kMaxPongs = 64;  ///< pings answered at once; chosen
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
 
   /// `io` runs the channel; `host` outlives the session's coroutines.

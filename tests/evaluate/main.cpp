@@ -12,9 +12,9 @@ namespace {
 
 int run(int argc, char** argv) {
   const std::map<std::string, void (*)(const Options&)> topics{
-      {"accuracy", evaluateAccuracy}, {"codec", evaluateCodec}, {"figures", evaluateFigures},
-      {"motion", evaluateMotion},     {"plan", evaluatePlan},   {"stability", evaluateStability},
-      {"vision", evaluateVision}};
+      {"accuracy", evaluateAccuracy},   {"codec", evaluateCodec},     {"figures", evaluateFigures},
+      {"motion", evaluateMotion},       {"network", evaluateNetwork}, {"plan", evaluatePlan},
+      {"stability", evaluateStability}, {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   app.footer(
       "Topics:\n"

@@ -39,6 +39,20 @@ std::string text(const char* pattern, ...) {
   return buffer;
 }
 
+std::string markdown(const std::vector<std::vector<std::string>>& lines) {
+  std::string all;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::string line = "|";
+    std::string rule = "|";
+    for (const std::string& cell : lines[i]) {
+      line += " " + cell + " |";
+      rule += "---|";
+    }
+    all += line + "\n" + (i == 0 ? rule + "\n" : "");
+  }
+  return all;
+}
+
 Report::Report(std::string topic, Options options)
     : topic_(std::move(topic)), options_(std::move(options)) {
   std::error_code error;

@@ -13,6 +13,9 @@ namespace hapticast::evaluate {
 /// printf to a string.
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
 
+/// A table in Markdown: the first line is the heading.
+std::string markdown(const std::vector<std::vector<std::string>>& lines);
+
 /// One measurement; a line of the CSV (README.md).
 struct Row {
   std::string scene;

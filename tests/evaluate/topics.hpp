@@ -13,6 +13,8 @@ void evaluateCodec(const Options& options);
 /// The thesis's figures again.
 void evaluateFigures(const Options& options);
 void evaluateMotion(const Options& options);
+/// The force through bad networks, by each transport; clocks and playout.
+void evaluateNetwork(const Options& options);
 /// What the plan saves against everything on, and what it costs; frames a second of the whole
 /// server.
 void evaluatePlan(const Options& options);

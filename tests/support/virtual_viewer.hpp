@@ -92,6 +92,14 @@ class VirtualViewer {
     disconnect();
     return false;
   }
+  /// To when something arrives between two ticks; a tick comes a millisecond later.
+  void moveTo(LocalTime now) { clock_.set(now); }
+  /// A datagram that the server has signed.
+  void part(const DatagramHeader& header, std::span<const std::uint8_t> payload) {
+    if (receiver_.want(header) == FrameAssembler::Want::kNew)
+      (void)receiver_.part(header, payload, clock_.now());
+  }
+  void expectCopies(std::uint32_t copies) { receiver_.expectCopies(copies, clock_.now()); }
   void disconnect() {
     welcomed_ = false;
     receiver_.disconnected(clock_.now());
@@ -141,14 +149,9 @@ class VirtualViewer {
     std::shuffle(order.begin(), order.end(), random_);
     for (const std::size_t part : order) {
       if (std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_) continue;
-      const DatagramHeader header{1,
-                                  frame.epoch,
-                                  frame.id,
-                                  frame.media_time,
-                                  static_cast<std::uint16_t>(part),
-                                  static_cast<std::uint16_t>(parts.size())};
-      if (receiver_.want(header) == FrameAssembler::Want::kNew)
-        (void)receiver_.part(header, parts[part], clock_.now());
+      this->part({1, frame.epoch, frame.id, frame.media_time, static_cast<std::uint16_t>(part),
+                  static_cast<std::uint16_t>(parts.size())},
+                 parts[part]);
     }
   }
   bool take(Message message) {

@@ -28,20 +28,6 @@ std::string Claims::table() const {
   return markdown(lines);
 }
 
-std::string markdown(const std::vector<std::vector<std::string>>& lines) {
-  std::string all;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    std::string line = "|";
-    std::string rule = "|";
-    for (const std::string& cell : lines[i]) {
-      line += " " + cell + " |";
-      rule += "---|";
-    }
-    all += line + "\n" + (i == 0 ? rule + "\n" : "");
-  }
-  return all;
-}
-
 Law bareLaw(double damping_Ns_m, double peak_N) {
   return [=](const client::SafetyInput& in) {
     client::SafetyOutput out;

@@ -38,8 +38,6 @@ struct StabilityReport {
 /// Of the Phantom Omni at its tip, as its data sheet has it.
 inline constexpr double kOmniMass_kg = 0.045;
 
-/// A table in Markdown: the first line is the heading.
-std::string markdown(const std::vector<std::vector<std::string>>& lines);
 /// Force on the tip from what is touched, instead of the chain.
 using Law = std::function<client::SafetyOutput(const client::SafetyInput&)>;
 /// F = max(0, K d + B u), clamped to `peak_N`: no limits, no fades.

@@ -69,17 +69,17 @@ TouchScene stillSinusoid() {
   return reliefScene(still("sinusoid", height, kHere, 26));
 }
 
-TouchScene movingSphere(double px_per_frame) {
+TouchScene movingSphere(double px_per_frame, double duration_s) {
   const double fastest_mm_s = px_per_frame * kMmPerPx * kSceneFps;
   const double amplitude_mm = std::min(60.0, 1.6 * fastest_mm_s);
   ReliefBody body{"sphere, " + std::to_string(int(px_per_frame)) + " px/frame",
-                  ellipsoid(15, 15, 15), 16.0, 12.0,
+                  ellipsoid(15, 15, 15), 16.0, duration_s,
                   swinging(kHere, {amplitude_mm, 0, 0}, fastest_mm_s / amplitude_mm)};
   return reliefScene(body);
 }
 
-TouchScene spinningEllipsoid() {
-  ReliefBody body{"turning ellipsoid", ellipsoid(26, 18, 15), 27.0, 8.0, [](double t) {
+TouchScene spinningEllipsoid(double duration_s) {
+  ReliefBody body{"turning ellipsoid", ellipsoid(26, 18, 15), 27.0, duration_s, [](double t) {
                     constexpr double kRate_rad_s = 1.7;
                     Motion motion = standing(kHere, kRate_rad_s * t)(t);
                     motion.angular_velocity_rad_s = kRate_rad_s;
@@ -105,18 +105,18 @@ HeightAt disc(double radius_mm) {
 }
 }  // namespace
 
-TouchScene swingingPlate() {
-  ReliefBody body{"rising plate", disc(25), 26.0, 6.0,
+TouchScene swingingPlate(double duration_s) {
+  ReliefBody body{"rising plate", disc(25), 26.0, duration_s,
                   swinging({1.37, -0.81, 13.3}, {0, 0, 5}, 2.0 * std::numbers::pi)};
   return reliefScene(body);
 }
 
-TouchScene breathingDome() {
+TouchScene breathingDome(double duration_s) {
   const HeightAt height = [](const Vec2& q, double t) {
     const double rest = 1.0 - q.squaredNorm() / 625.0;
     return rest > 0.0 ? 8.0 + (8.0 + 2.0 * std::sin(2.0 * std::numbers::pi * t)) * rest : kNone;
   };
-  return reliefScene({"deforming dome", height, 26.0, 6.0, standing(kHere)});
+  return reliefScene({"deforming dome", height, 26.0, duration_s, standing(kHere)});
 }
 
 TouchScene stillPlate() { return reliefScene(still("plate", disc(30), {1.37, -0.81, 14.1}, 31)); }

@@ -15,15 +15,15 @@ TouchScene stillSphere();     ///< R 20, seen down to its equator
 TouchScene stillEllipsoid();  ///< semi-axes 26, 18, 15
 TouchScene stillSinusoid();   ///< 1 mm high, 16 mm long, on a disc
 /// R 15, to and fro in x, at most this fast; as far as the picture allows.
-TouchScene movingSphere(double px_per_frame);
+TouchScene movingSphere(double px_per_frame, double duration_s = 12.0);
 /// An ellipsoid that turns about the viewing axis.
-TouchScene spinningEllipsoid();
+TouchScene spinningEllipsoid(double duration_s = 8.0);
 /// R 20, in x at one speed, or (0) a plate.
 TouchScene steadySphere(double px_per_frame);
 /// A flat disc, up and down by 5 mm, once a second.
-TouchScene swingingPlate();
+TouchScene swingingPlate(double duration_s = 6.0);
 /// A dome whose height swings by 2 mm, once a second.
-TouchScene breathingDome();
+TouchScene breathingDome(double duration_s = 6.0);
 /// A box that comes to a place and goes again, 10 px/frame where it touches.
 TouchScene drivenBox();
 /// A flat disc at rest.

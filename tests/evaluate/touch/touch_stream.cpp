@@ -47,12 +47,10 @@ double maskError_px(const TouchScene& scene, const HapticFrame& frame, const Wor
 
 namespace {
 
-// As fine as slices go: what they add at their default is measured by the topic codec.
-constexpr SliceSettings kExactSlices{.error_mm = 0.001};
-
 // `look` sees every frame before it is encoded, and may change it.
 Stream play(server::RgbdSource& source, const server::VisionSettings& settings, bool scan,
-            double longest_s, const std::function<void(HapticFrame&, const Workspace&)>& look) {
+            double longest_s, const SliceSettings& slices,
+            const std::function<void(HapticFrame&, const Workspace&)>& look) {
   const server::SourceInfo info = source.info();
   server::Vision vision(info, settings);
   if (scan) vision.scan(source, nullptr);
@@ -61,7 +59,7 @@ Stream play(server::RgbdSource& source, const server::VisionSettings& settings, 
   const auto take = [&](server::VisionResult& result) {
     look(result.frame, vision.description().workspace);
     out.frames.push_back(
-        {toSeconds(result.frame.media_time), encoder.encode(result.frame, kExactSlices).lean});
+        {toSeconds(result.frame.media_time), encoder.encode(result.frame, slices).lean});
   };
   while (auto frame = source.read()) {
     if (frame->clip_time_s > longest_s) break;
@@ -91,7 +89,7 @@ Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
   }
   double mask_error_px = 0.0;
   std::size_t looked = 0;
-  Stream out = play(*source, settings, kind.scan, kind.longest_s,
+  Stream out = play(*source, settings, kind.scan, kind.longest_s, kind.slices,
                     [&](HapticFrame& frame, const Workspace& workspace) {
                       if (kind.exact_pose) {
                         for (HapticObject& object : frame.objects)
@@ -106,7 +104,8 @@ Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
 }
 
 Stream makeStream(server::RgbdSource& source, const server::VisionSettings& settings, bool scan) {
-  return play(source, settings, scan, 1e9, [](HapticFrame&, const Workspace&) {});
+  return play(source, settings, scan, 1e9, StreamKind{}.slices,
+              [](HapticFrame&, const Workspace&) {});
 }
 
 }  // namespace hapticast::evaluate

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/wire/framing.hpp"
+#include "common/wire/height_codec.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/touch/touch_scene.hpp"
 
@@ -20,6 +21,8 @@ struct StreamKind {
   bool scan = false;        ///< the clip is looked through first, for its largest acceleration
   Material material;
   std::optional<double> mass_kg;
+  /// As fine as slices go: what they add at their default is measured by the topic codec.
+  SliceSettings slices{.error_mm = 0.001};
 };
 
 struct Stream {

@@ -77,9 +77,9 @@ std::vector<HonestStream> honestStreams(bool quick) {
   }
   scene("sphere, 10 px a frame", [] { return movingSphere(10.0); });
   scene("sphere, 40 px a frame", [] { return movingSphere(40.0); });
-  scene("plate, 5 mm at 1 Hz", swingingPlate);
-  scene("dome that breathes", breathingDome);
-  scene("ellipsoid that turns", spinningEllipsoid);
+  scene("plate, 5 mm at 1 Hz", [] { return swingingPlate(); });
+  scene("dome that breathes", [] { return breathingDome(); });
+  scene("ellipsoid that turns", [] { return spinningEllipsoid(); });
   scene("box that comes and goes", drivenBox);
   scene("ball that bounces", [] { return bouncingBall(1500.0, 0.6, 0.5); });
   if (!quick) {

@@ -14,10 +14,10 @@ TEST(JitterEstimator, StartsWithTheLookaheadAndAMargin) {
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(45));
 }
 
-TEST(JitterEstimator, CoversNineteenFramesOfTwenty) {
+TEST(JitterEstimator, CoversAllFramesButOneInAHundred) {
   JitterEstimator jitter;
   for (int i = 1; i <= 100; ++i) jitter.add(localTime(0.04 * i), milliseconds(i));
-  EXPECT_EQ(jitter.delay(kFrame), milliseconds(95 + 5));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(99 + 5));
 }
 
 TEST(JitterEstimator, ForgetsAfterItsWindow) {
@@ -26,6 +26,15 @@ TEST(JitterEstimator, ForgetsAfterItsWindow) {
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(305));
   for (int i = 0; i < 130; ++i) jitter.add(localTime(2.0 + 0.04 * i), milliseconds(50));
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(55));
+}
+
+TEST(JitterEstimator, FollowsAClockThatTurnsOutToBeOff) {
+  JitterEstimator jitter;
+  for (int i = 0; i < 50; ++i) jitter.add(localTime(0.04 * i), milliseconds(60));
+  jitter.shift(milliseconds(30));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(95));
+  jitter.shift(Duration::min());
+  EXPECT_EQ(jitter.delay(kFrame), kFrame);
 }
 
 TEST(JitterEstimator, StaysWithinItsBounds) {

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "common/wire/frame_pieces.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
@@ -151,14 +152,18 @@ TEST_F(ReceiverTest, UnchangedReliefsShareTheFieldPreparedBefore) {
   EXPECT_EQ(take()->objects[0].field, second);
 }
 
-TEST_F(ReceiverTest, AnUnchangedReliefThatNeverCameIsAnObjectWithoutField) {
+TEST_F(ReceiverTest, AnUnchangedReliefThatNeverCameIsTheOneBeforeOrAnObjectWithoutField) {
   receiver.connected(description, localTime(1));
   arrive(frame(1));
   arrive(frame(2, flatRelief({0, 0, 8, 8})));
-  arrive(frame(3, nullptr, 3));  // changed in a frame that was lost
+  arrive(frame(4, nullptr, 3));  // changed in a frame that was lost
+  HapticFrame other = frame(6, nullptr, 5);
+  ++other.epoch;
+  arrive(other);
   EXPECT_EQ(take()->objects[0].field, nullptr);
   EXPECT_NE(take()->objects[0].field, nullptr);
-  EXPECT_EQ(take()->objects[0].field, nullptr) << "an older relief is not this one";
+  EXPECT_NE(take()->objects[0].field, nullptr) << "what was there goes on";
+  EXPECT_EQ(take()->objects[0].field, nullptr) << "but not in another epoch";
   EXPECT_EQ(receiver.counts().reliefs_missing, 2U);
 }
 
@@ -194,6 +199,39 @@ TEST_F(ReceiverTest, CarriesGridsThatCoverTheirRelief) {
   EXPECT_EQ(second->objects[0].grid, grid.get());
   EXPECT_EQ(second->objects[0].grid_rect, (PixelRect{0, 0, 40, 30}));
   EXPECT_EQ(take()->objects[0].grid, nullptr) << "of another size";
+}
+
+TEST_F(ReceiverTest, AFrameWaitsForItsPartsAQuarterOfAnIntervalBeyondItsTime) {
+  receiver.connected(description, localTime(1));
+  syncClock(1.1);
+  arrive(frame(1, flatRelief({0, 0, 300, 200})));
+  const CodedFrame second = testing::coded(frame(2, flatRelief({0, 0, 300, 200}, 6.0F), 2));
+  const auto parts = packFrame(second);
+  ASSERT_EQ(parts.size(), 1U) << "a flat relief is small";
+  const auto due = [&] { return receiver.nextDue(); };
+  EXPECT_FALSE(due()) << "nothing waits";
+  // Of two parts, one never comes.
+  const DatagramHeader header{1, second.epoch, second.id, second.media_time, 0, 2};
+  EXPECT_FALSE(receiver.part(header, parts[0], clock.now()));
+  ASSERT_TRUE(due());
+  // Play time reaches frame 1 when the playout delay has passed since it was complete.
+  const LocalTime played = LocalTime(frame(1).media_time.time_since_epoch()) -
+                           fromSeconds(kOffset_s) + fromSeconds(kLatency_s) +
+                           stream.load().playout_delay_target;
+  EXPECT_NEAR(toSeconds(*due() - played), 0.010, 1e-6);
+  receiver.release(*due() - Duration(1));
+  EXPECT_FALSE(preparer.step());
+  receiver.release(*due());
+  EXPECT_TRUE(preparer.step());
+  EXPECT_FALSE(due());
+}
+
+TEST_F(ReceiverTest, PlayTimeWaitsForTheLastCopy) {
+  receiver.connected(description, localTime(1));
+  syncClock(1.1);
+  const Duration alone = stream.load().playout_delay_target;
+  receiver.expectCopies(3, localTime(1.2));
+  EXPECT_EQ(stream.load().playout_delay_target, alone + 2 * stream.load().frame_interval);
 }
 
 TEST_F(ReceiverTest, DropsDuplicatesAndCountsLosses) {
@@ -257,7 +295,7 @@ TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
   EXPECT_EQ(stream.load().playout_delay_target, fromSeconds(0.040) + JitterEstimator::kMargin);
   arrive(frame(1), 3.0);  // the frame a viewer is sent on joining may be old
   for (std::uint64_t id = 2; id <= 200; ++id) arrive(frame(id), id % 10 == 0 ? 0.060 : 0.010);
-  // One frame in ten comes 60 ms late: the 0.95 quantile has to cover it.
+  // One frame in ten comes 60 ms late: the 0.99 quantile has to cover it.
   EXPECT_NEAR(toSeconds(stream.load().playout_delay_target), 0.060 + 0.005 + 0.040, 1e-4);
   const auto late = receiver.counts().late;
   EXPECT_GT(late, 0U) << "the first of them came unexpected";

@@ -38,5 +38,52 @@ TEST(ReliefCache, ASameReliefResentIsTheSameToTouch) {
   EXPECT_NE(fieldOf(flatRelief({101, 100, 40, 30}, 5.5F)), third);
 }
 
+TEST(ReliefCache, WhatNeverCameIsTheReliefBeforeMovedWithTheObject) {
+  ReliefCache cache;
+  const Workspace workspace;
+  cache.reset(workspace, Method::kHapticast);
+  HapticObject object;
+  object.id = 1;
+  object.changed_in_frame = 1;
+  object.relief = flatRelief(kResent_px);
+  object.motion.position_mm = {4.0, 2.0, 5.0};
+  ASSERT_TRUE(cache.resolve(testing::coded(object), 1).field);
+  CodedObject moved = testing::coded(object);
+  moved.changed_in_frame = 2;  // of frame 2 nothing came
+  moved.relief = nullptr;
+  const double pixel_mm = 1.0 / workspace.pixelsPerMm().x();
+  moved.motion.position_mm += Vec3(10.0 * pixel_mm, -4.0 * pixel_mm, 1.5);
+  const ReliefCache::Resolved carried = cache.resolve(moved, 3);
+  ASSERT_TRUE(carried.field);
+  EXPECT_EQ(carried.field->rect(), (PixelRect{110, 104, 40, 30}));
+  EXPECT_EQ(carried.slices_lost, 1U);
+  const SurfaceSample inside = carried.field->bilinear({130.0, 119.0});
+  EXPECT_NEAR(inside.height_mm, 6.5, 0.01);
+  EXPECT_EQ(cache.resolve(moved, 4).field, carried.field) << "prepared once";
+
+  moved.motion.position_mm.x() += 1e5;
+  moved.changed_in_frame = 5;
+  EXPECT_FALSE(cache.resolve(moved, 6).field) << "out of the picture";
+  moved.relief = testing::coded(object).relief;
+  moved.changed_in_frame = 7;
+  EXPECT_TRUE(cache.resolve(moved, 7).field);
+  cache.forget();
+  moved.relief = nullptr;
+  EXPECT_FALSE(cache.resolve(moved, 8).field);
+}
+
+TEST(CarriedRect, HoldsATurnedRelief) {
+  const Workspace workspace;
+  SeenRelief before{flatRelief({300, 200, 40, 20}), {}};
+  before.motion.position_mm.head<2>() = workspace.toNominal({320.0, 210.0});
+  Motion now = before.motion;
+  now.angle_rad = 0.5 * M_PI;
+  const PixelRect rect = carriedRect(before, now, workspace);
+  EXPECT_NEAR(rect.u, 310, 1);
+  EXPECT_NEAR(rect.v, 190, 1);
+  EXPECT_NEAR(rect.width, 20, 2);
+  EXPECT_NEAR(rect.height, 40, 2);
+}
+
 }  // namespace
 }  // namespace hapticast::client

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// The force through bad networks, by each transport; clocks and playout; what the chain makes of
+// it all.
+#include "tests/evaluate/all_cores.hpp"
+#include "tests/evaluate/network/network_parts.hpp"
+#include "tests/evaluate/topics.hpp"
+#include "tests/evaluate/touch/touch_scenes.hpp"
+
+namespace hapticast::evaluate {
+
+testing::LinkProfile farLink(Duration jitter) {
+  testing::LinkProfile link;
+  link.delay = std::chrono::milliseconds(20);
+  link.jitter = jitter;
+  return link;
+}
+
+std::vector<NetworkScene> networkScenes(double seconds) {
+  struct Touched {
+    TouchScene scene;
+    Hand hand;
+  };
+  std::vector<Touched> touched;
+  const auto slide = [&](TouchScene scene, double reach_mm) {
+    Hand hand = slidingHand(scene, reach_mm);
+    touched.push_back({std::move(scene), std::move(hand)});
+  };
+  slide(movingSphere(10.0, seconds), 8.0);
+  slide(breathingDome(seconds), 10.0);
+  slide(spinningEllipsoid(seconds), 10.0);
+  TouchScene plate = swingingPlate(seconds);
+  touched.push_back({plate, holdingHand(plate, {3.0, 2.0}, 1.0)});
+  std::vector<std::optional<NetworkScene>> made(touched.size());
+  onAllCores(made.size(), [&](std::size_t i) {
+    StreamKind kind;
+    kind.slices = SliceSettings{};
+    made[i] = NetworkScene{touched[i].scene.name, SentStream(makeStream(touched[i].scene, kind)),
+                           touched[i].hand};
+  });
+  std::vector<NetworkScene> scenes;
+  scenes.reserve(made.size());
+  for (std::optional<NetworkScene>& each : made) scenes.push_back(std::move(*each));
+  return scenes;
+}
+
+void evaluateNetwork(const Options& options) {
+  Report report("network", options);
+  report.sayFirst(
+      "A server, a network and a viewer in virtual time: the frames of the real server as "
+      "datagrams or over TCP, through a link each way, to the client's own receiver, loss meter, "
+      "playout clock and look-up, and a scripted hand that feels them. Frames of 0.3 to 2.4 KB in "
+      "1 to 5 datagrams, 25 a second.");
+  const double seconds = options.quick ? 12.0 : 30.0;
+  const std::vector<NetworkScene> scenes = networkScenes(seconds + 1.0);
+  networkForce(scenes, seconds, options, report);
+  networkSafety(scenes, options, report);
+  networkClocks(scenes.front(), seconds, report);
+  report.write();
+}
+
+}  // namespace hapticast::evaluate
