@@ -56,7 +56,7 @@ DatagramLink::DatagramLink(asio::io_context& io, const Clock& clock, Receiver& r
       timer_(io),
       choice_(waysOf(settings, welcome)),
       copies_(std::max(settings.copies, 1U)),
-      meter_(copies_) {
+      meter_(copies_, settings.copies > 0) {
   if (welcome_.datagram_port != 0) server_.port = welcome_.datagram_port;
 }
 
@@ -96,7 +96,7 @@ bool DatagramLink::flooded(LocalTime now) {
 
 void DatagramLink::turn(LocalTime now) {
   if (flooded(now)) choice_.impossible("more of them come than can be verified", now);
-  if (settings_.copies == 0) copies_ = meter_.copies(now);
+  copies_ = meter_.copies(now);
   choice_.turn(now, copies_);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
   followChoice(now);
@@ -137,8 +137,9 @@ void DatagramLink::followChoice(LocalTime now) {
     path_ = std::move(path).value();
     path_->start(
         [this](const DatagramHeader& header) {
-          meter_.add(header.frame, header.parts);
-          return receiver_.want(header);
+          const FrameAssembler::Want want = receiver_.want(header);
+          if (want == FrameAssembler::Want::kHad) meter_.again(header.frame);
+          return want;
         },
         [this, way](const Datagram& datagram, LocalTime at) { take(way, datagram, at); });
   }
@@ -146,9 +147,9 @@ void DatagramLink::followChoice(LocalTime now) {
 
 void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
   if (closed_ || way != choice_.way()) return;
-  if (datagram.header.probe()) {
-    choice_.probed();
-  } else if (receiver_.part(datagram.header, datagram.payload, now)) {
+  if (datagram.header.probe()) return choice_.probed();
+  meter_.add(datagram.header.frame, datagram.header.parts);
+  if (receiver_.part(datagram.header, datagram.payload, now)) {
     choice_.wholeFrame(datagram.header.frame, now);
   }
 }

@@ -15,21 +15,27 @@ constexpr double kForgets = 0.5;  // of the loss before, at each judgement; chos
 }  // namespace
 
 void LossMeter::add(std::uint64_t frame, std::uint16_t parts) {
-  if (frame <= judged_ && judged_ > 0) return;
   const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
-  if (frame > newest + FrameAssembler::kLargestJump) {  // another numbering, or the first frame
+  const std::uint64_t jump = frame > newest ? frame - newest : newest - frame;
+  if (jump > FrameAssembler::kLargestJump) {  // another numbering, or the first frame
     frames_.clear();
-    judged_ = ignored_ = frame - 1;
+    judged_ = ignored_ = frame > 0 ? frame - 1 : 0;
   }
+  if (frame <= judged_ && judged_ > 0) return;
   Came& came = frames_[frame];
   came.parts = parts;
   ++came.came;
+}
+
+void LossMeter::again(std::uint64_t frame) {
+  if (const auto found = frames_.find(frame); found != frames_.end()) ++found->second.came;
 }
 
 std::uint32_t LossMeter::copies(LocalTime now) {
   if (now - judged_at_ < kJudgeEvery || frames_.size() < kLeastFrames + kSettled) return copies_;
   judged_at_ = now;
   judge();
+  if (fixed_) return copies_;
   if (needed_ >= copies_) needed_at_ = now;
   if (needed_ == copies_ || (needed_ < copies_ && now - needed_at_ < kPatience)) return copies_;
   copies_ = needed_;

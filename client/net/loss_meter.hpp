@@ -23,10 +23,14 @@ class LossMeter {
   /// not judged by its pauses.
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
-  explicit LossMeter(std::uint32_t copies = 1) : copies_(copies) {}
+  /// `fixed`: so many copies are sent whatever is lost.
+  explicit LossMeter(std::uint32_t copies = 1, bool fixed = false)
+      : copies_(copies), fixed_(fixed) {}
 
-  /// A datagram of a frame of `parts` has come, first or again.
+  /// A datagram of a frame of `parts` has come that the server has signed.
   void add(std::uint64_t frame, std::uint16_t parts);
+  /// One has come again, as far as can be told without its signature.
+  void again(std::uint64_t frame);
   /// How many copies to ask for from now on.
   std::uint32_t copies(LocalTime now);
   [[nodiscard]] double loss() const { return loss_; }  ///< 0..1, as last measured
@@ -42,6 +46,7 @@ class LossMeter {
   std::uint64_t judged_ = 0;              // all frames up to this one are
   std::uint64_t ignored_ = 0;  // up to this one they were sent in another number of copies
   std::uint32_t copies_;
+  bool fixed_;
   double loss_ = 0.0;
   std::uint32_t needed_ = 1;
   LocalTime judged_at_{};
