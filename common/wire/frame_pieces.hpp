@@ -68,7 +68,7 @@ class JoinedFrame {
     CodedObject object;
     CodedRelief relief;
     std::shared_ptr<const CodedRelief> in_order;  // the same, once it was asked for
-    std::optional<codec::CoveredCells> covered;  // by its slices
+    std::optional<codec::CoveredCells> covered;   // by its slices
     MotionGrid grid;
     std::vector<bool> cells;  // of the grid: those that came
     bool head = false;

@@ -177,6 +177,10 @@ TEST(FramePiecesTest, PartsThatContradictEachOtherMakeNoFrame) {
   }
   EXPECT_TRUE(fails(packFrame(moved).back())) << "a slice of a rectangle elsewhere";
   EXPECT_TRUE(fails({0xFF}));
+  JoinedFrame twice(first);
+  EXPECT_FALSE(twice.add(headerOf(frame, 1, payloads.size()), payloads.back()));
+  EXPECT_TRUE(twice.add(headerOf(frame, 2, payloads.size()), payloads.back()))
+      << "the same slices again";
   JoinedFrame join(first);
   for (const auto& change : std::vector<std::function<void(DatagramHeader&)>>{
            [](auto& h) { ++h.frame; }, [](auto& h) { ++h.epoch; }, [](auto& h) { ++h.parts; },
@@ -186,6 +190,24 @@ TEST(FramePiecesTest, PartsThatContradictEachOtherMakeNoFrame) {
     EXPECT_FALSE(join.lacks(other));
     EXPECT_TRUE(join.add(other, payloads[0]));
   }
+}
+
+TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
+  CodedFrame frame = largeFrame(4);
+  const Payloads honest = packFrame(frame);
+  for (CodedObject& object : frame.objects) {
+    if (!object.relief) continue;
+    auto relief = std::make_shared<CodedRelief>(*object.relief);
+    relief->slices.resize(1);
+    object.relief = relief;
+  }
+  const Payloads few = packFrame(frame);
+  JoinedFrame join(headerOf(frame, 0, honest.size()));
+  EXPECT_FALSE(join.add(headerOf(frame, 0, honest.size()), few[0]));
+  bool refused = false;
+  for (std::size_t part = 1; part < honest.size() && !refused; ++part)
+    refused = join.add(headerOf(frame, part, honest.size()), honest[part]).has_value();
+  EXPECT_TRUE(refused);
 }
 
 TEST(FramePiecesTest, APieceKeepsTheLimitsOfAFrame) {
