@@ -92,7 +92,7 @@ Lies counts() {
       lie("probes", kHarmless, parted([](PartsTelling& t) {
             const Part probe{{t.parts.front().header.stream, 0, 0, {}, 0, 0},
                              Bytes(kMostPieceBytes)};
-            t.parts.insert(t.parts.begin(), 90, probe);
+            t.parts.insert(t.parts.begin(), 150, probe);
           })),
       lie("short_probes", kRefused, parted([](PartsTelling& t) {
             t.parts.push_back({{t.parts.front().header.stream, 0, 0, {}, 0, 0}, {}});

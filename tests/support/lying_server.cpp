@@ -116,6 +116,8 @@ void LyingServer::lieInParts(double t_s, const CodedFrame& frame) {
 
 std::vector<Bytes> LyingServer::takeDatagrams() { return std::exchange(datagrams_, {}); }
 
+Bytes LyingServer::probe() { return probeBody(kStream, key_); }
+
 std::optional<Bytes> LyingServer::answer(const Ping& ping, double now_s) const {
   if (!lie_.answers) return std::nullopt;
   const double media_s = kMediaBegin_s + now_s;

@@ -115,6 +115,9 @@ class LyingServer {
   [[nodiscard]] std::vector<Bytes> messages(double until_s);
   /// The bodies of the datagrams that go with the messages since the last call.
   [[nodiscard]] std::vector<Bytes> takeDatagrams();
+  /// The body of an honest probe.
+  [[nodiscard]] Bytes probe();
+  [[nodiscard]] bool byDatagrams() const { return lie_.tell_parts != nullptr; }
   /// The answer to a ping, if one is given.
   [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
 
