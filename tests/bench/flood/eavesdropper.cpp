@@ -18,8 +18,8 @@ namespace hapticast::testing {
 
 namespace {
 
-constexpr std::size_t kForgedBytes = 600;  // a usual one
-constexpr int kMostAtOnce = 512;           // of a late turn
+constexpr std::size_t kForgedBytes = 600;   // a usual one
+constexpr std::uint64_t kMostAtOnce = 512;  // of a late turn
 const auto kHere = asio::ip::address_v4::loopback();
 
 sockaddr_in here(std::uint16_t port) {
@@ -75,19 +75,20 @@ std::vector<std::uint8_t> Eavesdropper::forged(Knows knows) {
   header.frame += random_() % 2000;  // as far ahead as a client may look for them
   header.parts = 20;
   header.part = static_cast<std::uint16_t>(random_() % header.parts);
-  static SigningKey another;
-  const auto body = signedBody(header, {}, another);  // for its bytes before the payload
+  // Signed with another key: a signature that is no number is seen to be none at a glance.
+  bytes.resize(kForgedBytes - kDatagramHeaderBytes - kSignatureBytes);
+  bytes = signedBody(header, bytes, another_key_);
   const TokenBytes front = tokenBytes(token_);
-  std::copy(front.begin(), front.end(), bytes.begin());
-  std::copy_n(body.begin(), kDatagramHeaderBytes - kTokenBytes, bytes.begin() + kTokenBytes);
+  bytes.insert(bytes.begin(), front.begin(), front.end());
   return bytes;
 }
 
 void Eavesdropper::flood(Knows knows, bool at_closed_port, double rate_Hz, LocalTime now) {
-  const double since_s = flooded_at_ ? toSeconds(now - *flooded_at_) : 0.0;
-  const int count = std::min(static_cast<int>(since_s * rate_Hz), kMostAtOnce);
-  if (flooded_at_ && count == 0) return;
-  flooded_at_ = now;
+  if (!begun_at_) begun_at_ = now;
+  const auto due = static_cast<std::uint64_t>(toSeconds(now - *begun_at_) * rate_Hz);
+  const std::uint64_t count = std::min(due - tried_, kMostAtOnce);
+  tried_ = due;
+  if (count == 0) return;
   // What is forged is made once a turn: making it costs more than sending it.
   const std::vector<std::uint8_t> body = forged(knows);
   std::vector<std::uint8_t> packet(sizeof(udphdr) + body.size());
@@ -98,7 +99,7 @@ void Eavesdropper::flood(Knows knows, bool at_closed_port, double rate_Hz, Local
   udp.len = htons(static_cast<std::uint16_t>(packet.size()));
   std::memcpy(packet.data(), &udp, sizeof udp);
   std::copy(body.begin(), body.end(), packet.begin() + sizeof udp);
-  for (int i = 0; i < count; ++i) {
+  for (std::uint64_t i = 0; i < count; ++i) {
     // Another part and another frame each time; signatures are wrong all the same.
     packet[sizeof udp + 32] = static_cast<std::uint8_t>(i % 20);
     const bool raw = knows != Knows::kNothing;

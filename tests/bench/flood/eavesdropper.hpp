@@ -49,7 +49,9 @@ class Eavesdropper {
   std::uint16_t closed_port_ = 0;
   std::uint64_t token_ = 0;
   DatagramHeader newest_;
-  std::optional<LocalTime> flooded_at_;
+  SigningKey another_key_;
+  std::optional<LocalTime> begun_at_;
+  std::uint64_t tried_ = 0;  // since then, or left out as too many at once
   std::uint64_t sent_ = 0;
   std::mt19937_64 random_{5};
 };
