@@ -107,8 +107,8 @@ void DatagramSender::send(const EncodedFrame& frame) {
 }
 
 void DatagramSender::sendToGroup() {
-  const DatagramTarget all{group_token_, group_->endpoint(), {}, book_.groupCopies(),
-                           group_counts_};
+  const DatagramTarget all{
+      group_token_, group_->endpoint(), {}, book_.groupCopies(), group_counts_};
   const LocalTime now = clock_.now();
   if (!group_probed_at_ || now - *group_probed_at_ >= kGroupProbeEvery) {
     group_probed_at_ = now;
