@@ -14,6 +14,9 @@ constexpr Duration kEchoEvery = std::chrono::seconds(10);  // keeps firewalls an
 constexpr Duration kTurn = std::chrono::milliseconds(20);
 // Chosen: so many in a second that are not looked at are a flood, in which the server's own drown.
 constexpr std::uint64_t kFlood = 400;
+// Chosen: no network forges, and to see that so many are costs 10 ms of a second. On a busy machine
+// to verify is what drowns the server's own.
+constexpr std::uint64_t kForgedFlood = 100;
 
 std::vector<Way> waysOf(const DeliverySettings& settings, const Welcome& welcome) {
   std::vector<Way> ways;
@@ -55,7 +58,8 @@ DatagramLink::DatagramLink(asio::io_context& io, const Clock& clock, Receiver& r
       events_(std::move(events)),
       timer_(io),
       choice_(waysOf(settings, welcome)),
-      copies_(settings.copies > 0 ? settings.copies : LossMeter::kFirstCopies) {
+      copies_(settings.copies > 0 ? settings.copies : LossMeter::kFirstCopies),
+      meter_(copies_, settings.copies > 0) {
   if (welcome_.datagram_port != 0) server_.port = welcome_.datagram_port;
 }
 
@@ -84,18 +88,22 @@ asio::awaitable<void> DatagramLink::watch() {
   }
 }
 
-bool DatagramLink::flooded(LocalTime now) {
-  const std::uint64_t ignored = path_ ? path_->counts().over_budget : 0;
-  if (now - ignored_since_ >= std::chrono::seconds(1) || ignored < ignored_before_) {
-    ignored_since_ = now;
-    ignored_before_ = ignored;
+const char* DatagramLink::flood(LocalTime now) {
+  if (!path_) return nullptr;
+  const DatagramCounts& counts = path_->counts();
+  if (now - counted_at_ >= std::chrono::seconds(1)) {
+    counted_at_ = now;
+    counted_ = counts;
   }
-  return ignored - ignored_before_ > kFlood;
+  if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
+  if (counts.over_budget - counted_.over_budget > kFlood)
+    return "more of them come than can be verified";
+  return nullptr;
 }
 
 void DatagramLink::turn(LocalTime now) {
-  if (flooded(now)) choice_.impossible("more of them come than can be verified", now);
-  if (settings_.copies == 0) copies_ = meter_.copies(now);
+  if (const char* const why = flood(now)) choice_.impossible(why, now);
+  copies_ = meter_.copies(now);
   choice_.turn(now, copies_);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
   followChoice(now);
@@ -134,10 +142,12 @@ void DatagramLink::followChoice(LocalTime now) {
       continue;
     }
     path_ = std::move(path).value();
+    counted_ = {};
     path_->start(
         [this](const DatagramHeader& header) {
-          meter_.add(header);
-          return receiver_.want(header);
+          const FrameAssembler::Want want = receiver_.want(header);
+          if (want == FrameAssembler::Want::kHad) meter_.again(header);
+          return want;
         },
         [this, way](const Datagram& datagram, LocalTime at) { take(way, datagram, at); });
   }
@@ -145,9 +155,9 @@ void DatagramLink::followChoice(LocalTime now) {
 
 void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
   if (closed_ || way != choice_.way()) return;
-  if (datagram.header.probe()) {
-    choice_.probed();
-  } else if (receiver_.part(datagram.header, datagram.payload, now)) {
+  if (datagram.header.probe()) return choice_.probed();
+  meter_.add(datagram.header);
+  if (receiver_.part(datagram.header, datagram.payload, now)) {
     choice_.wholeFrame(datagram.header.frame, now);
   }
 }

@@ -46,8 +46,8 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   void start();
   asio::awaitable<void> watch();
   void turn(LocalTime now);
-  /// Whether more datagrams come than may be looked at.
-  [[nodiscard]] bool flooded(LocalTime now);
+  /// What a person is told of a flood of datagrams that are not the server's; null: there is none.
+  [[nodiscard]] const char* flood(LocalTime now);
   /// Opens and closes paths as the choice asks for them.
   void followChoice(LocalTime now);
   void take(Way way, const Datagram& datagram, LocalTime now);
@@ -66,8 +66,8 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   std::optional<Way> opened_;
   std::shared_ptr<DatagramPath> path_;
   std::optional<LocalTime> echoed_at_;
-  std::uint64_t ignored_before_ = 0;  // datagrams, by ignored_since_
-  LocalTime ignored_since_{};
+  DatagramCounts counted_;  // of the path, by counted_at_
+  LocalTime counted_at_{};
   DatagramCounts counts_;  // of paths that were closed
   std::uint64_t bytes_ = 0;
   bool closed_ = false;

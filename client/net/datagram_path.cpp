@@ -80,10 +80,15 @@ Result<std::shared_ptr<DatagramPath>> DatagramPath::toServer(asio::io_context& i
 Result<std::shared_ptr<DatagramPath>> DatagramPath::ofGroup(
     asio::io_context& io, const Clock& clock, const Endpoint& group, const std::string& interface,
     const Endpoint& server, DatagramInbox inbox) {
-  const auto at = endpointOf(group);
+  auto at = endpointOf(group);
   if (!at.ok()) return at.error();
   const auto index = interfaceFor(io, interface, server);
   if (!index.ok()) return index.error();
+  if (at.value().address().is_v6()) {  // a group of the link alone is bound with its link
+    auto address = at.value().address().to_v6();
+    address.scope_id(index.value());
+    at = udp::endpoint(address, group.port);
+  }
   udp::socket socket(io);
   boost::system::error_code ec;
   socket.open(at.value().protocol(), ec);

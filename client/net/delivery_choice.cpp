@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/net/frame_assembler.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -19,9 +21,13 @@ DeliveryChoice::DeliveryChoice(std::vector<Way> ways) : ways_(std::move(ways)) {
 
 void DeliveryChoice::begin(std::size_t at) {
   at_ = at;
-  works_ = doubted_ = false;
-  probed_ = way() != Way::kDatagrams;  // nobody asks a group for one
+  works_ = doubted_ = probed_ = false;
   only_tcp_since_.reset();
+  narrow_since_.reset();
+}
+
+bool DeliveryChoice::newer(std::uint64_t id) const {
+  return id > newest_ || newest_ - id > FrameAssembler::kLargestJump;
 }
 
 void DeliveryChoice::impossible(const std::string& why, LocalTime now) {
@@ -37,11 +43,12 @@ void DeliveryChoice::impossible(const std::string& why, LocalTime now) {
 }
 
 void DeliveryChoice::wholeFrame(std::uint64_t id, LocalTime now) {
-  newest_ = std::max(newest_, id);
+  if (newer(id)) newest_ = id;
   came_at_ = now;
   only_tcp_since_.reset();
   doubted_ = false;
   // Where a datagram of full size does not get through, frames will be missing.
+  if (!probed_ && !narrow_since_) narrow_since_ = now;
   if (works_ || !probed_) return;
   works_ = true;
   if (at_ == 0 && !std::exchange(told_, {}).empty())
@@ -49,7 +56,7 @@ void DeliveryChoice::wholeFrame(std::uint64_t id, LocalTime now) {
 }
 
 void DeliveryChoice::tcpFrame(std::uint64_t id, LocalTime now) {
-  if (way() != Way::kTcp && id > newest_ && !only_tcp_since_) only_tcp_since_ = now;
+  if (way() != Way::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
 }
 
 void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
@@ -63,6 +70,8 @@ void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
   const Duration patience = doubted_ ? kRace : kPatience;
   if (only_tcp_since_ && now - *only_tcp_since_ >= patience)
     impossible(probed_ ? "they are lost" : "does a firewall hold them back?", now);
+  if (!probed_ && narrow_since_ && now - *narrow_since_ >= kProbePatience)
+    impossible("datagrams of full size do not get through", now);
   if (at_ > 0 && now - failed_at_ >= kTryAgain) begin(0);
 }
 

@@ -45,6 +45,8 @@ class DeliveryChoice {
   /// Of two ways that both work one is quicker; chosen.
   static constexpr Duration kRace = std::chrono::milliseconds(200);
   static constexpr Duration kTryAgain = std::chrono::seconds(30);
+  /// Frames come that way, but no probe: chosen, four probes of a group.
+  static constexpr Duration kProbePatience = std::chrono::seconds(2);
 
   /// The ways that there are, the best one first; the last one is kTcp.
   explicit DeliveryChoice(std::vector<Way> ways);
@@ -73,6 +75,8 @@ class DeliveryChoice {
 
  private:
   void begin(std::size_t at);
+  /// Whether no newer frame has come that way, and no other numbering has begun.
+  [[nodiscard]] bool newer(std::uint64_t id) const;
   [[nodiscard]] Delivery wanted() const;
 
   std::vector<Way> ways_;
@@ -82,6 +86,7 @@ class DeliveryChoice {
   bool probed_ = false;
   std::uint64_t newest_ = 0;                 // whole frame that came that way
   LocalTime came_at_{};                      // that frame
+  std::optional<LocalTime> narrow_since_;    // whole frames come that way, but no probe
   std::optional<LocalTime> only_tcp_since_;  // frames come over TCP that do not come that way
   LocalTime failed_at_{};                    // a way, the last time
   std::uint32_t copies_ = 1;

@@ -7,6 +7,25 @@
 
 namespace hapticast::client {
 
+namespace {
+
+const JoinedFrame* joinedOf(const JoinedFrame& frame) { return &frame; }
+template <class Waiting>
+const JoinedFrame* joinedOf(const Waiting& waiting) {
+  return waiting.joined ? &*waiting.joined : nullptr;
+}
+/// Of the parts that have come, over all frames.
+template <class Frames>
+std::size_t bytesOf(const Frames& frames) {
+  return std::accumulate(frames.begin(), frames.end(), std::size_t{0},
+                         [](std::size_t sum, const auto& each) {
+                           const JoinedFrame* const joined = joinedOf(each.second);
+                           return sum + (joined != nullptr ? joined->bytes() : 0);
+                         });
+}
+
+}  // namespace
+
 void FrameAssembler::restart() {
   ++epoch_;
   server_epoch_.reset();
@@ -49,9 +68,11 @@ std::uint64_t FrameAssembler::newest() const {
 }
 
 FrameAssembler::Want FrameAssembler::want(const DatagramHeader& part) const {
+  const std::uint64_t newest_id = newest();
   const bool any = last_id_ || !waiting_.empty();
-  if (any && (part.frame > newest() + kLargestJump || part.frame + kOldestPart < newest()))
-    return Want::kAstray;
+  const bool astray = part.frame > newest_id ? part.frame - newest_id > kLargestJump
+                                             : newest_id - part.frame > kOldestPart;
+  if (any && astray) return Want::kAstray;
   const auto lacking = [&](const JoinedFrame& joined) {
     return joined.lacks(part) ? Want::kNew : Want::kHad;
   };
@@ -66,12 +87,14 @@ Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
                                             LocalTime arrived) {
   if (behind(part.frame)) return addLate(part, payload, arrived);
   Waiting& waiting = waiting_[part.frame];
+  // It may have been passed over for want of a head, which comes now.
+  if (auto left = left_.extract(part.frame)) waiting.joined.emplace(std::move(left.mapped()));
   if (!waiting.joined) waiting.joined.emplace(part);
   if (!waiting.frame) waiting.arrived = arrived;
   if (auto error = waiting.joined->add(part, payload)) {
     waiting.joined.reset();
     if (!waiting.frame) waiting_.erase(part.frame);
-    done_.insert(part.frame);
+    giveUp(part.frame);
     return *error;
   }
   return waiting.joined->whole();
@@ -83,13 +106,23 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
   JoinedFrame& joined = left_.try_emplace(part.frame, part).first->second;
   if (auto error = joined.add(part, payload)) {
     left_.erase(part.frame);
-    done_.insert(part.frame);
+    giveUp(part.frame);
     return *error;
   }
-  if (!joined.whole()) return false;
+  const bool whole = joined.whole();
   // It stays among those that left, to fill up what is unchanged.
-  if (!by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
-  return true;
+  if (whole && !by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
+  boundLeft();
+  return whole;
+}
+
+void FrameAssembler::giveUp(std::uint64_t id) {
+  done_.insert(id);
+  if (done_.size() > kLargestJump + kOldestPart) done_.erase(done_.begin());
+}
+
+void FrameAssembler::boundLeft() {
+  while (left_.size() > kOldestPart || bytesOf(left_) > kMaxBytes) left_.erase(left_.begin());
 }
 
 std::optional<MediaTime> FrameAssembler::lastLeft() const {
@@ -101,11 +134,7 @@ std::optional<LocalTime> FrameAssembler::oldestCame() const {
 }
 
 bool FrameAssembler::overfull() const {
-  const auto add = [](std::size_t sum, const auto& each) {
-    return sum + (each.second.joined ? each.second.joined->bytes() : 0);
-  };
-  return waiting_.size() > kMaxWaiting ||
-         std::accumulate(waiting_.begin(), waiting_.end(), std::size_t{0}, add) > kMaxBytes;
+  return waiting_.size() > kMaxWaiting || bytesOf(waiting_) > kMaxBytes;
 }
 
 std::optional<AssembledFrame> FrameAssembler::next(bool due) {
@@ -121,7 +150,8 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
     waiting_.erase(oldest);
     if (taken.frame) {
       by_tcp_.insert(id);
-      if (taken.joined) left_.emplace(id, std::move(*taken.joined));
+      if (taken.joined) left_.insert_or_assign(id, std::move(*taken.joined));
+      boundLeft();
       return leave(std::move(*taken.frame), taken.arrived);
     }
     if (auto frame = leaveInParts(id, std::move(taken))) return frame;
@@ -133,14 +163,16 @@ std::optional<AssembledFrame> FrameAssembler::leaveInParts(std::uint64_t id, Wai
   JoinedFrame& joined = *waiting.joined;
   const bool whole = joined.whole();
   // An object whose head is missing would seem to have gone.
-  auto frame = joined.headed() ? joined.frame() : malformed("no head");
-  if (whole || (joined.headed() && !frame.ok())) {
-    done_.insert(id);
+  std::optional<CodedFrame> frame;
+  if (joined.headed()) frame = joined.frame();
+  if (whole) {
+    giveUp(id);
   } else {
-    left_.emplace(id, std::move(joined));
+    left_.insert_or_assign(id, std::move(joined));
+    boundLeft();
   }
-  if (!frame.ok()) return std::nullopt;
-  return leave(std::move(frame).value(), whole ? std::optional(waiting.arrived) : std::nullopt);
+  if (!frame) return std::nullopt;
+  return leave(std::move(*frame), whole ? std::optional(waiting.arrived) : std::nullopt);
 }
 
 AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> arrived) {
@@ -160,7 +192,7 @@ AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> 
   return {place, std::move(frame)};
 }
 
-void FrameAssembler::fillUp(CodedFrame& frame) const {
+void FrameAssembler::fillUp(CodedFrame& frame) {
   for (CodedObject& object : frame.objects) {
     const auto left = left_.find(object.changed_in_frame);
     if (!object.relief && left != left_.end()) object.relief = left->second.relief(keyOf(object));

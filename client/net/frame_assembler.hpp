@@ -51,7 +51,8 @@ class FrameAssembler {
   static constexpr std::uint64_t kLargestJump = 2400;
   /// Chosen: copies come at most three frames later, and what is reordered by more is too late.
   static constexpr std::uint64_t kOldestPart = 64;
-  /// Chosen: frames of parts that wait at a time, and their bytes.
+  /// Chosen: frames of parts that wait at a time, and their bytes; those of frames that have left
+  /// may be as many.
   static constexpr std::size_t kMaxWaiting = 32;
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20U;
 
@@ -100,10 +101,14 @@ class FrameAssembler {
   [[nodiscard]] bool jumps(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t newest() const;
   [[nodiscard]] bool overfull() const;
+  /// Nothing more of this frame is wanted.
+  void giveUp(std::uint64_t id);
+  /// Forgets the oldest of those that left where they are too many.
+  void boundLeft();
   [[nodiscard]] std::optional<AssembledFrame> leaveInParts(std::uint64_t id, Waiting waiting);
   AssembledFrame leave(CodedFrame frame, std::optional<LocalTime> arrived);
   /// Reliefs that did not change and of which parts came after their frame had left.
-  void fillUp(CodedFrame& frame) const;
+  void fillUp(CodedFrame& frame);
   void forgetOld();
   Result<bool, WireError> addLate(const DatagramHeader& part, std::span<const std::uint8_t> payload,
                                   LocalTime arrived);
@@ -113,8 +118,8 @@ class FrameAssembler {
   std::optional<std::uint64_t> last_id_;       // the same
   MediaTime last_media_time_;                  // the same
   std::map<std::uint64_t, Waiting> waiting_;   // by id
-  // Of the last kOldestPart frames: those that left or were given up before they were whole, and
-  // those of which nothing more is wanted.
+  // Of the last kOldestPart frames: those that left or were passed over before they were whole, and
+  // those of which nothing more is wanted. Both are bounded whatever the ids are.
   std::map<std::uint64_t, JoinedFrame> left_;  // by id
   std::set<std::uint64_t> done_;
   std::set<std::uint64_t> by_tcp_;  // frames that left whole; parts only show that they get through

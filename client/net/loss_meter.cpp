@@ -24,23 +24,32 @@ void takeIn(double& share, double now) {
 }  // namespace
 
 void LossMeter::add(const DatagramHeader& header) {
-  if (header.frame <= judged_ && judged_ > 0) return;
   const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
-  if (header.frame > newest + FrameAssembler::kLargestJump) {  // another numbering, or the first
+  const std::uint64_t jump = header.frame > newest ? header.frame - newest : newest - header.frame;
+  if (jump > FrameAssembler::kLargestJump) {  // another numbering, or the first frame
     frames_.clear();
-    judged_ = ignored_ = header.frame - 1;
+    judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
   }
+  if (header.frame <= judged_ && judged_ > 0) return;
   Came& came = frames_[header.frame];
   if (came.empty()) came.resize(std::min<std::size_t>(header.parts, kMostParts));
-  if (header.part >= came.size()) return;
-  std::uint8_t& times = came[header.part];
-  times = static_cast<std::uint8_t>(std::min<std::uint32_t>(times + 1U, limits::kMostCopies));
+  count(came, header.part);
+}
+
+void LossMeter::again(const DatagramHeader& header) {
+  if (const auto found = frames_.find(header.frame); found != frames_.end())
+    count(found->second, header.part);
+}
+
+void LossMeter::count(Came& came, std::size_t part) {
+  if (part < came.size() && came[part] < limits::kMostCopies) ++came[part];
 }
 
 std::uint32_t LossMeter::copies(LocalTime now) {
   if (now - judged_at_ < kJudgeEvery || frames_.size() < kLeastFrames + kSettled) return copies_;
   judged_at_ = now;
   judge();
+  if (fixed_) return copies_;
   if (needed_ >= copies_ || !needed_at_) needed_at_ = now;
   if (needed_ == copies_ || (needed_ < copies_ && now - *needed_at_ < kPatience)) return copies_;
   copies_ = needed_;

@@ -30,8 +30,14 @@ class LossMeter {
   /// not judged by its pauses.
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
-  /// A datagram has come, first or again; no probe.
+  /// `fixed`: so many copies are sent whatever is lost.
+  explicit LossMeter(std::uint32_t copies = kFirstCopies, bool fixed = false)
+      : copies_(copies), fixed_(fixed) {}
+
+  /// A datagram has come that the server has signed; no probe.
   void add(const DatagramHeader& header);
+  /// One has come again, as far as can be told without its signature.
+  void again(const DatagramHeader& header);
   /// How many copies to ask for from now on.
   std::uint32_t copies(LocalTime now);
   [[nodiscard]] double loss() const { return loss_; }  ///< 0..1, as last measured
@@ -39,6 +45,7 @@ class LossMeter {
  private:
   /// Of a frame's parts: how often each has come.
   using Came = std::vector<std::uint8_t>;
+  static void count(Came& came, std::size_t part);
   /// How many parts came so often or oftener; those that came 0 times or oftener are all.
   struct Tally {
     std::array<double, limits::kMostCopies + 1> parts{};
@@ -50,7 +57,8 @@ class LossMeter {
   std::map<std::uint64_t, Came> frames_;  // by id, since the last judgement
   std::uint64_t judged_ = 0;              // all frames up to this one are
   std::uint64_t ignored_ = 0;  // up to this one they were sent in another number of copies
-  std::uint32_t copies_ = kFirstCopies;
+  std::uint32_t copies_;
+  bool fixed_;
   double loss_ = 0.0;
   double lost_ = 0.0;        // share of parts of which no copy came
   double lost_fewer_ = 0.0;  // the same, were there one copy less

@@ -166,10 +166,14 @@ std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
     return WireError{ErrorCode::kTooLarge, "too many objects"};
   Joined& to = objects_[key];
   if (piece.head && to.head) return malformed("an object appears twice");
-  if (from.relief && !joinRelief(*from.relief, to))
+  if (from.relief && to.relief.rect.empty()) pixels_ += from.relief->rect.pixels();
+  if (pixels_ > kMaxReliefPixels)
+    return WireError{ErrorCode::kTooLarge, "the reliefs of a frame cover too many pixels"};
+  if (from.relief && !joinRelief(*from.relief, piece.head, to))
     return malformed("parts of a relief that contradict each other");
   if (from.grid && !joinGrid(*from.grid, piece.first_cell, to))
     return malformed("parts of a grid that contradict each other");
+  if (!to.covers()) return malformed("a grid that does not cover its relief");
   if (piece.head) {
     to.object = piece.object;
     to.head = true;
@@ -177,12 +181,27 @@ std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
   return std::nullopt;
 }
 
-bool JoinedFrame::joinRelief(const CodedRelief& piece, Joined& to) {
-  if (to.relief.rect.empty()) to.relief.rect = piece.rect;
+bool JoinedFrame::Joined::covers() const {
+  return cells.empty() || relief.rect.empty() ||
+         (grid.columns == gridCells(relief.rect.width) &&
+          grid.rows == gridCells(relief.rect.height));
+}
+
+bool JoinedFrame::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
+  if (!to.covered) {
+    to.relief.rect = piece.rect;
+    to.covered.emplace(piece.rect);
+  }
   if (to.relief.rect != piece.rect) return false;
-  if (piece.slice_count > 0) to.relief.slice_count = piece.slice_count;
-  to.relief.slices.insert(to.relief.slices.end(), piece.slices.begin(), piece.slices.end());
-  return true;
+  to.in_order.reset();
+  if (head) to.relief.slice_count = piece.slice_count;
+  for (const SliceBytes& slice : piece.slices) {
+    const auto header = codec::Header::read(slice, piece.rect);
+    if (!header.ok() || !to.covered->claim(header.value())) return false;
+    to.relief.slices.push_back(slice);
+  }
+  const bool known = to.head || head;
+  return !known || to.relief.slices.size() <= to.relief.slice_count;
 }
 
 bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
@@ -209,14 +228,16 @@ bool JoinedFrame::headed() const {
   return object_count_ == static_cast<std::size_t>(heads);
 }
 
-std::shared_ptr<const CodedRelief> JoinedFrame::relief(const ObjectKey& object) const {
+std::shared_ptr<const CodedRelief> JoinedFrame::relief(const ObjectKey& object) {
   const auto found = objects_.find(object);
   if (found == objects_.end() || !found->second.head || !found->second.object.relief)
     return nullptr;
-  return inOrder(found->second.relief);
+  Joined& from = found->second;
+  if (!from.in_order) from.in_order = inOrder(from.relief);
+  return from.in_order;
 }
 
-Result<CodedFrame, WireError> JoinedFrame::frame() const {
+CodedFrame JoinedFrame::frame() const {
   CodedFrame frame{header_.epoch, header_.frame, header_.media_time, {}};
   frame.objects.reserve(objects_.size());
   for (const auto& [key, each] : objects_) {
@@ -228,9 +249,6 @@ Result<CodedFrame, WireError> JoinedFrame::frame() const {
         std::all_of(each.cells.begin(), each.cells.end(), [](bool had) { return had; }))
       object.grid = std::make_shared<const MotionGrid>(each.grid);
   }
-  Check check;
-  checkFrame(frame, check);
-  if (check.error()) return *check.error();
   return frame;
 }
 

@@ -15,6 +15,7 @@
 #include "common/wire/coded_frame.hpp"
 #include "common/wire/datagram.hpp"
 #include "common/wire/error.hpp"
+#include "common/wire/slice/covered_cells.hpp"
 
 namespace hapticast {
 
@@ -47,7 +48,8 @@ class JoinedFrame {
 
   /// False where the part was had before or is none of this frame.
   [[nodiscard]] bool lacks(const DatagramHeader& part) const;
-  /// Takes the payload of a part that it lacks. After an error the frame is to be given up.
+  /// Takes the payload of a part that it lacks. An error where it contradicts what came before:
+  /// the frame is to be given up.
   [[nodiscard]] std::optional<WireError> add(const DatagramHeader& part,
                                              std::span<const std::uint8_t> payload);
   [[nodiscard]] bool whole() const { return had_count_ == header_.parts; }
@@ -55,28 +57,34 @@ class JoinedFrame {
   /// Whether the head of every object has come: nothing of the frame is unknown but shapes.
   [[nodiscard]] bool headed() const;
   /// What has come of an object's relief; null where it has none, or its head is missing.
-  [[nodiscard]] std::shared_ptr<const CodedRelief> relief(const ObjectKey& object) const;
+  [[nodiscard]] std::shared_ptr<const CodedRelief> relief(const ObjectKey& object);
   [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< of what has come
   /// What has come so far: objects whose head has, with the slices that have; a grid only where all
-  /// of it has. An error where the pieces contradict each other.
-  [[nodiscard]] Result<CodedFrame, WireError> frame() const;
+  /// of it has.
+  [[nodiscard]] CodedFrame frame() const;
 
  private:
   struct Joined {
     CodedObject object;
     CodedRelief relief;
+    std::shared_ptr<const CodedRelief> in_order;  // the same, once it was asked for
+    std::optional<codec::CoveredCells> covered;   // by its slices
     MotionGrid grid;
     std::vector<bool> cells;  // of the grid: those that came
     bool head = false;
+
+    /// Whether grid and relief, as far as they are known, belong together.
+    [[nodiscard]] bool covers() const;
   };
   [[nodiscard]] std::optional<WireError> join(const ObjectPiece& piece);
-  static bool joinRelief(const CodedRelief& piece, Joined& to);
+  static bool joinRelief(const CodedRelief& piece, bool head, Joined& to);
   static bool joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to);
 
   DatagramHeader header_;
   std::vector<bool> had_;
   std::size_t had_count_ = 0;
   std::size_t bytes_ = 0;
+  std::size_t pixels_ = 0;  // of all reliefs' rectangles
   std::optional<std::size_t> object_count_;
   std::map<ObjectKey, Joined> objects_;
 };

@@ -7,7 +7,7 @@
 
 #include "common/wire/limits.hpp"
 #include "common/wire/scan.hpp"
-#include "common/wire/slice/header.hpp"
+#include "common/wire/slice/covered_cells.hpp"
 
 namespace hapticast {
 
@@ -92,32 +92,6 @@ Material read(const proto::Material& from, Check& check) {
 constexpr std::size_t kMostSlices =
     std::size_t{codec::cellsOver(kMaxWidth_px)} * std::size_t{codec::cellsOver(kMaxHeight_px)};
 
-/// Cells of a relief that slices have claimed so far.
-class CoveredCells {
- public:
-  explicit CoveredCells(const PixelRect& rect)
-      : columns_(codec::cellsOver(rect.width)),
-        covered_(static_cast<std::size_t>(columns_) *
-                 static_cast<std::size_t>(codec::cellsOver(rect.height))) {}
-
-  /// False where one of them was claimed before.
-  bool claim(const codec::Header& slice) {
-    bool free = true;
-    for (int y = slice.y; y < slice.y + slice.rows; ++y) {
-      for (int x = slice.x; x < slice.x + slice.columns; ++x) {
-        std::vector<bool>::reference cell = covered_[static_cast<std::size_t>(y * columns_ + x)];
-        free = free && !cell;
-        cell = true;
-      }
-    }
-    return free;
-  }
-
- private:
-  int columns_;
-  std::vector<bool> covered_;
-};
-
 PixelRect rectOf(const proto::Relief& from, Check& check) {
   check.require(from.width() >= 1 && from.width() <= static_cast<unsigned>(kMaxWidth_px) &&
                     from.height() >= 1 && from.height() <= static_cast<unsigned>(kMaxHeight_px) &&
@@ -192,7 +166,7 @@ std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64
 void checkRelief(const CodedRelief& relief, Check& check) {
   check.require(relief.slice_count == 0 || relief.slices.size() <= relief.slice_count,
                 "a relief has more slices than it says");
-  CoveredCells covered(relief.rect);
+  codec::CoveredCells covered(relief.rect);
   for (const SliceBytes& slice : relief.slices) {
     const auto header = codec::Header::read(slice, relief.rect);
     if (!header.ok()) return check.take(header.error());

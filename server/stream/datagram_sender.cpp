@@ -103,10 +103,19 @@ void DatagramSender::send(const EncodedFrame& frame) {
     std::rotate(targets.begin(), targets.begin() + first, targets.end());
   }
   out_.send(roundOf(last_), targets);
-  if (group_out_ && book_.size() > 0) {
-    group_out_->send(roundOf(last_),
-                     {{group_token_, group_->endpoint(), {}, book_.groupCopies(), group_counts_}});
+  if (group_out_ && book_.size() > 0) sendToGroup();
+}
+
+void DatagramSender::sendToGroup() {
+  const DatagramTarget all{
+      group_token_, group_->endpoint(), {}, book_.groupCopies(), group_counts_};
+  const LocalTime now = clock_.now();
+  if (!group_probed_at_ || now - *group_probed_at_ >= kGroupProbeEvery) {
+    group_probed_at_ = now;
+    // One that the system does not take comes half a second later.
+    (void)group_out_->sendNow(signer_.probe(), all);
   }
+  group_out_->send(roundOf(last_), {all});
 }
 
 void DatagramSender::stop() {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/wire/channel.hpp"
@@ -42,6 +43,9 @@ class DatagramSender {
  public:
   /// Echoes read before others on the thread have their turn; chosen.
   static constexpr std::size_t kMostEchoes = 64;
+  /// Chosen: nobody asks a group for a probe; who joins knows within a second whether datagrams of
+  /// full size get through.
+  static constexpr Duration kGroupProbeEvery = std::chrono::milliseconds(500);
 
   /// Takes the UDP port of the listener's number, or another one where that is taken. Signer,
   /// group, if any, and clock outlive it; `io` is run by one thread, which ends before this does.
@@ -69,12 +73,14 @@ class DatagramSender {
   asio::awaitable<void> takeEchoes();
   void take(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from);
   void countTakers();
+  void sendToGroup();
 
   asio::ip::udp::socket socket_;
   const Clock& clock_;
   const DatagramSigner& signer_;
   MulticastGroup* group_;
   std::uint64_t group_token_ = 0;
+  std::optional<LocalTime> group_probed_at_;
   std::uint16_t port_ = 0;  // its own
   std::uint16_t listener_port_;
   AddressBook book_;

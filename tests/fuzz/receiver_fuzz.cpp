@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A client's receiver with its relief cache against any server: what the loop is handed is within
 // the announced picture, and the counts stay sane. The input is a script: a byte says what comes, a
-// few bytes what is in it; or it is a message as it is, two bytes its length.
+// few bytes what is in it; or it is a message as it is, two bytes its length. Frames come whole or
+// as the parts of datagrams, which may lie in their headers.
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "client/net/receiver.hpp"
+#include "common/wire/frame_pieces.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
@@ -53,7 +55,7 @@ struct Client {
     }
   }
   /// A frame of up to three objects that share few ids, as the rules of caches are about those.
-  void takeFrame(Script& script) {
+  CodedFrame makeFrame(Script& script) {
     HapticFrame frame;
     const int jump = script.byte();
     id_ = jump < 250 ? id_ + static_cast<std::uint64_t>(jump % 8) : id_ * 31 - 7;
@@ -81,7 +83,34 @@ struct Client {
       }
       frame.objects.push_back(object);
     }
-    receiver.frame(testing::coded(frame), clock.now());
+    return testing::coded(frame);
+  }
+  /// Each part as it is, changed, twice or never; says how many were taken.
+  std::uint64_t takeParts(Script& script) {
+    const CodedFrame frame = makeFrame(script);
+    const auto payloads = packFrame(frame);
+    std::uint64_t taken = 0;
+    for (std::size_t i = 0; i < payloads.size() && i < 20; ++i) {
+      DatagramHeader header{1,
+                            frame.epoch,
+                            frame.id,
+                            frame.media_time,
+                            static_cast<std::uint16_t>(i),
+                            static_cast<std::uint16_t>(payloads.size())};
+      std::span<const std::uint8_t> payload = payloads[i];
+      const int change = script.byte();
+      if (change % 8 == 1) continue;
+      if (change % 8 == 2) header.parts = static_cast<std::uint16_t>(header.parts + change / 8);
+      if (change % 8 == 3) header.frame += static_cast<std::uint64_t>(change / 8) * 97;
+      if (change % 8 == 4) ++header.epoch;
+      if (change % 8 == 5) header.media_time += fromSeconds(change - 120.0);
+      if (change % 8 == 6) payload = script.bytes();
+      if (change % 8 == 7) payload = payloads[script.byte() % payloads.size()];
+      if (receiver.want(header) != FrameAssembler::Want::kNew) continue;
+      (void)receiver.part(header, payload, clock.now());
+      ++taken;
+    }
+    return taken;
   }
   /// What the loop sees.
   void play() {
@@ -126,7 +155,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Script script{{data, size}};
   std::uint64_t frames = 0;
   for (int step = 0; !script.rest.empty() && step < 200; ++step) {
-    switch (script.byte() % 8) {
+    const int kind = script.byte();
+    if (kind >= 224) {
+      frames += client.takeParts(script);
+      if (kind % 4 != 0) (void)client.preparer.step();
+      client.play();
+      continue;
+    }
+    switch (kind % 8) {
       case 0: {
         auto message = decode(script.bytes());
         if (message.ok()) client.take(std::move(message).value());
@@ -151,7 +187,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         client.receiver.connected(client.stream, client.clock.now());
         break;
       default:
-        client.takeFrame(script);
+        client.receiver.frame(client.makeFrame(script), client.clock.now());
         ++frames;
         if (script.byte() % 4 != 0) (void)client.preparer.step();
         client.play();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The client's own way through datagrams: from the real server, through good networks and bad ones.
 #include "tests/integration/datagram_fixture.hpp"
+#include "tests/support/datagram_bytes.hpp"
 #include "tests/support/lossy_link.hpp"
 
 namespace hapticast::testing {
@@ -153,6 +154,42 @@ TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
   expectRisingIds(client);
   EXPECT_EQ(server->sender->counts().viewers.sent, 0U) << "none of its own";
   EXPECT_EQ(client.receiver.counts().lost, 0U);
+}
+
+TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
+  const server::MulticastChoice choice{
+      {"239.255.74.48", static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
+  std::optional<DatagramServer> server;
+  try {
+    server.emplace(io, clock, choice);
+  } catch (const std::exception& error) {
+    GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
+  }
+  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
+  ASSERT_TRUE(streamUntil(*server, client, [&] {
+    return client.connection.delivery().way == Way::kGroup || !client.news.empty();
+  }));
+  if (!client.news.empty()) GTEST_SKIP() << client.news[0];
+  const auto reader = viewer(*server);  // anybody's welcome tells the group's token
+  const Welcome welcome = reader->all<Welcome>().at(0);
+  SigningKey another;
+  asio::ip::udp::socket forger(io, {asio::ip::address_v4::loopback(), 0});
+  forger.set_option(asio::ip::multicast::outbound_interface(asio::ip::address_v4::loopback()));
+  const std::size_t frames_before = client.frames.size();
+  ASSERT_TRUE(streamUntil(*server, client, [&] {
+    const auto body =
+        signedBody({welcome.stream, 3, client.frames.back().second + 50, {}, 0, 2}, {}, another);
+    for (int i = 0; i < 50 && client.news.empty(); ++i) {
+      forger.send_to(asio::buffer(datagramBytes(welcome.group->token, body)),
+                     {asio::ip::make_address(choice.group.host), choice.group.port});
+    }
+    return !client.news.empty();
+  }));
+  EXPECT_NE(client.news[0].find("somebody forges them"), std::string::npos) << client.news[0];
+  ASSERT_TRUE(streamOn(*server, client, 20));
+  EXPECT_GT(client.frames.size(), frames_before + 20);
+  expectRisingIds(client);
+  EXPECT_LT(client.connection.datagrams().forged, 400U) << "nothing more was verified";
 }
 
 TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {

@@ -77,7 +77,7 @@ class DatagramViewer {
     if (++seen[header.frame][header.part] > 1) return;
     JoinedFrame& joined = joining_.try_emplace(header.frame, header).first->second;
     if (joined.add(header, datagram->payload)) ++refused;
-    if (joined.whole()) frames.push_back(joined.frame().value());
+    if (joined.whole()) frames.push_back(joined.frame());
   }
 
   asio::ip::udp::socket socket_;

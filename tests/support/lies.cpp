@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All the lies (lies_messages.cpp, lies_slices.cpp, lies_scene.cpp).
+// All the lies (lies_messages.cpp, lies_slices.cpp, lies_datagrams.cpp, lies_scene.cpp).
 #include <iterator>
 #include <utility>
 
@@ -16,7 +16,8 @@ void append(Lies& to, More&&... more) {
 
 Lies all() {
   Lies all;
-  append(all, floats(), structure(), slices(), order(), geometry(), motion(), material());
+  append(all, floats(), structure(), slices(), datagrams(), order(), geometry(), motion(),
+         material());
   return all;
 }
 

@@ -90,6 +90,7 @@ inline std::shared_ptr<MotionGrid> gridOf(const PixelRect& rect,
 Lies floats();
 Lies structure();
 Lies slices();
+Lies datagrams();
 Lies order();
 Lies geometry();
 Lies motion();

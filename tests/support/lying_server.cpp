@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "tests/support/coded.hpp"
+#include "common/wire/frame_pieces.hpp"
 #include "tests/support/flat_relief.hpp"
 
 namespace hapticast::testing {
@@ -11,6 +11,7 @@ namespace hapticast::testing {
 namespace {
 constexpr double kMediaBegin_s = 500.0;  // of the server's clock at the welcome
 constexpr std::uint64_t kRepeatEvery = 25;
+constexpr std::uint32_t kStream = 1;
 }  // namespace
 
 const char* verdictName(Verdict verdict) noexcept {
@@ -32,15 +33,40 @@ void Telling::shows(std::shared_ptr<const Relief> relief) {
   object().changed_in_frame = frame.id;
 }
 
+std::vector<PartsTelling::Part> PartsTelling::partsOf(const CodedFrame& frame) {
+  std::vector<Bytes> payloads = packFrame(frame);
+  std::vector<Part> parts;
+  parts.reserve(payloads.size());
+  for (Bytes& payload : payloads) {
+    parts.push_back(
+        {{kStream, frame.epoch, frame.id, frame.media_time,
+          static_cast<std::uint16_t>(parts.size()), static_cast<std::uint16_t>(payloads.size())},
+         std::move(payload)});
+  }
+  return parts;
+}
+
 double Telling::between(double low, double high) {
   return std::uniform_real_distribution(low, high)(random);
 }
 
 LyingServer::LyingServer(const Lie& lie) : lie_(lie) {}
 
+void LyingServer::offers(std::uint16_t datagram_port, DatagramGroup group) {
+  port_ = datagram_port;
+  group_ = std::move(group);
+}
+
 Bytes LyingServer::welcome() {
   next_ = 0;
   Welcome welcome;
+  if (lie_.tell_parts) {
+    welcome.datagram_token = kToken;
+    welcome.datagram_port = port_;
+    welcome.stream = kStream;
+    welcome.verifying_key = key_.verifyingKey();
+    welcome.group = group_;
+  }
   welcome.description.name = lie_.name;
   welcome.description.fps = kLiarsFps;
   if (lie_.announce) lie_.announce(welcome.description);
@@ -68,12 +94,29 @@ std::vector<Bytes> LyingServer::messages(double until_s) {
     lie_.tell(telling);
     if (telling.silent) continue;
     if (telling.description) out.push_back(encode(*telling.description));
+    if (lie_.tell_parts) {
+      const CodedFrame frame = coder_.code(telling.frame, kFinestSlices);
+      lieInParts(t_s, frame);
+      if (lie_.on_tcp) out.push_back(encode(frame));
+      continue;
+    }
     const Bytes bytes =
         telling.bytes ? *telling.bytes : encode(coder_.code(telling.frame, kFinestSlices));
     out.insert(out.end(), static_cast<std::size_t>(telling.copies), bytes);
   }
   return out;
 }
+
+void LyingServer::lieInParts(double t_s, const CodedFrame& frame) {
+  PartsTelling telling{t_s, next_, random_, frame, PartsTelling::partsOf(frame)};
+  lie_.tell_parts(telling);
+  for (const PartsTelling::Part& part : telling.parts)
+    datagrams_.push_back(signedBody(part.header, part.payload, key_));
+}
+
+std::vector<Bytes> LyingServer::takeDatagrams() { return std::exchange(datagrams_, {}); }
+
+Bytes LyingServer::probe() { return probeBody(kStream, key_); }
 
 std::optional<Bytes> LyingServer::answer(const Ping& ping, double now_s) const {
   if (!lie_.answers) return std::nullopt;

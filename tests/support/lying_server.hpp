@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A server that lies, its lies as data. Each begins with an honest stream, a plateau of 10 mm that
 // rests in the middle of the picture at 25 frames a second, and says what it does to it. Messages
-// leave as bytes. Arithmetic only: times are arguments, nothing here has a thread or a socket.
+// leave as bytes, datagrams signed: a server that lies has the key. Arithmetic only: times are
+// arguments, nothing here has a thread or a socket.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "common/wire/datagram.hpp"
 #include "common/wire/messages.hpp"
+#include "tests/support/coded.hpp"
 
 namespace hapticast::testing {
 
@@ -62,6 +65,22 @@ struct Telling {
   [[nodiscard]] double between(double low, double high);
 };
 
+/// A frame's datagrams that are about to be signed and sent, honest until the lie has changed them.
+struct PartsTelling {
+  struct Part {
+    DatagramHeader header;
+    Bytes payload;
+  };
+  double t_s;       ///< since the connection
+  std::uint64_t n;  ///< frames before it on this connection
+  std::mt19937_64& random;
+  CodedFrame frame;
+  std::vector<Part> parts;  ///< in the order in which they are sent
+
+  /// The parts of a frame as an honest server packs it, under this telling's stream.
+  [[nodiscard]] static std::vector<Part> partsOf(const CodedFrame& frame);
+};
+
 /// A pong's time on the server's clock, from the true one, s.
 using ClockLie = double (*)(double true_s);
 
@@ -73,6 +92,9 @@ struct Lie {
   std::function<void(StreamDescription&)> announce = nullptr;
   ClockLie clock = nullptr;  ///< null: an honest one
   bool answers = true;       ///< pings
+  /// Frames go by datagrams, and are lied about there; null: they go over TCP.
+  std::function<void(PartsTelling&)> tell_parts = nullptr;
+  bool on_tcp = false;  ///< and over TCP, as `tell` left them
 };
 
 /// All of them.
@@ -83,18 +105,32 @@ class LyingServer {
   /// `lie` outlives it.
   explicit LyingServer(const Lie& lie);
 
+  static constexpr std::uint64_t kToken = 0xabcdef0123456789;
+
+  /// In the welcome from now on: where its datagrams come from, and the group that gets them, too.
+  void offers(std::uint16_t datagram_port, DatagramGroup group);
   /// A viewer has come: everything begins anew.
   [[nodiscard]] Bytes welcome();
   /// What is sent up to this time (s since the welcome), oldest first.
   [[nodiscard]] std::vector<Bytes> messages(double until_s);
+  /// The bodies of the datagrams that go with the messages since the last call.
+  [[nodiscard]] std::vector<Bytes> takeDatagrams();
+  /// The body of an honest probe.
+  [[nodiscard]] Bytes probe();
+  [[nodiscard]] bool byDatagrams() const { return lie_.tell_parts != nullptr; }
   /// The answer to a ping, if one is given.
   [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
 
  private:
   [[nodiscard]] HapticFrame honestFrame(double t_s) const;
+  void lieInParts(double t_s, const CodedFrame& frame);
 
   const Lie& lie_;
   FrameCoder coder_;
+  SigningKey key_{KeyBytes{17}};
+  std::uint16_t port_ = 0;
+  std::optional<DatagramGroup> group_;
+  std::vector<Bytes> datagrams_;
   std::mt19937_64 random_{7};
   std::uint64_t next_ = 0;
 };

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "client/haptics/room.hpp"
+#include "client/net/datagram_inbox.hpp"
 #include "client/net/receiver.hpp"
 #include "common/tick.hpp"
 #include "common/wire/messages.hpp"
@@ -29,6 +30,7 @@ struct Felt {
   double max_force_N = 0.0;
   double max_rise_N = 0.0;  ///< from tick to tick
   double max_fall_N = 0.0;
+  double step_excess_N = 0.0;      ///< by the chain's own meter
   double max_unexplained_N = 0.0;  ///< step beyond K_max |dx| + B |dv| of the tip
   std::vector<double> work_mJ;     ///< into the hand, up to each tick
   std::vector<std::uint32_t> interferences;
@@ -100,8 +102,21 @@ class VirtualViewer {
       (void)receiver_.part(header, payload, clock_.now());
   }
   void expectCopies(std::uint32_t copies) { receiver_.expectCopies(copies, clock_.now()); }
+  /// Takes a datagram's signed body as it came, behind the token that the welcome gave.
+  void receiveDatagram(std::span<const std::uint8_t> body) {
+    if (!inbox_ || isLost()) return;
+    const TokenBytes front = tokenBytes(token_);
+    std::vector<std::uint8_t> bytes(front.begin(), front.end());
+    bytes.insert(bytes.end(), body.begin(), body.end());
+    const auto want = [this](const DatagramHeader& header) { return receiver_.want(header); };
+    const auto datagram = inbox_->take(bytes, clock_.now(), want);
+    if (datagram && !datagram->header.probe())
+      (void)receiver_.part(datagram->header, datagram->payload, clock_.now());
+    countRejected();
+  }
   void disconnect() {
     welcomed_ = false;
+    inbox_.reset();
     receiver_.disconnected(clock_.now());
   }
   [[nodiscard]] bool welcomed() const { return welcomed_; }
@@ -135,20 +150,31 @@ class VirtualViewer {
     nail_mm_ = DeviceMapping::fit(Workspace{}, settings_.profile.workspace_mm).toDevice(nominal_mm);
   }
 
-  /// Frames that come over TCP are handed on as datagrams, in any order, and this share of them is
-  /// lost. (Signatures change nothing of that: the server that lies has the key.)
+  /// Frames that come over TCP are handed on as datagrams, in any order. This share of them is
+  /// lost, and of those that come as such. (Signatures change nothing of that: the server that lies
+  /// has the key.)
   void byDatagrams(double loss) { datagram_loss_ = loss; }
 
   Felt felt;
 
  private:
+  bool isLost() {
+    return datagram_loss_ && std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_;
+  }
+  void countRejected() {
+    while (preparer_.step()) {
+    }
+    const ReceiverCounts& counts = receiver_.counts();
+    felt.rejected = counts.reliefs_rejected + counts.slices_refused + counts.malformed +
+                    (inbox_ ? inbox_->counts().foreign : 0);
+  }
   void takeParts(const CodedFrame& frame) {
     std::vector<std::vector<std::uint8_t>> parts = packFrame(frame);
     std::vector<std::size_t> order(parts.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::shuffle(order.begin(), order.end(), random_);
     for (const std::size_t part : order) {
-      if (std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_) continue;
+      if (isLost()) continue;
       this->part({1, frame.epoch, frame.id, frame.media_time, static_cast<std::uint16_t>(part),
                   static_cast<std::uint16_t>(parts.size())},
                  parts[part]);
@@ -162,15 +188,16 @@ class VirtualViewer {
       } else {
         receiver_.frame(std::move(*frame), clock_.now());
       }
-      while (preparer_.step()) {
-      }
-      felt.rejected = receiver_.counts().reliefs_rejected + receiver_.counts().slices_refused +
-                      receiver_.counts().malformed;
+      countRejected();
       return true;
     }
     if (const auto* const welcome = std::get_if<Welcome>(&message)) {
       if (welcomed_) return false;
       welcomed_ = true;
+      token_ = welcome->datagram_token;
+      if (welcome->verifying_key)
+        inbox_.emplace(token_, welcome->stream,
+                       VerifyingKey::from(*welcome->verifying_key).value());
       receiver_.connected(welcome->description, clock_.now());
       return true;
     }
@@ -203,6 +230,7 @@ class VirtualViewer {
     const bool rises = report.force_N.norm() > sent_N.norm();
     double& most_N = rises ? felt.max_rise_N : felt.max_fall_N;
     most_N = std::max(most_N, step_N);
+    felt.step_excess_N = std::max(felt.step_excess_N, report.step_excess_N);
     felt.max_unexplained_N = std::max(felt.max_unexplained_N, step_N - hand_N);
     felt.interferences.push_back(report.interferences);
     felt.contact.push_back(report.contact);
@@ -224,6 +252,8 @@ class VirtualViewer {
   std::unique_ptr<Room> room_;
   bool nailed_;
   bool welcomed_ = false;
+  std::optional<DatagramInbox> inbox_;  // where the welcome offers datagrams
+  std::uint64_t token_ = 0;
   std::optional<double> datagram_loss_;
   std::mt19937 random_{9};
   Vec3 nail_mm_ = Vec3::Zero();
@@ -231,8 +261,9 @@ class VirtualViewer {
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_;
 };
 
-/// A server with welcome(), messages(until_s) and answer(ping, now_s), times since its welcome, and
-/// a viewer that connects, pings, and comes back after a refusal, as the client does.
+/// A server with welcome(), messages(until_s) and answer(ping, now_s), times since its welcome,
+/// and, if it has datagrams, takeDatagrams(); and a viewer that connects, pings, and comes back
+/// after a refusal, as the client does.
 template <class Server>
 TickReport converse(Server& server, VirtualViewer& viewer, double seconds) {
   constexpr double kRetry_s = 0.2;
@@ -259,6 +290,9 @@ TickReport converse(Server& server, VirtualViewer& viewer, double seconds) {
     }
     if (viewer.welcomed()) {
       for (const auto& message : server.messages(now_s - welcomed_s)) take(message);
+      if constexpr (requires { server.takeDatagrams(); }) {
+        for (const auto& body : server.takeDatagrams()) viewer.receiveDatagram(body);
+      }
     }
     last = viewer.tick();
   }

@@ -102,6 +102,28 @@ TEST(DeliveryChoice, APathTooNarrowForAProbeIsNotTaken) {
   }
   EXPECT_TRUE(story.order.on_tcp);
   EXPECT_FALSE(story.choice.works());
+  ASSERT_EQ(story.news.size(), 1U);
+  EXPECT_NE(story.news[0].find("full size"), std::string::npos) << story.news[0];
+}
+
+TEST(DeliveryChoice, AGroupIsTakenWithItsProbe) {
+  Story story({Way::kGroup, Way::kDatagrams, Way::kTcp});
+  story.choice.wholeFrame(1, localTime(story.now_s));
+  story.turn();
+  EXPECT_TRUE(story.order.on_tcp) << "the group's frames are small, they say nothing of its path";
+  story.choice.probed();
+  story.choice.wholeFrame(2, localTime(story.now_s));
+  story.turn();
+  EXPECT_FALSE(story.order.on_tcp);
+}
+
+TEST(DeliveryChoice, AnAbsurdIdDoesNotHideThatAWayFails) {
+  Story story({Way::kDatagrams, Way::kTcp});
+  story.play(5.0, true, true);
+  story.choice.wholeFrame(~std::uint64_t{0}, localTime(story.now_s));
+  story.play(3.0, true, false);
+  EXPECT_EQ(story.choice.way(), Way::kTcp);
+  EXPECT_EQ(story.news.size(), 1U);
 }
 
 TEST(DeliveryChoice, AGroupFallsBackToDatagramsAndTheseToTcp) {

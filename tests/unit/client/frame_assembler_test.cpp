@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <random>
+#include <tuple>
 
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
@@ -245,6 +248,68 @@ TEST_F(FrameAssemblerParts, FramesThatNeverBecomeWholeAreBounded) {
     (void)assembler.next(true);
     ASSERT_LT(++waiting, FrameAssembler::kMaxWaiting + 2);
   }
+}
+
+TEST_F(FrameAssemblerParts, AHeadThatComesLateBringsItsFrameBack) {
+  const Packed frame = packed(11);
+  for (std::size_t part = 1; part < frame.payloads.size(); ++part) (void)add(frame, part);
+  EXPECT_FALSE(assembler.next(true)) << "passed over";
+  EXPECT_TRUE(add(frame, 0));
+  const auto left = assembler.next(false);
+  ASSERT_TRUE(left);
+  EXPECT_EQ(left->frame.id, 11U);
+  EXPECT_TRUE(left->frame.objects.at(0).relief->whole());
+}
+
+/// A hundred thousand datagrams of frames that need the most parts there can be.
+enum class Ids { kRise, kRace, kBackAndForth };
+class FrameAssemblerFlood : public FrameAssemblerParts,
+                            public ::testing::WithParamInterface<std::tuple<Ids, bool, bool>> {};
+
+TEST_P(FrameAssemblerFlood, WhateverTheIdsLittleIsKept) {
+  const auto [ids, any_before, broken] = GetParam();
+  if (!any_before) assembler.restart();
+  const Packed honest = packed(11);
+  const std::size_t before_bytes = mallinfo2().uordblks;
+  std::size_t most_bytes = before_bytes, taken = 0;
+  for (std::uint64_t i = 0; i < 100'000; ++i) {
+    DatagramHeader header = honest.headers[1];
+    header.parts = 65'535;
+    header.frame = ids == Ids::kRise   ? 11 + i
+                   : ids == Ids::kRace ? i * FrameAssembler::kLargestJump
+                                       : i / 100 * 1000 + i % 2 * 60 + i % 50;
+    const std::vector<std::uint8_t> noise(9, 0xff);
+    if (assembler.want(header) != FrameAssembler::Want::kNew) continue;
+    taken += assembler.add(header, broken ? noise : honest.payloads[1], localTime(2.0)).ok();
+    while (assembler.next(i % 3 == 0)) {
+    }
+    while (assembler.late()) {
+    }
+    most_bytes = std::max(most_bytes, mallinfo2().uordblks);
+  }
+  EXPECT_EQ(taken > 0, !broken);
+  EXPECT_LT(most_bytes - before_bytes, 4U << 20U);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FrameAssemblerFlood,
+                         ::testing::Combine(::testing::Values(Ids::kRise, Ids::kRace,
+                                                              Ids::kBackAndForth),
+                                            ::testing::Bool(), ::testing::Bool()));
+
+TEST_F(FrameAssemblerParts, AnAbsurdIdByDatagramEndsWithTheNextFrameByTcp) {
+  assembler.restart();
+  Packed absurd = packed(11);
+  for (std::size_t part = 0; part < absurd.headers.size(); ++part) {
+    absurd.headers[part].frame = ~std::uint64_t{0};
+    (void)assembler.add(absurd.headers[part], absurd.payloads[part], localTime(2.0));
+  }
+  ASSERT_TRUE(assembler.next(false));
+  EXPECT_EQ(assembler.want(packed(12).headers[0]), FrameAssembler::Want::kAstray);
+  const auto back = whole(assembler, frameOf(12));
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->place.resync);
+  addAll(packed(13));
+  EXPECT_TRUE(assembler.next(false));
 }
 
 TEST_F(FrameAssemblerParts, WhateverTheOrderFramesRiseAndNoneComesTwice) {

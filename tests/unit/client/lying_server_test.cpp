@@ -25,6 +25,7 @@ class LyingServerTest : public ::testing::TestWithParam<std::size_t> {};
 void expectSafe(const Felt& felt) {
   EXPECT_TRUE(felt.finite);
   EXPECT_LE(felt.max_force_N, DeviceProfile{}.peak_N + 1e-9);
+  EXPECT_EQ(felt.step_excess_N, 0.0);
   EXPECT_LE(felt.max_unexplained_N, kMovingStep_N);
   EXPECT_LE(felt.mostWork_mJ(10.0), kMost_mJ);
 }

@@ -119,7 +119,7 @@ TEST(DatagramGoldenTest, ItIsReadAsItWasMeant) {
   JoinedFrame join(datagram->header);
   EXPECT_FALSE(join.add(datagram->header, datagram->payload));
   ASSERT_TRUE(join.whole());
-  const CodedFrame frame = join.frame().value();
+  const CodedFrame frame = join.frame();
   EXPECT_EQ(frame.media_time, mediaTime(40.04));
   ASSERT_EQ(frame.objects.size(), 1U);
   EXPECT_EQ(frame.objects[0].motion.position_mm, Vec3(1.5, -2.5, 12.0));
