@@ -46,6 +46,12 @@ inline ProcessTime processTime(pid_t pid) {
 struct CpuUsed {
   Duration network{0};  ///< the thread that was longest in the kernel: the one that sends
   Duration process{0};
+
+  CpuUsed& operator+=(const CpuUsed& other) {
+    network += other.network;
+    process += other.process;
+    return *this;
+  }
 };
 
 inline CpuUsed used(const ProcessTime& before, const ProcessTime& after) {
