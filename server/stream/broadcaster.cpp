@@ -11,6 +11,7 @@ namespace hapticast::server {
 
 namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
+constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);  // a thousand take a while
 constexpr auto kCountEvery = std::chrono::seconds(1);
 constexpr auto kTellSlowEvery = std::chrono::minutes(1);  // and at once where it begins
 constexpr const char* kServerEnds = "the server ends";
@@ -50,15 +51,18 @@ void Broadcaster::onIo(Take take) {
   });
 }
 
-template <class Queue>
-void Broadcaster::sendAll(const Queue& queue) {
+template <class... What>
+void Broadcaster::sendAll(const What&... what) {
   // Sending to all takes a while. What has been published in the meantime goes only into the
   // queues, where newer frames replace older ones, and the last of it sends: a server with too much
   // to do drops frames, and is never late.
   const bool last = waiting_ == 0;
   for (const auto& viewer : viewers_) {
-    queue(*viewer);
-    if (last) viewer->flush();
+    if (last) {
+      viewer->send(what...);
+    } else {
+      viewer->queue(what...);
+    }
   }
   // Whoever comes last has it some milliseconds later: not always the same one.
   if (last && !viewers_.empty())
@@ -69,28 +73,29 @@ void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
     last_frame_ = frame;
     preparing_ = nullptr;
-    sendAll([&](Session& viewer) { viewer.queue(frame); });
+    // Datagrams first: a viewer costs a fraction of one by TCP, and most take them.
     if (datagrams_ != nullptr) datagrams_->send(frame);
+    sendAll(frame);
   });
 }
 
 void Broadcaster::publish(EncodedVideo video) {
   onIo([this, video = std::move(video)] {
     last_video_ = video;
-    sendAll([&](Session& viewer) { viewer.queue(video); });
+    sendAll(video);
   });
 }
 
 void Broadcaster::prepare(double share) {
   onIo([this, share] {
     preparing_ = encodeShared(Preparing{share});
-    sendAll([&](Session& viewer) { viewer.queue(preparing_); });
+    sendAll(preparing_);
   });
 }
 
 void Broadcaster::describe(const StreamDescription& description) {
   onIo([this, description] {
-    if (description == description_) return sendAll([](Session&) {});  // what may wait for it
+    if (description == description_) return sendAll();  // what may wait for it
     const bool other_picture = !(description.workspace == description_.workspace);
     description_ = description;
     if (other_picture) {
@@ -98,7 +103,7 @@ void Broadcaster::describe(const StreamDescription& description) {
       last_video_.reset();
     }
     const SharedBytes payload = encodeShared(description_);
-    sendAll([&](Session& viewer) { viewer.queueDescription(payload, other_picture); });
+    sendAll(payload, other_picture);
   });
 }
 
@@ -230,15 +235,21 @@ StreamCounts Broadcaster::counts() const {
   return counts;
 }
 
+void Broadcaster::check(const Sessions& sessions, LocalTime now) {
+  const Sessions all = sessions;  // a check may end one
+  for (const auto& session : all) session->check(now);
+}
+
 asio::awaitable<void> Broadcaster::watch() {
   while (!stopped_ || !viewers_.empty() || !strangers_.empty()) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     const LocalTime now = clock_.now();
-    const Sessions strangers = strangers_, viewers = viewers_;  // a check may end one
-    for (const Sessions* each : {&strangers, &viewers}) {
-      for (const auto& session : *each) session->check(now);
+    check(strangers_, now);
+    if (now - checked_ >= kCheckViewersEvery) {
+      checked_ = now;
+      check(viewers_, now);
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;

@@ -93,9 +93,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Calls `take` on io when its turn comes. Thread: any.
   template <class Take>
   void onIo(Take take);
-  /// `queue` puts something into each viewer's queue; sends it unless something newer waits.
-  template <class Queue>
-  void sendAll(const Queue& queue);
+  /// Sends something to each viewer, or, where something newer waits, only puts it into its queue.
+  template <class... What>
+  void sendAll(const What&... what);
+  static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> watch();
   void tellSlowViewers(LocalTime now);
   void tellDatagrams(LocalTime now);
@@ -122,6 +123,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   bool stopped_ = false;
   StreamCounts counts_;  // clients and sent: of those who left
   SendCounts told_;      // of slow viewers
+  LocalTime checked_;
   LocalTime counted_;
   LocalTime told_slow_;
   DatagramSenderCounts told_datagrams_;

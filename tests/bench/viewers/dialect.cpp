@@ -48,7 +48,7 @@ std::vector<std::uint8_t> mqttMessage(std::uint8_t type, std::string_view head,
 }
 
 std::string counted(std::string_view text) {
-  return {std::string{'\0', static_cast<char>(text.size())} + std::string(text)};
+  return std::string{'\0', static_cast<char>(text.size())} + std::string(text);
 }
 
 void greetMqtt(int socket, bool subscribe) {
