@@ -128,7 +128,7 @@ Crowd::~Crowd() {
 }
 
 void Crowd::connect(Viewer& viewer) {
-  viewer.welcomed = !ours(way_);
+  viewer.welcomed = !ours(way_) && way_ != Way::kPlainUdp;
   if (viewer.welcomed) ++welcomed_;
   if (way_ == Way::kPlainUdp) {
     openDatagrams(viewer, server_);
@@ -229,6 +229,11 @@ void Crowd::readDatagrams(Viewer& viewer) {
         ::recvmmsg(viewer.datagrams, messages.data(), messages.size(), MSG_DONTWAIT, nullptr);
     count = got > 0 ? static_cast<std::size_t>(got) : 0;
     for (std::size_t i = 0; i < count; ++i) {
+      if (messages[i].msg_len == 1) {  // an answer
+        viewer.welcomed = true;
+        ++welcomed_;
+        continue;
+      }
       std::array<std::uint8_t, kDatagramHeaderBytes + kSignatureBytes> bytes{};
       std::copy(heads[i].begin(), heads[i].end(), bytes.begin());
       if (const auto read = readDatagram(bytes)) datagram(viewer, read->header);

@@ -194,14 +194,16 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
     for (sockaddr_in& viewer : viewers) {
       char hello = 0;
       socklen_t length = sizeof viewer;
-      require(::recvfrom(socket.socket, &hello, 1, 0, reinterpret_cast<sockaddr*>(&viewer),
-                         &length) == 1,
+      auto* const name = reinterpret_cast<sockaddr*>(&viewer);
+      require(::recvfrom(socket.socket, &hello, 1, 0, name, &length) == 1 &&
+                  ::sendto(socket.socket, &hello, 1, 0, name, length) == 1,
               "no viewer");
     }
     server::DatagramSigner signer;
     const auto relief = reliefOf(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
-      for (const auto& body : *signer.sign(frameWith(id, steadyNow(), relief))) {
+      const server::SharedBodies bodies = signer.sign(frameWith(id, steadyNow(), relief));
+      for (const auto& body : *bodies) {
         std::vector<std::uint8_t> bytes(kTokenBytes);
         bytes.insert(bytes.end(), body.begin(), body.end());
         for (const sockaddr_in& viewer : viewers) {
@@ -215,7 +217,7 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
 
 ServerProcess::Serve broker(Way way) {
   return [way](const std::function<void(std::uint16_t)>& tell) {
-    (void)server::raiseFileLimit(100'000);  // as many as there may be; it keeps the limit
+    (void)server::raiseFileLimit(10'000);  // which the program keeps
     const Bound place = bound(SOCK_STREAM);
     ::close(place.socket);  // nobody else takes its port so soon
     const std::string port = std::to_string(place.port);
