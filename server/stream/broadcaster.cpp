@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/broadcaster.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -13,7 +11,6 @@ namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);  // a thousand take a while
 constexpr auto kCountEvery = std::chrono::seconds(1);
-constexpr auto kTellSlowEvery = std::chrono::minutes(1);  // and at once where it begins
 constexpr const char* kServerEnds = "the server ends";
 /// Of an IPv6 address the first 64 bits, since a single host has all that follow them.
 std::string networkOf(const std::string& address) {
@@ -36,7 +33,8 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       settings_(settings),
       timer_(io),
       counted_(clock.now()),
-      told_slow_(counted_ - kTellSlowEvery),
+      told_slow_(counted_ - kTellAgainAfter),
+      told_large_(told_slow_),
       told_datagrams_at_(told_slow_) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
@@ -71,6 +69,7 @@ void Broadcaster::sendAll(const What&... what) {
 
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
+    if (tooLarge(frame)) return;
     last_frame_ = frame;
     preparing_ = nullptr;
     // Datagrams first: a viewer costs a fraction of one by TCP, and most take them.
@@ -199,26 +198,6 @@ void Broadcaster::gone(const std::shared_ptr<Session>& session) {
   if (stopped_ && viewers_.empty() && strangers_.empty()) timer_.cancel();
 }
 
-bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
-  LogLimit& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
-  if (!limit.allow(clock_.now())) return false;
-  const std::uint64_t hidden = limit.takeSuppressed();
-  spdlog::log(level, "{}{}", line,
-              hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
-  return true;
-}
-
-void Broadcaster::tellHidden() {
-  for (LogLimit* limit : {&comings_and_goings_, &problems_}) {
-    if (limit->suppressed() == 0 || !(stopped_ || limit->earned(clock_.now()))) continue;
-    const std::uint64_t hidden = limit->takeSuppressed();
-    (void)limit->allow(clock_.now());
-    spdlog::info(
-        "not shown: {} more about {}", hidden,
-        limit == &problems_ ? "connections that were closed" : "viewers that came and went");
-  }
-}
-
 void Broadcaster::countViewers() {
   const auto viewers = std::count_if(viewers_.begin(), viewers_.end(),
                                      [](const auto& each) { return each->wantsVideo(); });
@@ -259,38 +238,6 @@ asio::awaitable<void> Broadcaster::watch() {
     tellHidden();
   }
   tellHidden();
-}
-
-void Broadcaster::tellSlowViewers(LocalTime now) {
-  if (now - told_slow_ < kTellSlowEvery) return;
-  const StreamCounts all = counts();
-  if (all.sent.dropped() == told_.dropped()) return;
-  const bool told = say(
-      spdlog::level::warn,
-      fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
-                  "{} viewers",
-                  all.sent.frames_dropped_full - told_.frames_dropped_full,
-                  all.sent.frames_dropped_old - told_.frames_dropped_old,
-                  all.sent.videos_dropped - told_.videos_dropped, all.clients));
-  if (!told) return;
-  told_ = all.sent;
-  told_slow_ = now;
-}
-
-void Broadcaster::tellDatagrams(LocalTime now) {
-  if (datagrams_ == nullptr || now - told_datagrams_at_ < kTellSlowEvery) return;
-  const DatagramSenderCounts all = datagrams_->counts();
-  const std::uint64_t lost = all.lost() - told_datagrams_.lost();
-  const std::uint64_t wrong = all.notBelieved() - told_datagrams_.notBelieved();
-  if (lost + wrong == 0) return;
-  const bool told =
-      say(spdlog::level::warn,
-          fmt::format("datagrams: {} were not sent, as the network took too few; {} echoes were "
-                      "not a viewer's own",
-                      lost, wrong));
-  if (!told) return;
-  told_datagrams_ = all;
-  told_datagrams_at_ = now;
 }
 
 }  // namespace hapticast::server

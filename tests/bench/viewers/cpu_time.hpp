@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -41,6 +42,14 @@ inline ProcessTime processTime(pid_t pid) {
     times[task.path().filename().string()] = time;
   }
   return times;
+}
+
+/// Memory of the process that is in use.
+inline double residentBytes(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
+  double pages = 0.0;
+  file >> pages >> pages;  // the second number
+  return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
 struct CpuUsed {

@@ -32,11 +32,6 @@ constexpr Duration kEchoEvery = std::chrono::seconds(10);
 constexpr auto kLookEvery = milliseconds(1);
 constexpr auto kJoinWithin = std::chrono::seconds(60);
 
-struct FrameHead {
-  std::uint64_t id = 0;
-  std::int64_t media_time_ns = 0;
-};
-
 class Varints {
  public:
   explicit Varints(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -62,8 +57,13 @@ class Varints {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// The first fields of a Message that holds a HapticFrame (proto/hapticast.proto); nullopt: it
-/// holds something else.
+void say(int socket, const Message& message) {
+  const auto bytes = framed(encode(message));
+  require(::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0, "cannot send");
+}
+
+}  // namespace
+
 std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload) {
   constexpr std::uint64_t kFrame = 6 << 3 | 2, kEpoch = 1 << 3, kId = 2 << 3, kTime = 3 << 3 | 1;
   Varints fields(payload);
@@ -82,13 +82,6 @@ std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload) {
   if (field == kTime) head.media_time_ns = fields.fixed64();
   return head;
 }
-
-void say(int socket, const Message& message) {
-  const auto bytes = framed(encode(message));
-  require(::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0, "cannot send");
-}
-
-}  // namespace
 
 struct Crowd::Viewer {
   Viewer() = default;

@@ -9,8 +9,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/histogram.hpp"
@@ -20,6 +22,14 @@
 #include "tests/bench/viewers/dialect.hpp"
 
 namespace hapticast::testing {
+
+struct FrameHead {
+  std::uint64_t id = 0;
+  std::int64_t media_time_ns = 0;
+};
+/// The first fields of a Message that holds a HapticFrame (proto/hapticast.proto); nullopt: it
+/// holds something else.
+[[nodiscard]] std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload);
 
 /// What a crowd has got.
 struct Passage {
@@ -51,6 +61,9 @@ class Crowd {
   }
   /// Of all that was counted.
   [[nodiscard]] const Passage& passage() const { return passage_; }
+
+  /// The same, and begins anew.
+  Passage takePassage() { return std::exchange(passage_, {}); }
 
   /// Reads what comes.
   void wait(Duration at_most);

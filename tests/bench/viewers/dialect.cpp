@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tests/bench/viewers/dialect.hpp"
 
+#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -102,6 +104,18 @@ void greetNats(int socket, bool subscribe) {
 
 void require(bool done, const char* what) {
   if (!done) throw std::runtime_error(std::string(what) + ": " + std::strerror(errno));
+}
+
+int connectedTo(std::uint16_t port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
+    return socket;
+  ::close(socket);
+  return -1;
 }
 
 void sendAll(int socket, std::span<const std::uint8_t> bytes) {

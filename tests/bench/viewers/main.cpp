@@ -10,6 +10,7 @@
 #include "common/cli/options.hpp"
 #include "server/stream/file_limit.hpp"
 #include "tests/bench/viewers/contest.hpp"
+#include "tests/bench/viewers/trials.hpp"
 #include "tests/support/program.hpp"
 
 namespace hapticast::testing {
@@ -33,6 +34,8 @@ struct Settings {
   std::uint64_t server_pid = 0;
   std::string transport = "tcp";
   bool broadcast = false;
+  bool churn = false;
+  std::uint64_t stalled = 0;
   std::vector<std::string> beside;
 };
 
@@ -66,6 +69,11 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       ->check(CLI::IsMember(kContestants))
       ->delimiter(',')
       ->type_name("NAME,...");
+  app->add_flag("--churn", settings.churn,
+                "instead: --viewers come and go at random for --seconds, and all that they get is "
+                "compared");
+  addNumber(*app, "--stalled", settings.stalled, std::uint64_t{1}, std::uint64_t{100000}, "N",
+            "instead: turns without and with N viewers that read nothing, for --seconds");
   app->set_config("--config", "", "FILE");
   return app;
 }
@@ -152,6 +160,10 @@ void run(const Settings& settings) {
   const std::size_t files = 2 * settings.frames.viewers * (1 + settings.beside.size());
   if (server::raiseFileLimit(files) < files)
     throw std::runtime_error("this system allows fewer open files than viewers");
+  const Contestant who = kContestants.at(settings.transport);
+  const Duration time = fromSeconds(settings.seconds);
+  if (settings.churn) return churn(who, settings.frames, time);
+  if (settings.stalled > 0) return stall(who, settings.frames, settings.stalled, time);
   std::vector<std::vector<double>> rounds;
   rounds.reserve(settings.rounds);
   for (std::uint64_t i = 0; i < settings.rounds; ++i) rounds.push_back(playRound(settings));

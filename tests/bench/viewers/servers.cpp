@@ -33,7 +33,8 @@ namespace {
 std::shared_ptr<const CodedRelief> reliefOf(std::size_t bytes) {
   CodedRelief relief{{0, 0, 640, 480}, {}, 0};
   for (std::size_t left = bytes; left > 0; left -= relief.slices.back().size())
-    relief.slices.emplace_back(std::min(left, kMostSliceBytes));
+    relief.slices.emplace_back(std::min(left, kMostSliceBytes),
+                               static_cast<std::uint8_t>(relief.slices.size() + 1));
   relief.slice_count = relief.slices.size();
   return std::make_shared<const CodedRelief>(std::move(relief));
 }
@@ -83,11 +84,6 @@ Bound bound(int type) {
       "no port");
   bound.port = ntohs(address.sin_port);
   return bound;
-}
-
-bool connects(int socket, std::uint16_t port) {
-  const sockaddr_in address = loopback(port);
-  return ::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
 std::vector<int> acceptAll(int listener, std::size_t viewers) {
@@ -244,12 +240,10 @@ ServerProcess::Serve publisher(Way way, std::uint16_t port, const Frames& frames
                                const Switch& playing) {
   return [=, &playing](const std::function<void(std::uint16_t)>& tell) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-    int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-    while (!connects(socket, port)) {
+    int socket = connectedTo(port);
+    for (; socket < 0; socket = connectedTo(port)) {
       require(std::chrono::steady_clock::now() < give_up, "no broker (is it installed?)");
-      ::close(socket);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      socket = ::socket(AF_INET, SOCK_STREAM, 0);
     }
     greet(way, socket, false);
     tell(port);
