@@ -29,6 +29,8 @@ using asio::ip::udp;
 constexpr double kLife_s = 10.0;
 constexpr double kKilled = 0.05;
 constexpr auto kEchoAgain = std::chrono::milliseconds(200);
+constexpr Duration kApart = std::chrono::milliseconds(10);  // servers keep only so many strangers
+constexpr std::size_t kLeaving = 32;       // places of those that the server has not seen leave yet
 constexpr std::size_t kRemembered = 4096;  // frames or datagrams, some seconds
 
 struct Tally {
@@ -47,7 +49,8 @@ class Churn {
   void start(std::size_t viewers) {
     for (std::size_t i = 0; i < viewers; ++i) {
       asio::co_spawn(
-          io_, [this] { return comeAndGo(); }, asio::detached);
+          io_, [this, i] { return comeAndGo(static_cast<Duration::rep>(i) * kApart); },
+          asio::detached);
     }
   }
   [[nodiscard]] const Tally& tally() const { return tally_; }
@@ -64,7 +67,10 @@ class Churn {
   };
   using ViewerPtr = std::shared_ptr<Viewer>;
 
-  asio::awaitable<void> comeAndGo() {
+  asio::awaitable<void> comeAndGo(Duration after) {
+    asio::steady_timer timer(io_);
+    timer.expires_after(after);
+    co_await timer.async_wait(asio::use_awaitable);
     for (;;) {
       const auto viewer = std::make_shared<Viewer>(io_);
       boost::system::error_code ec;
@@ -141,8 +147,10 @@ class Churn {
       return;
     }
     const auto message = decode(payload);
-    if (!message.ok() || std::holds_alternative<WireError>(message.value())) {
+    if (!message.ok()) {
       ++tally_.wrong;
+    } else if (const auto* const error = std::get_if<WireError>(&message.value())) {
+      std::printf("the server says: %s\n", error->message.c_str());  // and closes
     } else if (const auto* const welcome = std::get_if<Welcome>(&message.value())) {
       viewer->welcome = *welcome;
       if (by_udp_) openDatagrams(viewer);
@@ -210,9 +218,11 @@ std::size_t openFiles(pid_t pid) {
 }  // namespace
 
 void churn(Contestant who, const Frames& frames, Duration time) {
+  Frames places = frames;
+  places.viewers += kLeaving;
   Switch playing;
   playing.set(true);
-  const ServerProcess server(broadcaster(frames, playing));
+  const ServerProcess server(broadcaster(places, playing));
   const std::size_t files_before = openFiles(server.id());
   const SteadyClock clock;
   const LocalTime begin = clock.now();
