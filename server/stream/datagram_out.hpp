@@ -2,7 +2,7 @@
 // Sends a frame's datagrams over one UDP socket to all who take them, as fast as the system takes
 // them and no faster: many in one call, each body shared, the token of its viewer in front. Those
 // of one viewer and one size go as a single message that the system cuts (UDP_SEGMENT), which costs
-// a third of what they cost one by one (server/README.md). What the system does not take at once
+// about half of what they cost one by one (server/README.md). What the system does not take at once
 // waits until the next frame, which is newer and wins. Never blocks, keeps one round. Thread: io.
 #pragma once
 
