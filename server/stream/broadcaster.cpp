@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/broadcaster.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -11,8 +9,8 @@ namespace hapticast::server {
 
 namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
+constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);  // a thousand take a while
 constexpr auto kCountEvery = std::chrono::seconds(1);
-constexpr auto kTellSlowEvery = std::chrono::minutes(1);  // and at once where it begins
 constexpr const char* kServerEnds = "the server ends";
 /// Of an IPv6 address the first 64 bits, since a single host has all that follow them.
 std::string networkOf(const std::string& address) {
@@ -35,7 +33,8 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       settings_(settings),
       timer_(io),
       counted_(clock.now()),
-      told_slow_(counted_ - kTellSlowEvery),
+      told_slow_(counted_ - kTellAgainAfter),
+      told_large_(told_slow_),
       told_datagrams_at_(told_slow_) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
@@ -50,15 +49,18 @@ void Broadcaster::onIo(Take take) {
   });
 }
 
-template <class Queue>
-void Broadcaster::sendAll(const Queue& queue) {
+template <class... What>
+void Broadcaster::sendAll(const What&... what) {
   // Sending to all takes a while. What has been published in the meantime goes only into the
   // queues, where newer frames replace older ones, and the last of it sends: a server with too much
   // to do drops frames, and is never late.
   const bool last = waiting_ == 0;
   for (const auto& viewer : viewers_) {
-    queue(*viewer);
-    if (last) viewer->flush();
+    if (last) {
+      viewer->send(what...);
+    } else {
+      viewer->queue(what...);
+    }
   }
   // Whoever comes last has it some milliseconds later: not always the same one.
   if (last && !viewers_.empty())
@@ -67,30 +69,32 @@ void Broadcaster::sendAll(const Queue& queue) {
 
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
+    if (tooLarge(frame)) return;
     last_frame_ = frame;
     preparing_ = nullptr;
-    sendAll([&](Session& viewer) { viewer.queue(frame); });
+    // Datagrams first: a viewer costs a fraction of one by TCP, and most take them.
     if (datagrams_ != nullptr) datagrams_->send(frame);
+    sendAll(frame);
   });
 }
 
 void Broadcaster::publish(EncodedVideo video) {
   onIo([this, video = std::move(video)] {
     last_video_ = video;
-    sendAll([&](Session& viewer) { viewer.queue(video); });
+    sendAll(video);
   });
 }
 
 void Broadcaster::prepare(double share) {
   onIo([this, share] {
     preparing_ = encodeShared(Preparing{share});
-    sendAll([&](Session& viewer) { viewer.queue(preparing_); });
+    sendAll(preparing_);
   });
 }
 
 void Broadcaster::describe(const StreamDescription& description) {
   onIo([this, description] {
-    if (description == description_) return sendAll([](Session&) {});  // what may wait for it
+    if (description == description_) return sendAll();  // what may wait for it
     const bool other_picture = !(description.workspace == description_.workspace);
     description_ = description;
     if (other_picture) {
@@ -98,7 +102,7 @@ void Broadcaster::describe(const StreamDescription& description) {
       last_video_.reset();
     }
     const SharedBytes payload = encodeShared(description_);
-    sendAll([&](Session& viewer) { viewer.queueDescription(payload, other_picture); });
+    sendAll(payload, other_picture);
   });
 }
 
@@ -194,26 +198,6 @@ void Broadcaster::gone(const std::shared_ptr<Session>& session) {
   if (stopped_ && viewers_.empty() && strangers_.empty()) timer_.cancel();
 }
 
-bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
-  LogLimit& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
-  if (!limit.allow(clock_.now())) return false;
-  const std::uint64_t hidden = limit.takeSuppressed();
-  spdlog::log(level, "{}{}", line,
-              hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
-  return true;
-}
-
-void Broadcaster::tellHidden() {
-  for (LogLimit* limit : {&comings_and_goings_, &problems_}) {
-    if (limit->suppressed() == 0 || !(stopped_ || limit->earned(clock_.now()))) continue;
-    const std::uint64_t hidden = limit->takeSuppressed();
-    (void)limit->allow(clock_.now());
-    spdlog::info(
-        "not shown: {} more about {}", hidden,
-        limit == &problems_ ? "connections that were closed" : "viewers that came and went");
-  }
-}
-
 void Broadcaster::countViewers() {
   const auto viewers = std::count_if(viewers_.begin(), viewers_.end(),
                                      [](const auto& each) { return each->wantsVideo(); });
@@ -230,15 +214,21 @@ StreamCounts Broadcaster::counts() const {
   return counts;
 }
 
+void Broadcaster::check(const Sessions& sessions, LocalTime now) {
+  const Sessions all = sessions;  // a check may end one
+  for (const auto& session : all) session->check(now);
+}
+
 asio::awaitable<void> Broadcaster::watch() {
   while (!stopped_ || !viewers_.empty() || !strangers_.empty()) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     const LocalTime now = clock_.now();
-    const Sessions strangers = strangers_, viewers = viewers_;  // a check may end one
-    for (const Sessions* each : {&strangers, &viewers}) {
-      for (const auto& session : *each) session->check(now);
+    check(strangers_, now);
+    if (now - checked_ >= kCheckViewersEvery) {
+      checked_ = now;
+      check(viewers_, now);
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
@@ -248,38 +238,6 @@ asio::awaitable<void> Broadcaster::watch() {
     tellHidden();
   }
   tellHidden();
-}
-
-void Broadcaster::tellSlowViewers(LocalTime now) {
-  if (now - told_slow_ < kTellSlowEvery) return;
-  const StreamCounts all = counts();
-  if (all.sent.dropped() == told_.dropped()) return;
-  const bool told = say(
-      spdlog::level::warn,
-      fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
-                  "{} viewers",
-                  all.sent.frames_dropped_full - told_.frames_dropped_full,
-                  all.sent.frames_dropped_old - told_.frames_dropped_old,
-                  all.sent.videos_dropped - told_.videos_dropped, all.clients));
-  if (!told) return;
-  told_ = all.sent;
-  told_slow_ = now;
-}
-
-void Broadcaster::tellDatagrams(LocalTime now) {
-  if (datagrams_ == nullptr || now - told_datagrams_at_ < kTellSlowEvery) return;
-  const DatagramSenderCounts all = datagrams_->counts();
-  const std::uint64_t lost = all.lost() - told_datagrams_.lost();
-  const std::uint64_t wrong = all.notBelieved() - told_datagrams_.notBelieved();
-  if (lost + wrong == 0) return;
-  const bool told =
-      say(spdlog::level::warn,
-          fmt::format("datagrams: {} were not sent, as the network took too few; {} echoes were "
-                      "not a viewer's own",
-                      lost, wrong));
-  if (!told) return;
-  told_datagrams_ = all;
-  told_datagrams_at_ = now;
 }
 
 }  // namespace hapticast::server

@@ -29,6 +29,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Connections beside the viewers' that are kept at a time: those that have not said hello yet,
   /// and those that are being closed. Chosen: more than a healthy stream ever has.
   static constexpr std::size_t kMaxStrangers = 32;
+  /// Chosen: what goes on is told that often, and at once where it begins.
+  static constexpr Duration kTellAgainAfter = std::chrono::minutes(1);
 
   /// Everything runs on `io`, which one thread runs; that thread ends before the Broadcaster does.
   /// The clocks outlive it.
@@ -93,9 +95,13 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Calls `take` on io when its turn comes. Thread: any.
   template <class Take>
   void onIo(Take take);
-  /// `queue` puts something into each viewer's queue; sends it unless something newer waits.
-  template <class Queue>
-  void sendAll(const Queue& queue);
+  /// Sends something to each viewer, or, where something newer waits, only puts it into its queue.
+  template <class... What>
+  void sendAll(const What&... what);
+  /// Whether viewers would refuse the frame and the connection with it; says so once a minute, and
+  /// where only its datagrams are left out: whom none reach takes frames by TCP a second later.
+  bool tooLarge(const EncodedFrame& frame);
+  static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> watch();
   void tellSlowViewers(LocalTime now);
   void tellDatagrams(LocalTime now);
@@ -122,8 +128,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   bool stopped_ = false;
   StreamCounts counts_;  // clients and sent: of those who left
   SendCounts told_;      // of slow viewers
+  LocalTime checked_;
   LocalTime counted_;
   LocalTime told_slow_;
+  LocalTime told_large_;
   DatagramSenderCounts told_datagrams_;
   LocalTime told_datagrams_at_;
   LogLimit comings_and_goings_;  // apart, so that a crowd does not hide what is wrong

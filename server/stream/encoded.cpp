@@ -29,7 +29,7 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   relief_bytes_.clear();
   for (const CodedObject& object : frame.objects)
     relief_bytes_[object.id] += object.relief ? object.relief->bytes() : 0;
-  EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr, nullptr};
+  EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr};
   const bool repeat = !last_whole_ || frame.epoch != epoch_ ||
                       frame.media_time - *last_whole_ >= kRepeatReliefs ||
                       frame.media_time < *last_whole_;
@@ -43,6 +43,7 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   if (!left_out) last_whole_ = frame.media_time;
   epoch_ = frame.epoch;
   if (signer != nullptr) encoded.datagrams = signer->sign(lean);
+  encoded.too_many_datagrams = signer != nullptr && !encoded.datagrams;
   encoded.lean = encodeShared(std::move(lean));
   encoded.whole = left_out ? std::make_shared<WholeFrame>(std::move(frame))
                            : std::make_shared<WholeFrame>(encoded.lean);

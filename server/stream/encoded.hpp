@@ -44,6 +44,7 @@ struct EncodedFrame {
   SharedBytes lean;  ///< for who got the frame before: reliefs that did not change are left out
   std::shared_ptr<WholeFrame> whole;  ///< never null
   SharedBodies datagrams = nullptr;   ///< the lean frame's; null: nobody takes them
+  bool too_many_datagrams = false;    ///< somebody takes them, but the frame is too large
 };
 
 class DatagramSigner;

@@ -51,6 +51,11 @@ void SendQueue::clear() {
   description_.reset();
 }
 
+SharedBytes SendQueue::pass(const EncodedFrame& frame) {
+  ++counts_.frames_sent;
+  return std::exchange(needs_whole_, false) ? frame.whole->payload() : frame.lean;
+}
+
 SharedBytes SendQueue::pop() {
   if (!control_.empty()) {
     SharedBytes payload = std::move(control_.front());
@@ -61,8 +66,7 @@ SharedBytes SendQueue::pop() {
   if (!frames_.empty()) {
     const EncodedFrame frame = std::move(frames_.front());
     frames_.pop_front();
-    ++counts_.frames_sent;
-    return std::exchange(needs_whole_, false) ? frame.whole->payload() : frame.lean;
+    return pass(frame);
   }
   if (video_) {
     ++counts_.videos_sent;

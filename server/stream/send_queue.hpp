@@ -46,6 +46,8 @@ class SendQueue {
 
   /// Whether a control message is what pop() gives next.
   [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
+  /// Gives back at once what pushFrame() and pop() would. Requires that nothing waits.
+  [[nodiscard]] SharedBytes pass(const EncodedFrame& frame);
   /// What to send next (control, then frames, then video), null when nothing waits.
   [[nodiscard]] SharedBytes pop();
 
@@ -54,12 +56,13 @@ class SendQueue {
  private:
   void dropOldest(std::uint64_t& cause);
 
+  // What pass() touches comes first, in one line of the processor's cache.
+  SendCounts counts_;
+  bool needs_whole_ = true;  // joined, or lost a frame since the last one sent
   std::deque<SharedBytes> control_;
   SharedBytes description_;
   std::deque<EncodedFrame> frames_;
   std::optional<EncodedVideo> video_;
-  bool needs_whole_ = true;  // joined, or lost a frame since the last one sent
-  SendCounts counts_;
 };
 
 }  // namespace hapticast::server

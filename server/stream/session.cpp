@@ -18,8 +18,8 @@ constexpr std::size_t kMaxDrainBytes = 1U << 20U;
 
 Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
                  std::uint32_t id)
-    : io_(io),
-      channel_(std::move(channel)),
+    : channel_(std::move(channel)),
+      io_(io),
       wake_(io),
       host_(host),
       id_(id),
@@ -46,19 +46,37 @@ void Session::start() {
 }
 
 void Session::queue(const EncodedFrame& frame) {
-  if (welcomed() && frames_on_tcp_) queue_.pushFrame(frame);
+  if (!welcomed() || !frames_on_tcp_) return;
+  idle_ = false;
+  queue_.pushFrame(frame);
+}
+
+void Session::send(const EncodedFrame& frame) {
+  if (!idle_ || !frames_on_tcp_) {
+    queue(frame);
+    return flush();
+  }
+  SharedBytes payload = queue_.pass(frame);
+  if (channel_->writeNow(payload)) return;
+  unfinished_ = std::move(payload);
+  wakeWriter();
 }
 
 void Session::queue(const EncodedVideo& video) {
-  if (wantsVideo()) queue_.pushVideo(video);
+  if (!wantsVideo()) return;
+  idle_ = false;
+  queue_.pushVideo(video);
 }
 
 void Session::queue(const SharedBytes& control) {
-  if (welcomed()) (void)queue_.pushControl(control);  // who does not read need not be told
+  if (!welcomed()) return;
+  idle_ = false;
+  (void)queue_.pushControl(control);  // who does not read need not be told
 }
 
-void Session::queueDescription(const SharedBytes& description, bool other_picture) {
+void Session::queue(const SharedBytes& description, bool other_picture) {
   if (!welcomed()) return;
+  idle_ = false;
   if (other_picture) queue_.clearFrames();
   queue_.pushDescription(description);
 }
@@ -67,7 +85,8 @@ void Session::flush() {
   if (!writer_sleeps_) return;  // it looks at the queue itself before it sleeps again
   while (!unfinished_) {
     SharedBytes payload = nextPayload();
-    if (!payload) return;
+    idle_ = !payload;
+    if (idle_) return;
     if (!channel_->writeNow(payload)) unfinished_ = std::move(payload);
   }
   wakeWriter();
@@ -75,6 +94,7 @@ void Session::flush() {
 
 void Session::wakeWriter() {
   writer_sleeps_ = false;
+  idle_ = false;
   wake_.cancel();
 }
 
@@ -174,6 +194,7 @@ void Session::handle(const Hello& hello) {
   Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
   host_.offerDatagrams(channel_->hosts(), welcome);
   datagram_token_ = welcome.datagram_token;
+  idle_ = false;
   (void)queue_.pushControl(encodeShared(welcome));  // the first message
   host_.joined(*this);
   flush();
@@ -182,6 +203,7 @@ void Session::handle(const Hello& hello) {
 void Session::handle(const Ping& ping) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a ping before the hello"});
   if (pongs_.size() >= kMaxPongs) return close({ErrorCode::kUnexpected, "too many pings"});
+  idle_ = false;
   pongs_.push_back({ping.t0, host_.mediaClock().now(), {}});
   flush();
 }
@@ -231,7 +253,7 @@ asio::awaitable<void> Session::writeAll() {
     }
     boost::system::error_code ec;
     wake_.expires_at(asio::steady_timer::time_point::max());
-    writer_sleeps_ = true;
+    writer_sleeps_ = idle_ = true;
     co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
 }

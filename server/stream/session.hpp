@@ -59,11 +59,20 @@ class Session : public std::enable_shared_from_this<Session> {
   void queue(const EncodedFrame& frame);
   void queue(const EncodedVideo& video);
   void queue(const SharedBytes& control);
-  /// `other_picture`: what waits belongs to another workspace and is forgotten.
-  void queueDescription(const SharedBytes& description, bool other_picture);
+  /// A description. `other_picture`: what waits belongs to another workspace and is forgotten.
+  void queue(const SharedBytes& description, bool other_picture);
+  void queue() {}
   /// Sends what waits, as far as the connection takes it at once, which costs far less than to wake
   /// the writer; what is left is the writer's. Never ends the session.
   void flush();
+  /// queue() and flush().
+  template <class... What>
+  void send(const What&... what) {
+    queue(what...);
+    flush();
+  }
+  /// The same, but past the queue where nothing waits: most frames find it so.
+  void send(const EncodedFrame& frame);
   /// Tells the peer why, then closes; what still waits is forgotten.
   void close(const WireError& why);
   /// Ends it at once, without a word to the peer.
@@ -97,16 +106,19 @@ class Session : public std::enable_shared_from_this<Session> {
   [[nodiscard]] SharedBytes nextPayload();
   void wakeWriter();
 
-  asio::io_context& io_;
+  // With a thousand viewers each is out of the processor's cache when its turn comes: what send()
+  // touches stands together.
   std::unique_ptr<Channel> channel_;
+  bool idle_ = false;  // the writer sleeps, and nothing waits to be sent
+  bool frames_on_tcp_ = false;
+  SendQueue queue_;
+  asio::io_context& io_;
   asio::steady_timer wake_;  // the writer sleeps on it
   SessionHost& host_;
   std::uint32_t id_;
-  SendQueue queue_;
   SharedBytes unfinished_;  // a part of it is on the way; the writer's next
   std::deque<Pong> pongs_;  // t2 is filled in when one is sent
   std::optional<Hello> hello_;
-  bool frames_on_tcp_ = false;
   std::uint64_t datagram_token_ = 0;  // 0: it was offered none
   LocalTime started_;
   LocalTime heard_;  // last message

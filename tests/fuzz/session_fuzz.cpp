@@ -125,11 +125,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         say(encodeShared(ReceiverReport{}));
         break;
       case 4:
-        session->queue(frameOf(step, host.media));
-        session->flush();
+        session->send(frameOf(step, host.media));
         break;
       case 5:
-        session->queueDescription(encodeShared(host.stream), script.byte() % 2 == 0);
+        session->queue(encodeShared(host.stream), script.byte() % 2 == 0);
         session->flush();
         break;
       case 6:

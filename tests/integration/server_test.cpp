@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tests/integration/stream_fixture.hpp"
+#include "tests/support/log_lines.hpp"
 
 namespace hapticast::testing {
 namespace {
@@ -197,6 +198,47 @@ TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
   }));
   EXPECT_TRUE(dropped);
   EXPECT_EQ(server.broadcaster.counts().timed_out, 1U);
+}
+
+TEST_F(ServerTest, FramesThatAreTooLargeAreLeftOutAndToldOnce) {
+  TestServer server(io, clock);
+  RawPeer peer(io, server.port());
+  peer.send(Hello{kProtocolVersion, "", false, true});
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.viewers() == 1; }));
+  const LogLines log;
+  const auto large =
+      std::make_shared<const std::vector<std::uint8_t>>(kMaxMessageBytes + 1, std::uint8_t{1});
+  for (std::uint64_t id = 1; id <= 3; ++id) {
+    server.broadcaster.publish(server::EncodedFrame{0, id, server.media.now(), large,
+                                                    std::make_shared<server::WholeFrame>(large)});
+  }
+  server.publish(4);
+  ASSERT_TRUE(runUntil([&] {
+    peer.poll();
+    return !peer.got.empty() && std::holds_alternative<CodedFrame>(peer.got.back());
+  }));
+  EXPECT_EQ(std::get<CodedFrame>(peer.got.back()).id, 4U);
+  EXPECT_FALSE(peer.closed);
+  EXPECT_EQ(log.text(), "warning a frame of 8388 kB, more than viewers take: it is left out\n");
+}
+
+TEST_F(ServerTest, AFrameThatDatagramsDoNotCarryStillGoesByTcp) {
+  TestServer server(io, clock);
+  RawPeer peer(io, server.port());
+  peer.send(Hello{kProtocolVersion, "", false, true});
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.viewers() == 1; }));
+  const LogLines log;
+  HapticFrame made;
+  made.id = 1;
+  server::EncodedFrame frame = server.encoder.encode(made);
+  frame.too_many_datagrams = true;
+  server.broadcaster.publish(frame);
+  ASSERT_TRUE(runUntil([&] {
+    peer.poll();
+    return !peer.got.empty() && std::holds_alternative<CodedFrame>(peer.got.back());
+  }));
+  EXPECT_EQ(log.text(),
+            "warning a frame of 0 kB, more than datagrams carry: it goes by TCP only\n");
 }
 
 TEST_F(ServerTest, WhatPilesUpWhileItIsBusyIsReplacedByWhatIsNewer) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -43,9 +44,23 @@ inline ProcessTime processTime(pid_t pid) {
   return times;
 }
 
+/// Memory of the process that is in use.
+inline double residentBytes(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
+  double pages = 0.0;
+  file >> pages >> pages;  // the second number
+  return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
 struct CpuUsed {
   Duration network{0};  ///< the thread that was longest in the kernel: the one that sends
   Duration process{0};
+
+  CpuUsed& operator+=(const CpuUsed& other) {
+    network += other.network;
+    process += other.process;
+    return *this;
+  }
 };
 
 inline CpuUsed used(const ProcessTime& before, const ProcessTime& after) {

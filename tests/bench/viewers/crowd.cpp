@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/support/framed.hpp"
 
@@ -22,18 +24,13 @@ namespace {
 using std::chrono::milliseconds;
 constexpr std::size_t kUnderWay = 16;   // not welcomed yet; servers keep only so many strangers
 constexpr std::size_t kHeadBytes = 64;  // holds id and media time of a frame
-constexpr std::size_t kNeededBytes = 40;
+constexpr std::size_t kNeededBytes = kHeadBytes - kMostEnvelopeHead;
 constexpr std::size_t kMostSmallBytes = 64U << 10U;
 constexpr auto kPingEvery = std::chrono::seconds(1);  // as clients do
 constexpr int kMostPings = 100;                       // without a look at what has come
 constexpr Duration kEchoEvery = std::chrono::seconds(10);
-constexpr auto kStragglers = milliseconds(500);
+constexpr auto kLookEvery = milliseconds(1);
 constexpr auto kJoinWithin = std::chrono::seconds(60);
-
-struct FrameHead {
-  std::uint64_t id = 0;
-  std::int64_t media_time_ns = 0;
-};
 
 class Varints {
  public:
@@ -60,8 +57,13 @@ class Varints {
   std::span<const std::uint8_t> bytes_;
 };
 
-/// The first fields of a Message that holds a HapticFrame (proto/hapticast.proto); nullopt: it
-/// holds something else.
+void say(int socket, const Message& message) {
+  const auto bytes = framed(encode(message));
+  require(::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0, "cannot send");
+}
+
+}  // namespace
+
 std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload) {
   constexpr std::uint64_t kFrame = 6 << 3 | 2, kEpoch = 1 << 3, kId = 2 << 3, kTime = 3 << 3 | 1;
   Varints fields(payload);
@@ -80,17 +82,6 @@ std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload) {
   if (field == kTime) head.media_time_ns = fields.fixed64();
   return head;
 }
-
-[[noreturn]] void fail(const std::string& what) {
-  throw std::runtime_error(what + ": " + std::strerror(errno));
-}
-
-void say(int socket, const Message& message) {
-  const auto bytes = framed(encode(message));
-  if (::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0) fail("cannot send");
-}
-
-}  // namespace
 
 struct Crowd::Viewer {
   Viewer() = default;
@@ -130,26 +121,30 @@ Crowd::~Crowd() {
 }
 
 void Crowd::connect(Viewer& viewer) {
+  viewer.welcomed = !ours(way_) && way_ != Way::kPlainUdp;
+  if (viewer.welcomed) ++welcomed_;
+  if (way_ == Way::kPlainUdp) {
+    openDatagrams(viewer, server_);
+    require(::send(viewer.datagrams, "", 1, 0) == 1, "cannot send");
+    return;
+  }
   viewer.socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (viewer.socket < 0) fail("no socket");
+  require(viewer.socket >= 0, "no socket");
   const int on = 1;
   ::setsockopt(viewer.socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  if (::connect(viewer.socket, reinterpret_cast<const sockaddr*>(&server_), sizeof server_) != 0)
-    fail("cannot connect");
+  require(
+      ::connect(viewer.socket, reinterpret_cast<const sockaddr*>(&server_), sizeof server_) == 0,
+      "cannot connect");
+  greet(way_, viewer.socket, true);
   epoll_event event{EPOLLIN, {.ptr = &viewer}};
   ::epoll_ctl(epoll_, EPOLL_CTL_ADD, viewer.socket, &event);
-  viewer.welcomed = way_ == Way::kPlain;
-  if (viewer.welcomed) {
-    ++welcomed_;
-  } else {
-    say(viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ == Way::kTcp});
-  }
+  if (ours(way_)) say(viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ == Way::kTcp});
 }
 
 void Crowd::join() {
   const LocalTime give_up = clock_.now() + kJoinWithin;
   std::size_t connected = 0;
-  while (watching_ < viewers_.size() || !(way_ == Way::kPlain || sync_.ready())) {
+  while (watching_ < viewers_.size() || (ours(way_) && !sync_.ready())) {
     if (clock_.now() > give_up) {
       throw std::runtime_error("after a minute " + std::to_string(welcomed_) +
                                " are welcomed and " + std::to_string(watching_) + " get frames");
@@ -159,51 +154,40 @@ void Crowd::join() {
       connect(*viewers_[connected++]);
     }
     wait(milliseconds(5));
-    if (way_ != Way::kPlain && viewers_[0]->welcomed && !sync_.ready()) ping(*viewers_[0]);
+    if (ours(way_) && viewers_[0]->welcomed && !sync_.ready()) ping(*viewers_[0]);
     pingAll();
   }
 }
 
 void Crowd::begin() {
-  passage_ = {};
   seen_.clear();
+  delivered_ = 0;
   counted_from_ = newest_ + 1;
   counting_ = true;
 }
 
-Passage Crowd::end() {
-  const std::uint64_t last = newest_;
-  const std::uint64_t bytes = passage_.bytes, got = passage_.delivered;
-  receiveFor(kStragglers);
+void Crowd::end(std::uint64_t last) {
   counting_ = false;
-  passage_.frames = last + 1 - counted_from_;
-  passage_.expected = passage_.frames * viewers_.size();
-  passage_.delivered = 0;
+  const std::uint64_t frames = last + 1 - counted_from_;
+  passage_.frames += frames;
+  passage_.expected += frames * viewers_.size();
   for (const auto& [id, seen] : seen_) {
     if (id <= last) passage_.delivered += seen.viewers;
-  }
-  passage_.bytes = got > 0 ? bytes / got * passage_.delivered : 0;
-  return passage_;
-}
-
-void Crowd::receiveFor(Duration time) {
-  const LocalTime until = clock_.now() + time;
-  for (LocalTime now = clock_.now(); now < until; now = clock_.now()) {
-    wait(std::min<Duration>(until - now, milliseconds(20)));
-    pingAll();
   }
 }
 
 void Crowd::wait(Duration at_most) {
   std::array<epoll_event, 256> events{};
-  const auto timeout = std::chrono::ceil<milliseconds>(at_most).count();
-  const int count = ::epoll_wait(epoll_, events.data(), events.size(), static_cast<int>(timeout));
-  for (int i = 0; i < count; ++i)
-    read(*static_cast<Viewer*>(events[static_cast<std::size_t>(i)].data.ptr));
+  auto timeout = static_cast<int>(std::chrono::ceil<milliseconds>(at_most).count());
+  for (std::size_t count = events.size(); count == events.size(); timeout = 0) {
+    const int got = ::epoll_wait(epoll_, events.data(), events.size(), timeout);
+    count = static_cast<std::size_t>(std::max(got, 0));
+    for (std::size_t i = 0; i < count; ++i) read(*static_cast<Viewer*>(events[i].data.ptr));
+  }
 }
 
 void Crowd::pingAll() {
-  if (way_ == Way::kPlain) return;
+  if (!ours(way_)) return;
   // One after the other, each as often as it should: in a crowd nobody is in step.
   const LocalTime now = clock_.now();
   const auto most = static_cast<Duration::rep>(viewers_.size());
@@ -220,7 +204,7 @@ void Crowd::ping(Viewer& viewer) { say(viewer.socket, Ping{clock_.now()}); }
 
 void Crowd::echo(Viewer& viewer) {
   const EchoBytes bytes = echoBytes(viewer.its_echo);
-  if (::send(viewer.datagrams, bytes.data(), bytes.size(), MSG_DONTWAIT) < 0) fail("no echo");
+  require(::send(viewer.datagrams, bytes.data(), bytes.size(), MSG_DONTWAIT) >= 0, "no echo");
   viewer.next_echo = clock_.now() + (viewer.watching ? kEchoEvery : Duration(0));
 }
 
@@ -238,6 +222,11 @@ void Crowd::readDatagrams(Viewer& viewer) {
         ::recvmmsg(viewer.datagrams, messages.data(), messages.size(), MSG_DONTWAIT, nullptr);
     count = got > 0 ? static_cast<std::size_t>(got) : 0;
     for (std::size_t i = 0; i < count; ++i) {
+      if (messages[i].msg_len == 1) {  // an answer
+        viewer.welcomed = true;
+        ++welcomed_;
+        continue;
+      }
       std::array<std::uint8_t, kDatagramHeaderBytes + kSignatureBytes> bytes{};
       std::copy(heads[i].begin(), heads[i].end(), bytes.begin());
       if (const auto read = readDatagram(bytes)) datagram(viewer, read->header);
@@ -262,7 +251,7 @@ void Crowd::datagram(Viewer& viewer, const DatagramHeader& header) {
 
 void Crowd::read(Viewer& viewer) {
   if (viewer.datagrams >= 0) readDatagrams(viewer);
-  for (;;) {
+  while (viewer.socket >= 0) {
     ssize_t size = 0;
     if (viewer.skip > 0) {  // thrown away in the kernel, without a copy
       size = ::recv(viewer.socket, nullptr, viewer.skip, MSG_TRUNC | MSG_DONTWAIT);
@@ -279,7 +268,7 @@ void Crowd::read(Viewer& viewer) {
       if (size > 0) viewer.held += static_cast<std::size_t>(size);
     }
     if (size == 0) throw std::runtime_error("the server has closed a connection");
-    if (size < 0 && errno != EAGAIN && errno != EINTR) fail("a connection has ended");
+    require(size > 0 || errno == EAGAIN || errno == EINTR, "a connection has ended");
     if (size < 0) return;
     while (take(viewer)) {
     }
@@ -294,15 +283,16 @@ bool Crowd::take(Viewer& viewer) {
     viewer.small.clear();
     viewer.small_bytes = 0;
   }
-  if (viewer.held < kPrefixBytes) return false;
-  std::uint32_t length = 0;
-  std::memcpy(&length, viewer.head.data(), sizeof length);
-  const std::size_t whole = kPrefixBytes + length;
-  if (viewer.held < std::min(whole, kNeededBytes)) return false;
+  const auto message = envelope(way_, std::span(viewer.head).first(viewer.held));
+  if (!message) return false;
+  const std::size_t whole = message->whole();
+  if (viewer.held < std::min(whole, message->head + kNeededBytes)) return false;
   const std::size_t here = std::min(viewer.held, whole);
   const std::span<const std::uint8_t> held(viewer.head.data(), here);
-  if (const auto head = frameHead(held.subspan(kPrefixBytes))) {
-    if (way_ != Way::kUdp) frame(viewer, head->id, Duration(head->media_time_ns), length);
+  if (const auto head = frameHead(held.subspan(message->head))) {
+    if (way_ != Way::kUdp) frame(viewer, head->id, Duration(head->media_time_ns), message->payload);
+    viewer.skip = whole - here;
+  } else if (!ours(way_)) {
     viewer.skip = whole - here;
   } else {
     if (whole > kMostSmallBytes) throw std::runtime_error("a message that is no frame is too long");
@@ -334,17 +324,21 @@ void Crowd::askForDatagrams(Viewer& viewer, const Welcome& welcome) {
   if (welcome.datagram_token == 0) throw std::runtime_error("the server sends no datagrams");
   sockaddr_in to = server_;
   if (welcome.datagram_port != 0) to.sin_port = htons(welcome.datagram_port);
+  openDatagrams(viewer, to);
+  viewer.its_echo = {welcome.datagram_token, welcome.stream};
+  echo(viewer);
+  say(viewer.socket, Delivery{false, true, 1});
+}
+
+void Crowd::openDatagrams(Viewer& viewer, const sockaddr_in& to) {
   viewer.datagrams = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (viewer.datagrams < 0 ||
-      ::connect(viewer.datagrams, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
-    fail("no socket for datagrams");
+  require(viewer.datagrams >= 0 &&
+              ::connect(viewer.datagrams, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0,
+          "no socket for datagrams");
   const int buffer_bytes = 1 << 20;
   ::setsockopt(viewer.datagrams, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
   epoll_event event{EPOLLIN, {.ptr = &viewer}};
   ::epoll_ctl(epoll_, EPOLL_CTL_ADD, viewer.datagrams, &event);
-  viewer.its_echo = {welcome.datagram_token, welcome.stream};
-  echo(viewer);
-  say(viewer.socket, Delivery{false, true, 1});
 }
 
 void Crowd::frame(Viewer& viewer, std::uint64_t id, Duration media_time, std::size_t bytes) {
@@ -357,12 +351,26 @@ void Crowd::frame(Viewer& viewer, std::uint64_t id, Duration media_time, std::si
   const LocalTime now = clock_.now();
   Seen& seen = seen_[id];
   if (seen.viewers++ == 0) seen.first = now;
-  ++passage_.delivered;
+  ++delivered_;
   passage_.bytes += bytes;
   passage_.spread.add((now - seen.first).count());
   const Duration media_now =
-      now.time_since_epoch() + (way_ == Way::kPlain ? Duration(0) : sync_.offset(now));
+      now.time_since_epoch() + (ours(way_) ? sync_.offset(now) : Duration(0));
   passage_.latency.add((media_now - media_time).count());
+}
+
+void receiveFor(std::span<Crowd* const> crowds, Duration time, const std::function<bool()>& done) {
+  const SteadyClock clock;
+  const LocalTime until = clock.now() + time;
+  for (LocalTime now = clock.now(); now < until && !(done && done()); now = clock.now()) {
+    // Who slept in wait() would be woken by each message, at the cost of the server that sends it:
+    // viewers on machines of their own do not cost that.
+    std::this_thread::sleep_for(std::min<Duration>(until - now, kLookEvery));
+    for (Crowd* const crowd : crowds) {
+      crowd->wait(Duration(0));
+      crowd->pingAll();
+    }
+  }
 }
 
 }  // namespace hapticast::testing

@@ -6,34 +6,39 @@
 #include <netinet/in.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/histogram.hpp"
 #include "common/wire/clock_sync.hpp"
 #include "common/wire/datagram.hpp"
 #include "common/wire/messages.hpp"
+#include "tests/bench/viewers/dialect.hpp"
 
 namespace hapticast::testing {
+
+struct FrameHead {
+  std::uint64_t id = 0;
+  std::int64_t media_time_ns = 0;
+};
+/// The first fields of a Message that holds a HapticFrame (proto/hapticast.proto); nullopt: it
+/// holds something else.
+[[nodiscard]] std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload);
 
 /// What a crowd has got.
 struct Passage {
   std::uint64_t delivered = 0;  ///< whole frames, over all viewers
   std::uint64_t expected = 0;
-  std::uint64_t bytes = 0;  ///< of the payloads of frames
-  Duration time{0};
-  std::uint64_t frames = 0;  ///< that were published in that time
+  std::uint64_t bytes = 0;   ///< of the payloads of frames
+  std::uint64_t frames = 0;  ///< that were published
   Histogram latency;         ///< arrival - media time
   Histogram spread;          ///< behind the first viewer to get that frame
-};
-
-enum class Way {
-  kPlain,  ///< by TCP, unasked, with this machine's steady clock as their media time
-  kTcp,
-  kUdp,
 };
 
 class Crowd {
@@ -45,17 +50,24 @@ class Crowd {
 
   /// Until all are welcomed, get frames and know the clock. Throws std::runtime_error.
   void join();
-  /// Counts for so long; `begun` and `ended` are called around that, before the stragglers.
-  template <class Begun, class Ended>
-  Passage run(Duration time, const Begun& begun, const Ended& ended) {
-    begin();
-    begun();
-    const LocalTime from = clock_.now();
-    receiveFor(time);
-    ended();
-    passage_.time = clock_.now() - from;
-    return end();
+  /// Counts the frames that are newer than any that has come, up to `last`.
+  void begin();
+  void end(std::uint64_t last);
+  /// The newest frame that anybody has got.
+  [[nodiscard]] std::uint64_t newest() const { return newest_; }
+  /// Whether everybody has got all frames up to the newest.
+  [[nodiscard]] bool complete() const {
+    return delivered_ == (newest_ + 1 - counted_from_) * viewers_.size();
   }
+  /// Of all that was counted.
+  [[nodiscard]] const Passage& passage() const { return passage_; }
+
+  /// The same, and begins anew.
+  Passage takePassage() { return std::exchange(passage_, {}); }
+
+  /// Reads what comes.
+  void wait(Duration at_most);
+  void pingAll();
 
  private:
   struct Viewer;
@@ -64,12 +76,8 @@ class Crowd {
     std::uint64_t viewers = 0;
   };
   void connect(Viewer& viewer);
-  void begin();
-  Passage end();
-  void receiveFor(Duration time);
-  void wait(Duration at_most);
-  void pingAll();
   void ping(Viewer& viewer);
+  void openDatagrams(Viewer& viewer, const sockaddr_in& to);
   void askForDatagrams(Viewer& viewer, const Welcome& welcome);
   void echo(Viewer& viewer);
   void readDatagrams(Viewer& viewer);
@@ -94,7 +102,12 @@ class Crowd {
   bool counting_ = false;
   std::uint64_t counted_from_ = 0;
   std::map<std::uint64_t, Seen> seen_;
+  std::uint64_t delivered_ = 0;  // of those that are counted now
   Passage passage_;
 };
+
+/// Lets all of them receive for so long, or until `done`.
+void receiveFor(std::span<Crowd* const> crowds, Duration time,
+                const std::function<bool()>& done = nullptr);
 
 }  // namespace hapticast::testing

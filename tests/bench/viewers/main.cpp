@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: MIT
 // hapticast-viewers: how many viewers a server feeds, how late, and what each frame costs it. The
 // processor's time is a thread's own, so that ratios hold on a busy machine too; latencies do not.
-#include <netdb.h>
-
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <map>
 #include <optional>
 
 #include "common/cli/options.hpp"
 #include "server/stream/file_limit.hpp"
-#include "tests/bench/viewers/cpu_time.hpp"
-#include "tests/bench/viewers/crowd.hpp"
-#include "tests/bench/viewers/servers.hpp"
+#include "tests/bench/viewers/contest.hpp"
+#include "tests/bench/viewers/trials.hpp"
 #include "tests/support/program.hpp"
 
 namespace hapticast::testing {
 namespace {
 
-const std::map<std::string, Way> kTransports{{"tcp", Way::kTcp}, {"udp", Way::kUdp}};
+const std::map<std::string, Contestant> kContestants{{"tcp", Contestant::kTcp},
+                                                     {"udp", Contestant::kUdp},
+                                                     {"bare", Contestant::kBareTcp},
+                                                     {"bare-udp", Contestant::kBareUdp},
+                                                     {"mosquitto", Contestant::kMosquitto},
+                                                     {"nats", Contestant::kNats}};
+const std::map<std::string, Contestant> kTransports{{"tcp", Contestant::kTcp},
+                                                    {"udp", Contestant::kUdp}};
+constexpr Duration kTurn = std::chrono::seconds(1);
 
 struct Settings {
   Endpoint server{"127.0.0.1", kDefaultPort};
@@ -25,9 +32,11 @@ struct Settings {
   double seconds = 5.0;
   std::uint64_t rounds = 3;
   std::uint64_t server_pid = 0;
-  Way way = Way::kTcp;
+  std::string transport = "tcp";
   bool broadcast = false;
-  bool bare = false;
+  bool churn = false;
+  std::uint64_t stalled = 0;
+  std::vector<std::string> beside;
 };
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
@@ -49,108 +58,127 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addNumber(*app, "--seconds", settings.seconds, 0.1, 1e5, "S", "of each round (default: 5)");
   addNumber(*app, "--rounds", settings.rounds, std::uint64_t{1}, std::uint64_t{1000}, "N",
             "how often, for medians (default: 3)");
-  addChoice(*app, "--transport", settings.way, kTransports, "how frames come (default: tcp)");
-  app->add_flag("--bare", settings.bare,
-                "beside each round frames as large from a bare loop around send() by TCP, for the "
-                "ratio");
+  app->add_option("--transport", settings.transport, "how frames come (default: tcp)")
+      ->check(CLI::IsMember(kTransports))
+      ->type_name("tcp|udp");
+  app->add_option(
+         "--beside", settings.beside,
+         "after --broadcast: others that play the same frames in the same rounds, in turns "
+         "of a second, each to as many viewers: bare (a loop around send()), bare-udp (one "
+         "around sendto()), mosquitto, nats (where they are installed), tcp or udp")
+      ->check(CLI::IsMember(kContestants))
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  app->add_flag("--churn", settings.churn,
+                "instead: --viewers come and go at random for --seconds, and all that they get is "
+                "compared");
+  addNumber(*app, "--stalled", settings.stalled, std::uint64_t{1}, std::uint64_t{100000}, "N",
+            "instead: turns without and with N viewers that read nothing, for --seconds");
   app->set_config("--config", "", "FILE");
   return app;
 }
 
-sockaddr_in resolve(const Endpoint& endpoint) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (::getaddrinfo(endpoint.host.c_str(), std::to_string(endpoint.port).c_str(), &hints, &found) !=
-      0)
-    throw std::runtime_error(endpoint.host + ": there is no IPv4 host of this name");
-  const auto address = *reinterpret_cast<const sockaddr_in*>(found->ai_addr);
-  ::freeaddrinfo(found);
-  return address;
-}
-
-struct Round {
-  Passage passage;
-  double network_us = 0.0;  ///< of the processor, for each frame that a viewer got
-  double process_us = 0.0;
-};
-
-Round play(const Endpoint& server, std::optional<pid_t> pid, Way way, const Settings& settings) {
-  Crowd crowd(resolve(server), settings.frames.viewers, way);
-  crowd.join();
-  ProcessTime before, after;
-  Round round;
-  round.passage = crowd.run(
-      fromSeconds(settings.seconds), [&] { before = processTime(pid.value_or(-1)); },
-      [&] { after = processTime(pid.value_or(-1)); });
-  const CpuUsed cpu = used(before, after);
-  const auto each = static_cast<double>(std::max<std::uint64_t>(round.passage.delivered, 1));
-  round.network_us = 1e6 * toSeconds(cpu.network) / each;
-  round.process_us = 1e6 * toSeconds(cpu.process) / each;
-  return round;
-}
-
-void tell(const char* who, const Round& round, std::size_t viewers) {
-  const Passage& passage = round.passage;
-  const double time_s = toSeconds(passage.time);
+void tell(const std::string& who, const Contender& contender, std::size_t viewers) {
+  const Passage& passage = contender.crowd().passage();
+  const double time_s = toSeconds(contender.played());
   const auto ms = [](const Histogram& histogram, double q) {
     return 1e-6 * static_cast<double>(histogram.quantile_ns(q));
   };
-  std::printf("%-10s %zu viewers: got %llu of %llu frames (%.1f a second each, %.0f MB/s)", who,
-              viewers, static_cast<unsigned long long>(passage.delivered),
+  std::printf("%-10s %zu viewers: got %llu of %llu frames (%.1f a second each, %.0f MB/s)",
+              who.c_str(), viewers, static_cast<unsigned long long>(passage.delivered),
               static_cast<unsigned long long>(passage.expected),
               static_cast<double>(passage.delivered) / static_cast<double>(viewers) / time_s,
               1e-6 * static_cast<double>(passage.bytes) / time_s);
   std::printf("; latency p50 %.1f, p99 %.1f ms; behind the first p50 %.1f, p99 %.1f ms",
               ms(passage.latency, 0.5), ms(passage.latency, 0.99), ms(passage.spread, 0.5),
               ms(passage.spread, 0.99));
-  if (round.process_us > 0.0)
-    std::printf("; CPU %.2f us a frame (whole process %.2f)", round.network_us, round.process_us);
+  if (contender.process_us() > 0.0) {
+    std::printf("; CPU %.2f us a frame (whole process %.2f)", contender.network_us(),
+                contender.process_us());
+  }
   std::printf("\n");
   std::fflush(stdout);
 }
 
-Round playServer(const Settings& settings) {
+using Contest = std::vector<std::pair<std::string, std::unique_ptr<Contender>>>;
+
+/// The server itself is the first.
+Contest contest(const Settings& settings) {
+  Contest contest;
+  contest.reserve(1 + settings.beside.size());
+  const auto add = [&](const std::string& name) {
+    contest.emplace_back(name, std::make_unique<Contender>(kContestants.at(name), settings.frames));
+  };
   if (settings.broadcast) {
-    const ServerProcess server(broadcaster(settings.frames));
-    return play({"127.0.0.1", server.port()}, server.id(), settings.way, settings);
+    add(settings.transport);
+    for (const std::string& other : settings.beside) add(other);
+  } else {
+    const auto pid = static_cast<pid_t>(settings.server_pid);
+    contest.emplace_back(settings.transport,
+                         std::make_unique<Contender>(
+                             settings.transport == "udp" ? Way::kUdp : Way::kTcp, settings.server,
+                             pid > 0 ? std::optional(pid) : std::nullopt, settings.frames));
   }
-  const auto pid = static_cast<pid_t>(settings.server_pid);
-  return play(settings.server, pid > 0 ? std::optional(pid) : std::nullopt, settings.way, settings);
+  return contest;
 }
 
-/// With frames as large and as often as they came from the server.
-Round playBare(Settings settings, const Passage& as) {
-  settings.frames.bytes = as.delivered > 0 ? as.bytes / as.delivered : settings.frames.bytes;
-  settings.frames.fps = static_cast<double>(as.frames) / toSeconds(as.time);
-  const ServerProcess server(bareLoop(settings.frames));
-  return play({"127.0.0.1", server.port()}, server.id(), Way::kPlain, settings);
+/// Plays a round; of each contender the processor's time for a frame, in us.
+std::vector<double> playRound(const Settings& settings) {
+  const Contest all = contest(settings);
+  std::vector<Crowd*> crowds;
+  crowds.reserve(all.size());
+  // Who has joined is left alone meanwhile: the server itself, which minds that, comes last.
+  for (auto each = all.rbegin(); each != all.rend(); ++each) {
+    each->second->join();
+    crowds.push_back(&each->second->crowd());
+  }
+  const Duration time = fromSeconds(settings.seconds);
+  for (Duration played{0}; played < time; played += kTurn) {
+    for (const auto& [name, contender] : all)
+      contender->play(std::min(kTurn, time - played), crowds);
+  }
+  std::vector<double> each_us;
+  each_us.reserve(all.size());
+  for (const auto& [name, contender] : all) {
+    tell(name, *contender, settings.frames.viewers);
+    each_us.push_back(settings.broadcast ? contender->process_us() : contender->network_us());
+  }
+  return each_us;
 }
 
-double median(std::vector<double> values) {
+std::string spread(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.2f [%.2f-%.2f]", values[values.size() / 2],
+                values.front(), values.back());
+  return text.data();
 }
 
 void run(const Settings& settings) {
-  const std::size_t viewers = settings.frames.viewers;
-  if (server::raiseFileLimit(2 * viewers) < 2 * viewers)
+  if (!settings.broadcast && !settings.beside.empty())
+    throw std::runtime_error("--beside needs --broadcast");
+  const std::size_t files = 2 * settings.frames.viewers * (1 + settings.beside.size());
+  if (server::raiseFileLimit(files) < files)
     throw std::runtime_error("this system allows fewer open files than viewers");
-  std::vector<double> server_us, bare_us, ratios;
-  for (std::uint64_t i = 0; i < settings.rounds; ++i) {
-    const Round served = playServer(settings);
-    tell("hapticast", served, viewers);
-    server_us.push_back(served.network_us);
-    if (!settings.bare) continue;
-    const Round bare = playBare(settings, served.passage);
-    tell("bare send", bare, viewers);
-    bare_us.push_back(bare.network_us);
-    ratios.push_back(served.network_us / bare.network_us);
-  }
-  if (!ratios.empty()) {
-    std::printf("medians of %zu rounds: %.2f us a frame, bare send() %.2f us, ratio %.2f\n",
-                ratios.size(), median(server_us), median(bare_us), median(ratios));
+  const Contestant who = kContestants.at(settings.transport);
+  const Duration time = fromSeconds(settings.seconds);
+  if (settings.churn) return churn(who, settings.frames, time);
+  if (settings.stalled > 0) return stall(who, settings.frames, settings.stalled, time);
+  std::vector<std::vector<double>> rounds;
+  rounds.reserve(settings.rounds);
+  for (std::uint64_t i = 0; i < settings.rounds; ++i) rounds.push_back(playRound(settings));
+  for (std::size_t i = 0; i <= settings.beside.size(); ++i) {
+    std::vector<double> us, ratios;
+    for (const auto& round : rounds) {
+      us.push_back(round[i]);
+      ratios.push_back(round[0] / round[i]);
+    }
+    const std::string& name = i == 0 ? settings.transport : settings.beside[i - 1];
+    std::printf("%-10s median [least-most] of %zu rounds: %s us a frame", name.c_str(),
+                rounds.size(), spread(us).c_str());
+    if (i > 0)
+      std::printf("; %s costs %s of that", settings.transport.c_str(), spread(ratios).c_str());
+    std::printf("\n");
   }
 }
 

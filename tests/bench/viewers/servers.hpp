@@ -1,21 +1,40 @@
 // SPDX-License-Identifier: MIT
 // What a crowd of viewers is served by, each in a process of its own, so that the kernel counts
-// what it computes: the server's broadcaster without any vision, and the least that could serve
-// them. Thread: main, before it has started any other.
+// what it computes: the server's broadcaster without any vision, the least that could serve them,
+// and message brokers. Thread: main, before it has started any other.
 #pragma once
 
 #include <sys/types.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <string>
+
+#include "tests/bench/viewers/dialect.hpp"
 
 namespace hapticast::testing {
+
+/// Whether frames are to come; shared by processes.
+class Switch {
+ public:
+  Switch();
+  ~Switch();
+  Switch(const Switch&) = delete;
+  Switch& operator=(const Switch&) = delete;
+  [[nodiscard]] bool on() const { return on_->load(std::memory_order_relaxed); }
+  void set(bool on) { on_->store(on, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool>* on_;
+};
 
 /// A child process that listens on a port.
 class ServerProcess {
  public:
-  /// `serve` runs in the child, calls its argument once with the port, and never returns.
+  /// Runs in the child, calls its argument once with the port, and never returns.
   using Serve = std::function<void(const std::function<void(std::uint16_t)>&)>;
   explicit ServerProcess(const Serve& serve);
   ~ServerProcess();  ///< kills it
@@ -37,10 +56,16 @@ struct Frames {
 };
 
 /// The server's own broadcaster and listener on a thread of their own, fed with frames from
-/// another.
-[[nodiscard]] ServerProcess::Serve broadcaster(const Frames& frames);
-
+/// another. `playing` outlives the process, as below.
+[[nodiscard]] ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing);
 /// A loop around send(): waits for all the viewers, then sends every frame to one after the other.
-[[nodiscard]] ServerProcess::Serve bareLoop(const Frames& frames);
+[[nodiscard]] ServerProcess::Serve bareLoop(const Frames& frames, const Switch& playing);
+/// The same around sendto(), with each datagram ready in one piece.
+[[nodiscard]] ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing);
+/// The broker of this way, as Debian installs it, set up to listen on loopback only.
+[[nodiscard]] ServerProcess::Serve broker(Way way);
+/// Publishes frames to a broker; its port is that one.
+[[nodiscard]] ServerProcess::Serve publisher(Way way, std::uint16_t port, const Frames& frames,
+                                             const Switch& playing);
 
 }  // namespace hapticast::testing

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <utility>
@@ -19,6 +20,14 @@ SharedBodies bodies(std::size_t count, std::uint8_t value) {
       count, std::vector<std::uint8_t>(100, value));
 }
 
+/// Of these sizes, each full of its number.
+SharedBodies sized(const std::vector<std::size_t>& sizes) {
+  std::vector<std::vector<std::uint8_t>> made;
+  made.reserve(sizes.size());
+  for (const std::size_t size : sizes) made.emplace_back(size, made.size());
+  return std::make_shared<const std::vector<std::vector<std::uint8_t>>>(std::move(made));
+}
+
 class DatagramOutTest : public ::testing::Test {
  protected:
   DatagramOutTest() { socket.non_blocking(true); }
@@ -29,14 +38,21 @@ class DatagramOutTest : public ::testing::Test {
   /// The token and the first byte of the body of each datagram that has come.
   std::vector<std::pair<int, int>> came() {
     std::vector<std::pair<int, int>> found;
+    for (const auto& each : datagrams()) {
+      EXPECT_EQ(each.size(), 108U);
+      found.emplace_back(each[0], each[8]);
+    }
+    return found;
+  }
+  std::vector<std::vector<std::uint8_t>> datagrams() {
+    std::vector<std::vector<std::uint8_t>> found;
     reader.non_blocking(true);
     std::array<std::uint8_t, 2000> bytes{};
     boost::system::error_code ec;
     for (;;) {
       const std::size_t size = reader.receive(asio::buffer(bytes), 0, ec);
       if (ec) return found;
-      EXPECT_EQ(size, 108U);
-      found.emplace_back(bytes[0], bytes[8]);
+      found.emplace_back(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     }
   }
 
@@ -46,14 +62,45 @@ class DatagramOutTest : public ::testing::Test {
   DatagramOut out{socket};
 };
 
-TEST_F(DatagramOutTest, EachDatagramGoesToAllBeforeTheNextAndCopiesComeLast) {
+TEST_F(DatagramOutTest, AFrameGoesToAllAndCopiesComeLast) {
   const auto once = target(1);
   const auto twice = target(2, 2);
   out.send({bodies(2, 10), bodies(1, 20)}, {once, twice});
   EXPECT_EQ(came(),
-            (std::vector<std::pair<int, int>>{{1, 10}, {2, 10}, {1, 10}, {2, 10}, {2, 20}}));
+            (std::vector<std::pair<int, int>>{{1, 10}, {1, 10}, {2, 10}, {2, 10}, {2, 20}}));
   EXPECT_EQ(once.counts->sent, 2U);
   EXPECT_EQ(twice.counts->sent, 3U);
+}
+
+TEST_F(DatagramOutTest, BodiesOfAllSizesArriveAsTheyAre) {
+  // One message each: the two longest with a shorter one, two of one size with another, the last.
+  const std::vector<std::size_t> sizes{60, 1224, 700, 1224, 60, 700, 700, 1};
+  const auto viewer = target(7);
+  out.send({sized(sizes)}, {viewer, target(8)});
+  EXPECT_EQ(viewer.counts->sent, sizes.size());
+  std::array<std::vector<bool>, 2> had;
+  for (auto& each : had) each.assign(sizes.size(), false);
+  for (const auto& each : datagrams()) {
+    ASSERT_GT(each.size(), 8U);
+    const std::size_t who = each[0] - 7U, body = each[8];
+    ASSERT_TRUE(who < 2 && body < sizes.size());
+    EXPECT_FALSE(had[who][body]) << "twice";
+    had[who][body] = true;
+    EXPECT_EQ(each.size(), 8 + sizes[body]);
+    EXPECT_TRUE(std::all_of(each.begin() + 8, each.end(), [&](auto byte) { return byte == body; }));
+  }
+  const std::vector<bool> all(sizes.size(), true);
+  EXPECT_EQ(had[0], all);
+  EXPECT_EQ(had[1], all);
+}
+
+TEST_F(DatagramOutTest, WhatTheSystemDoesNotCutGoesOneByOne) {
+  // More than the loopback's own least unit, so that the system refuses to cut there.
+  const auto viewer = target(1);
+  const std::size_t whole = 65'507 - 8;
+  out.send({sized({whole, whole})}, {viewer});
+  EXPECT_EQ(viewer.counts->sent + viewer.counts->failed, 2U);
+  EXPECT_EQ(viewer.counts->sent, 2U);
 }
 
 TEST_F(DatagramOutTest, ANewerFrameWinsOverWhatIsLeft) {

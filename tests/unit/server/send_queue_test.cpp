@@ -36,6 +36,20 @@ TEST(SendQueue, GivesTheFirstFrameWholeAndTheNextOnesLean) {
   EXPECT_EQ(queue.counts().dropped(), 0U);
 }
 
+TEST(SendQueue, PassesAFrameAsPushAndPopWould) {
+  SendQueue queue;
+  const auto passed = [&queue](std::uint64_t id) {
+    const SharedBytes bytes = queue.pass(frame(id, 0));
+    return std::string(bytes->begin(), bytes->end());
+  };
+  EXPECT_EQ(passed(1), "whole1");
+  EXPECT_EQ(passed(2), "lean2");
+  queue.clearFrames();
+  EXPECT_EQ(passed(3), "whole3");
+  EXPECT_EQ(queue.counts().frames_sent, 3U);
+  EXPECT_EQ(pop(queue), "nothing");
+}
+
 TEST(SendQueue, AfterAnotherPictureTheNextFrameIsWholeAlsoWhereNoneWaited) {
   SendQueue queue;
   queue.pushFrame(frame(1, 0));

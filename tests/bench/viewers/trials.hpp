@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// What viewers that misbehave do to a server and to the others. Thread: main.
+#pragma once
+
+#include "common/time.hpp"
+#include "tests/bench/viewers/contest.hpp"
+
+namespace hapticast::testing {
+
+/// Viewers come and go at random, every 20th of them dies in the middle of a message; every byte
+/// that any of them gets is compared with what the others got. Says once a minute what happened and
+/// what the server takes; throws std::runtime_error where anything was wrong.
+void churn(Contestant who, const Frames& frames, Duration time);
+
+/// Turns without and with so many viewers that say hello and read nothing; says what the others got
+/// and what memory that took, the system's included.
+void stall(Contestant who, const Frames& frames, std::size_t stalled, Duration time);
+
+}  // namespace hapticast::testing
