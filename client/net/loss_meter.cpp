@@ -98,9 +98,10 @@ void LossMeter::judge() {
          1.0 - tally.parts[1] / sent + (tally.parts[1] - tally.parts[2]) / sent / copies);
   needed_ = copies;
   if (lost_ > kTolerated) {
-    // As independent losses would ask for; where they are not, a step at a time.
-    needed_ = std::min(copies + 1, limits::kMostCopies);
+    // As independent losses ask for; where these would be rarer, they come together, and the more
+    // copies there are, the farther the last one is from the first.
     while (needed_ < limits::kMostCopies && std::pow(loss_, needed_) > kTolerated) ++needed_;
+    if (needed_ == copies) needed_ = limits::kMostCopies;
   } else if (lost_fewer_ <= kTolerated) {
     needed_ = std::max(copies - 1, 1U);
   }

@@ -20,7 +20,7 @@ namespace hapticast::client {
 class LossMeter {
  public:
   /// Of a network of which nothing is known yet.
-  static constexpr std::uint32_t kFirstCopies = 2;
+  static constexpr std::uint32_t kFirstCopies = 3;
   /// Chosen: of what is sent at most so much may be lost in all its copies.
   static constexpr double kTolerated = 0.002;
   static constexpr Duration kJudgeEvery = std::chrono::seconds(1);
@@ -28,7 +28,7 @@ class LossMeter {
   static constexpr std::uint64_t kSettled = 8;  ///< frames
   /// Fewer copies only after so long without need, so that a network that loses in bursts is
   /// not judged by its pauses.
-  static constexpr Duration kPatience = std::chrono::seconds(10);
+  static constexpr Duration kPatience = std::chrono::seconds(30);
 
   /// `fixed`: so many copies are sent whatever is lost.
   explicit LossMeter(std::uint32_t copies = kFirstCopies, bool fixed = false)

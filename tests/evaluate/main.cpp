@@ -24,6 +24,8 @@ int run(int argc, char** argv) {
       "cores\n"
       "  codec     heights on the wire: bytes, time and error beside other codecs\n"
       "  motion    velocity, acceleration and impacts of every estimator\n"
+      "  network   the force through loss, jitter and cuts, by each transport; clocks; about ten "
+      "minutes\n"
       "  plan      what the plan saves and costs; frames a second of the whole server\n"
       "  vision    masks and reliefs");
   std::string topic;
@@ -34,12 +36,12 @@ int run(int argc, char** argv) {
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
   app.add_option("--only", options.only,
-                 "Of the scenes of motion or the parts of stability (theory, maps, chain, silence, "
-                 "links, inertia, "
-                 "integrators, life, cases, lies, honest), only this one");
+                 "Of the scenes of motion or the parts of network (force, safety, clocks) and "
+                 "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
+                 "cases, lies, honest), only this one");
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag("--check", options.check,
-               "Fail where a required figure is missed (accuracy, codec)");
+               "Fail where a required figure is missed (accuracy, codec, network)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -44,8 +44,8 @@ struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
   bool check = false;  ///< a missed requirement is an error
-  std::string only;    ///< of the scenes of `motion` or the parts of `stability`, the one of this
-                       ///< name; empty: all
+  std::string only;    ///< of the scenes of `motion` or the parts of `network` and `stability`, the
+                       ///< one of this name; empty: all
 };
 
 class Report {

@@ -76,7 +76,10 @@ class Churn {
       boost::system::error_code ec;
       co_await viewer->socket.async_connect(server_, asio::redirect_error(asio::use_awaitable, ec));
       if (ec) {
+        std::printf("cannot connect: %s\n", ec.message().c_str());
         ++tally_.closed;
+        timer.expires_after(std::chrono::seconds(1));
+        co_await timer.async_wait(asio::use_awaitable);
         continue;
       }
       ++tally_.opened;
