@@ -52,7 +52,9 @@ void evaluateNetwork(const Options& options) {
       "1 to 5 datagrams, 25 a second.");
   const double seconds = options.quick ? 12.0 : 30.0;
   const std::vector<NetworkScene> scenes = networkScenes(seconds + 1.0);
-  const auto wanted = [&](const char* part) { return options.only.empty() || options.only == part; };
+  const auto wanted = [&](const char* part) {
+    return options.only.empty() || options.only == part;
+  };
   if (wanted("force")) networkForce(scenes, seconds, options, report);
   if (wanted("safety")) networkSafety(scenes, options, report);
   if (wanted("clocks")) networkClocks(scenes.front(), seconds, report);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "tests/evaluate/all_cores.hpp"
+#include "tests/evaluate/curves.hpp"
 #include "tests/evaluate/network/network_parts.hpp"
 
 namespace hapticast::evaluate {
@@ -120,7 +122,49 @@ struct Sum {
   [[nodiscard]] double meanAdded() const { return std::sqrt(added / count); }
 };
 
-void tell(const std::vector<Condition>& conditions, const std::vector<Run>& runs, Report& report) {
+// A curve for each variant over the share that is lost; `bursts`: in bursts, else one by one.
+CurvePanel panel(const std::string& title, const std::string& label,
+                 const std::vector<Condition>& conditions, const std::vector<Sum>& sums,
+                 bool bursts, const std::function<double(const Sum&)>& value) {
+  const std::vector<std::string> colors{"#d62728", "#9ecae1", "#4292c6", "#08519c", "#909090"};
+  CurvePanel out{title, "lost, %", label, {}};
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    const testing::LinkProfile& link = conditions[i].network.link;
+    // Every curve begins with jitter alone.
+    const bool wanted = link.loss > 0.0 ? (link.burst > 1.0) == bursts : link.jitter > Duration{0};
+    if (!wanted || link.reorder > 0.0) continue;
+    const auto same = [&](const Curve& curve) { return curve.name == conditions[i].variant; };
+    auto curve = std::find_if(out.curves.begin(), out.curves.end(), same);
+    if (curve == out.curves.end()) {
+      const std::string& color = colors[out.curves.size() % colors.size()];
+      curve = out.curves.insert(curve, Curve{conditions[i].variant, color, {}, 2.0});
+    }
+    curve->points.push_back({100.0 * link.loss, value(sums[i])});
+  }
+  return out;
+}
+
+void draw(const std::vector<Condition>& conditions, const std::vector<Sum>& sums,
+          const Options& options, Report& report) {
+  const auto added = [](const Sum& sum) { return sum.meanAdded(); };
+  const auto delay_ms = [](const Sum& sum) { return sum.delay_ms / sum.count; };
+  std::vector<CurvePanel> errors{
+      panel("lost one by one", "added force error, %", conditions, sums, false, added),
+      panel("lost in bursts of 5", "added force error, %", conditions, sums, true, added)};
+  std::vector<CurvePanel> delays{
+      panel("lost one by one", "playout delay, ms", conditions, sums, false, delay_ms),
+      panel("lost in bursts of 5", "playout delay, ms", conditions, sums, true, delay_ms)};
+  shareScale(errors);
+  shareScale(delays);
+  errors.insert(errors.end(), delays.begin(), delays.end());
+  plotCurves(options.out / "network.png", errors, 2);
+  report.show("network.png", "what loss adds to the force's error, and what it costs in delay");
+}
+
+void tell(const std::vector<Condition>& conditions, const std::vector<Run>& runs,
+          const Options& options, Report& report) {
+  std::vector<Sum> sums;
+  sums.reserve(conditions.size());
   std::vector<std::vector<std::string>> lines{
       {"network", "transport", "error, %", "added, %", "worst run, %", "delay, ms", "copies"}};
   for (const Condition& condition : conditions) {
@@ -131,6 +175,7 @@ void tell(const std::vector<Condition>& conditions, const std::vector<Run>& runs
       scenes[run.scene->name].add(run);
       all.add(run);
     }
+    sums.push_back(all);
     for (const auto& [name, sum] : scenes) {
       const bool is_default = condition.variant == "UDP";
       const std::string scene = name + ", " + condition.name;
@@ -145,6 +190,7 @@ void tell(const std::vector<Condition>& conditions, const std::vector<Run>& runs
       report.add(Goal{"force error added, UDP, " + condition.name, "%", condition.required,
                       condition.aim, all.meanAdded()});
   }
+  draw(conditions, sums, options, report);
   report.say(
       "### The force\n\nRelative RMS of the force's error against the exact one (`error`), and of "
       "its difference from the same run without loss and jitter at the same play time (`added`), "
@@ -179,7 +225,7 @@ void networkForce(const std::vector<NetworkScene>& scenes, double seconds, const
     measure(run, felt.ticks, lossless[scene].ticks);
     run.copies = felt.conversation.mean_copies;
   });
-  tell(all, runs, report);
+  tell(all, runs, options, report);
 }
 
 }  // namespace hapticast::evaluate
