@@ -215,7 +215,7 @@ StreamCounts Broadcaster::counts() const {
 }
 
 void Broadcaster::check(const Sessions& sessions, LocalTime now) {
-  const Sessions all = sessions;  // a check may end one
+  const Sessions all(sessions.begin(), sessions.end());  // a check may end one
   for (const auto& session : all) session->check(now);
 }
 

@@ -41,7 +41,8 @@ struct CommandLineProbe {
                                      std::vector<std::string> arguments = {}) {
     const TempFolder folder;
     std::string lines;
-    for (const auto& [key, value] : keys) lines += key + " = " + value + "\n";
+    for (const auto& [key, value] : keys)
+      lines.append(key).append(" = ").append(value).append("\n");
     arguments.insert(arguments.end(), {"--config", folder.write("program.conf", lines)});
     return CommandLineProbe(arguments);
   }

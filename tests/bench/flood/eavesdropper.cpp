@@ -52,7 +52,7 @@ bool Eavesdropper::listen() {
     const ssize_t size = ::recv(raw_, packet.data(), packet.size(), 0);
     if (size < 0) break;
     const auto* const ip = reinterpret_cast<const iphdr*>(packet.data());
-    const std::size_t before = 4U * ip->ihl + sizeof(udphdr);
+    const std::size_t before = std::size_t{4} * ip->ihl + sizeof(udphdr);
     if (static_cast<std::size_t>(size) < before) continue;
     udphdr udp{};
     std::memcpy(&udp, packet.data() + before - sizeof udp, sizeof udp);

@@ -85,6 +85,8 @@ struct Folder {
       std::filesystem::temp_directory_path() / ("hapticast-flood-" + std::to_string(::getpid()));
 };
 
+// A program that runs out of memory here may end.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 struct Outcome {
   nlohmann::json summary;
   std::vector<Tick> ticks;
