@@ -84,7 +84,8 @@ std::optional<AssembledFrame> Preparer::next() {
   }
   if (begins) reliefs_.reset(*begins, method_);
   if (!taken) return std::nullopt;
-  if (std::exchange(epoch_, taken->assembled.place.epoch) != epoch_) reliefs_.forget();
+  const std::uint32_t epoch = taken->assembled.place.epoch;
+  if (std::exchange(epoch_, epoch) != epoch) reliefs_.forget();
   for (const CodedObject& object : taken->left_out) {
     reliefs_.remember(object, taken->assembled.frame.id);
   }
