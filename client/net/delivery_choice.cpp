@@ -27,7 +27,7 @@ void DeliveryChoice::begin(std::size_t at) {
 }
 
 bool DeliveryChoice::newer(std::uint64_t id) const {
-  return id > newest_ || newest_ - id > FrameAssembler::kLargestJump;
+  return id > newest_ || FrameAssembler::jump(newest_, id);
 }
 
 void DeliveryChoice::impossible(const std::string& why, LocalTime now) {

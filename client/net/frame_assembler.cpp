@@ -9,19 +9,12 @@ namespace hapticast::client {
 
 namespace {
 
-const JoinedFrame* joinedOf(const JoinedFrame& frame) { return &frame; }
-template <class Waiting>
-const JoinedFrame* joinedOf(const Waiting& waiting) {
-  return waiting.joined ? &*waiting.joined : nullptr;
-}
 /// Of the parts that have come, over all frames.
 template <class Frames>
 std::size_t bytesOf(const Frames& frames) {
-  return std::accumulate(frames.begin(), frames.end(), std::size_t{0},
-                         [](std::size_t sum, const auto& each) {
-                           const JoinedFrame* const joined = joinedOf(each.second);
-                           return sum + (joined != nullptr ? joined->bytes() : 0);
-                         });
+  return std::accumulate(
+      frames.begin(), frames.end(), std::size_t{0},
+      [](std::size_t sum, const auto& each) { return sum + each.second.bytes(); });
 }
 
 }  // namespace
@@ -43,10 +36,7 @@ void FrameAssembler::forget() {
 
 bool FrameAssembler::behind(std::uint64_t id) const { return last_id_ && id <= *last_id_; }
 
-bool FrameAssembler::jumps(std::uint64_t id) const {
-  if (!last_id_) return false;
-  return (behind(id) ? *last_id_ - id : id - *last_id_) > kLargestJump;
-}
+bool FrameAssembler::jumps(std::uint64_t id) const { return last_id_ && jump(*last_id_, id); }
 
 bool FrameAssembler::add(CodedFrame frame, LocalTime arrived) {
   const std::uint64_t id = frame.id;

@@ -49,6 +49,10 @@ class FrameAssembler {
   /// Chosen: 10 s of the fastest stream. Ids that jump further, forwards or backwards, are not
   /// those of a network that loses or reorders.
   static constexpr std::uint64_t kLargestJump = 2400;
+  /// Whether two ids are so far apart, in either order.
+  [[nodiscard]] static constexpr bool jump(std::uint64_t a, std::uint64_t b) {
+    return (a > b ? a - b : b - a) > kLargestJump;
+  }
   /// Chosen: copies come at most three frames later, and what is reordered by more is too late.
   static constexpr std::uint64_t kOldestPart = 64;
   /// Chosen: frames of parts that wait at a time, and their bytes; those of frames that have left
@@ -92,6 +96,8 @@ class FrameAssembler {
     std::optional<CodedFrame> frame;    // came over TCP
     std::optional<JoinedFrame> joined;  // in parts, or in parts as well
     LocalTime arrived;                  // the last that came of it
+
+    [[nodiscard]] std::size_t bytes() const { return joined ? joined->bytes() : 0; }  // of parts
   };
 
   /// All but the last frame that left.

@@ -25,8 +25,7 @@ void takeIn(double& share, double now) {
 
 void LossMeter::add(const DatagramHeader& header) {
   const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
-  const std::uint64_t jump = header.frame > newest ? header.frame - newest : newest - header.frame;
-  if (jump > FrameAssembler::kLargestJump) {  // another numbering, or the first frame
+  if (FrameAssembler::jump(newest, header.frame)) {  // another numbering, or the first frame
     frames_.clear();
     judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
   }

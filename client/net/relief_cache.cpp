@@ -63,12 +63,12 @@ void ReliefCache::carryAll(Entry& entry, const CodedObject& object) const {
   entry.changed_in_frame = object.changed_in_frame;
   entry.coded = std::make_shared<const CodedRelief>(CodedRelief{rect, {}, 1});
   entry.motion = object.motion;
-  entry.decoded = false;
+  entry.decoded = rect.empty();  // nothing is left to be decoded
+  entry.resolved = {};
 }
 
 ReliefCache::Resolved ReliefCache::prepare(Entry& entry) {
   Resolved out;
-  if (entry.coded->rect.empty() && entry.coded->slices.empty()) return out;
   out.rejected = !inPicture(entry.coded->rect);
   if (out.rejected) return out;
   const auto relief = decode(entry, out);

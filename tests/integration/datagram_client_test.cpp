@@ -40,7 +40,28 @@ class DatagramClientTest : public StreamTest {
     return streamUntil(server, client, [&] { return client.frames.size() >= enough; });
   }
 
+  /// A group on this machine alone.
+  static server::MulticastChoice loopbackGroup(const std::string& host) {
+    return {{host, static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
+  }
+  /// A server that sends to it; null where that is not possible, and why_no_group says why.
+  std::unique_ptr<DatagramServer> serverOf(const server::MulticastChoice& group) {
+    try {
+      return std::make_unique<DatagramServer>(io, clock, group);
+    } catch (const std::exception& error) {
+      why_no_group = std::string("no multicast on the loopback here: ") + error.what();
+      return nullptr;
+    }
+  }
+  /// Until frames come by the group, or the client says why not.
+  bool streamToGroup(DatagramServer& server, TestClient& client) {
+    return streamUntil(server, client, [&] {
+      return client.connection.delivery().way == Way::kGroup || !client.news.empty();
+    });
+  }
+
   int side = 40;
+  std::string why_no_group;
 
  private:
   std::uint64_t id_ = 0;
@@ -136,19 +157,10 @@ TEST_F(DatagramClientTest, AServerWithoutDatagramsIsToldOnce) {
 }
 
 TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
-  const server::MulticastChoice choice{{"239.255.74.47", 0}, "lo"};
-  std::optional<DatagramServer> server;
-  server::MulticastChoice there = choice;
-  there.group.port = static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000);
-  try {
-    server.emplace(io, clock, there);
-  } catch (const std::exception& error) {
-    GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
-  }
+  const auto server = serverOf(loopbackGroup("239.255.74.47"));
+  if (!server) GTEST_SKIP() << why_no_group;
   TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
-  ASSERT_TRUE(streamUntil(*server, client, [&] {
-    return client.connection.delivery().way == Way::kGroup || !client.news.empty();
-  }));
+  ASSERT_TRUE(streamToGroup(*server, client));
   if (!client.news.empty()) GTEST_SKIP() << client.news[0];
   ASSERT_TRUE(streamOn(*server, client, 20));
   expectRisingIds(client);
@@ -157,18 +169,11 @@ TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
 }
 
 TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
-  const server::MulticastChoice choice{
-      {"239.255.74.48", static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
-  std::optional<DatagramServer> server;
-  try {
-    server.emplace(io, clock, choice);
-  } catch (const std::exception& error) {
-    GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
-  }
+  const auto choice = loopbackGroup("239.255.74.48");
+  const auto server = serverOf(choice);
+  if (!server) GTEST_SKIP() << why_no_group;
   TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
-  ASSERT_TRUE(streamUntil(*server, client, [&] {
-    return client.connection.delivery().way == Way::kGroup || !client.news.empty();
-  }));
+  ASSERT_TRUE(streamToGroup(*server, client));
   if (!client.news.empty()) GTEST_SKIP() << client.news[0];
   const auto reader = viewer(*server);  // anybody's welcome tells the group's token
   const Welcome welcome = reader->all<Welcome>().at(0);
@@ -193,14 +198,8 @@ TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
 }
 
 TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {
-  const server::MulticastChoice choice{
-      {"239.255.74.47", static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
-  std::optional<DatagramServer> server;
-  try {
-    server.emplace(io, clock, choice);
-  } catch (const std::exception& error) {
-    GTEST_SKIP() << "no multicast on the loopback here: " << error.what();
-  }
+  const auto server = serverOf(loopbackGroup("239.255.74.47"));
+  if (!server) GTEST_SKIP() << why_no_group;
   TestClient client(io, clock, server->port(),
                     with({.best = Way::kGroup, .interface_name = "nowhere"}));
   ASSERT_TRUE(streamUntil(*server, client, [&] { return byUdp(client); }));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/haptics/time/playout.hpp"
+#include "client/net/receiver.hpp"
 #include "tests/support/manual_clock.hpp"
 
 namespace hapticast::evaluate {
@@ -58,11 +59,9 @@ class ScriptedViewer {
     tick.truth_mm = hand.truth_mm;
     if (contact.contact) tick.displacement_mm = contact.displacement_mm;
     tick.delay_ms = 1e3 * toSeconds(playout_.delay());
-    tick.lookup = scene.kind;
     if (stream.connected) tick.clock_offset = stream.clock_offset;
     return tick;
   }
-  [[nodiscard]] const client::ReceiverCounts& counts() const { return receiver_.counts(); }
 
  private:
   void prepareAll() {
@@ -97,7 +96,6 @@ NetworkFelt feelThrough(const SentStream& stream, const Network& network, const 
                                                 wire.mediaNow(now).time_since_epoch());
         felt.ticks.push_back(tick);
       });
-  felt.counts = viewer.counts();
   return felt;
 }
 

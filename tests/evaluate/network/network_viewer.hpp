@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "client/net/loss_meter.hpp"
-#include "client/net/receiver.hpp"
 #include "common/tick.hpp"
 #include "common/wire/clock_sync.hpp"
 #include "tests/evaluate/network/network_wire.hpp"
@@ -23,7 +22,6 @@ struct NetworkTick {
   double delay_ms = 0.0;
   std::optional<Duration> clock_offset;  ///< once the clock is known
   double clock_error_ms = 0.0;
-  client::Lookup lookup = client::Lookup::kNone;
 };
 
 struct Conversation {
@@ -34,7 +32,6 @@ struct Conversation {
 
 struct NetworkFelt {
   std::vector<NetworkTick> ticks;  ///< every millisecond since the viewer came
-  client::ReceiverCounts counts;
   Conversation conversation;
 };
 
