@@ -150,6 +150,7 @@ bool Room::follow(const StreamState& stream, const UserControls& user) noexcept 
     lookup_.rejoin();
     changed = true;
   }
+  changed = changed || (user.paused && !paused_ && feel_.method() == Method::kThesis);
   paused_ = user.paused;
   if (!(stream.workspace == workspace_)) {
     workspace_ = stream.workspace;
@@ -165,7 +166,9 @@ bool Room::follow(const StreamState& stream, const UserControls& user) noexcept 
 
 Contact Room::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
   if (feel_.method() == Method::kThesis) {
-    return thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
+    // It waits for the next frame to see where the hand has gone, and none comes while time stands.
+    return paused_ ? findContact(SurfaceKind::kPerturbed, scene, hip_mm, workspace_)
+                   : thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
   }
   if (feel_.surface() == SurfaceKind::kProxy) {
     return proxies_.touch(scene, hip_mm, workspace_, deepest_mm(scene));

@@ -69,6 +69,24 @@ TEST_F(RoomControls, MethodAndSurfaceAreSwitchedUnderTheHand) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
+TEST(RoomPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
+  RoomSettings settings;
+  settings.method = Method::kThesis;
+  settings.surface = SurfaceKind::kPerturbed;
+  Stage stage(settings, nullptr);
+  (void)stage.run(100);
+  const auto lead = [&](double z_mm) -> const TickReport& {
+    stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, z_mm}));
+    return stage.run(1500);
+  };
+  EXPECT_FALSE(lead(25.0).contact);
+  EXPECT_TRUE(lead(14.0).contact);
+  stage.pause(true);
+  EXPECT_GT(stage.run(1000).force_N.z(), 0.1);
+  EXPECT_FALSE(lead(25.0).contact);
+  EXPECT_EQ(stage.max_excess_N, 0.0);
+}
+
 TEST_F(RoomControls, NothingThatIsSetLeavesTheLimits) {
   const double nan = std::nan("");
   for (const double value : {1e9, -5.0, double{INFINITY}, nan, 3.0}) {
