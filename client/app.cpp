@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -34,6 +35,24 @@ ConnectionSettings connectionSettings(const Settings& settings, bool wants_video
   return connection;
 }
 
+UserControls userControls(const Settings& settings) {
+  UserControls user;
+  user.static_on = settings.forces != Forces::kDynamic;
+  user.dynamic_on = settings.forces != Forces::kStatic;
+  user.method = settings.method;
+  user.surface = settings.surface;
+  return user;
+}
+
+/// A scripted hand moves the virtual device, whatever else there is.
+std::string deviceName(const Settings& settings) {
+  return settings.device == "auto" && settings.hand_given ? "virtual" : settings.device;
+}
+
+bool points(const Views& views) {
+  return std::any_of(views.begin(), views.end(), [](const auto& view) { return view->points(); });
+}
+
 /// However its scope is left, nothing waits for the network any more.
 struct StopOnExit {
   asio::io_context& io;
@@ -56,10 +75,12 @@ std::string greeting(const StreamDescription& stream, Method method) {
 App::App(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
-      device_(openDevice(settings_.device, {.profile = settings_.profile,
-                                            .hand = settings_.hand,
-                                            .clock = clock,
-                                            .seen = published_})),
+      views_(std::move(views)),
+      device_(openDevice(deviceName(settings_), {.profile = settings_.profile,
+                                                 .hand = settings_.hand,
+                                                 .clock = clock,
+                                                 .seen = published_,
+                                                 .pointer = points(views_) ? &pointer_ : nullptr})),
       room_settings_(roomSettings(settings_, device_->profile())),
       room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, published_,
                                    &log_ring_)),
@@ -68,19 +89,21 @@ App::App(Settings settings, const Clock& clock, Views views)
                   asio::post(io_, [this, frame] { prepared(frame); });
                 }),
       receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
-      connection_(io_, clock, connectionSettings(settings_, !views.empty()), receiver_,
+      connection_(io_, clock, connectionSettings(settings_, !views_.empty()), receiver_,
                   connectionEvents()),
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
-      views_(std::move(views)),
       rearm_(settings_.rearm),
       teller_(toString(settings_.server)) {
   requireWritable("--summary", settings_.summary_file);
+  desk_.user = userControls(settings_);
+  user_controls_.store(desk_.user);
 }
 
 ConnectionEvents App::connectionEvents() {
   return {.welcomed =
               [this](const auto& stream) {
+                tellStatus(true);
                 const std::string line = greeting(stream, settings_.method);
                 if (const auto told = teller_.connected(line, clock_.now()))
                   spdlog::info("{}", *told);
@@ -97,6 +120,7 @@ ConnectionEvents App::connectionEvents() {
               },
           .disconnected =
               [this](const std::string& why) {
+                tellStatus(false);
                 if (const auto told = teller_.lost(why, clock_.now())) spdlog::warn("{}", *told);
               },
           .failed =
@@ -114,12 +138,26 @@ void App::show(const VideoFrame& picture) {
 
 void App::prepared(const PreparedFrame& frame) {
   receiver_.prepared(frame);
+  tellStatus(true);
   if (const auto line = oddities_.take(receiver_.counts(), clock_.now())) spdlog::warn("{}", *line);
+}
+
+void App::tellStatus(bool connected) {
+  const ReceiverCounts& counts = receiver_.counts();
+  stream_status_.store({.connected = connected,
+                        .frames_received = counts.received,
+                        .frames_lost = counts.lost,
+                        .frames_late = counts.late,
+                        .slices_lost = counts.slices_lost,
+                        .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6});
 }
 
 bool App::run() {
   spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", toString(settings_.server),
                device_->description());
+  if (settings_.forces != Forces::kBoth)
+    spdlog::info("felt: the {} force only (--forces)",
+                 settings_.forces == Forces::kStatic ? "static" : "dynamic");
   asio::signal_set signals(io_, SIGINT, SIGTERM);
   if (!hangUpIgnored()) signals.add(SIGHUP);
   signals.async_wait([this](const boost::system::error_code& error, int) {
@@ -148,13 +186,21 @@ void App::runEvents() {
     takeReports();
     takeFaults();
     tellContact();
-    for (const auto& view : views_) {
-      if (!view->turn()) stop();
-    }
+    if (!turnViews()) stop();
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =
         settings_.seconds > 0.0 && clock_.now() - begin >= fromSeconds(settings_.seconds);
   }
+}
+
+/// Whether all of them go on.
+bool App::turnViews() {
+  desk_.stream = stream_status_.load();
+  bool go_on = true;
+  for (const auto& view : views_) go_on = view->turn(desk_) && go_on;
+  pointer_.store(desk_.pointer);
+  user_controls_.store(desk_.user);
+  return go_on;
 }
 
 void App::takeReports() {
@@ -165,8 +211,8 @@ void App::takeReports() {
     for (const auto& view : views_) view->takeReport(last_report_);
     if (const auto line = touch_teller_.take(last_report_, rearm_)) spdlog::warn("{}", *line);
     if (!rearm_.take(last_report_)) continue;
-    ++user_.rearm;
-    user_controls_.store(user_);
+    ++desk_.user.rearm;
+    user_controls_.store(desk_.user);
   }
 }
 

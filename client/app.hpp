@@ -43,8 +43,10 @@ class App {
   // On the network's thread:
   void show(const VideoFrame& picture);
   void prepared(const PreparedFrame& frame);
+  void tellStatus(bool connected);
   // On the calling thread:
   void runEvents();
+  bool turnViews();
   void takeReports();
   void takeFaults();
   void tellContact();
@@ -54,12 +56,15 @@ class App {
   Settings settings_;
   const Clock& clock_;
   LatestValue<TickReport> published_;  // the device's hand reads it
+  LatestValue<PointerTarget> pointer_;
+  Views views_;
   std::unique_ptr<HapticDevice> device_;
   RoomSettings room_settings_;
   FramePool pool_;
   LatestValue<StreamState> stream_;
   LatestValue<UserControls> user_controls_;
-  UserControls user_;
+  LatestValue<StreamStatus> stream_status_;  // the network's thread writes it
+  Desk desk_;                                // main thread
   Room::Log log_ring_;
   std::unique_ptr<Room> room_;  // large: holds the flight recorder
   asio::io_context io_;
@@ -68,7 +73,6 @@ class App {
   Connection connection_;
   LogFile log_;
   FaultFiles fault_files_;
-  Views views_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
   std::optional<LocalTime> begin_;  // of the first tick

@@ -3,6 +3,9 @@
 
 namespace hapticast::client {
 
-Views openViews(const Settings& /*settings*/) { return {}; }
+Views openViews(const Settings& settings) {
+  (void)openWindow(settings);
+  return {};
+}
 
 }  // namespace hapticast::client

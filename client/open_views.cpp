@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "client/open_views.hpp"
 
+#include <utility>
+
 #include "client/view/screenshot.hpp"
 
 namespace hapticast::client {
@@ -11,6 +13,7 @@ Views openViews(const Settings& settings) {
     views.push_back(std::make_unique<Screenshot>(settings.screenshot_file));
     requireWritable("--screenshot", settings.screenshot_file);
   }
+  if (auto window = openWindow(settings)) views.push_back(std::move(window));
   return views;
 }
 

@@ -12,4 +12,9 @@ namespace hapticast::client {
 /// flag.
 [[nodiscard]] Views openViews(const Settings& settings);
 
+/// The window of --view; null where none is wanted or, with auto, none can be. Throws as
+/// openViews() does. A build without its libraries has open_no_window.cpp in the place of
+/// open_window.cpp.
+[[nodiscard]] std::unique_ptr<View> openWindow(const Settings& settings);
+
 }  // namespace hapticast::client

@@ -25,6 +25,11 @@ const std::map<std::string, Way> kTransports{{wayName(Way::kDatagrams), Way::kDa
                                              {wayName(Way::kTcp), Way::kTcp},
                                              {wayName(Way::kGroup), Way::kGroup}};
 
+const std::map<std::string, ViewChoice> kViews{
+    {"auto", ViewChoice::kAuto}, {"on", ViewChoice::kOn}, {"off", ViewChoice::kOff}};
+const std::map<std::string, Forces> kForces{
+    {"both", Forces::kBoth}, {"static", Forces::kStatic}, {"dynamic", Forces::kDynamic}};
+
 /// What --device takes: auto, and the kinds of this build.
 const std::map<std::string, std::string>& devices() {
   static const auto kDevices = [] {
@@ -36,7 +41,8 @@ const std::map<std::string, std::string>& devices() {
 }
 
 std::string deviceHelp() {
-  std::string help = "The haptic device; auto (default): the best kind there is";
+  std::string help =
+      "The haptic device; auto (default): the mouse where there is a window, else virtual";
   for (const DeviceKind& kind : deviceKinds()) {
     help += std::string("; ") + kind.name + ": " + kind.description;
   }
@@ -45,7 +51,8 @@ std::string deviceHelp() {
 
 /// For --version: the kinds of views, devices and transports of this build.
 std::string builtIn() {
-  std::string text = hasViewer() ? "views: screenshot; devices:" : "views: none; devices:";
+  std::string text = hasViewer() ? "views: screenshot" : "views: none";
+  text += hasWindow() ? " window; devices:" : "; devices:";
   for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
   text += "; transports:";
   for (const auto& transport : kTransports) text += " " + transport.first;
@@ -64,6 +71,7 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
          "What the virtual hand does: press (default; push 1 N, hold, release, again), slide (over "
          "the object, 1 mm "
          "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
+      ->each([&settings](const std::string& /*name*/) { settings.hand_given = true; })
       ->type_name("press|slide|follow|FILE.csv");
   addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
             "The stiffest wall that an author may ask for; default: three times the profile's "
@@ -97,6 +105,14 @@ void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
       ->type_name("NAME|ADDRESS");
 }
 
+void addViewOptions(CLI::App& app, Settings& settings) {
+  addChoice(app, "--view", settings.view, kViews,
+            "The window: auto (default; where there is a display and none of --hand, --seconds, "
+            "--screenshot is given), on, or off. F1 in it lists the keys");
+  addChoice(app, "--forces", settings.forces, kForces,
+            "Which forces are felt: both (default), static or dynamic; S and D in the window");
+}
+
 void addOutputOptions(CLI::App& app, Settings& settings) {
   if (hasViewer()) {
     app.add_option("--screenshot", settings.screenshot_file,
@@ -125,6 +141,8 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
 
 bool hasViewer() { return HAPTICAST_HAS_VIEWER != 0; }
 
+bool hasWindow() { return HAPTICAST_HAS_WINDOW != 0; }
+
 void requireWritable(const char* flag, const std::string& file) {
   if (file.empty() || std::ofstream(file, std::ios::app)) return;
   throw std::runtime_error(std::string(flag) + " " + file +
@@ -149,6 +167,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addChoice(*app, "--method", settings.method, kMethods,
             "hapticast, or as in the thesis: perturbed surface, zero outside the mask, forces "
             "interpolated by cubics");
+  addViewOptions(*app, settings);
   addOutputOptions(*app, settings);
   addConfigFile(*app);
   return app;

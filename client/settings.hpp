@@ -14,6 +14,12 @@
 
 namespace hapticast::client {
 
+/// Whether there is a window (--view). kAuto: where there is a display, and nothing was asked for
+/// that runs by itself.
+enum class ViewChoice : std::uint8_t { kAuto, kOn, kOff };
+/// Which forces are felt (--forces).
+enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
+
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string device = "auto";
@@ -21,6 +27,9 @@ struct Settings {
   DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< a script's name or a CSV file
+  bool hand_given = false;     ///< somebody has asked for a scripted hand
+  ViewChoice view = ViewChoice::kAuto;
+  Forces forces = Forces::kBoth;
   std::string screenshot_file;
   std::string log_file;
   std::string summary_file;
@@ -34,6 +43,9 @@ struct Settings {
 
 /// Whether this build can show or draw pictures (CMake option HAPTICAST_VIEWER).
 [[nodiscard]] bool hasViewer();
+
+/// Whether this build has a window (SDL2 and Dear ImGui were found).
+[[nodiscard]] bool hasWindow();
 
 /// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
 /// it. Throws std::runtime_error, one line that names `flag` and `file`.

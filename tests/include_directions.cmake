@@ -35,6 +35,7 @@ set(doors
   "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/summary\\.cpp$|tests/)"
+  "^(SDL|imgui|backends/imgui)"      "^(client/view/window|tests/)"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )

@@ -7,7 +7,9 @@
 #include <span>
 #include <string>
 
+#include "client/device/device_profile.hpp"
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/pointer.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "common/latest_value.hpp"
 
@@ -19,6 +21,8 @@ struct DeviceRequest {
   std::string hand = "press";    ///< --hand: a script's name or a CSV file
   const Clock& clock;
   LatestValue<TickReport>& seen;  ///< what the room publishes; the device is its one reader
+  /// Where a window's pointer is; null: there is no window. The device is its one reader.
+  LatestValue<PointerTarget>* pointer = nullptr;
 };
 
 /// Opens a device of one kind. Throws std::runtime_error with one line that names the flag, the
@@ -31,8 +35,11 @@ struct DeviceKind {
   OpenDevice* open;
 };
 
-/// All kinds of this build, the best first: `auto` opens that one.
+/// All kinds of this build: `auto` opens the first one, where there is a window the mouse.
 std::span<const DeviceKind> deviceKinds() noexcept;
+
+/// The profile of --profile. Throws as OpenDevice does.
+PlantProfile loadProfile(const std::string& name_or_file);
 
 /// Opens a device of the kind `name`, or `auto`. Throws as OpenDevice does, and for an unknown
 /// name.

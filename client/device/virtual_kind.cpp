@@ -10,13 +10,11 @@ namespace hapticast::client {
 
 namespace {
 
-/// What `load` returns; its complaint begins with the flag that brought the file.
-template <class Load>
-auto loadFor(const char* flag, Load load) {
+std::vector<HandTarget> targetsOf(const std::string& file) {
   try {
-    return load();
+    return loadHandTargets(file);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string(flag) + " " + error.what());
+    throw std::runtime_error(std::string("--hand ") + error.what());
   }
 }
 
@@ -24,14 +22,13 @@ HandScript handScript(const std::string& name, const HandStiffness& stiffness) {
   if (name == "press") return {HandKind::kPress, stiffness};
   if (name == "slide") return {HandKind::kSlide, stiffness};
   if (name == "follow") return {HandKind::kFollow, stiffness};
-  return {HandKind::kFile, stiffness, loadFor("--hand", [&] { return loadHandTargets(name); })};
+  return {HandKind::kFile, stiffness, targetsOf(name)};
 }
 
 }  // namespace
 
 std::unique_ptr<HapticDevice> openVirtual(const DeviceRequest& request) {
-  const PlantProfile profile =
-      loadFor("--profile", [&] { return loadDeviceProfile(request.profile); });
+  const PlantProfile profile = loadProfile(request.profile);
   const HandStiffness stiffness{.hand_N_mm = Hand::light().stiffness_N_m * 1e-3,
                                 .surface_N_mm = profile.stiffness_N_mm};
   HandScript script = handScript(request.hand, stiffness);

@@ -71,6 +71,7 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamStat
       motion_(settings.profile),
       lookup_(pool, settings.interpolation),
       dynamic_(settings.profile),
+      feel_(settings.method, settings.surface),
       safety_(settings.profile),
       mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
   report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
@@ -96,6 +97,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   input.world_jumped = world_changed || scene.jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
   const Vec3 contact_mm = ahead_mm + contact.displacement_mm;
+  report_.contact_mm = contact_mm;
   if (!paused_) {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         play_time, stream, mapping_.scale, &contact_mm);
@@ -140,12 +142,15 @@ void Room::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
 bool Room::follow(const StreamState& stream, const UserControls& user) noexcept {
   bool changed = stream.connected != connected_ && stream.connected;
   if (changed) safety_.newConnection();
+  changed = feel_.follow(user) || changed;
+  proxies_.setFriction(feel_.friction());
   connected_ = stream.connected;
   if (paused_ && !user.paused) {  // the stream has gone on meanwhile: it is joined like a new one
     playout_.rejoin();
     lookup_.rejoin();
     changed = true;
   }
+  changed = changed || (user.paused && !paused_ && feel_.method() == Method::kThesis);
   paused_ = user.paused;
   if (!(stream.workspace == workspace_)) {
     workspace_ = stream.workspace;
@@ -160,13 +165,15 @@ bool Room::follow(const StreamState& stream, const UserControls& user) noexcept 
 }
 
 Contact Room::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
-  if (settings_.method == Method::kThesis) {
-    return thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
+  if (feel_.method() == Method::kThesis) {
+    // It waits for the next frame to see where the hand has gone, and none comes while time stands.
+    return paused_ ? findContact(SurfaceKind::kPerturbed, scene, hip_mm, workspace_)
+                   : thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
   }
-  if (settings_.surface == SurfaceKind::kProxy) {
+  if (feel_.surface() == SurfaceKind::kProxy) {
     return proxies_.touch(scene, hip_mm, workspace_, deepest_mm(scene));
   }
-  return findContact(settings_.surface, scene, hip_mm, workspace_);
+  return findContact(feel_.surface(), scene, hip_mm, workspace_);
 }
 
 /// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
@@ -199,10 +206,14 @@ double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
   if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
   const double usual_N_mm = settings_.profile.stiffness_N_mm;
   if (object == nullptr) return usual_N_mm;
-  const double limit_N_mm = settings_.stiffness_limit_N_mm > 0.0 ? settings_.stiffness_limit_N_mm
-                                                                 : kStiffnessShare * usual_N_mm;
+  const double limit_N_mm = stiffnessLimit_N_mm();
   const double asked_N_mm = object->before->material.stiffness_N_mm.value_or(usual_N_mm);
   return asked_N_mm > limit_N_mm ? limit_N_mm : asked_N_mm;  // a NaN is the chain's to judge
+}
+
+double Room::stiffnessLimit_N_mm() const noexcept {
+  return settings_.stiffness_limit_N_mm > 0.0 ? settings_.stiffness_limit_N_mm
+                                              : kStiffnessShare * settings_.profile.stiffness_N_mm;
 }
 
 /// The author asked for more than the user allows.
@@ -214,8 +225,14 @@ bool Room::softened(const ObjectNow* object) const noexcept {
 /// After a jump the force begins at zero, with the material that is there.
 void Room::followMaterial(SafetyInput& input) noexcept {
   const bool in_contact = report_.contact && input.contact && !input.world_jumped;
-  input.stiffness_N_mm = stiffness_.step(input.stiffness_N_mm, in_contact);
-  input.damping_Ns_m = damping_.step(input.damping_Ns_m, in_contact);
+  const double asked_N_mm = input.stiffness_N_mm * feel_.stiffness();
+  const double most_N_mm = std::max(input.stiffness_N_mm, stiffnessLimit_N_mm());
+  const double wall_N_mm = asked_N_mm > most_N_mm ? most_N_mm : asked_N_mm;
+  input.stiffness_N_mm = stiffness_.step(wall_N_mm * feel_.wall(), in_contact);
+  input.damping_Ns_m = damping_.step(input.damping_Ns_m * feel_.wall(), in_contact);
+  const double dynamic = feel_.dynamic(in_contact);
+  input.dynamic_N *= dynamic;
+  input.inertia_N *= dynamic;
 }
 
 /// What the chain arms at most, by the stiffest object of the scene, in nominal mm.

@@ -17,6 +17,7 @@
 #include "client/haptics/time/lookup.hpp"
 #include "client/haptics/time/playout.hpp"
 #include "client/haptics/time/thesis_interpolation.hpp"
+#include "client/haptics/user_feel.hpp"
 #include "common/latest_value.hpp"
 
 namespace hapticast::client {
@@ -57,6 +58,7 @@ class Room {
   SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
                           const Scene& scene) const noexcept;
   double stiffness_N_mm(const ObjectNow* object) const noexcept;
+  double stiffnessLimit_N_mm() const noexcept;
   bool softened(const ObjectNow* object) const noexcept;
   void followMaterial(SafetyInput& input) noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
@@ -77,6 +79,7 @@ class Room {
   ThesisInterpolation thesis_;
   ProxySurface proxies_;
   DynamicForce dynamic_;
+  UserFeel feel_;
   MaterialRamp stiffness_;
   MaterialRamp damping_;
   SafetyChain safety_;

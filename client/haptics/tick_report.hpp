@@ -37,7 +37,8 @@ struct TickReport {
   Vec3 static_force_N =
       Vec3::Zero();  ///< surface share, after its wall law, before the chain's limits
   Vec3 dynamic_force_N = Vec3::Zero();
-  double penetration_mm = 0.0;  ///< |displacement|, 0 without contact
+  double penetration_mm = 0.0;     ///< |displacement|, 0 without contact
+  Vec3 contact_mm = Vec3::Zero();  ///< where the tip should be, nominal; meant in contact only
   bool contact = false;
   Lookup lookup = Lookup::kNone;
   Fault fault = Fault::kNone;  ///< raised in this tick

@@ -16,6 +16,7 @@ struct ForcePoint {
   double force_N = 0.0;
   double static_force_N = 0.0;
   double dynamic_force_N = 0.0;
+  double penetration_mm = 0.0;
   bool contact = false;  ///< in any of them
 };
 

@@ -35,13 +35,17 @@ void Screenshot::takeReport(const TickReport& report) {
   picture_.reset();
 }
 
-bool Screenshot::turn() {
-  if (!picture_) picture_ = pictures_.nearest(moment_.play_time);
+bool Screenshot::turn(Desk& /*desk*/) {
+  findPicture();
   return true;
 }
 
+void Screenshot::findPicture() {
+  if (!picture_) picture_ = pictures_.nearest(moment_.play_time);
+}
+
 void Screenshot::finish() {
-  (void)turn();
+  findPicture();
   cv::Mat picture;
   Workspace workspace;  // without a picture the whole nominal workspace is the ground
   if (picture_) {

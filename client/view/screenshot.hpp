@@ -20,13 +20,15 @@ class Screenshot final : public View {
   void takePicture(VideoFrame picture, const Workspace& workspace) override;
   void takeReport(const TickReport& report) override;
   /// Finds the picture of the strongest moment while it is still in the buffer.
-  [[nodiscard]] bool turn() override;
+  [[nodiscard]] bool turn(Desk& desk) override;
   void finish() override;
 
   /// The strongest touch so far; while nothing was touched, the last tick.
   [[nodiscard]] const TickReport& moment() const { return moment_; }
 
  private:
+  void findPicture();
+
   std::string file_;
   PictureBuffer pictures_;
   ForceHistory history_;

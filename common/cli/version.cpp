@@ -5,7 +5,7 @@ namespace hapticast {
 
 void addVersion(CLI::App& app, const std::string& built_in) {
   const std::string text = app.get_name() + " " HAPTICAST_VERSION " (" + built_in +
-                           ")\noptional packages, which nothing here uses yet: " HAPTICAST_OPTIONAL;
+                           ")\noptional packages: " HAPTICAST_OPTIONAL;
   app.set_version_flag("--version", text);
   app.footer(text);
 }

@@ -118,9 +118,10 @@ Friction frictionOf(const Material& material) noexcept {
 }
 
 /// Of what it touches, changing slowly while it does.
-Friction ProxySurface::friction(Tied& tied, const ObjectNow& object) noexcept {
+Friction ProxySurface::friction(Tied& tied, const ObjectNow& object) const noexcept {
   const bool in_contact = tied.touch.displacement_mm != Vec3::Zero();
-  const Friction wanted = frictionOf(object.before->material);
+  const Friction wanted =
+      friction_ ? Friction{*friction_, *friction_} : frictionOf(object.before->material);
   const double sticking = tied.sticking.step(wanted.sticking, in_contact);
   return {sticking, std::min(tied.sliding.step(wanted.sliding, in_contact), sticking)};
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "client/haptics/material_ramp.hpp"
 #include "client/haptics/surface/proxy.hpp"
@@ -33,6 +34,9 @@ class ProxySurface {
   Contact touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                 double deepest_mm) noexcept;
 
+  /// From now on everything has this friction, whatever its author says; none: the author's. Under
+  /// the hand it changes slowly.
+  void setFriction(const std::optional<double>& friction) noexcept { friction_ = friction; }
   /// The world or the HIP is not connected with the last tick's, and whoever says so fades the
   /// force: the next tick's contacts are told at their full depth.
   void restart() noexcept;
@@ -67,12 +71,13 @@ class ProxySurface {
   static bool poseJumped(const Tied& tied, const ObjectNow& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
-  static Friction friction(Tied& tied, const ObjectNow& object) noexcept;
+  Friction friction(Tied& tied, const ObjectNow& object) const noexcept;
   void followObject(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
                     const Workspace& workspace, double elapsed_s) noexcept;
 
   std::array<Tied, kMaxObjects> tied_;
   std::array<Near, kMaxObjects> near_;
+  std::optional<double> friction_;  // the user's
   std::size_t near_count_ = 0;
   std::size_t turn_ = 0;  // who comes first
   std::uint64_t tick_ = 1;

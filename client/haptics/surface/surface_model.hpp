@@ -3,8 +3,7 @@
 // stiffness. Real-time room: noexcept, no heap, no locks.
 #pragma once
 
-#include <cstdint>
-
+#include "client/haptics/surface/surface_kind.hpp"
 #include "client/haptics/time/scene.hpp"
 
 namespace hapticast::client {
@@ -15,12 +14,6 @@ namespace hapticast::client {
 inline constexpr double kDefaultDamping_Ns_m = 0.0;  // beside what keeps the wall stable
 inline constexpr double kDefaultFriction = 0.0;
 inline constexpr double kDefaultTextureK_mm = 30.0;
-
-enum class SurfaceKind : std::uint8_t {
-  kPerturbed,  ///< Eq. 3 over k, as printed
-  kNormal,     ///< distance to the tangent plane, d / (1 + |g|²) along M
-  kProxy,      ///< the surface point the HIP is tied to (proxy_surface.hpp): has a state
-};
 
 /// All in nominal mm, device axes.
 struct Contact {

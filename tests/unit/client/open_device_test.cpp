@@ -44,11 +44,21 @@ TEST(OpenDevice, AutoIsTheBestKindThereIs) {
             openDevice(deviceKinds().front().name, {.clock = clock, .seen = seen})->description());
 }
 
+TEST(OpenDevice, AutoIsTheMouseWhereThereIsAWindow) {
+  const ManualClock clock;
+  LatestValue<TickReport> seen;
+  LatestValue<PointerTarget> pointer;
+  const auto device = openDevice("auto", {.clock = clock, .seen = seen, .pointer = &pointer});
+  EXPECT_EQ(device->description(), "mouse: a virtual device (omni) on a spring behind the pointer");
+}
+
 TEST(OpenDevice, ComplaintsNameTheFlag) {
   const ManualClock clock;
   LatestValue<TickReport> seen;
   EXPECT_EQ(complaintOf("spoon", {.clock = clock, .seen = seen}),
-            "--device spoon: is not one of auto|virtual");
+            "--device spoon: is not one of auto|virtual|mouse");
+  EXPECT_EQ(complaintOf("mouse", {.clock = clock, .seen = seen}),
+            "--device mouse: needs the window to point in (--view on)");
   EXPECT_EQ(complaintOf("virtual", {.profile = "/nowhere", .clock = clock, .seen = seen})
                 .find("--profile /nowhere: "),
             0U);

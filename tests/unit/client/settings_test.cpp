@@ -24,6 +24,9 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.delivery.interface_name, "");
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
   EXPECT_EQ(run.settings.hand, "press");
+  EXPECT_FALSE(run.settings.hand_given);
+  EXPECT_EQ(run.settings.view, ViewChoice::kAuto);
+  EXPECT_EQ(run.settings.forces, Forces::kBoth);
   EXPECT_EQ(run.settings.seconds, 0.0);
   EXPECT_EQ(run.settings.method, Method::kHapticast);
   EXPECT_FALSE(run.settings.quiet);
@@ -36,6 +39,9 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.device, "virtual");
   EXPECT_EQ(settings.profile, "falcon");
   EXPECT_EQ(settings.hand, "slide");
+  EXPECT_TRUE(settings.hand_given);
+  EXPECT_EQ(settings.view, ViewChoice::kOff);
+  EXPECT_EQ(settings.forces, Forces::kStatic);
   EXPECT_EQ(settings.delivery.best, Way::kTcp);
   EXPECT_EQ(settings.delivery.copies, 3U);
   EXPECT_EQ(settings.delivery.interface_name, "lo");
@@ -53,12 +59,15 @@ void expectAll(const Settings& settings) {
 
 std::vector<std::pair<std::string, std::string>> everyFlag() {
   std::vector<std::pair<std::string, std::string>> flags = {
-      {"server", "[::1]:99"}, {"device", "virtual"},      {"profile", "falcon"},
-      {"hand", "slide"},      {"transport", "tcp"},       {"surface", "perturbed"},
-      {"method", "thesis"},   {"log", "a.csv"},           {"summary", "b.json"},
-      {"seconds", "2.5"},     {"quiet", "true"},          {"rearm", "true"},
-      {"fault-dir", "d"},     {"stiffness-limit", "2.5"}, {"redundancy", "3"},
-      {"interface", "lo"}};
+      {"server", "[::1]:99"}, {"device", "virtual"},
+      {"profile", "falcon"},  {"view", "off"},
+      {"forces", "static"},   {"hand", "slide"},
+      {"transport", "tcp"},   {"surface", "perturbed"},
+      {"method", "thesis"},   {"log", "a.csv"},
+      {"summary", "b.json"},  {"seconds", "2.5"},
+      {"quiet", "true"},      {"rearm", "true"},
+      {"fault-dir", "d"},     {"stiffness-limit", "2.5"},
+      {"redundancy", "3"},    {"interface", "lo"}};
   if (hasViewer()) flags.emplace_back("screenshot", "c.png");
   return flags;
 }
@@ -94,7 +103,7 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
 
 TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   const std::vector<std::array<std::string, 3>> wrong = {
-      {"--device", "mouse", "auto|virtual"},         {"--transport", "upd", "multicast|tcp|udp"},
+      {"--device", "spoon", "auto|mouse|virtual"},   {"--transport", "upd", "multicast|tcp|udp"},
       {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
       {"--surface", "flat", "normal|perturbed"},     {"--method", "best", "hapticast|thesis"},
       {"--seconds", "nan", "0.001 to 1000000000"},   {"--seconds", "0", "0.001 to 1000000000"},

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+// The window as a person uses it, on SDL's display for machines without one: a real server streams
+// a ball, pointer and keys come as SDL's events, the force is felt through the mouse.
+#include "client/view/window.hpp"
+
+#include <cstdlib>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "client/app.hpp"
+#include "tests/integration/programs_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+using client::TickReport;
+using client::ViewerWindow;
+
+/// The real window, and somebody who sits before it: `each_turn` looks and acts.
+class Watched final : public client::View {
+ public:
+  using EachTurn = std::function<void(ViewerWindow& window, const TickReport& report)>;
+  Watched(EachTurn each_turn, TickReport& last) : each_turn_(std::move(each_turn)), last_(last) {}
+  void takePicture(VideoFrame picture, const Workspace& workspace) override {
+    window_.takePicture(std::move(picture), workspace);
+  }
+  void takeReport(const TickReport& report) override {
+    last_ = report;
+    window_.takeReport(report);
+  }
+  bool turn(client::Desk& desk) override {
+    each_turn_(window_, last_);
+    return window_.turn(desk);
+  }
+  void finish() override { window_.finish(); }
+  [[nodiscard]] bool points() const override { return window_.points(); }
+
+ private:
+  ViewerWindow window_{960, 540};
+  EachTurn each_turn_;
+  TickReport& last_;
+};
+
+void key(SDL_Keycode code) {
+  SDL_Event event{};
+  event.type = SDL_KEYDOWN;
+  event.key.keysym.sym = code;
+  SDL_PushEvent(&event);
+}
+
+void pointAt(const ViewerWindow& window, const Vec2& nominal_mm) {
+  const ImVec2 at = window.place().toWindow(nominal_mm);
+  SDL_Event event{};
+  event.type = SDL_MOUSEMOTION;
+  event.motion.x = static_cast<int>(at.x);
+  event.motion.y = static_cast<int>(at.y);
+  SDL_PushEvent(&event);
+}
+
+void wheel(float notches) {
+  SDL_Event event{};
+  event.type = SDL_MOUSEWHEEL;
+  event.wheel.preciseY = notches;
+  SDL_PushEvent(&event);
+}
+
+/// A story told in steps: each waits for something, then does something.
+class Story {
+ public:
+  struct Step {
+    const char* awaited;
+    std::function<bool(const TickReport& report)> comes;
+    std::function<void(ViewerWindow& window, const TickReport& report)> then;
+  };
+  explicit Story(std::vector<Step> steps) : steps_(std::move(steps)) {}
+
+  void goOn(ViewerWindow& window, const TickReport& report) {
+    if (at_ == steps_.size()) return;
+    if (report.time - since_ > kSoon) {
+      ADD_FAILURE() << "never came: " << steps_[at_].awaited;
+      at_ = steps_.size();
+      end();
+      return;
+    }
+    if (!steps_[at_].comes(report)) return;
+    steps_[at_].then(window, report);
+    since_ = report.time;
+    ++at_;
+  }
+  [[nodiscard]] bool over() const { return at_ == steps_.size(); }
+  static void end() {
+    SDL_Event event{};
+    event.type = SDL_QUIT;
+    SDL_PushEvent(&event);
+  }
+
+ private:
+  std::vector<Step> steps_;
+  std::size_t at_ = 0;
+  LocalTime since_{};
+};
+
+class ProgramsWindowTest : public ProgramsTest {
+ protected:
+  ProgramsWindowTest() {
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+    setenv("SDL_RENDER_DRIVER", "software", 1);
+  }
+  /// The story, told to a client of this server; its summary.
+  nlohmann::json tell(Story& story, const std::string& address) {
+    client::Settings settings;
+    const auto colon = address.rfind(':');
+    settings.server = {address.substr(0, colon),
+                       static_cast<std::uint16_t>(std::stoi(address.substr(colon + 1)))};
+    settings.summary_file = path("summary.json");
+    settings.quiet = true;
+    client::Views views;
+    views.push_back(std::make_unique<Watched>(
+        [&story](ViewerWindow& window, const TickReport& report) { story.goOn(window, report); },
+        last));
+    const SteadyClock clock;
+    client::App app(settings, clock, std::move(views));
+    EXPECT_TRUE(app.run());
+    EXPECT_TRUE(story.over());
+    std::ifstream in(settings.summary_file);
+    return nlohmann::json::parse(in);
+  }
+  TickReport last;
+};
+
+/// The static arrow's end, of the pixels that were drawn, relative to where the tip is seen.
+Vec2 drawnArrow(const cv::Mat& pixels, const client::ScenePlace& place, const Vec3& hip_mm) {
+  const ImVec2 tip = place.toWindow(hip_mm.head<2>());
+  Vec2 farthest = Vec2::Zero();
+  for (int v = static_cast<int>(place.corner().y); v < static_cast<int>(place.end().y); ++v) {
+    for (int u = static_cast<int>(place.corner().x); u < static_cast<int>(place.end().x); ++u) {
+      const auto& pixel = pixels.at<cv::Vec3b>(v, u);
+      const bool blue =
+          pixel[0] > 247 && std::abs(pixel[1] - 120) < 8 && std::abs(pixel[2] - 64) < 8;
+      const Vec2 way(u + 0.5 - double{tip.x}, v + 0.5 - double{tip.y});
+      if (blue && way.norm() > farthest.norm()) farthest = way;
+    }
+  }
+  return farthest;
+}
+
+TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesFeelsItAndGoesOn) {
+  const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
+  const std::string address = addressOf(*server);
+  LocalTime since{};
+  MediaTime stood{};
+  // The wheel leads the tip no nearer than this, and there the pointer takes it at first.
+  constexpr double kNearest_mm = 35.0;
+  float press = 0.0F;  // notches from there to a press
+  const auto wait = [&since](const TickReport& report, double seconds) {
+    return report.time - since > fromSeconds(seconds);
+  };
+  Story story(
+      {{"a ball", [](const TickReport& r) { return r.object_present && toSeconds(r.time) > 1.0; },
+        [](ViewerWindow&, const TickReport&) { key(SDLK_SPACE); }},
+       {"standstill",
+        [&](const TickReport& r) { return std::exchange(stood, r.play_time) == r.play_time; },
+        [](ViewerWindow& window, const TickReport& r) {
+          pointAt(window, r.object_centre_mm + Vec2(6.0, 4.0));
+        }},
+       {"the tip over the ball", [](const TickReport& r) { return r.over_object; },
+        [&](ViewerWindow&, const TickReport& r) {
+          since = r.time;
+          press = static_cast<float>(r.object_centre_height_mm - 9.0 - kNearest_mm);
+          wheel(press);
+        }},
+       {"a press, held",
+        [&](const TickReport& r) { return r.contact && r.force_N.norm() > 0.5 && wait(r, 2.0); },
+        [&](ViewerWindow& window, const TickReport& r) {
+          EXPECT_EQ(r.play_time, stood) << "paused";
+          client::Desk desk;
+          window.draw(desk);
+          const cv::Mat pixels = window.pixels();
+          const double width_px = window.place().end().x - window.place().corner().x;
+          const Vec3& f = r.static_force_N;  // z is drawn up and a little to the right
+          const Vec2 wanted = 0.09 * width_px * Vec2(f.x() + 0.35 * f.z(), -f.y() - 0.75 * f.z());
+          EXPECT_LT((drawnArrow(pixels, window.place(), r.hip_mm) - wanted).norm(), 3.0)
+              << wanted.transpose();
+          EXPECT_GT(wanted.norm(), 20.0);
+          since = r.time;
+          key(SDLK_s);
+        }},
+       {"no static force",
+        [&](const TickReport& r) { return r.static_force_N == Vec3::Zero() && wait(r, 0.5); },
+        [](ViewerWindow&, const TickReport&) {
+          key(SDLK_s);
+          key(SDLK_m);
+          wheel(100.0F);
+        }},
+       {"a hand that has left", [](const TickReport& r) { return !r.contact; },
+        [&](ViewerWindow&, const TickReport&) { wheel(press); }},
+       {"the thesis's method, felt again",
+        [](const TickReport& r) { return r.contact && r.force_N.norm() > 0.2; },
+        [&](ViewerWindow&, const TickReport&) { key(SDLK_SPACE); }},
+       {"time that goes on", [&](const TickReport& r) { return r.play_time > stood; },
+        [](ViewerWindow&, const TickReport&) {
+          key(SDLK_SPACE);
+          wheel(-20.0F);
+        }},
+       {"contact once more", [](const TickReport& r) { return r.contact || !r.over_object; },
+        [](ViewerWindow&, const TickReport&) { Story::end(); }}});
+  const auto summary = tell(story, address);
+  EXPECT_EQ(summary["step_excess_max_N"], 0.0);
+  EXPECT_LE(summary["max_force_N"], 3.3 + 1e-9);
+  EXPECT_EQ(last.force_N, Vec3(Vec3::Zero())) << "closed in contact";
+  interrupt(*server);
+}
+
+}  // namespace
+}  // namespace hapticast::testing

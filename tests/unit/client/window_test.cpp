@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// The window itself on SDL's display for machines without one: what it draws, what it hears.
+#include "client/view/window.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+
+namespace hapticast::client {
+namespace {
+
+/// SDL's drivers without display and graphics card; a picture grey as this is shown.
+class WindowTest : public ::testing::Test {
+ protected:
+  WindowTest() {
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+    setenv("SDL_RENDER_DRIVER", "software", 1);
+    desk.stream.connected = true;
+  }
+  static VideoFrame grey(int level) {
+    VideoFrame frame{0, 0, mediaTime(1.0), {}};
+    cv::imencode(".jpg", cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(level)), frame.jpeg);
+    return frame;
+  }
+  static TickReport touch() {
+    TickReport report;
+    report.play_time = mediaTime(1.0);
+    report.hip_mm = {5.0, -8.0, 12.0};
+    report.contact_mm = {6.0, -8.0, 16.0};
+    report.static_force_N = {0.9, 0.4, 0.0};
+    report.dynamic_force_N = {-0.6, 0.5, 0.0};
+    report.force_N = report.static_force_N + report.dynamic_force_N;
+    report.lookup = Lookup::kInterpolated;
+    report.contact = true;
+    report.penetration_mm = 2.0;
+    return report;
+  }
+  static bool is(const cv::Vec3b& pixel, ImU32 color) {
+    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color);
+    return std::abs(pixel[2] - 255.0F * c.x) < 8 && std::abs(pixel[1] - 255.0F * c.y) < 8 &&
+           std::abs(pixel[0] - 255.0F * c.z) < 8;
+  }
+  /// From the tip to the farthest pixel of this colour over the picture.
+  static Vec2 drawnWay(const cv::Mat& pixels, const ScenePlace& place, const Vec2& tip,
+                       ImU32 color) {
+    Vec2 farthest = Vec2::Zero();
+    for (int v = static_cast<int>(place.corner().y); v < static_cast<int>(place.end().y); ++v) {
+      for (int u = static_cast<int>(place.corner().x); u < static_cast<int>(place.end().x); ++u) {
+        const Vec2 way = Vec2(u + 0.5, v + 0.5) - tip;
+        if (is(pixels.at<cv::Vec3b>(v, u), color) && way.norm() > farthest.norm()) farthest = way;
+      }
+    }
+    return farthest;
+  }
+  Desk desk;
+};
+
+TEST_F(WindowTest, ArrowsPointWhereTheForceDoesInEverySize) {
+  for (const cv::Size size : {cv::Size(640, 480), cv::Size(1280, 720), cv::Size(1920, 1080)}) {
+    ViewerWindow window(size.width, size.height);
+    window.takePicture(grey(90), Workspace{});
+    const TickReport report = touch();
+    window.takeReport(report);
+    window.draw(desk);
+    const cv::Mat pixels = window.pixels();
+    ASSERT_EQ(pixels.size(), size);
+    const ScenePlace& place = window.place();
+    const double width_px = place.end().x - place.corner().x;
+    // The picture is 160 mm wide, its middle is nominal (0, 0), y goes up.
+    const Vec2 tip(place.corner().x + width_px * (0.5 + 5.0 / 160.0),
+                   0.5 * (place.corner().y + place.end().y) + width_px * 8.0 / 160.0);
+    for (const auto& [color, force_N] : {std::pair(kStaticColor, report.static_force_N),
+                                         std::pair(kDynamicColor, report.dynamic_force_N)}) {
+      const Vec2 wanted = 0.09 * width_px * Vec2(force_N.x(), -force_N.y());
+      EXPECT_LT((drawnWay(pixels, place, tip, color) - wanted).norm(), 2.5) << size;
+    }
+    const auto corner = pixels.at<cv::Vec3b>(static_cast<int>(place.end().y) - 3,
+                                             static_cast<int>(place.corner().x) + 3);
+    EXPECT_NEAR(corner[1], 90, 3) << "the picture";
+  }
+}
+
+TEST_F(WindowTest, ThePictureOfAPausedFrameStaysHoweverLongThePauseIs) {
+  ViewerWindow window(640, 480);
+  const auto shown = [&] {
+    window.draw(desk);
+    return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y) - 3, 3)[1];
+  };
+  window.takePicture(grey(90), Workspace{});
+  window.takeReport(touch());
+  EXPECT_NEAR(shown(), 90, 3);
+  for (int i = 1; i <= 200; ++i) {  // far more than are kept
+    VideoFrame later = grey(200);
+    later.media_time = mediaTime(1.0 + 0.04 * i);
+    window.takePicture(std::move(later), Workspace{});
+  }
+  EXPECT_NEAR(shown(), 90, 3);
+  TickReport goes_on = touch();
+  goes_on.play_time = mediaTime(9.0);
+  window.takeReport(goes_on);
+  EXPECT_NEAR(shown(), 200, 3);
+}
+
+TEST_F(WindowTest, HearsKeysPointerAndWheel) {
+  ViewerWindow window(640, 480);
+  window.takePicture(grey(90), Workspace{});
+  TickReport report = touch();
+  window.takeReport(report);
+  EXPECT_TRUE(window.turn(desk));
+  const auto key = [&](SDL_Keycode code) {
+    SDL_Event event{};
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = code;
+    SDL_PushEvent(&event);
+    EXPECT_TRUE(window.turn(desk));
+  };
+  key(SDLK_SPACE);
+  EXPECT_TRUE(desk.user.paused);
+  key(SDLK_s);
+  key(SDLK_d);
+  EXPECT_FALSE(desk.user.static_on || desk.user.dynamic_on);
+  key(SDLK_m);
+  EXPECT_EQ(desk.user.method, Method::kThesis);
+  key(SDLK_r);
+  EXPECT_EQ(desk.user.rearm, 1U);
+
+  SDL_Event motion{};
+  motion.type = SDL_MOUSEMOTION;
+  const ImVec2 at = window.place().toWindow({-10.0, 20.0});
+  motion.motion.x = static_cast<int>(at.x);
+  motion.motion.y = static_cast<int>(at.y);
+  SDL_PushEvent(&motion);
+  EXPECT_TRUE(window.turn(desk));
+  ASSERT_TRUE(desk.pointer.known);
+  EXPECT_LT((desk.pointer.position_mm - Vec3(-10.0, 20.0, 12.0)).norm(), 1.0)
+      << "in depth it begins where the tip is";
+  SDL_Event wheel{};
+  wheel.type = SDL_MOUSEWHEEL;
+  wheel.wheel.preciseY = -4.0F;
+  SDL_PushEvent(&wheel);
+  EXPECT_TRUE(window.turn(desk));
+  EXPECT_DOUBLE_EQ(desk.pointer.position_mm.z(), 8.0);
+
+  SDL_Event quit{};
+  quit.type = SDL_QUIT;
+  SDL_PushEvent(&quit);
+  EXPECT_FALSE(window.turn(desk));
+}
+
+TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
+  setenv("SDL_VIDEODRIVER", "x11", 1);
+  setenv("DISPLAY", ":987", 1);
+  try {
+    const ViewerWindow window;
+    ADD_FAILURE() << "there is a display :987";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find("--view on: no display ("), 0U) << error.what();
+  }
+  unsetenv("DISPLAY");
+}
+
+TEST_F(WindowTest, TheLineOfStatusSaysWhyThereIsNoForce) {
+  TickReport report = touch();
+  report.force_N = {0.0, 0.0, 1.2};
+  EXPECT_EQ(statusLine(report, desk), "in contact, 1.2 N");
+  report.lookup = Lookup::kFaded;
+  EXPECT_EQ(statusLine(report, desk), "no fresh frames: the force has faded");
+  report.halt = Halt::kTrustLost;
+  EXPECT_EQ(statusLine(report, desk), "the stream is not trusted any more: no force (R re-arms)");
+  report.halt = Halt::kNone;
+  desk.stream.connected = false;
+  EXPECT_EQ(statusLine(report, desk), "no server yet: waiting for one");
+}
+
+}  // namespace
+}  // namespace hapticast::client
