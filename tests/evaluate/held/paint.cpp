@@ -20,7 +20,7 @@ Color mixed(const Color& a, const Color& b, float share) { return a + share * (b
 double wrapped(double at, double period) { return at - period * std::floor(at / period); }
 
 // A number in 0..1 that is the same for the same cell.
-float chance(int i, int j, int k = 0) {
+float drawn(int i, int j, int k = 0) {
   std::uint32_t h = static_cast<std::uint32_t>(i) * 0x9E3779B1U ^
                     static_cast<std::uint32_t>(j) * 0x85EBCA77U ^
                     static_cast<std::uint32_t>(k) * 0xC2B2AE3DU;
@@ -42,7 +42,7 @@ Color label(const Paint& paint, const Vec3& p) {
   const int row = static_cast<int>(std::floor(p.y() / 7.0));
   const double letter = wrapped(around_mm, 5.0);
   const bool ink = wrapped(p.y(), 7.0) < 3.5 && letter < 3.4 &&
-                   chance(row, static_cast<int>(std::floor(around_mm / 5.0))) < 0.6F;
+                   drawn(row, static_cast<int>(std::floor(around_mm / 5.0))) < 0.6F;
   return ink ? Color(0.08F, 0.08F, 0.08F) : paint.second;
 }
 
@@ -50,13 +50,13 @@ Color shelf(const Paint& paint, const Vec3& p) {
   const double height_mm = 11.0 * paint.scale_mm;
   const int row = static_cast<int>(std::floor(p.y() / height_mm));
   const double up = wrapped(p.y(), height_mm) / height_mm;
-  const int book = static_cast<int>(std::floor(p.x() / paint.scale_mm + 0.4 * chance(row, 3)));
+  const int book = static_cast<int>(std::floor(p.x() / paint.scale_mm + 0.4 * drawn(row, 3)));
   if (up < 0.07) return paint.color;
-  if (up > 0.68 + 0.26F * chance(book, row, 1)) return 0.25F * paint.color;
-  const Color back(0.06F + 0.4F * chance(book, row, 2), 0.06F + 0.4F * chance(book, row, 3),
-                   0.08F + 0.5F * chance(book, row, 4));
-  return wrapped(up * 9.0 + chance(book, row, 5), 3.0) < 0.4 ? mixed(back, paint.second, 0.5F)
-                                                             : back;
+  if (up > 0.68 + 0.26F * drawn(book, row, 1)) return 0.25F * paint.color;
+  const Color back(0.06F + 0.4F * drawn(book, row, 2), 0.06F + 0.4F * drawn(book, row, 3),
+                   0.08F + 0.5F * drawn(book, row, 4));
+  return wrapped(up * 9.0 + drawn(book, row, 5), 3.0) < 0.4 ? mixed(back, paint.second, 0.5F)
+                                                            : back;
 }
 
 Color dots(const Paint& paint, const Vec3& p) {

@@ -3,87 +3,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <opencv2/imgproc.hpp>
+
+#include "tests/evaluate/held/reach.hpp"
 
 namespace hapticast::evaluate::held {
 
 namespace {
 
 constexpr int kSteps = 96;          // rays that graze take many
-constexpr double kClose_mm = 0.02;  // from here on the root is refined
+constexpr double kExact_mm = 1e-4;  // a root is found within this
+constexpr double kStep_mm = 0.02;   // added to each, so that the surface is crossed
 constexpr double kCautious = 0.85;  // of an ellipsoid's distance, which is not quite a bound
-constexpr int kShadowMap = 288;
-constexpr double kShadowCell_mm = 3.0;
+constexpr int kShadowMap = 216;
+constexpr double kShadowCell_mm = 4.0;
 constexpr double kShadowBias_mm = 7.0;
 constexpr float kNowhere = 1e9F;
 
-struct Bounds {
-  cv::Rect rect;
-  Ball ball;  // in the thing's frame
+struct Place {
+  double along = 0.0;
+  double distance_mm = 0.0;
 };
 
-// The pixels that a ball may cover.
-cv::Rect rectOf(const Ball& ball, const server::CameraModel& camera, const cv::Size& size) {
-  const double nearest_z = ball.centre_mm.z() - ball.radius_mm;
-  const cv::Rect all({0, 0}, size);
-  if (nearest_z < 30.0) return ball.centre_mm.z() + ball.radius_mm < 1.0 ? cv::Rect() : all;
-  const auto reach = [&](double at, double focal_px, double middle_px, int& low, int& high) {
-    const double a = (at - ball.radius_mm) /
-                     ((at < ball.radius_mm) ? nearest_z : nearest_z + 2 * ball.radius_mm);
-    const double b = (at + ball.radius_mm) /
-                     ((at > -ball.radius_mm) ? nearest_z : nearest_z + 2 * ball.radius_mm);
-    low = static_cast<int>(std::floor(std::clamp(focal_px * a + middle_px, -10.0, 1e5)));
-    high = static_cast<int>(std::ceil(std::clamp(focal_px * b + middle_px, -10.0, 1e5)));
-  };
-  int left = 0;
-  int right = 0;
-  int top = 0;
-  int bottom = 0;
-  reach(ball.centre_mm.x(), camera.fx_px, camera.cx_px, left, right);
-  reach(ball.centre_mm.y(), camera.fy_px, camera.cy_px, top, bottom);
-  return cv::Rect(left, top, right - left + 1, bottom - top + 1) & all;
-}
-
-// Of the candidates, those whose balls the ray meets, and between where.
-struct Span {
-  double from = std::numeric_limits<double>::infinity();
-  double to = 0.0;
-};
-Span among(const std::vector<Bounds>& bounds, const Parts& candidates, int u, const Vec3& origin,
-           const Vec3& direction, Parts& out) {
-  out.clear();
-  Span span;
-  const double length2 = direction.squaredNorm();
-  for (const std::uint8_t index : candidates) {
-    const Bounds& b = bounds[index];
-    if (u < b.rect.x || u >= b.rect.x + b.rect.width) continue;
-    const Vec3 to = b.ball.centre_mm - origin;
-    const double along = to.dot(direction) / length2;
-    const double rest =
-        b.ball.radius_mm * b.ball.radius_mm - (to.squaredNorm() - along * along * length2);
-    if (rest < 0) continue;
-    const double half = std::sqrt(rest / length2);
-    span.from = std::min(span.from, along - half);
-    span.to = std::max(span.to, along + half);
-    out.push_back(index);
+// Where the distance is 0: by the straight line through both ends, and where one end stays, with
+// half of its distance, so that it moves, too (the Illinois rule).
+template <class Distance>
+double rootBetween(Place outside, Place inside, const Distance& distanceAt) {
+  Place middle = inside;
+  int stayed = 0;  // > 0: how often the inner end did
+  for (int i = 0; i < 30; ++i) {
+    const double share = outside.distance_mm / (outside.distance_mm - inside.distance_mm);
+    middle.along = outside.along + share * (inside.along - outside.along);
+    middle.distance_mm = distanceAt(middle.along);
+    if (std::abs(middle.distance_mm) < kExact_mm) break;
+    if (middle.distance_mm > 0) {
+      outside = middle;
+      stayed = std::max(1, stayed + 1);
+      if (stayed > 1) inside.distance_mm *= 0.5;
+    } else {
+      inside = middle;
+      stayed = std::min(-1, stayed - 1);
+      if (stayed < -1) outside.distance_mm *= 0.5;
+    }
   }
-  return span;
-}
-
-Parts inRow(const std::vector<Bounds>& bounds, int v) {
-  Parts out;
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    const cv::Rect& rect = bounds[i].rect;
-    if (v >= rect.y && v < rect.y + rect.height) out.push_back(static_cast<std::uint8_t>(i));
-  }
-  return out;
-}
-
-cv::Rect unionOf(const std::vector<Bounds>& bounds) {
-  cv::Rect out;
-  for (const Bounds& b : bounds) out |= b.rect;
-  return out;
+  return middle.along;
 }
 
 }  // namespace
@@ -94,28 +57,23 @@ Picture Picture::clone() const {
 
 std::optional<double> meet(const Thing& thing, const Parts& among, const Vec3& origin,
                            const Vec3& direction, double from, double most) {
+  const auto distanceAt = [&](double along) {
+    return nearest(thing, among, origin + along * direction).distance_mm;
+  };
   const double length = direction.norm();
-  const double careful = thing.fur_mm > 0 ? 0.7 : kCautious;
-  double at = from;
-  double outside = from;  // the last place known to be outside
-  for (int i = 0; i < kSteps && at < most; ++i) {
-    const double distance = nearest(thing, among, origin + at * direction).distance_mm;
-    if (distance < kClose_mm) {
-      if (distance >= 0) {  // a little further it is inside
-        outside = at;
-        at += 2.0 * kClose_mm / length;
-        continue;
-      }
-      double inside = at;  // halved until the place is exact
-      for (int k = 0; k < 40 && inside - outside > 1e-5 / length; ++k) {
-        const double middle = 0.5 * (inside + outside);
-        const bool is_inside = nearest(thing, among, origin + middle * direction).distance_mm < 0;
-        (is_inside ? inside : outside) = middle;
-      }
-      return 0.5 * (inside + outside);
-    }
+  const bool bounds = std::none_of(among.begin(), among.end(), [&](std::uint8_t part) {
+    return thing.parts[part].form == Form::kEllipsoid;
+  });
+  const double careful = thing.fur_mm > 0 ? 0.75 : bounds ? 1.0 : kCautious;
+  double outside = from;
+  double gap_mm = distanceAt(from);
+  if (gap_mm < 0) return from;
+  for (int i = 0; i < kSteps && outside < most; ++i) {
+    const double at = outside + (careful * gap_mm + kStep_mm) / length;
+    const double next_mm = distanceAt(at);
+    if (next_mm < 0) return rootBetween({outside, gap_mm}, {at, next_mm}, distanceAt);
     outside = at;
-    at += careful * distance / length;
+    gap_mm = next_mm;
   }
   return std::nullopt;
 }
@@ -131,23 +89,17 @@ Picture Renderer::empty() const {
 }
 
 int Renderer::draw(const Thing& thing, const std::vector<Paint>& paints, Picture& picture) const {
-  std::vector<Bounds> bounds;
-  bounds.reserve(thing.parts.size());
-  for (const Part& part : thing.parts) {
-    const Ball ball = ballAround(thing, part);
-    bounds.push_back(
-        {rectOf({thing.pose.out(ball.centre_mm), ball.radius_mm}, camera_, size_), ball});
-  }
-  const cv::Rect reach = unionOf(bounds);
+  const Reach reach(thing, [this](const Ball& ball) { return rectOf(ball, camera_, size_); });
+  const cv::Rect& rect = reach.rect();
   const Mat3 inwards = thing.pose.turn.transpose();
   const Vec3 origin = thing.pose.in(Vec3::Zero());
   Parts on_ray;
   int filled = 0;
-  for (int v = reach.y; v < reach.y + reach.height; ++v) {
-    const Parts row = inRow(bounds, v);
-    for (int u = reach.x; u < reach.x + reach.width; ++u) {
+  for (int v = rect.y; v < rect.y + rect.height; ++v) {
+    const Parts row = reach.inRow(v);
+    for (int u = rect.x; u < rect.x + rect.width; ++u) {
       const Vec3 ray = inwards * rayAt(u, v);
-      const Span span = among(bounds, row, u, origin, ray, on_ray);
+      const Reach::Span span = reach.onRay(row, u, origin, ray, on_ray);
       if (on_ray.empty()) continue;
       const auto z = meet(thing, on_ray, origin, ray, std::max(span.from, 1.0), span.to);
       if (!z) continue;
@@ -229,27 +181,27 @@ Shadows Shadows::clone() const {
   return out;
 }
 
-void Shadows::add(const Thing& thing) {
-  std::vector<Bounds> bounds;
-  bounds.reserve(thing.parts.size());
-  for (const Part& part : thing.parts) {
-    const Ball ball = ballAround(thing, part);
-    const Vec3 off = thing.pose.out(ball.centre_mm) - corner_mm_;
+void Shadows::add(const Thing& casts) {
+  Thing thing = casts;
+  thing.fur_mm = 0.0;  // its shadow is soft anyway
+  const cv::Rect all(0, 0, kShadowMap, kShadowMap);
+  const Reach reach(thing, [&](const Ball& ball) {
+    const Vec3 off = ball.centre_mm - corner_mm_;
     const auto cell = [](double mm) { return static_cast<int>(std::floor(mm / kShadowCell_mm)); };
-    const int u = cell(off.dot(across_) - ball.radius_mm);
-    const int v = cell(off.dot(along_) - ball.radius_mm);
     const int side = cell(2.0 * ball.radius_mm) + 2;
-    bounds.push_back({cv::Rect(u, v, side, side) & cv::Rect(0, 0, kShadowMap, kShadowMap), ball});
-  }
-  const cv::Rect reach = unionOf(bounds);
+    return cv::Rect(cell(off.dot(across_) - ball.radius_mm), cell(off.dot(along_) - ball.radius_mm),
+                    side, side) &
+           all;
+  });
+  const cv::Rect& rect = reach.rect();
   const Vec3 ray = thing.pose.turn.transpose() * down_;
   Parts on_ray;
-  for (int v = reach.y; v < reach.y + reach.height; ++v) {
-    const Parts row = inRow(bounds, v);
-    for (int u = reach.x; u < reach.x + reach.width; ++u) {
+  for (int v = rect.y; v < rect.y + rect.height; ++v) {
+    const Parts row = reach.inRow(v);
+    for (int u = rect.x; u < rect.x + rect.width; ++u) {
       const Vec3 origin =
           thing.pose.in(corner_mm_ + kShadowCell_mm * ((u + 0.5) * across_ + (v + 0.5) * along_));
-      const Span span = among(bounds, row, u, origin, ray, on_ray);
+      const Reach::Span span = reach.onRay(row, u, origin, ray, on_ray);
       if (on_ray.empty()) continue;
       const auto at = meet(thing, on_ray, origin, ray, std::max(span.from, 0.0), span.to);
       float& nearest_mm = distance_.at<float>(v, u);

@@ -17,8 +17,8 @@ constexpr double kReach_mm = 24.0;  // the thing lies this far towards the finge
 constexpr double kSlant = 0.15;
 
 // From over the viewer's side, to the right; and from the person's.
-const StagePlan kAcross{0.42, 620.0, 75.0, true, true};
-const StagePlan kOverhead{0.95, 600.0, 40.0, false, true};
+const StagePlan kAcross{0.42, 570.0, 75.0, true, true};
+const StagePlan kOverhead{0.95, 560.0, 40.0, false, true};
 
 class Play : public Stage {
  public:
@@ -254,7 +254,7 @@ void hiddenByBook(Play& p) {
   board.paint = p.add(cover);
   book.parts = {board};
   Path way({Mat3::Identity(), p.at(400, 90, 110)});
-  way.move({0.2, 0.95}, p.at(-400, 0, 0)).move({1.25, 2.0}, p.at(410, 10, 0));
+  way.move({0.2, 0.95}, p.at(-400, 0, 0)).move({1.0, 1.8}, p.at(410, 10, 0));
   p.scene.props = {{book, way.in(p.to_camera)}};
   HandScript hand = p.hand(kHand, true, p.at(620, 20, 300));
   const Pose grip = handAt(p.at(112, -30, -22), p.at(-0.25, 0, 1), p.at(-1, 0.2, 0));

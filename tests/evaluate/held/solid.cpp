@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/evaluate/held/paint.hpp"
-
 namespace hapticast::evaluate::held {
 
 namespace {
@@ -74,6 +72,32 @@ double alongTube(const Vec3& size_mm, const Vec3& p) {
 double tube(const Vec3& size_mm, const Vec3& p) {
   const double along = alongTube(size_mm, p);
   return (p - placeOnTube(along, size_mm.z()).at_mm).norm() - size_mm.x();
+}
+
+// A number in 0..1 that is the same for the same cell.
+double chance(int i, int j, int k) {
+  std::uint32_t h = static_cast<std::uint32_t>(i) * 0x9E3779B1U ^
+                    static_cast<std::uint32_t>(j) * 0x85EBCA77U ^
+                    static_cast<std::uint32_t>(k) * 0xC2B2AE3DU;
+  h = (h ^ (h >> 15U)) * 0x2C1B3C6DU;
+  return static_cast<double>((h ^ (h >> 15U)) >> 8U) / 16777216.0;
+}
+
+// Smooth noise with cells of 1, 0..1: one octave, since it is asked for at every step of a ray.
+double tuft(const Vec3& p) {
+  const Vec3 low(std::floor(p.x()), std::floor(p.y()), std::floor(p.z()));
+  const Vec3 f = p - low;
+  const Vec3 w = f.cwiseProduct(f).cwiseProduct(Vec3::Constant(3.0) - 2.0 * f);
+  const int i = static_cast<int>(low.x());
+  const int j = static_cast<int>(low.y());
+  const int k = static_cast<int>(low.z());
+  const auto row = [&](int y, int z) {
+    const double a = chance(i, y, z);
+    return a + w.x() * (chance(i + 1, y, z) - a);
+  };
+  const double near = row(j, k) + w.y() * (row(j + 1, k) - row(j, k));
+  const double far = row(j, k + 1) + w.y() * (row(j + 1, k + 1) - row(j, k + 1));
+  return near + w.z() * (far - near);
 }
 
 // Two distances flow into one another where they differ by less than `blend`.
@@ -163,8 +187,8 @@ Near nearest(const Thing& thing, const Parts& among, const Vec3& at_mm) {
     out.part = index;
   }
   out.distance_mm = std::min(out.distance_mm, group_mm);
-  if (thing.fur_mm > 0 && out.distance_mm < 4.0 * thing.fur_mm)
-    out.distance_mm -= thing.fur_mm * (solidNoise(kFurScale * at_mm) - 0.5);
+  if (thing.fur_mm > 0 && out.distance_mm < 0.6 * thing.fur_mm)
+    out.distance_mm -= thing.fur_mm * (tuft(kFurScale * at_mm) - 0.5);
   return out;
 }
 

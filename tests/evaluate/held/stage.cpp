@@ -29,8 +29,8 @@ Color screen(double red, double green, double blue) {
 
 Color anyColor(Draw& draw) {
   const double hue = draw.between(0.0, 6.0);
-  const double strong = draw.chance(0.25) ? draw.between(0.0, 0.2) : draw.between(0.35, 0.85);
-  const double light = draw.between(60.0, 225.0);
+  const double strong = draw.chance(0.35) ? draw.between(0.0, 0.15) : draw.between(0.15, 0.65);
+  const double light = draw.between(60.0, 215.0);
   const auto channel = [&](double from) {
     const double off = std::abs(std::fmod(hue - from + 9.0, 6.0) - 3.0);  // 0 at the hue itself
     return light * (1.0 - strong * std::fmin(1.0, std::fmax(0.0, off - 1.0)));
@@ -217,7 +217,7 @@ std::size_t Stage::addPaintsOf(Kind kind) {
     case Kind::kBear: {
       const Color furs[] = {screen(150, 104, 66), screen(205, 170, 128), screen(110, 96, 90),
                             screen(226, 218, 204), main};
-      first = {Pattern::kFur, furs[draw.oneOf(5)], {}, 10.0, 0.0F, 0.05F};
+      first = {Pattern::kFur, furs[draw.oneOf(5)], main, 10.0, 0.0F, 0.05F};
       first.second = 0.55F * first.color;
       second = {Pattern::kFur, screen(236, 228, 214), screen(206, 190, 168), 10.0, 0.0F, 0.45F};
       break;

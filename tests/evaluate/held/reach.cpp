@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "tests/evaluate/held/reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapticast::evaluate::held {
+
+// The pixels that a ball may cover.
+cv::Rect rectOf(const Ball& ball, const server::CameraModel& camera, const cv::Size& size) {
+  const double nearest_z = ball.centre_mm.z() - ball.radius_mm;
+  const cv::Rect all({0, 0}, size);
+  if (nearest_z < 30.0) return ball.centre_mm.z() + ball.radius_mm < 1.0 ? cv::Rect() : all;
+  const auto reach = [&](double at, double focal_px, double middle_px, int& low, int& high) {
+    const double a = (at - ball.radius_mm) /
+                     ((at < ball.radius_mm) ? nearest_z : nearest_z + 2 * ball.radius_mm);
+    const double b = (at + ball.radius_mm) /
+                     ((at > -ball.radius_mm) ? nearest_z : nearest_z + 2 * ball.radius_mm);
+    low = static_cast<int>(std::floor(std::clamp(focal_px * a + middle_px, -10.0, 1e5)));
+    high = static_cast<int>(std::ceil(std::clamp(focal_px * b + middle_px, -10.0, 1e5)));
+  };
+  int left = 0;
+  int right = 0;
+  int top = 0;
+  int bottom = 0;
+  reach(ball.centre_mm.x(), camera.fx_px, camera.cx_px, left, right);
+  reach(ball.centre_mm.y(), camera.fy_px, camera.cy_px, top, bottom);
+  return cv::Rect(left, top, right - left + 1, bottom - top + 1) & all;
+}
+
+namespace {
+
+// Half edges of the box about a part, in its frame.
+Vec3 boxAround(const Part& part) {
+  const Vec3& size = part.size_mm;
+  if (part.form == Form::kCylinder) return {size.x(), size.y(), size.x()};
+  if (part.form == Form::kMug) return {size.x() + 0.8 * size.y(), size.y(), size.x()};
+  return size;
+}
+
+}  // namespace
+
+Reach::Reach(const Thing& thing, const std::function<cv::Rect(const Ball&)>& rect_of)
+    : thing_(thing) {
+  bounds_.reserve(thing.parts.size());
+  for (const Part& part : thing.parts) {
+    Bound bound;
+    const Ball ball = ballAround(thing, part);
+    bound.begin_mm = bound.end_mm = ball.centre_mm;
+    bound.radius_mm = ball.radius_mm;
+    if (part.form == Form::kRoundCone) {
+      bound.begin_mm = part.pose.out(Vec3::Zero());
+      bound.end_mm = part.pose.out({0, part.size_mm.y(), 0});
+      bound.radius_mm -= 0.5 * part.size_mm.y();
+    }
+    // What two balls and the straight hull between them cover lies between what each covers.
+    for (const Vec3& end : {bound.begin_mm, bound.end_mm})
+      bound.rect |= rect_of({thing.pose.out(end), bound.radius_mm});
+    rect_ |= bound.rect;
+    bounds_.push_back(bound);
+  }
+}
+
+Parts Reach::inRow(int v) const {
+  Parts out;
+  for (std::size_t i = 0; i < bounds_.size(); ++i) {
+    const cv::Rect& rect = bounds_[i].rect;
+    if (v >= rect.y && v < rect.y + rect.height) out.push_back(static_cast<std::uint8_t>(i));
+  }
+  return out;
+}
+
+bool Reach::span(std::size_t index, const Vec3& origin, const Vec3& direction, Span& out) const {
+  const Bound& bound = bounds_[index];
+  const Part& part = thing_.parts[index];
+  if (part.form != Form::kRoundCone && part.form != Form::kTube) {
+    // Between the six planes of the box about it, moved out by what flows into it.
+    const Vec3 from = part.pose.in(origin);
+    const Vec3 way = part.pose.turn.transpose() * direction;
+    const Vec3 half = boxAround(part) + Vec3::Constant(thing_.blend_mm + thing_.fur_mm + 0.5);
+    Span box{-1e12, 1e12};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double slope = std::abs(way[axis]) < 1e-12 ? 1e-12 : way[axis];
+      const double a = (-half[axis] - from[axis]) / slope;
+      const double b = (half[axis] - from[axis]) / slope;
+      box.from = std::max(box.from, std::min(a, b));
+      box.to = std::min(box.to, std::max(a, b));
+    }
+    if (box.from > box.to || box.to < 0) return false;
+    out = box;
+    return true;
+  }
+  // The shortest way between the ray's line and the bound's.
+  const double length2 = direction.squaredNorm();
+  const auto across = [&](const Vec3& v) {
+    return Vec3(v - v.dot(direction) / length2 * direction);
+  };
+  const Vec3 to_begin = bound.begin_mm - origin;
+  const Vec3 side = across(to_begin);
+  const Vec3 line = across(bound.end_mm - bound.begin_mm);
+  const double line2 = line.squaredNorm();
+  const double share = line2 > 0 ? std::clamp(-side.dot(line) / line2, 0.0, 1.0) : 0.0;
+  if ((side + share * line).squaredNorm() > bound.radius_mm * bound.radius_mm) return false;
+  const double begin = to_begin.dot(direction) / length2;
+  const double end = (bound.end_mm - origin).dot(direction) / length2;
+  const double room = bound.radius_mm / std::sqrt(length2);
+  out = {std::min(begin, end) - room, std::max(begin, end) + room};
+  return out.to > 0;
+}
+
+Reach::Span Reach::onRay(const Parts& candidates, int u, const Vec3& origin, const Vec3& direction,
+                         Parts& out) const {
+  out.clear();
+  Span all;
+  for (const std::uint8_t index : candidates) {
+    const cv::Rect& rect = bounds_[index].rect;
+    if (u < rect.x || u >= rect.x + rect.width) continue;
+    Span one;
+    if (!span(index, origin, direction, one)) continue;
+    all.from = std::min(all.from, one.from);
+    all.to = std::max(all.to, one.to);
+    out.push_back(index);
+  }
+  return all;
+}
+
+}  // namespace hapticast::evaluate::held
