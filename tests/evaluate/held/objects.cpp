@@ -35,7 +35,7 @@ void addBear(double s, std::size_t paint, Thing& bear) {
   ball({4.5, 4.5, 4}, {-15, 87, 34}, 2, 1);
   ball({4.5, 4.5, 4}, {15, 87, 34}, 2, 1);
   bear.blend_mm = 9.0 * s;
-  bear.fur_mm = 2.2;
+  bear.fur_mm = 1.3;
 }
 
 void addBottle(double s, std::size_t paint, Thing& bottle) {

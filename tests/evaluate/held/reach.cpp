@@ -9,15 +9,14 @@ namespace hapticast::evaluate::held {
 // The pixels that a ball may cover.
 cv::Rect rectOf(const Ball& ball, const server::CameraModel& camera, const cv::Size& size) {
   const double nearest_z = ball.centre_mm.z() - ball.radius_mm;
-  const cv::Rect all({0, 0}, size);
-  if (nearest_z < 30.0) return ball.centre_mm.z() + ball.radius_mm < 1.0 ? cv::Rect() : all;
+  if (nearest_z < 30.0) return {{0, 0}, size};
   const auto reach = [&](double at, double focal_px, double middle_px, int& low, int& high) {
     const double a = (at - ball.radius_mm) /
                      ((at < ball.radius_mm) ? nearest_z : nearest_z + 2 * ball.radius_mm);
     const double b = (at + ball.radius_mm) /
                      ((at > -ball.radius_mm) ? nearest_z : nearest_z + 2 * ball.radius_mm);
-    low = static_cast<int>(std::floor(std::clamp(focal_px * a + middle_px, -10.0, 1e5)));
-    high = static_cast<int>(std::ceil(std::clamp(focal_px * b + middle_px, -10.0, 1e5)));
+    low = static_cast<int>(std::floor(std::clamp(focal_px * a + middle_px, -1e5, 1e5)));
+    high = static_cast<int>(std::ceil(std::clamp(focal_px * b + middle_px, -1e5, 1e5)));
   };
   int left = 0;
   int right = 0;
@@ -25,7 +24,7 @@ cv::Rect rectOf(const Ball& ball, const server::CameraModel& camera, const cv::S
   int bottom = 0;
   reach(ball.centre_mm.x(), camera.fx_px, camera.cx_px, left, right);
   reach(ball.centre_mm.y(), camera.fy_px, camera.cy_px, top, bottom);
-  return cv::Rect(left, top, right - left + 1, bottom - top + 1) & all;
+  return cv::Rect(left, top, right - left + 1, bottom - top + 1);
 }
 
 namespace {
@@ -40,7 +39,8 @@ Vec3 boxAround(const Part& part) {
 
 }  // namespace
 
-Reach::Reach(const Thing& thing, const std::function<cv::Rect(const Ball&)>& rect_of)
+Reach::Reach(const Thing& thing, const cv::Size& size,
+             const std::function<cv::Rect(const Ball&)>& rect_of)
     : thing_(thing) {
   bounds_.reserve(thing.parts.size());
   for (const Part& part : thing.parts) {
@@ -53,9 +53,11 @@ Reach::Reach(const Thing& thing, const std::function<cv::Rect(const Ball&)>& rec
       bound.end_mm = part.pose.out({0, part.size_mm.y(), 0});
       bound.radius_mm -= 0.5 * part.size_mm.y();
     }
-    // What two balls and the straight hull between them cover lies between what each covers.
+    // What two balls, also beyond the picture's border, and the straight hull between them cover
+    // lies between what each covers.
     for (const Vec3& end : {bound.begin_mm, bound.end_mm})
       bound.rect |= rect_of({thing.pose.out(end), bound.radius_mm});
+    bound.rect &= cv::Rect({0, 0}, size);
     rect_ |= bound.rect;
     bounds_.push_back(bound);
   }

@@ -12,13 +12,15 @@
 
 namespace hapticast::evaluate::held {
 
-/// The pixels that a ball (camera's frame) may cover.
+/// The pixels that a ball (camera's frame) may cover, also beyond the picture's border.
 cv::Rect rectOf(const Ball& ball, const server::CameraModel& camera, const cv::Size& size);
 
 class Reach {
  public:
-  /// `rect_of` a ball in the frame that the thing's pose leads to.
-  Reach(const Thing& thing, const std::function<cv::Rect(const Ball&)>& rect_of);
+  /// In a picture of `size`; `rect_of` a ball in the frame that the thing's pose leads to, also
+  /// beyond the border.
+  Reach(const Thing& thing, const cv::Size& size,
+        const std::function<cv::Rect(const Ball&)>& rect_of);
 
   /// All that the thing may cover.
   [[nodiscard]] const cv::Rect& rect() const { return rect_; }

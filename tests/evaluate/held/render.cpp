@@ -89,7 +89,8 @@ Picture Renderer::empty() const {
 }
 
 int Renderer::draw(const Thing& thing, const std::vector<Paint>& paints, Picture& picture) const {
-  const Reach reach(thing, [this](const Ball& ball) { return rectOf(ball, camera_, size_); });
+  const Reach reach(thing, size_,
+                    [this](const Ball& ball) { return rectOf(ball, camera_, size_); });
   const cv::Rect& rect = reach.rect();
   const Mat3 inwards = thing.pose.turn.transpose();
   const Vec3 origin = thing.pose.in(Vec3::Zero());
@@ -184,14 +185,12 @@ Shadows Shadows::clone() const {
 void Shadows::add(const Thing& casts) {
   Thing thing = casts;
   thing.fur_mm = 0.0;  // its shadow is soft anyway
-  const cv::Rect all(0, 0, kShadowMap, kShadowMap);
-  const Reach reach(thing, [&](const Ball& ball) {
+  const Reach reach(thing, distance_.size(), [&](const Ball& ball) {
     const Vec3 off = ball.centre_mm - corner_mm_;
     const auto cell = [](double mm) { return static_cast<int>(std::floor(mm / kShadowCell_mm)); };
     const int side = cell(2.0 * ball.radius_mm) + 2;
     return cv::Rect(cell(off.dot(across_) - ball.radius_mm), cell(off.dot(along_) - ball.radius_mm),
-                    side, side) &
-           all;
+                    side, side);
   });
   const cv::Rect& rect = reach.rect();
   const Vec3 ray = thing.pose.turn.transpose() * down_;

@@ -119,31 +119,33 @@ TEST(HeldRender, DepthOfABoxIsThatOfItsPlanes) {
       12);
 }
 
-// A round cone of equal ends is a cylinder with two balls.
+// A round cone of equal ends is a cylinder with two balls; one that comes in from beyond the
+// picture's border, too.
 TEST(HeldRender, DepthOfACapsuleIsThatOfItsPieces) {
   const Vec3 a(-60, 20, 450);
-  const Vec3 b(70, -30, 520);
   const double radius = 30.0;
-  const Picture picture = drawn({oneOf(makeLimb(a, b, radius, radius, 0), Pose())});
-  const Vec3 axis = (b - a).normalized();
-  expectDepth(
-      picture,
-      [&](const Vec3& ray) {
-        double nearest_z = 1e9;
-        for (const Vec3& end : {a, b}) {
+  for (const Vec3& b : {Vec3(70, -30, 520), Vec3(500, 300, 380), Vec3(60, 400, 60)}) {
+    const Picture picture = drawn({oneOf(makeLimb(a, b, radius, radius, 0), Pose())});
+    const Vec3 axis = (b - a).normalized();
+    expectDepth(
+        picture,
+        [&](const Vec3& ray) {
+          double nearest_z = 1e9;
+          for (const Vec3& end : {a, b}) {
+            const double z =
+                firstRoot(ray.squaredNorm(), -ray.dot(end), end.squaredNorm() - radius * radius);
+            if (z > 0) nearest_z = std::min(nearest_z, z);
+          }
+          const Vec3 way = ray - ray.dot(axis) * axis;
+          const Vec3 off = -a + a.dot(axis) * axis;
           const double z =
-              firstRoot(ray.squaredNorm(), -ray.dot(end), end.squaredNorm() - radius * radius);
-          if (z > 0) nearest_z = std::min(nearest_z, z);
-        }
-        const Vec3 way = ray - ray.dot(axis) * axis;
-        const Vec3 off = -a + a.dot(axis) * axis;
-        const double z =
-            firstRoot(way.squaredNorm(), way.dot(off), off.squaredNorm() - radius * radius);
-        const double along = (z * ray - a).dot(axis);
-        if (z > 0 && along >= 0 && along <= (b - a).norm()) nearest_z = std::min(nearest_z, z);
-        return nearest_z < 1e8 ? nearest_z : 0.0;
-      },
-      12);
+              firstRoot(way.squaredNorm(), way.dot(off), off.squaredNorm() - radius * radius);
+          const double along = (z * ray - a).dot(axis);
+          if (z > 0 && along >= 0 && along <= (b - a).norm()) nearest_z = std::min(nearest_z, z);
+          return nearest_z < 1e8 ? nearest_z : 0.0;
+        },
+        16);
+  }
 }
 
 // What no closed formula gives: the pixel's point is on the surface, and the ray is outside of the
