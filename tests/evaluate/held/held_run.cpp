@@ -13,11 +13,6 @@ namespace hapticast::evaluate::held {
 
 namespace {
 
-constexpr double kSeenEnough = 0.25;  // share of the object: with less a frame is no measure
-constexpr double kBeside_px = 2.0;    // a mask's rim may be off by this before it is foreign
-constexpr double kMoves_mm_s = 3.0;   // nominal, rms: with less it rests
-constexpr double kLostBelow = 0.1;    // IoU
-
 // Plays what was drawn.
 class RecordingSource final : public server::RgbdSource {
  public:
@@ -53,7 +48,7 @@ server::VisionSettings settingsOf(const Clicks& clicks) {
 void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   cv::Mat heights(size, CV_32FC1, cv::Scalar(NAN));
-  std::optional<Motion> motion;
+  std::optional<HapticObject> most;
   std::size_t largest = 0;
   for (const HapticObject& object : frame.objects) {
     const Relief& relief = *object.relief;
@@ -70,83 +65,11 @@ void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
     }
     if (area <= largest) continue;
     largest = area;
-    motion = object.motion;
+    most = object;
   }
   run.masks.push_back(largest > 0 ? mask : cv::Mat());
   run.heights.push_back(heights);
-  run.motion.push_back(motion);
-}
-
-// Velocity of the object's middle in the picture, nominal mm/s.
-Vec2 trueVelocity(const Recording& recording, const MotionState& centre) {
-  const Vec3& p = centre.pose.at_mm;
-  const Vec3& v = centre.velocity_mm_s;
-  const double focal_px = recording.camera.fx_px;
-  Workspace workspace;
-  workspace.width_px = recording.info.width_px;
-  workspace.height_px = recording.info.height_px;
-  const Vec2 mm = workspace.mmPerPixel();
-  const double z2 = p.z() * p.z();
-  return {mm.x() * focal_px * (v.x() * p.z() - p.x() * v.z()) / z2,
-          -mm.y() * focal_px * (v.y() * p.z() - p.y() * v.z()) / z2};
-}
-
-double quantile(std::vector<float>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(share * double(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return double(values[static_cast<std::size_t>(at)]);
-}
-
-void scoreMasks(const Recording& recording, const Run& run, Scores& out) {
-  for (std::size_t i = 0; i < run.masks.size(); ++i) {
-    const Truth& truth = recording.truth[i];
-    if (truth.visibleShare() < kSeenEnough) continue;
-    const cv::Mat own = truth.mask();
-    ++out.frames;
-    const double iou = run.masks[i].empty() ? 0.0 : overlapOf(run.masks[i], own);
-    out.mean_iou += iou;
-    out.worst_iou = std::min(out.worst_iou, iou);
-    if (iou < kLostBelow) ++out.lost;
-    if (run.masks[i].empty()) continue;
-    cv::Mat distance;
-    cv::distanceTransform(own == 0, distance, cv::DIST_L2, 5);
-    const double foreign =
-        cv::countNonZero(run.masks[i] & (distance > kBeside_px)) / double(cv::countNonZero(own));
-    out.foreign += foreign;
-    out.worst_foreign = std::max(out.worst_foreign, foreign);
-  }
-  out.mean_iou /= std::max(1.0, double(out.frames));
-  out.foreign /= std::max(1.0, double(out.frames));
-}
-
-// The part of the announced heights between which the object's own pixels lie, over the clip.
-double reliefShare(const Recording& recording, const Run& run) {
-  std::vector<float> own;
-  for (std::size_t i = 0; i < run.heights.size(); i += 2) {
-    const cv::Mat mask = recording.truth[i].mask();
-    for (int v = 0; v < mask.rows; v += 2) {
-      for (int u = 0; u < mask.cols; u += 2) {
-        const float height = run.heights[i].at<float>(v, u);
-        if (mask.at<uchar>(v, u) != 0 && !std::isnan(height)) own.push_back(height);
-      }
-    }
-  }
-  return (quantile(own, 0.99) - quantile(own, 0.01)) / Workspace().depth_mm;
-}
-
-double velocityError(const Recording& recording, const Run& run) {
-  double errors = 0.0;
-  double speeds = 0.0;
-  for (std::size_t i = 0; i < run.motion.size(); ++i) {
-    if (recording.truth[i].visibleShare() < kSeenEnough) continue;
-    const Vec2 exact = trueVelocity(recording, recording.truth[i].centre);
-    const Vec2 got = run.motion[i] ? Vec2(run.motion[i]->velocity_mm_s.head<2>()) : Vec2::Zero();
-    errors += (got - exact).squaredNorm();
-    speeds += exact.squaredNorm();
-  }
-  const double frames = std::max(1.0, double(run.motion.size()));
-  return std::sqrt(speeds / frames) < kMoves_mm_s ? -1.0 : std::sqrt(errors / speeds);
+  run.largest.push_back(most);
 }
 
 }  // namespace
@@ -158,6 +81,7 @@ Recording record(const Scene& scene, const cv::Size& size, std::size_t most_fram
   out.info = film.info();
   out.camera = film.camera();
   out.held_at_start = scene.held_at_start;
+  out.object = scene.object;
   const std::size_t count = std::min<std::size_t>(most_frames, *out.info.frame_count);
   out.info.frame_count = count;
   for (std::size_t i = 0; i < count; ++i) {
@@ -186,7 +110,7 @@ Run watch(const Recording& recording, const Clicks& clicks) {
     run = {};
     run.refused = error.what();
     run.masks.resize(recording.frames.size());
-    run.motion.resize(recording.frames.size());
+    run.largest.resize(recording.frames.size());
   }
   return run;
 }
@@ -207,22 +131,6 @@ std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks)
   }
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   return mask;
-}
-
-Scores scoresOf(const Recording& recording, const Run& run) {
-  Scores out;
-  scoreMasks(recording, run, out);
-  if (!run.refused.empty()) return out;
-  out.relief_share = reliefShare(recording, run);
-  out.velocity_error = velocityError(recording, run);
-  std::vector<double> ms(run.ms.begin() + std::min<std::ptrdiff_t>(1, std::ssize(run.ms)),
-                         run.ms.end());
-  std::sort(ms.begin(), ms.end());
-  if (!ms.empty()) {
-    out.median_ms = ms[ms.size() / 2];
-    out.slow_ms = ms[ms.size() * 95 / 100];
-  }
-  return out;
 }
 
 double overlapOf(const cv::Mat& a, const cv::Mat& b) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/haptic_frame.hpp"
 #include "server/vision/vision_settings.hpp"
 #include "tests/evaluate/held/scene.hpp"
 
@@ -18,6 +19,7 @@ struct Recording {
   std::vector<server::RgbdFrame> frames;
   std::vector<Truth> truth;
   bool held_at_start = false;
+  Object object;
 };
 Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames = 1000);
 
@@ -29,11 +31,11 @@ struct Clicks {
 
 /// What vision made of it, frame by frame.
 struct Run {
-  std::vector<cv::Mat> masks;                 ///< 0 / 255; empty: no object
-  std::vector<cv::Mat> heights;               ///< CV_32FC1, nominal mm; NaN outside
-  std::vector<std::optional<Motion>> motion;  ///< of the largest object
-  std::vector<double> ms;                     ///< per frame, one thread
-  std::string refused;                        ///< why there is nothing; empty: it went through
+  std::vector<cv::Mat> masks;                        ///< 0 / 255; empty: no object
+  std::vector<cv::Mat> heights;                      ///< CV_32FC1, nominal mm; NaN outside
+  std::vector<std::optional<HapticObject>> largest;  ///< the object, or layer, of most pixels
+  std::vector<double> ms;                            ///< per frame, one thread
+  std::string refused;  ///< why there is nothing; empty: it went through
 };
 Run watch(const Recording& recording, const Clicks& clicks);
 
@@ -47,6 +49,8 @@ struct Scores {
   std::size_t lost = 0, frames = 0;  ///< of frames in which a quarter of the object is seen
   double relief_share = 0.0;         ///< of the announced 30 mm that the object's own surface takes
   double velocity_error = -1.0;  ///< rms over that of the true one, in the picture; < 0: it rests
+  double noise_N = -1.0;         ///< on a finger that does not move; < 0: something does
+  double grid_share = -1.0;  ///< of the motion that bending adds, what the grid tells; < 0: none
   double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
 };
 Scores scoresOf(const Recording& recording, const Run& run);
