@@ -8,6 +8,7 @@ namespace hapticast::evaluate::held {
 namespace {
 
 constexpr std::uint8_t kObjectId = 1;
+constexpr double kTubeHalf_mm = 165.0;
 constexpr double kNearlyStraight = 1e-5;  // 1/mm: below, the series of the tube's motion is used
 
 // A sitting bear: body, head with muzzle, ears, arms, legs. Paints: fur, muzzle and belly, nose and
@@ -98,8 +99,8 @@ Thing Object::at(double t) const {
       out.parts.back().rounding_mm = 2.5;
       break;
     case Kind::kTube:
-      out.parts.push_back(
-          makePart(Form::kTube, {24.0 * size, 165.0 * size, bent.at(t)}, Vec3::Zero(), paint));
+      out.parts.push_back(makePart(Form::kTube, {24.0 * size, kTubeHalf_mm * size, bent.at(t)},
+                                   Vec3::Zero(), paint));
       break;
     case Kind::kBottle:
       addBottle(size, paint, out);
@@ -118,6 +119,21 @@ Vec3 Object::placed(const Vec3& unbent_mm, double t) const {
 Mat3 Object::turned(const Vec3& unbent_mm, double t) const {
   if (kind != Kind::kTube) return Mat3::Identity();
   return Eigen::AngleAxisd(bent.at(t) * unbent_mm.x(), Vec3::UnitZ()).toRotationMatrix();
+}
+
+MotionState Object::centre(double t) const {
+  MotionState out = path.at(t);
+  if (kind != Kind::kTube) return out;
+  constexpr int kPlaces = 40;
+  const Pose pose = out.pose;
+  out.pose.at_mm = out.velocity_mm_s = Vec3::Zero();
+  for (int i = 0; i < kPlaces; ++i) {
+    const double share = (2.0 * i + 1.0) / kPlaces - 1.0;
+    const Vec3 place = pose.out(placed({share * kTubeHalf_mm * size, 0, 0}, t));
+    out.pose.at_mm += place / kPlaces;
+    out.velocity_mm_s += velocityAt(place, t) / kPlaces;
+  }
+  return out;
 }
 
 Vec3 Object::velocityAt(const Vec3& at_mm, double t) const {

@@ -29,6 +29,8 @@ cv::Rect rectOf(const Ball& ball, const server::CameraModel& camera, const cv::S
 
 namespace {
 
+constexpr int kTubeBalls = 12;
+
 // Half edges of the box about a part, in its frame.
 Vec3 boxAround(const Part& part) {
   const Vec3& size = part.size_mm;
@@ -57,6 +59,16 @@ Reach::Reach(const Thing& thing, const cv::Size& size,
     // lies between what each covers.
     for (const Vec3& end : {bound.begin_mm, bound.end_mm})
       bound.rect |= rect_of({thing.pose.out(end), bound.radius_mm});
+    if (part.form == Form::kTube) {  // a chain of balls along it is closer than one about all
+      bound.rect = {};
+      const double room = ball.radius_mm - part.size_mm.y() + part.size_mm.y() / kTubeBalls;
+      for (int i = 0; i < kTubeBalls; ++i) {
+        const double share = (2.0 * i + 1.0) / kTubeBalls - 1.0;
+        const Vec3 at = placeOnTube(share * part.size_mm.y(), part.size_mm.z()).at_mm;
+        bound.chain.push_back({part.pose.out(at), room});
+        bound.rect |= rect_of({thing.pose.out(bound.chain.back().centre_mm), room});
+      }
+    }
     bound.rect &= cv::Rect({0, 0}, size);
     rect_ |= bound.rect;
     bounds_.push_back(bound);
@@ -91,6 +103,18 @@ bool Reach::span(std::size_t index, const Vec3& origin, const Vec3& direction, S
     if (box.from > box.to || box.to < 0) return false;
     out = box;
     return true;
+  }
+  if (!bound.chain.empty()) {
+    Span chain;
+    for (const Ball& ball : bound.chain) {
+      const Vec3 to = ball.centre_mm - origin;
+      const double along = to.dot(direction) / direction.squaredNorm();
+      if ((to - along * direction).squaredNorm() > ball.radius_mm * ball.radius_mm) continue;
+      const double room = ball.radius_mm / direction.norm();
+      chain = {std::min(chain.from, along - room), std::max(chain.to, along + room)};
+    }
+    out = chain;
+    return chain.to > chain.from;
   }
   // The shortest way between the ray's line and the bound's.
   const double length2 = direction.squaredNorm();

@@ -41,6 +41,7 @@ class Reach {
     cv::Rect rect;
     Vec3 begin_mm, end_mm;  // within radius_mm of the line between them
     double radius_mm = 0.0;
+    std::vector<Ball> chain;  // or within one of these
   };
   [[nodiscard]] bool span(std::size_t part, const Vec3& origin, const Vec3& direction,
                           Span& out) const;
