@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "tests/evaluate/all_cores.hpp"
 #include "tests/evaluate/held/held_measure.hpp"
@@ -181,11 +182,12 @@ void measureHeld(const Options& options, Report& report) {
     if (!begins(scene.name, only) || (options.quick && only.empty() && !brief)) continue;
     scenes.push_back(std::move(scene));
   }
+  if (scenes.empty())
+    throw std::runtime_error("--only " + options.only + ": no held scene's name begins so");
   std::vector<Result> results(scenes.size());
   onAllCores(scenes.size(), [&](std::size_t i) {
     results[i] = held::measure(scenes[i], options.out, options.quick ? 10.0 : 40.0);
   });
-  if (results.empty()) return;
   tellScenes(results, report);
   tellStarts(results, report);
   tellCorrections(results, report);
