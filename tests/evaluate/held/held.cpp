@@ -153,7 +153,8 @@ void setGoals(const std::vector<Result>& results, Report& report) {
     all.worst_iou = std::min(all.worst_iou, r.one_click.worst_iou);
     foreign += r.one_click.foreign / double(results.size());
     least_relief = std::min(least_relief, r.one_click.relief_share);
-    velocity = std::max(velocity, r.one_click.velocity_error);
+    // What bends has many velocities: the grid's row tells of them.
+    if (r.one_click.grid_share < 0) velocity = std::max(velocity, r.one_click.velocity_error);
     noise = std::max(noise, r.one_click.noise_N);
     if (r.one_click.grid_share >= 0) untold = std::max(untold, 1.0 - r.one_click.grid_share);
     lost += r.one_click.lost;
@@ -166,7 +167,7 @@ void setGoals(const std::vector<Result>& results, Report& report) {
       Goal{"held: announced depth unused, worst scene", "share", 0.40, 0.15, 1.0 - least_relief});
   report.add(Goal{"held: force noise at rest, estimated depth included", "N", 0.01, 0.0, noise});
   report.add(Goal{"held: bending untold by the grid", "share", 0.50, 0.20, untold});
-  report.add(Goal{"held: velocity, worst scene", "share", 0.10, 0.03, velocity});
+  report.add(Goal{"held: velocity, worst rigid scene", "share", 0.10, 0.03, velocity});
 }
 
 bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }

@@ -121,21 +121,6 @@ Mat3 Object::turned(const Vec3& unbent_mm, double t) const {
   return Eigen::AngleAxisd(bent.at(t) * unbent_mm.x(), Vec3::UnitZ()).toRotationMatrix();
 }
 
-MotionState Object::centre(double t) const {
-  MotionState out = path.at(t);
-  if (kind != Kind::kTube) return out;
-  constexpr int kPlaces = 40;
-  const Pose pose = out.pose;
-  out.pose.at_mm = out.velocity_mm_s = Vec3::Zero();
-  for (int i = 0; i < kPlaces; ++i) {
-    const double share = (2.0 * i + 1.0) / kPlaces - 1.0;
-    const Vec3 place = pose.out(placed({share * kTubeHalf_mm * size, 0, 0}, t));
-    out.pose.at_mm += place / kPlaces;
-    out.velocity_mm_s += velocityAt(place, t) / kPlaces;
-  }
-  return out;
-}
-
 Vec3 Object::velocityAt(const Vec3& at_mm, double t) const {
   const MotionState state = path.at(t);
   const Vec3 rigid = state.velocityAt(at_mm);

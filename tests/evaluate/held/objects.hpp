@@ -19,8 +19,6 @@ struct Object {
   Path path;              ///< in the frame that it is drawn in
 
   [[nodiscard]] Thing at(double t) const;
-  /// Its middle: of a bent tube the mean of its line, which lies beside it.
-  [[nodiscard]] MotionState centre(double t) const;
   /// Its surface's point that is at `at_mm` at t: how it moves, squeezing and bending with it.
   [[nodiscard]] Vec3 velocityAt(const Vec3& at_mm, double t) const;
   /// Where a point moves to with the thing, given in its frame when it was neither squeezed nor

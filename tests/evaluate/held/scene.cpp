@@ -87,7 +87,7 @@ Film::Shot Film::shoot(std::uint64_t index) const {
   Shot shot;
   const Thing object = scene_.object.at(t);
   shot.truth.whole_px = renderer_.draw(object, scene_.paints, picture);
-  shot.truth.centre = scene_.object.centre(t);
+  shot.truth.centre = scene_.object.path.at(t);
   shadows.add(object);
   for (const Prop& prop : scene_.props) {
     Thing thing = prop.thing;

@@ -71,7 +71,7 @@ struct Truth {
   cv::Mat id;             ///< CV_8UC1, Id
   cv::Mat depth;          ///< CV_32FC1, mm, exact
   double whole_px = 0.0;  ///< of the object, if nothing were in its way
-  MotionState centre;     ///< of the object, camera frame
+  MotionState centre;     ///< of the object's middle (of a tube its line's); camera frame
 
   [[nodiscard]] cv::Mat mask() const { return id == static_cast<int>(kObject); }
   [[nodiscard]] double visibleShare() const {
