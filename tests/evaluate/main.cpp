@@ -36,9 +36,14 @@ int run(int argc, char** argv) {
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
       ->capture_default_str();
   app.add_option("--only", options.only,
-                 "Of the scenes of motion or the parts of network (force, safety, clocks) and "
+                 "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
+                 "(held, or held/NAME for its scenes of this name) and "
                  "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
                  "cases, lies, honest), only this one");
+  app.add_option("--set", options.set,
+                 "Which draw of the held scenes of vision: 1 is the one that methods are tuned on, "
+                 "any other is drawn afresh")
+      ->capture_default_str();
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag("--check", options.check,
                "Fail where a required figure is missed (accuracy, codec, network)");

@@ -3,6 +3,7 @@
 // report.md.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -43,9 +44,10 @@ struct Goal {
 struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
-  bool check = false;  ///< a missed requirement is an error
-  std::string only;    ///< of the scenes of `motion` or the parts of `network` and `stability`, the
-                       ///< one of this name; empty: all
+  bool check = false;     ///< a missed requirement is an error
+  std::string only;       ///< of the scenes of `motion` or the parts of `network`, `stability` and
+                          ///< `vision`, the one of this name; empty: all
+  std::uint64_t set = 1;  ///< which draw of the held scenes of `vision`
 };
 
 class Report {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "tests/evaluate/held/held.hpp"
 #include "tests/evaluate/topics.hpp"
 #include "tests/evaluate/vision/vision_parts.hpp"
 #include "tests/evaluate/vision/vision_run.hpp"
@@ -120,10 +121,8 @@ bool oneOf(const std::string& name, std::initializer_list<const char*> names) {
   return std::any_of(names.begin(), names.end(), [&](const char* n) { return name == n; });
 }
 
-}  // namespace
-
-void evaluateVision(const Options& options) {
-  Report report("vision", options);
+// Masks and reliefs of single bodies on exact paths.
+void measureScenes(const Options& options, Report& report) {
   Summary summary(report);
   for (const TestScene& scene : segmentationScenes()) {
     if (options.quick && !oneOf(scene.name, {"ball_air", "ball_same", "occluder", "still"}))
@@ -140,7 +139,16 @@ void evaluateVision(const Options& options) {
       measureTimes(clip, "1080p", report);
   }
   summary.finish();
-  measureRealClips(options, report);
+}
+
+}  // namespace
+
+void evaluateVision(const Options& options) {
+  Report report("vision", options);
+  const bool only_held = options.only.rfind("held", 0) == 0;
+  if (!only_held) measureScenes(options, report);
+  if (!only_held) measureRealClips(options, report);
+  measureHeld(options, report);
   report.write();
 }
 

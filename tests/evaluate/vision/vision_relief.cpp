@@ -95,12 +95,13 @@ ReliefErrors errorsOf(const Reliefs& reliefs, const Clip& clip) {
   return {std::sqrt(sum[0] / count[0]), std::sqrt(sum[1] / count[1])};
 }
 
-// Force on a finger that stays where it is, kFingerBelow_mm below the mean surface of `from` ..:
-// rms over time of what changes, pooled over the pixels that are always on the object.
-double forceNoise_N(const Reliefs& reliefs, std::size_t from, std::size_t to, double mm_per_px) {
-  const cv::Size size = reliefs.height_mm[0].size();
+}  // namespace
+
+double forceNoise_N(const std::vector<cv::Mat>& heights_mm, std::size_t from, std::size_t to,
+                    double mm_per_px) {
+  const cv::Size size = heights_mm[0].size();
   cv::Mat mean = cv::Mat::zeros(size, CV_32FC1);
-  for (std::size_t i = from; i < to; ++i) mean += reliefs.height_mm[i] / double(to - from);
+  for (std::size_t i = from; i < to; ++i) mean += heights_mm[i] / double(to - from);
   double pooled = 0;
   std::size_t pixels = 0;
   for (int v = 1; v + 1 < size.height; ++v) {
@@ -109,7 +110,7 @@ double forceNoise_N(const Reliefs& reliefs, std::size_t from, std::size_t to, do
       Vec3 sum = Vec3::Zero();
       double squares = 0;
       for (std::size_t i = from; i < to; ++i) {
-        const cv::Mat& h = reliefs.height_mm[i];
+        const cv::Mat& h = heights_mm[i];
         const Vec3 towards(-double(h.at<float>(v, u + 1) - h.at<float>(v, u - 1)) / (2 * mm_per_px),
                            double(h.at<float>(v + 1, u) - h.at<float>(v - 1, u)) / (2 * mm_per_px),
                            1.0);
@@ -128,8 +129,6 @@ double forceNoise_N(const Reliefs& reliefs, std::size_t from, std::size_t to, do
   return std::sqrt(pooled / std::max<double>(1.0, double(pixels)));
 }
 
-}  // namespace
-
 void measureReliefs(const Clip& clip, Report& report) {
   for (const Method method : {Method::kHapticast, Method::kThesis}) {
     const bool thesis = method == Method::kThesis;
@@ -144,10 +143,10 @@ void measureReliefs(const Clip& clip, Report& report) {
     const Reliefs found = reliefsOf(clip, server::SegmentMode::kBand, method);
     const double mm_per_px = 160.0 / clip.info.width_px;
     report.add({clip.name() + " at first", "rest", name,
-                forceNoise_N(found, 0, kSettled, mm_per_px), "N rms", found.time_us, !thesis,
-                thesis});
+                forceNoise_N(found.height_mm, 0, kSettled, mm_per_px), "N rms", found.time_us,
+                !thesis, thesis});
     report.add({clip.name(), "rest", name,
-                forceNoise_N(found, kSettled, found.height_mm.size(), mm_per_px), "N rms",
+                forceNoise_N(found.height_mm, kSettled, found.height_mm.size(), mm_per_px), "N rms",
                 found.time_us, !thesis, thesis});
   }
 }

@@ -22,7 +22,8 @@ void outline(cv::Mat& picture, const cv::Mat& mask, const cv::Scalar& color) {
 
 }  // namespace
 
-void ContactSheet::show(const cv::Mat& color, const cv::Mat& mask, const cv::Mat& truth) {
+void ContactSheet::show(const cv::Mat& color, const cv::Mat& mask, const cv::Mat& truth,
+                        std::optional<std::size_t> number) {
   if (shown_++ % every_ != 0) return;
   cv::Mat picture = color.clone();
   outline(picture, truth, {0, 255, 0});
@@ -30,8 +31,8 @@ void ContactSheet::show(const cv::Mat& color, const cv::Mat& mask, const cv::Mat
   if (mask.empty()) cv::line(picture, {0, 0}, {picture.cols, picture.rows}, {0, 0, 255}, 3);
   const int height = picture.rows * kWidth_px / picture.cols;
   cv::resize(picture, picture, {kWidth_px, height}, 0, 0, cv::INTER_AREA);
-  cv::putText(picture, std::to_string(shown_ - 1), {6, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
-              {255, 255, 255});
+  cv::putText(picture, std::to_string(number.value_or(shown_ - 1)), {6, 18},
+              cv::FONT_HERSHEY_SIMPLEX, 0.5, {255, 255, 255});
   pictures_.push_back(picture);
 }
 

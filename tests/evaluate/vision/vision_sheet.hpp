@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace hapticast::evaluate {
@@ -13,8 +14,10 @@ class ContactSheet {
   /// Takes every `every`th of the frames it is shown.
   explicit ContactSheet(std::size_t every = 8) : every_(every) {}
 
-  /// `mask` in red, `truth` (may be empty) in green; no mask: the picture is crossed out.
-  void show(const cv::Mat& color, const cv::Mat& mask, const cv::Mat& truth = {});
+  /// `mask` in red, `truth` (may be empty) in green; no mask: the picture is crossed out. `number`
+  /// stands in its corner, else how many were shown before.
+  void show(const cv::Mat& color, const cv::Mat& mask, const cv::Mat& truth = {},
+            std::optional<std::size_t> number = std::nullopt);
   /// Four in a row. Throws std::runtime_error where it cannot be written.
   void write(const std::filesystem::path& path) const;
 

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// Vision measured on scenes as people record them: masks from one click, from clicks anywhere,
+// after corrections; relief, velocity, run time. Thread: it uses all cores.
+#pragma once
+
+#include "tests/evaluate/report.hpp"
+
+namespace hapticast::evaluate {
+
+/// Adds rows, tables, required figures and contact sheets. `--only held` leaves out the rest of the
+/// topic, `--only held/NAME` takes the scenes whose name begins so.
+void measureHeld(const Options& options, Report& report);
+
+}  // namespace hapticast::evaluate

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "tests/evaluate/held/held_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/tracker.hpp"
+#include "server/vision/vision.hpp"
+#include "tests/evaluate/thread_time.hpp"
+
+namespace hapticast::evaluate::held {
+
+namespace {
+
+// Plays what was drawn.
+class RecordingSource final : public server::RgbdSource {
+ public:
+  explicit RecordingSource(const Recording& recording) : recording_(recording) {}
+
+  [[nodiscard]] const server::SourceInfo& info() const override { return recording_.info; }
+  std::optional<server::RgbdFrame> read() override {
+    if (next_ >= recording_.frames.size()) return std::nullopt;
+    server::RgbdFrame frame = recording_.frames[next_++];
+    frame.epoch = epoch_;
+    return frame;
+  }
+  bool skip() override { return next_ < recording_.frames.size() && ++next_ > 0; }
+  void rewind() override {
+    next_ = 0;
+    ++epoch_;
+  }
+
+ private:
+  const Recording& recording_;
+  std::size_t next_ = 0;
+  std::uint32_t epoch_ = 0;
+};
+
+server::VisionSettings settingsOf(const Clicks& clicks) {
+  server::VisionSettings settings;
+  settings.segment = server::SegmentMode::kBand;
+  settings.object_points_px = clicks.on;
+  settings.not_points_px = clicks.off;
+  return settings;
+}
+
+void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
+  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
+  cv::Mat heights(size, CV_32FC1, cv::Scalar(NAN));
+  std::optional<HapticObject> most;
+  std::size_t largest = 0;
+  for (const HapticObject& object : frame.objects) {
+    const Relief& relief = *object.relief;
+    std::size_t area = 0;
+    for (int v = 0; v < relief.rect.height; ++v) {
+      for (int u = 0; u < relief.rect.width; ++u) {
+        const auto at = static_cast<std::size_t>(v) * static_cast<std::size_t>(relief.rect.width) +
+                        static_cast<std::size_t>(u);
+        if (relief.mask[at] == 0) continue;
+        ++area;
+        mask.at<uchar>(relief.rect.v + v, relief.rect.u + u) = 255;
+        heights.at<float>(relief.rect.v + v, relief.rect.u + u) = relief.height_mm[at];
+      }
+    }
+    if (area <= largest) continue;
+    largest = area;
+    most = object;
+  }
+  run.masks.push_back(largest > 0 ? mask : cv::Mat());
+  run.heights.push_back(heights);
+  run.largest.push_back(most);
+}
+
+}  // namespace
+
+Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames) {
+  const Film film(scene, size);
+  Recording out;
+  out.name = scene.name;
+  out.info = film.info();
+  out.camera = film.camera();
+  out.held_at_start = scene.held_at_start;
+  out.object = scene.object;
+  const std::size_t count = std::min<std::size_t>(most_frames, *out.info.frame_count);
+  out.info.frame_count = count;
+  for (std::size_t i = 0; i < count; ++i) {
+    Film::Shot shot = film.shoot(i);
+    out.frames.push_back(std::move(shot.frame));
+    out.truth.push_back(std::move(shot.truth));
+  }
+  return out;
+}
+
+Run watch(const Recording& recording, const Clicks& clicks) {
+  Run run;
+  const cv::Size size(recording.info.width_px, recording.info.height_px);
+  try {
+    server::Vision vision(recording.info, settingsOf(clicks));
+    RecordingSource source(recording);
+    vision.scan(source, nullptr);
+    while (const auto frame = source.read()) {
+      const double start_us = threadTime_us();
+      const auto result = vision.push(*frame, mediaTime(frame->clip_time_s));
+      run.ms.push_back(1e-3 * (threadTime_us() - start_us));
+      if (result) take(result->frame, size, run);
+    }
+    for (const server::VisionResult& result : vision.flush()) take(result.frame, size, run);
+  } catch (const server::SourceError& error) {
+    run = {};
+    run.refused = error.what();
+    run.masks.resize(recording.frames.size());
+    run.largest.resize(recording.frames.size());
+  }
+  return run;
+}
+
+std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks) {
+  const cv::Size size(recording.info.width_px, recording.info.height_px);
+  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
+  std::uint32_t next_id = 1;
+  server::RememberedStart start;
+  try {
+    server::Tracker tracker(recording.info, settingsOf(clicks), nullptr, next_id, start);
+    for (const server::TrackedObject& object : tracker.next(recording.frames.front(), 0.0)) {
+      if (object.seen)
+        cv::bitwise_or(mask(object.surface.box), object.surface.mask, mask(object.surface.box));
+    }
+  } catch (const server::SourceError&) {
+    return std::nullopt;
+  }
+  if (cv::countNonZero(mask) == 0) return std::nullopt;
+  return mask;
+}
+
+double overlapOf(const cv::Mat& a, const cv::Mat& b) {
+  return cv::countNonZero(a & b) / std::max(1.0, double(cv::countNonZero(a | b)));
+}
+
+std::optional<Vec2> innermost(const cv::Mat& region) {
+  if (cv::countNonZero(region) == 0) return std::nullopt;
+  // The picture's border is an edge, too.
+  cv::Mat framed;
+  cv::copyMakeBorder(region, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat distance;
+  cv::distanceTransform(framed, distance, cv::DIST_L2, 5);
+  cv::Point at;
+  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &at);
+  return Vec2(at.x - 0.5, at.y - 0.5);
+}
+
+}  // namespace hapticast::evaluate::held

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// A held scene through the whole of vision, and through its first step alone. Thread: any; values.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/haptic_frame.hpp"
+#include "server/vision/vision_settings.hpp"
+#include "tests/evaluate/held/scene.hpp"
+
+namespace hapticast::evaluate::held {
+
+/// A scene drawn, with its truth.
+struct Recording {
+  std::string name;
+  server::SourceInfo info;
+  server::CameraModel camera;  ///< the one it was drawn with, which the source may not know
+  std::vector<server::RgbdFrame> frames;
+  std::vector<Truth> truth;
+  bool held_at_start = false;
+  Object object;
+};
+Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames = 1000);
+
+/// What the author says, px.
+struct Clicks {
+  std::vector<Vec2> on;
+  std::vector<Vec2> off;
+};
+
+/// What vision made of it, frame by frame.
+struct Run {
+  std::vector<cv::Mat> masks;                        ///< 0 / 255; empty: no object
+  std::vector<cv::Mat> heights;                      ///< CV_32FC1, nominal mm; NaN outside
+  std::vector<std::optional<HapticObject>> largest;  ///< the object, or layer, of most pixels
+  std::vector<double> ms;                            ///< per frame, one thread
+  std::string refused;  ///< why there is nothing; empty: it went through
+};
+Run watch(const Recording& recording, const Clicks& clicks);
+
+/// The mask of the first frame alone; nullopt: refused.
+std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks);
+
+struct Scores {
+  double mean_iou = 0.0, worst_iou = 1.0;
+  double foreign = 0.0;  ///< share of the object's area, more than 2 px outside of it
+  double worst_foreign = 0.0;
+  std::size_t lost = 0, frames = 0;  ///< of frames in which a quarter of the object is seen
+  double relief_share = 0.0;         ///< of the announced 30 mm that the object's own surface takes
+  double velocity_error = -1.0;  ///< rms over that of the true one, in the picture; < 0: it rests
+  double noise_N = -1.0;         ///< on a finger that does not move; < 0: something does
+  double grid_share = -1.0;  ///< of the motion that bending adds, what the grid tells; < 0: none
+  double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
+};
+Scores scoresOf(const Recording& recording, const Run& run);
+
+double overlapOf(const cv::Mat& a, const cv::Mat& b);
+/// The place of `region` (0 / 255) that is farthest from its edge, px; nullopt: it is empty.
+std::optional<Vec2> innermost(const cv::Mat& region);
+
+}  // namespace hapticast::evaluate::held

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/evaluate/held/held_run.hpp"
+#include "tests/evaluate/vision/vision_parts.hpp"
+
+namespace hapticast::evaluate::held {
+
+namespace {
+
+constexpr double kSeenEnough = 0.25;  // share of the object: with less a frame is no measure
+constexpr double kBeside_px = 2.0;    // a mask's rim may be off by this before it is foreign
+constexpr double kMoves_mm_s = 3.0;   // nominal, rms: with less it rests
+constexpr double kLostBelow = 0.1;    // IoU
+constexpr std::size_t kSettled = 24;  // frames: what is held is held by then
+
+Workspace workspaceOf(const Recording& recording) {
+  Workspace out;
+  out.width_px = recording.info.width_px;
+  out.height_px = recording.info.height_px;
+  return out;
+}
+
+// A velocity of a point in space as it is in the picture, nominal mm/s.
+Vec2 inPicture(const Recording& recording, const Vec3& p, const Vec3& v) {
+  const double focal_px = recording.camera.fx_px;
+  const Vec2 mm = workspaceOf(recording).mmPerPixel();
+  const double z2 = p.z() * p.z();
+  return {mm.x() * focal_px * (v.x() * p.z() - p.x() * v.z()) / z2,
+          -mm.y() * focal_px * (v.y() * p.z() - p.y() * v.z()) / z2};
+}
+
+Vec2 trueVelocity(const Recording& recording, const MotionState& centre) {
+  return inPicture(recording, centre.pose.at_mm, centre.velocity_mm_s);
+}
+
+double quantile(std::vector<float>& values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(share * double(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return double(values[static_cast<std::size_t>(at)]);
+}
+
+void scoreMasks(const Recording& recording, const Run& run, Scores& out) {
+  for (std::size_t i = 0; i < run.masks.size(); ++i) {
+    const Truth& truth = recording.truth[i];
+    if (truth.visibleShare() < kSeenEnough) continue;
+    const cv::Mat own = truth.mask();
+    ++out.frames;
+    const double iou = run.masks[i].empty() ? 0.0 : overlapOf(run.masks[i], own);
+    out.mean_iou += iou;
+    out.worst_iou = std::min(out.worst_iou, iou);
+    if (iou < kLostBelow) ++out.lost;
+    if (run.masks[i].empty()) continue;
+    cv::Mat distance;
+    cv::distanceTransform(own == 0, distance, cv::DIST_L2, 5);
+    const double foreign =
+        cv::countNonZero(run.masks[i] & (distance > kBeside_px)) / double(cv::countNonZero(own));
+    out.foreign += foreign;
+    out.worst_foreign = std::max(out.worst_foreign, foreign);
+  }
+  out.mean_iou /= std::max(1.0, double(out.frames));
+  out.foreign /= std::max(1.0, double(out.frames));
+}
+
+// The part of the announced heights between which the object's own pixels lie, over the clip.
+double reliefShare(const Recording& recording, const Run& run) {
+  std::vector<float> own;
+  for (std::size_t i = 0; i < run.heights.size(); i += 2) {
+    const cv::Mat mask = recording.truth[i].mask();
+    for (int v = 0; v < mask.rows; v += 2) {
+      for (int u = 0; u < mask.cols; u += 2) {
+        const float height = run.heights[i].at<float>(v, u);
+        if (mask.at<uchar>(v, u) != 0 && !std::isnan(height)) own.push_back(height);
+      }
+    }
+  }
+  return (quantile(own, 0.99) - quantile(own, 0.01)) / Workspace().depth_mm;
+}
+
+double velocityError(const Recording& recording, const Run& run) {
+  double errors = 0.0;
+  double speeds = 0.0;
+  for (std::size_t i = 0; i < run.largest.size(); ++i) {
+    if (recording.truth[i].visibleShare() < kSeenEnough) continue;
+    const Vec2 exact = trueVelocity(recording, recording.truth[i].centre);
+    const Vec2 got =
+        run.largest[i] ? Vec2(run.largest[i]->motion.velocity_mm_s.head<2>()) : Vec2::Zero();
+    errors += (got - exact).squaredNorm();
+    speeds += exact.squaredNorm();
+  }
+  const double frames = std::max(1.0, double(run.largest.size()));
+  return std::sqrt(speeds / frames) < kMoves_mm_s ? -1.0 : std::sqrt(errors / speeds);
+}
+
+// Sums of squares of what the object's own motion leaves of the surface's, without and with the
+// grid, over one frame.
+struct Left {
+  double without = 0.0, with = 0.0;
+};
+Left leftBy(const Recording& recording, std::size_t frame, const HapticObject& object) {
+  const Truth& truth = recording.truth[frame];
+  const cv::Mat own = truth.mask();
+  const Workspace workspace = workspaceOf(recording);
+  const double t = recording.frames[frame].clip_time_s;
+  const PixelRect& rect = object.relief->rect;
+  Left out;
+  for (int v = rect.v + kGridCell_px / 2; v < rect.v + rect.height; v += kGridCell_px) {
+    for (int u = rect.u + kGridCell_px / 2; u < rect.u + rect.width; u += kGridCell_px) {
+      if (own.at<uchar>(v, u) == 0) continue;
+      const Vec3 at = double(truth.depth.at<float>(v, u)) * recording.camera.ray(u + 0.5, v + 0.5);
+      const Vec2 exact = inPicture(recording, at, recording.object.velocityAt(at, t));
+      const Vec2 off =
+          workspace.toNominal({u + 0.5, v + 0.5}) - object.motion.position_mm.head<2>();
+      const Vec2 turning = object.motion.angular_velocity_rad_s * Vec2(-off.y(), off.x());
+      const Vec2 left = exact - object.motion.velocity_mm_s.head<2>() - turning;
+      Vec2 told = Vec2::Zero();
+      if (object.grid) {
+        const auto cell = static_cast<std::size_t>(
+            ((v - rect.v) / kGridCell_px) * object.grid->columns + (u - rect.u) / kGridCell_px);
+        told = object.grid->velocity_mm_s[cell].head<2>().cast<double>();
+      }
+      out.without += left.squaredNorm();
+      out.with += (left - told).squaredNorm();
+    }
+  }
+  return out;
+}
+
+double gridShare(const Recording& recording, const Run& run) {
+  Left sum;
+  for (std::size_t i = 0; i < run.largest.size(); ++i) {
+    if (!run.largest[i] || recording.object.bent.rate(recording.frames[i].clip_time_s) == 0.0)
+      continue;
+    const Left left = leftBy(recording, i, *run.largest[i]);
+    sum.without += left.without;
+    sum.with += left.with;
+  }
+  return sum.without > 0 ? 1.0 - sum.with / sum.without : -1.0;
+}
+
+// Nothing of it moves, and nothing passes before it.
+bool rests(const Recording& recording) {
+  const cv::Mat first = recording.truth.front().mask();
+  return std::all_of(recording.truth.begin(), recording.truth.end(), [&](const Truth& truth) {
+    return cv::countNonZero(truth.mask() != first) == 0;
+  });
+}
+
+}  // namespace
+
+Scores scoresOf(const Recording& recording, const Run& run) {
+  Scores out;
+  scoreMasks(recording, run, out);
+  if (!run.refused.empty()) return out;
+  out.relief_share = reliefShare(recording, run);
+  out.velocity_error = velocityError(recording, run);
+  out.grid_share = gridShare(recording, run);
+  if (rests(recording) && run.heights.size() > kSettled)
+    out.noise_N = forceNoise_N(run.heights, kSettled, run.heights.size(),
+                               workspaceOf(recording).mmPerPixel().x());
+  std::vector<double> ms(run.ms.begin() + std::min<std::ptrdiff_t>(1, std::ssize(run.ms)),
+                         run.ms.end());
+  std::sort(ms.begin(), ms.end());
+  if (!ms.empty()) {
+    out.median_ms = ms[ms.size() / 2];
+    out.slow_ms = ms[ms.size() * 95 / 100];
+  }
+  return out;
+}
+
+}  // namespace hapticast::evaluate::held
