@@ -117,8 +117,8 @@ TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   clientEnds({"127.0.0.1:99999"}, 2, {"127.0.0.1:99999", "65535"});
   clientEnds({"a", "b"}, 2, {"b"});
   clientEnds({"--bogus"}, 2, {"--bogus"});
-  expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {"--device", "mouse"}), 2,
-            {"--device", "'mouse'", "auto|virtual"});
+  expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {"--device", "spoon"}), 2,
+            {"--device", "'spoon'", "auto|mouse|virtual"});
   clientEnds({"--fault-dir", write("file", "") + "/below"}, 2, {"--fault-dir", "file/below"});
   for (const char* flag : {"--log", "--summary", "--screenshot"})
     clientEnds({flag, path("missing/file.png")}, 2, {flag, "missing/file.png", "folder"});
