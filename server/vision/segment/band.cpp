@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "server/vision/base/masks.hpp"
+#include "server/vision/segment/choose.hpp"
 #include "server/vision/segment/start.hpp"
 
 namespace hapticast::server {
@@ -47,6 +48,7 @@ void BandSegmenter::forgetScene() {
 void BandSegmenter::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
   followPlanes(frames.now);
+  if (frame_ == 0) scene_.skin = skinOf(frames.now);
   followObjects(frames.now, flows);
   if (frame_ == 0) startAtPoints(frames.now);
   if (points_.empty()) chooseByItself(frames.now);
@@ -113,10 +115,10 @@ void BandSegmenter::removePlanesOf(const BandObject& object, const FrameImages& 
 void BandSegmenter::startAtPoints(const FrameImages& images) {
   for (const Vec2& point : points_) {
     const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
-    ObjectStart start = objectAt(images.depth, at, scene_.noise, scene_.planes);
-    if (start.why_not != nullptr) throwNothingAt(point, start.why_not);
+    ChosenStart start = chooseAt(images, scene_, at, not_points_);
+    if (!start.object) throwNothingAt(point, start.why_not);
     scene_.planes = std::move(start.planes);
-    begin(images, start.mask, at);
+    add(std::move(*start.object));
   }
 }
 
@@ -131,15 +133,14 @@ void BandSegmenter::chooseByItself(const FrameImages& images) {
   objects_.clear();
   findSupports(images.depth, mask, scene_.planes);
   const cv::Rect box = boxAround(mask, 0);
-  begin(images, mask, (box.tl() + box.br()) / 2);
+  const cv::Mat cut =
+      cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2, not_points_);
+  add(BandObject(0, cut, images, scene_));
 }
 
-void BandSegmenter::begin(const FrameImages& images, const cv::Mat& first_mask,
-                          const cv::Point& point) {
-  const cv::Mat mask = cutByColor(images, first_mask, scene_.planes, point, not_points_);
-  BandObject object(next_id_, mask, images, scene_);
+void BandSegmenter::add(BandObject object) {
   if (isAnother(object)) return;  // two points on one body name one object
-  ++next_id_;
+  object.rename(next_id_++);
   objects_.push_back(std::move(object));
 }
 

@@ -35,7 +35,7 @@ class BandSegmenter final : public Segmenter {
   void removePlanesOf(const BandObject& object, const FrameImages& images);
   void startAtPoints(const FrameImages& images);
   void chooseByItself(const FrameImages& images);
-  void begin(const FrameImages& images, const cv::Mat& first_mask, const cv::Point& point);
+  void add(BandObject object);
   /// Whether what was just found is an object that is followed already.
   [[nodiscard]] bool isAnother(const BandObject& found) const;
   void shareOut();

@@ -11,7 +11,6 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSettleRounds = 25;       // measured: 5 to 19 are needed
 constexpr double kSettled = 0.004;      // of the area: a mask that changes by less is at rest
 constexpr int kWeakFrames = 5;          // chosen, in a row: then the object is lost
 constexpr int kSearchEvery = 3;         // chosen: a search costs as much as a frame
@@ -26,13 +25,13 @@ constexpr double kAgainLargest = 2.5;
 }  // namespace
 
 BandObject::BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
-                       const BandScene& scene)
+                       const BandScene& scene, int most_rounds)
     : id_(id), mask_(first_mask), whole_(first_mask) {
-  settle(images, scene);
+  settle(images, scene, most_rounds);
 }
 
-void BandObject::settle(const FrameImages& images, const BandScene& scene) {
-  for (int round = 0; round < kSettleRounds; ++round) {
+void BandObject::settle(const FrameImages& images, const BandScene& scene, int most_rounds) {
+  for (int round = 0; round < most_rounds; ++round) {
     const Patch patch = patchAround(images, mask_);
     if (patch.empty()) return;
     memory_ = {};

@@ -13,6 +13,7 @@
 #include "server/vision/base/frame_images.hpp"
 #include "server/vision/segment/contour.hpp"
 #include "server/vision/segment/planes.hpp"
+#include "server/vision/segment/small_view.hpp"
 
 namespace hapticast::server {
 
@@ -20,14 +21,20 @@ namespace hapticast::server {
 struct BandScene {
   DepthNoise noise;
   std::vector<Plane> planes;
+  cv::Mat skin;  ///< see skinOf(); empty: nobody looked
+
+  [[nodiscard]] SceneView view(const FrameImages& images) const {
+    return {images, planes, noise, skin};
+  }
 };
 
 class BandObject {
  public:
   /// Starts with a first mask (0 / 255, size of the picture), which is settled: the band step is
-  /// repeated on this frame until it comes to rest.
+  /// repeated on this frame until it comes to rest, `most_rounds` times at most.
   BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
-             const BandScene& scene);
+             const BandScene& scene, int most_rounds = kSettleRounds);
+  static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
 
   /// The mask in the next frame, moved by `flow`, its band decided anew.
   void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
@@ -51,7 +58,7 @@ class BandObject {
 
  private:
   BandObject() = default;
-  void settle(const FrameImages& images, const BandScene& scene);
+  void settle(const FrameImages& images, const BandScene& scene, int most_rounds);
   void seenWell(const Patch& patch);
 
   std::uint32_t id_ = 0;

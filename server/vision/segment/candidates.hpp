@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// What a click may mean: masks by graph cuts of several reaches around it, and how much a mask looks
+// like one thing. Done once per object. Thread: the one that runs Vision.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "server/vision/segment/small_view.hpp"
+
+namespace hapticast::server {
+
+struct Click {
+  cv::Point at;
+  const std::vector<cv::Point>& not_points;
+  cv::Mat component;  ///< what hangs together with it in depth, 0 / 255; empty: not known
+};
+
+/// Up to eight different masks (0 / 255, size of the picture) that the click is in.
+std::vector<cv::Mat> cutsAround(const SceneView& scene, const Click& click);
+
+/// How much `mask` looks like one thing that a person would mean, and nothing of its surroundings:
+/// colours unlike the ring's, a contour on edges of colour and depth, solid, of a size that is
+/// held in hands, measured, no skin. About 3 for a good one; of two masks the higher one is it.
+double likenessToThing(const SceneView& scene, const cv::Mat& mask);
+
+}  // namespace hapticast::server
