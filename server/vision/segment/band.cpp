@@ -15,6 +15,7 @@ constexpr int kChooseEvery = 3;   // chosen, frames: choosing by itself costs as
 constexpr int kForgetAfter = 15;  // chosen, frames lost, until an object that was chosen by itself
                                   // is given up for another
 constexpr int kNewPlanesAfter = 5;      // chosen, frames: RANSAC costs more than a frame
+constexpr int kLightEvery = 30;         // chosen, frames: light changes slowly
 constexpr double kSameObject = 0.5;     // chosen: of what is found, that another object has already
 constexpr double kPlaneIsObject = 0.3;  // chosen: of an object's pixels that lie on a new plane
 
@@ -48,7 +49,7 @@ void BandSegmenter::forgetScene() {
 void BandSegmenter::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
   followPlanes(frames.now);
-  if (frame_ == 0) scene_.skin = skinOf(frames.now);
+  if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::inLightOf(frames.now.color);
   followObjects(frames.now, flows);
   if (frame_ == 0) startAtPoints(frames.now);
   if (points_.empty()) chooseByItself(frames.now);

@@ -21,6 +21,21 @@ constexpr double kWeaker = 0.7;         // chosen: quality of a frame that is no
 constexpr double kAgainColor = 0.5;     // chosen: mean colour evidence of what is found again
 constexpr double kAgainSmallest = 0.3;  // chosen, likewise: of the area when last seen well
 constexpr double kAgainLargest = 2.5;
+constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
+
+// The colours of the picture without an object, of every second pixel and row.
+ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
+  ColorHistogram out;
+  for (int v = 0; v < mask.rows; v += 2) {
+    const auto* color = images.color.ptr<cv::Vec3b>(v);
+    const auto* in = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < mask.cols; u += 2) {
+      if (in[u] == 0) out.count(color[u]);
+    }
+  }
+  out.settle();
+  return out;
+}
 
 }  // namespace
 
@@ -46,6 +61,9 @@ void BandObject::settle(const FrameImages& images, const BandScene& scene, int m
   const Patch patch = patchAround(images, mask_);
   memory_ = {};
   learn(patch, mask_(patch.box), memory_);
+  memory_.elsewhere = elsewhere(images, mask_);
+  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
+  like_skin_ = cv::countNonZero(skin) > kLikeSkin * cv::countNonZero(patch.inside);
   whole_ = mask_;
   seenWell(patch);
 }
@@ -60,7 +78,9 @@ void BandObject::seenWell(const Patch& patch) {
 }
 
 void BandObject::follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene) {
-  const Patch patch = patchAround(images, whole_, flow.similarity, depth_.nearest_mm(scene.noise));
+  const ObjectLimits limits{depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
+                            like_skin_ ? nullptr : &scene.skin};
+  const Patch patch = patchAround(images, whole_, flow.similarity, limits);
   if (patch.empty()) return lose();
   carryEvidence(memory_, patch, flow.similarity);
   const ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
@@ -108,6 +128,8 @@ std::optional<BandObject> BandObject::search(const FrameImages& images, const Ba
   again.mask_ = likeliestPlace(images, memory_.first, depth_.middle_mm, area_px_);
   if (again.mask_.empty()) return std::nullopt;
   again.memory_.first = memory_.first;
+  again.memory_.elsewhere = memory_.elsewhere;
+  again.like_skin_ = like_skin_;
   Patch patch;
   for (int round = 0; round < kSettleRounds; ++round) {
     again.memory_.evidence.release();
@@ -126,6 +148,7 @@ std::optional<BandObject> BandObject::search(const FrameImages& images, const Ba
     return std::nullopt;
   again.whole_ = again.mask_;
   again.seenWell(patch);
+  again.area_px_ = std::max(again.area_px_, area_px_);  // what was found may be a part of it
   return again;
 }
 

@@ -21,7 +21,7 @@ namespace hapticast::server {
 struct BandScene {
   DepthNoise noise;
   std::vector<Plane> planes;
-  cv::Mat skin;  ///< see skinOf(); empty: nobody looked
+  SkinColors skin;
 
   [[nodiscard]] SceneView view(const FrameImages& images) const {
     return {images, planes, noise, skin};
@@ -70,6 +70,7 @@ class BandObject {
   int lost_ = 0;        // frames since it was lost; 0: present
   double area_px_ = 0;  // when last seen well
   DepthSpan depth_;
+  bool like_skin_ = false;  // its colours are like those of hands
 };
 
 }  // namespace hapticast::server

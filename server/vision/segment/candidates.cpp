@@ -9,6 +9,7 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/graph_cut.hpp"
+#include "server/vision/segment/start.hpp"
 
 namespace hapticast::server {
 
@@ -23,11 +24,15 @@ constexpr float kOnPlane = -1.5F;
 constexpr float kElsewhere = -2.0F;  // measured, but not of the component
 constexpr float kOfComponent = 0.5F;
 constexpr float kSkin = -1.5F;
-constexpr float kHole = 2.5F;  // times how far the component around it is above ...
+constexpr float kHole = 2.5F;          // times how far the component around it is above ...
 constexpr float kBesideObject = 0.7F;  // ... this: a shadow has background on one side
 constexpr float kSure = 1e3F;
 constexpr double kSame = 0.97;  // IoU
 constexpr int kNotRadius_px = 5;
+constexpr double kHidden_mm = 90.0;   // chosen: a hand
+constexpr float kBehind_mm = 20.0F;   // chosen
+constexpr double kLeastPiece = 0.02;  // chosen, of the main one
+constexpr double kMostPiece = 2.0;
 
 struct Reach {
   float near_mm, far_mm;
@@ -44,6 +49,8 @@ struct Surroundings {
   cv::Mat unary;      // CV_32FC1: all but the colours
   cv::Mat not_log;    // CV_32FC1: of the colours that the author does not mean; empty: none
   cv::Mat never;      // 255: the author's discs
+  cv::Mat hand;       // 255: skin, where the click is on none
+  double px_per_mm = 1.0;
 };
 
 double depthAt(const cv::Mat& depth, const cv::Point& at) {
@@ -71,8 +78,8 @@ cv::Mat distances(const Surroundings& s, double depth_mm, const cv::Size& pictur
       const auto z = double(s.view.depth.at<float>(v, u));
       const double scale = mm_per_px_at_1mm * (z > 0 ? z : depth_mm);
       const double off = z > 0 ? z - depth_mm : 0.0;
-      out.at<float>(v, u) = static_cast<float>(
-          std::hypot(scale * (u - s.at.x), scale * (v - s.at.y), off));
+      out.at<float>(v, u) =
+          static_cast<float>(std::hypot(scale * (u - s.at.x), scale * (v - s.at.y), off));
     }
   }
   return out;
@@ -82,8 +89,8 @@ cv::Mat distances(const Surroundings& s, double depth_mm, const cv::Size& pictur
 float besideComponent(const Surroundings& s, int u, int v) {
   int of_it = 0;
   int met = 0;
-  for (const cv::Point& way : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1),
-                               cv::Point(0, -1)}) {
+  for (const cv::Point& way :
+       {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
     cv::Point at(u, v);
     do {
       at += way;
@@ -98,8 +105,6 @@ float besideComponent(const Surroundings& s, int u, int v) {
 
 // What depth, planes and skin say.
 cv::Mat placeEvidence(const Surroundings& s) {
-  const cv::Rect around = cv::Rect(s.at.x - 2, s.at.y - 2, 5, 5) & cv::Rect({0, 0}, s.view.size());
-  const bool on_skin = cv::countNonZero(s.view.skin(around)) > 0.35 * around.area();
   cv::Mat out = cv::Mat::zeros(s.view.size(), CV_32FC1);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
@@ -112,7 +117,7 @@ cv::Mat placeEvidence(const Surroundings& s) {
       } else {
         sum += of_it ? kOfComponent : kElsewhere;
       }
-      if (!on_skin && s.view.skin.at<unsigned char>(v, u) != 0) sum += kSkin;
+      if (s.hand.at<unsigned char>(v, u) != 0) sum += kSkin;
     }
   }
   return out;
@@ -127,9 +132,14 @@ Surroundings surroundingsOf(const SceneView& scene, const Click& click) {
                        cv::Rect({0, 0}, picture);
   out.view = SmallView::of(scene, box, kView_px);
   out.at = out.view.placeOf(click.at);
-  out.component = click.component.empty() ? cv::Mat(out.view.depth > 0)
-                                          : out.view.shrunk(click.component);
+  out.component =
+      click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
   out.distance = distances(out, depth_mm, picture);
+  out.px_per_mm = out.view.shrink * pixelsPerMm(depth_mm, picture);
+  const cv::Rect around =
+      cv::Rect(out.at.x - 2, out.at.y - 2, 5, 5) & cv::Rect({0, 0}, out.view.size());
+  const bool on_skin = cv::countNonZero(out.view.skin(around)) > 0.35 * around.area();
+  out.hand = on_skin ? cv::Mat::zeros(out.view.size(), CV_8UC1) : out.view.skin;
   out.unary = placeEvidence(out);
   out.never = cv::Mat::zeros(out.view.size(), CV_8UC1);
   const int radius = std::max(1, int(std::lround(kNotRadius_px * out.view.shrink)));
@@ -142,13 +152,69 @@ Surroundings surroundingsOf(const SceneView& scene, const Click& click) {
   return out;
 }
 
-cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at) {
+std::vector<cv::Point> rimOf(const cv::Mat& piece) {
+  cv::Mat inner;
+  cv::erode(piece, inner, cv::Mat::ones(3, 3, CV_8UC1));
+  std::vector<cv::Point> out;
+  cv::findNonZero(piece & ~inner, out);
+  return out;
+}
+
+// Whether what lies between the piece and the mask may hide their joint: it is near, and nothing
+// that is seen between them lies behind both.
+bool joinedBehind(const Surroundings& s, const cv::Mat& mask, const cv::Mat& piece) {
+  cv::Point from;
+  cv::Point to;
+  int nearest = 1 << 30;
+  const std::vector<cv::Point> rim = rimOf(mask);
+  for (const cv::Point& b : rimOf(piece)) {
+    for (const cv::Point& a : rim) {
+      const int square = (a - b).dot(a - b);
+      if (square >= nearest) continue;
+      nearest = square;
+      from = a;
+      to = b;
+    }
+  }
+  if (std::sqrt(nearest) > kHidden_mm * s.px_per_mm) return false;
+  const float deepest =
+      std::max(s.view.depth.at<float>(from), s.view.depth.at<float>(to)) + kBehind_mm;
+  const int steps = std::max(2, int(std::sqrt(nearest)));
+  for (int i = 1; i < steps; ++i) {
+    const cv::Point at = from + (to - from) * (double(i) / steps);
+    if (s.view.plane.at<unsigned char>(at) != 0 || s.view.depth.at<float>(at) > deepest)
+      return false;
+  }
+  return true;
+}
+
+// The piece with the click, and those that are one with it behind what passes in front of them.
+cv::Mat piecesAt(const Surroundings& s, const cv::Mat& mask) {
   cv::Mat labels;
-  cv::connectedComponents(mask, labels, 4, CV_32S);
-  const int label = labels.at<int>(at);
-  if (label == 0) return {};
-  const cv::Mat piece = labels == label;
-  return withoutHoles(piece, piece.rows * piece.cols / 40);
+  cv::Mat stats;
+  cv::Mat centroids;
+  const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 4, CV_32S);
+  const int main = labels.at<int>(s.at);
+  if (main == 0) return {};
+  cv::Mat out = labels == main;
+  std::vector<int> left;
+  left.reserve(static_cast<std::size_t>(count));
+  for (int i = 1; i < count; ++i) {
+    const double share = double(stats.at<int>(i, cv::CC_STAT_AREA)) / cv::countNonZero(out);
+    if (i != main && share > kLeastPiece && share < kMostPiece && clearOfBorder(labels == i))
+      left.push_back(i);
+  }
+  for (bool grows = true; grows;) {
+    const std::size_t before = left.size();
+    std::erase_if(left, [&](int i) {
+      const cv::Mat piece = labels == i;
+      if (!joinedBehind(s, out, piece)) return false;
+      out |= piece;
+      return true;
+    });
+    grows = left.size() < before;
+  }
+  return withoutHoles(out, out.rows * out.cols / 80);
 }
 
 cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& background,
@@ -163,22 +229,22 @@ cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& bac
   cv::Mat unary = color + s.unary;
   unary.setTo(-kSure, far | s.never);
   cv::circle(unary, s.at, 2, cv::Scalar(double(kSure)), cv::FILLED);
-  return pieceAt(minimumCut(unary, s.view, noise), s.at);
+  return piecesAt(s, minimumCut(unary, s.view, noise));
 }
 
 cv::Mat cutWithin(const Surroundings& s, const Reach& reach, const DepthNoise& noise) {
   const cv::Mat far = s.distance > reach.far_mm;
   const cv::Mat measured = s.view.depth > 0;
-  cv::Mat object = s.component & (s.distance < reach.near_mm) & (s.never == 0);
+  cv::Mat object = s.component & (s.distance < reach.near_mm) & ~(s.never | s.hand);
   cv::circle(object, s.at, 2, cv::Scalar(255), cv::FILLED);
-  cv::Mat background = far | s.never | s.view.plane | (measured & (s.component == 0));
+  cv::Mat background = far | s.never | s.view.plane | (measured & (s.component == 0)) | s.hand;
   background.setTo(0, object);
   cv::Mat mask;
   for (int round = 0; round < kRoundsOfCut; ++round) {
     cv::Mat next = cutOnce(s, object, background, far, noise);
     if (next.empty()) return {};
-    const bool settled = !mask.empty() && cv::countNonZero(next != mask) <
-                                              0.01 * cv::countNonZero(next);
+    const bool settled =
+        !mask.empty() && cv::countNonZero(next != mask) < 0.01 * cv::countNonZero(next);
     mask = next;
     if (settled) break;
     object = mask;

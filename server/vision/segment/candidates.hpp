@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a click may mean: masks by graph cuts of several reaches around it, and how much a mask looks
-// like one thing. Done once per object. Thread: the one that runs Vision.
+// What a click may mean: masks by graph cuts of several reaches around it, and how much a mask
+// looks like one thing. Done once per object. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -2,8 +2,6 @@
 #include "server/vision/segment/choose.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 #include "server/vision/segment/candidates.hpp"
 #include "server/vision/segment/segment.hpp"
@@ -13,9 +11,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSettledCuts = 3;        // chosen for time: so many of the best cuts are settled ...
-constexpr int kFewRounds = 3;             // ... by so many band steps
-constexpr double kForComponent = 0.05;  // chosen: what depth alone says is rather believed
+constexpr int kSettledCuts = 3;         // chosen for time: so many of the best cuts are settled ...
+constexpr int kFewRounds = 3;           // ... by so many band steps
+constexpr double kForComponent = -0.1;  // what depth alone says has hands in it
 constexpr double kForSettled = 0.03;
 constexpr double kDespiteDepth = 2.5;  // where depth says that there is nothing
 
@@ -35,9 +33,7 @@ ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv
   std::vector<Candidate> candidates;
   const auto take = [&](const BandObject& object, double more) {
     if (cv::countNonZero(object.mask()) < kSmallestObject_px) return;
-    const double l = likenessToThing(view, object.mask());
-    if (getenv("LAB")) fprintf(stderr, "  cand %zu area %d like %.3f\n", candidates.size(), cv::countNonZero(object.mask()), l);
-    candidates.push_back({object, l + more});
+    candidates.push_back({object, likenessToThing(view, object.mask()) + more});
   };
   if (start.why_not == nullptr) {
     const cv::Mat cut = cutByColor(images, start.mask, own.planes, point, not_points);
@@ -49,7 +45,6 @@ ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv
   for (const cv::Mat& cut : cuts) scored.emplace_back(likenessToThing(view, cut), cut);
   std::sort(scored.begin(), scored.end(),
             [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (getenv("LAB")) for (auto& x : scored) fprintf(stderr, "  cut area %d like %.3f\n", cv::countNonZero(x.second), x.first);
   if (scored.size() > kSettledCuts) scored.resize(kSettledCuts);
   for (const auto& [likeness, cut] : scored) {
     take(BandObject(0, cut, images, own, kFewRounds), kForSettled);

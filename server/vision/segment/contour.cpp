@@ -19,6 +19,7 @@ constexpr int kCell_px = 4;         // chosen for time: a mean over sigma 7 px i
 constexpr float kInside_px = 3.0F;  // chosen: nearer to the contour depth is not the object's own
 constexpr int kLargestHole_px = 400;
 constexpr double kColorWeight = 1.5;
+constexpr double kWholePicture = 0.3;  // of the background: hands are known before they arrive
 constexpr double kUnlike = 0.35;  // of two histograms: from here on colour has its whole weight
 constexpr double kLeastColor = 0.6;
 constexpr double kGuidedEps = 2e-3;
@@ -110,16 +111,18 @@ struct BesideContour {
 cv::Mat depthTerm(const Patch& patch, const std::vector<Plane>& planes, const DepthNoise& noise) {
   const BesideContour beside(patch);
   cv::Mat never = bandOnPlanes(patch, planes);
-  if (!patch.nearer.empty()) never |= patch.nearer;
+  if (!patch.farther.empty()) never |= patch.farther;
   cv::Mat out = cv::Mat::zeros(patch.depth.size(), CV_32FC1);
   for (int v = 0; v < out.rows; ++v) {
     const auto* z = patch.depth.ptr<float>(v);
     const auto* d = patch.distance.ptr<float>(v);
     const auto* is_never = never.ptr<unsigned char>(v);
+    const auto* hides = patch.nearer.empty() ? nullptr : patch.nearer.ptr<unsigned char>(v);
     auto* to = out.ptr<float>(v);
     for (int u = 0; u < out.cols; ++u) {
       if (d[u] <= -kBand_px || d[u] > kBand_px) continue;
-      const bool refused = z[u] > 0 && is_never[u] != 0;
+      const bool hidden = hides != nullptr && hides[u] != 0;
+      const bool refused = hidden || (z[u] > 0 && is_never[u] != 0);
       to[u] =
           static_cast<float>(refused ? -kMostDepth : beside.evidence(v, u, double(z[u]), noise));
     }
@@ -241,11 +244,18 @@ void carryEvidence(ContourMemory& memory, const Patch& patch, const cv::Matx23d&
   memory.to_picture = patch.toPicture();
 }
 
+std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
+  ColorHistogram background = memory.background;
+  // What has the colours of the rest of the picture tells little of a hand that is still to come.
+  background.adapt(memory.elsewhere,
+                   kWholePicture * (1.0 - overlapOf(memory.first, memory.elsewhere)));
+  return colorEvidence(memory.first, memory.now, background);
+}
+
 ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory) {
   ContourResult result;
-  const cv::Mat color =
-      colorTerm(patch.color, colorEvidence(memory.first, memory.now, memory.background));
+  const cv::Mat color = colorTerm(patch.color, colorEvidenceOf(memory));
   // Where object and background look alike, depth has to decide.
   const double unlike = 1.0 - overlapOf(memory.first, memory.background);
   const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);

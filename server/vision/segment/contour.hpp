@@ -17,12 +17,16 @@ struct ContourMemory {
   ColorHistogram first;       ///< of the first mask; stays for good
   ColorHistogram now;         ///< follows slowly
   ColorHistogram background;  ///< of the ring around the object
+  ColorHistogram elsewhere;   ///< of the whole picture it began in, without it; may be empty
   cv::Mat evidence;           ///< CV_32FC1 over a patch: the last decision, > 0 object
   cv::Matx33d to_picture;     ///< of `evidence`
 };
 
 /// Carries the last decision into the patch of this frame.
 void carryEvidence(ContourMemory& memory, const Patch& patch, const cv::Matx23d& similarity);
+
+/// By colour bin, above 0 speaks for the object; see colorEvidence().
+std::vector<float> colorEvidenceOf(const ContourMemory& memory);
 
 struct ContourResult {
   cv::Mat mask;               ///< CV_8UC1, 0 / 255, over the patch's box at full size

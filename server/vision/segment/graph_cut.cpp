@@ -58,8 +58,8 @@ ColorMixture::ColorMixture(const cv::Mat& lab, const cv::Mat& where) {
     }
     if (count == 0) continue;
     const cv::Vec3f mean = sum / static_cast<float>(count);
-    const cv::Matx33f covariance = squares * (1.0F / static_cast<float>(count)) -
-                                   mean * mean.t() + cv::Matx33f::eye() * kLeastSpread;
+    const cv::Matx33f covariance = squares * (1.0F / static_cast<float>(count)) - mean * mean.t() +
+                                   cv::Matx33f::eye() * kLeastSpread;
     const auto determinant = static_cast<float>(cv::determinant(covariance));
     const float weight = static_cast<float>(count) / static_cast<float>(samples.rows);
     parts_.push_back({mean, covariance.inv(), std::log(weight) - 0.5F * std::log(determinant)});

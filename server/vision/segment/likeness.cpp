@@ -21,7 +21,7 @@ constexpr float kLastOfRing_px = 12.0F;
 constexpr float kIn_px = 2.5F;
 constexpr float kOut_px = 3.0F;
 constexpr double kSmall_mm = 80.0;
-constexpr double kLarge_mm = 500.0;
+constexpr double kLarge_mm = 250.0;
 
 struct MaskView {
   SmallView view;
@@ -91,11 +91,14 @@ Contour alongContour(const MaskView& m, const DepthNoise& noise) {
       const double color = std::min(
           1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
       const double depth = depthEdge(m, in, out, noise);
-      const double edge = std::max(color, depth);
+      const bool hand =
+          m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
+      const double edge = hand ? 1.0 : std::max(color, depth);
       sum.edge += edge;
       if (edge < 0.35) sum.weak += 1.0;
-      const bool known = m.view.depth.at<float>(out) > 0 && m.view.plane.at<unsigned char>(out) == 0;
-      if (known && depth < 0.6) sum.contact += color > 0.6 ? 0.5 : 1.0;
+      const bool known =
+          m.view.depth.at<float>(out) > 0 && m.view.plane.at<unsigned char>(out) == 0;
+      if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
     }
   }
   count = std::max(count, 1.0);
@@ -135,10 +138,10 @@ Colors colorsOf(const MaskView& m) {
 }
 
 struct Body {
-  double known = 0.0;      // share with depth
-  double stray = 0.0;      // share off the median depth by more than it is wide
+  double known = 0.0;  // share with depth
+  double stray = 0.0;  // share off the median depth by more than it is wide
   double diameter_mm = 0.0;
-  double solid = 0.0;  // area over that of the convex hull
+  double solid = 0.0;  // area over what is seen of the convex hull
   double skin = 0.0;
 };
 
@@ -165,7 +168,12 @@ Body bodyOf(const MaskView& m, const cv::Size& picture) {
   }
   std::vector<cv::Point> hull;
   cv::convexHull(points, hull);
-  out.solid = m.area / std::max(cv::contourArea(hull), m.area);
+  cv::Mat within = cv::Mat::zeros(m.mask.size(), CV_8UC1);
+  cv::fillConvexPoly(within, hull, cv::Scalar(255));
+  // What passes in front says nothing of the shape behind it.
+  const double front_mm = middle_mm - 0.5 * out.diameter_mm - 20.0;
+  within.setTo(0, (m.mask == 0) & (m.view.skin | ((m.view.depth > 0) & (m.view.depth < front_mm))));
+  out.solid = m.area / std::max(double(cv::countNonZero(within)), m.area);
   return out;
 }
 
@@ -180,10 +188,10 @@ double likenessToThing(const SceneView& scene, const cv::Mat& mask) {
   const Body body = bodyOf(m, mask.size());
   const double small = std::max(0.0, std::log(kSmall_mm / body.diameter_mm));
   const double large = std::max(0.0, std::log(body.diameter_mm / kLarge_mm));
-  return colors.apart + 1.5 * contour.edge - contour.weak - 1.3 * contour.contact + body.solid -
-         1.5 * contour.border - 0.6 * small - 0.8 * large + 0.3 * body.known -
-         2.0 * std::max(0.0, 0.6 - body.known) - 2.0 * std::min(0.4, colors.missing) -
-         0.8 * body.skin - 2.0 * std::min(0.5, body.stray);
+  return 0.3 * colors.apart + 1.4 * contour.edge - 0.7 * contour.weak - 1.5 * contour.contact +
+         0.2 * body.solid - 1.5 * contour.border - 1.1 * small - 0.8 * large + 0.3 * body.known -
+         2.0 * std::max(0.0, 0.6 - body.known) - 0.2 * std::min(0.4, colors.missing) -
+         0.6 * body.skin - 2.0 * std::min(0.5, body.stray);
 }
 
 }  // namespace hapticast::server

@@ -60,11 +60,20 @@ void findDistance(Patch& patch) {
   }
 }
 
-void findHidden(Patch& patch, double nearest_mm) {
-  patch.nearer = (patch.depth > 0) & (patch.depth < nearest_mm);
-  cv::morphologyEx(patch.nearer, patch.nearer, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8UC1));
-  patch.hidden = patch.nearer & patch.inside;
-  if (cv::countNonZero(patch.hidden) > 0) patch.inside.setTo(0, patch.hidden);
+void findHidden(Patch& patch, const ObjectLimits& limits) {
+  const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
+  if (limits.nearest_mm > 0 || limits.hand != nullptr) {
+    patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
+    cv::morphologyEx(patch.nearer, patch.nearer, cv::MORPH_OPEN, square);
+    if (limits.hand != nullptr) patch.nearer |= limits.hand->in(patch.color);
+    patch.hidden = patch.nearer & patch.inside;
+    if (cv::countNonZero(patch.hidden) > 0) patch.inside.setTo(0, patch.hidden);
+  }
+  if (limits.farthest_mm > 0) {
+    patch.farther = patch.depth > limits.farthest_mm;
+    cv::morphologyEx(patch.farther, patch.farther, cv::MORPH_OPEN, square);
+    patch.inside.setTo(0, patch.farther);
+  }
 }
 
 }  // namespace
@@ -75,7 +84,7 @@ cv::Matx33d Patch::toPicture() const {
 }
 
 Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
-                  double nearest_mm) {
+                  const ObjectLimits& limits) {
   Patch out;
   const cv::Rect from = boxAround(mask, 1);
   if (from.empty()) return out;
@@ -94,13 +103,13 @@ Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx
   }
   const cv::Matx33d corner{1, 0, double(from.x), 0, 1, double(from.y), 0, 0, 1};
   out.inside = carryPatch(mask(from), corner, out, similarity) > 127;
-  if (nearest_mm > 0) findHidden(out, nearest_mm);
+  findHidden(out, limits);
   findDistance(out);
   return out;
 }
 
 Patch patchAround(const FrameImages& images, const cv::Mat& mask) {
-  return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, 0.0);
+  return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, ObjectLimits{});
 }
 
 cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& to,
@@ -154,6 +163,11 @@ cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes) {
 double DepthSpan::nearest_mm(const DepthNoise& noise) const {
   if (middle_mm <= 0) return 0.0;
   return near_mm - 0.6 * (far_mm - near_mm) - 25.0 - 6 * noise.at(near_mm);
+}
+
+double DepthSpan::farthest_mm(const DepthNoise& noise) const {
+  if (middle_mm <= 0) return 0.0;
+  return far_mm + 0.8 * (far_mm - near_mm) + 30.0 + 6 * noise.at(far_mm);
 }
 
 std::optional<DepthSpan> depthSpan(const Patch& patch, const cv::Mat& inside) {

@@ -10,6 +10,7 @@
 
 #include "server/vision/base/frame_images.hpp"
 #include "server/vision/segment/planes.hpp"
+#include "server/vision/segment/skin.hpp"
 
 namespace hapticast::server {
 
@@ -24,7 +25,8 @@ struct Patch {
   cv::Mat gray;      ///< CV_8UC1, at full size: the contour is put on its edges
   cv::Mat inside;    ///< CV_8UC1, 0 / 255: where the object is expected and nothing hides it
   cv::Mat hidden;    ///< CV_8UC1, 0 / 255: where it is expected, but something nearer is seen
-  cv::Mat nearer;    ///< CV_8UC1, 0 / 255: nearer than the object can be. Empty: not known
+  cv::Mat nearer;    ///< CV_8UC1, 0 / 255: nearer than the object can be, or a hand. Empty: unknown
+  cv::Mat farther;   ///< CV_8UC1, 0 / 255: farther than the object can be. Empty: unknown
   cv::Mat distance;  ///< CV_32FC1, px of the patch: how far inside the contour; outside below 0
 
   [[nodiscard]] bool empty() const { return box.empty(); }
@@ -35,10 +37,16 @@ struct Patch {
   [[nodiscard]] cv::Matx33d toPicture() const;
 };
 
+/// What cannot be the object: what is nearer, or a hand, hides it; what is farther is seen past it.
+struct ObjectLimits {
+  double nearest_mm = 0.0;           ///< 0: not known
+  double farthest_mm = 0.0;          ///< 0: not known
+  const SkinColors* hand = nullptr;  ///< null: the object's own colours are like those
+};
 /// The patch around `mask` (of the last picture, 0 / 255) moved by `similarity` (last px -> this
-/// px). What is nearer than `nearest_mm` (0: not known) hides the object.
+/// px).
 Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
-                  double nearest_mm);
+                  const ObjectLimits& limits);
 /// Of a mask in this picture.
 Patch patchAround(const FrameImages& images, const cv::Mat& mask);
 
@@ -61,8 +69,9 @@ cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes);
 struct DepthSpan {
   double near_mm = 0.0, middle_mm = 0.0, far_mm = 0.0;
 
-  /// What is nearer than this cannot be it; 0: not known.
+  /// What is nearer, or farther, than this cannot be it; 0: not known.
   [[nodiscard]] double nearest_mm(const DepthNoise& noise) const;
+  [[nodiscard]] double farthest_mm(const DepthNoise& noise) const;
 };
 /// Of the pixels `inside` (0 / 255); nullopt where too few are known.
 std::optional<DepthSpan> depthSpan(const Patch& patch, const cv::Mat& inside);

@@ -9,6 +9,7 @@
 #include "server/vision/base/depth_noise.hpp"
 #include "server/vision/base/frame_images.hpp"
 #include "server/vision/segment/planes.hpp"
+#include "server/vision/segment/skin.hpp"
 
 namespace hapticast::server {
 
@@ -17,7 +18,7 @@ struct SceneView {
   const FrameImages& images;
   const std::vector<Plane>& planes;
   const DepthNoise& noise;
-  const cv::Mat& skin;  ///< 255 where a hand may be, size of the picture; see skinOf()
+  const SkinColors& skin;
 };
 
 struct SmallView {
@@ -45,10 +46,5 @@ struct SmallView {
 
 /// px of the picture that a mm at `depth_mm` is wide, where the camera is not known.
 double pixelsPerMm(double depth_mm, const cv::Size& picture);
-
-/// Where colours are those of skin, as far as that can be told in this light (0 / 255): the white
-/// of the picture's brightest grey parts is taken out; fur that has specks of it does not count,
-/// only what is as wide as a finger does.
-cv::Mat skinOf(const FrameImages& images);
 
 }  // namespace hapticast::server
