@@ -119,6 +119,7 @@ void BandSegmenter::startAtPoints(const FrameImages& images) {
     ChosenStart start = chooseAt(images, scene_, at, not_points_);
     if (!start.object) throwNothingAt(point, start.why_not);
     scene_.planes = std::move(start.planes);
+    start.object->knowItself(images, scene_);
     add(std::move(*start.object));
   }
 }
@@ -136,7 +137,9 @@ void BandSegmenter::chooseByItself(const FrameImages& images) {
   const cv::Rect box = boxAround(mask, 0);
   const cv::Mat cut =
       cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2, not_points_);
-  add(BandObject(0, cut, images, scene_));
+  BandObject object(0, cut, images, scene_);
+  object.knowItself(images, scene_);
+  add(std::move(object));
 }
 
 void BandSegmenter::add(BandObject object) {

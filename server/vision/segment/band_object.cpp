@@ -18,10 +18,18 @@ constexpr double kMostlySeen = 0.6;     // chosen, of the whole: what is seen le
 constexpr double kLeastGrowth = 0.8;    // chosen, of the area in a frame: outside of these two the
 constexpr double kMostGrowth = 1.25;    // decision is not believed
 constexpr double kWeaker = 0.7;         // chosen: quality of a frame that is not measured well
-constexpr double kAgainColor = 0.5;     // chosen: mean colour evidence of what is found again
-constexpr double kAgainSmallest = 0.3;  // chosen, likewise: of the area when last seen well
-constexpr double kAgainLargest = 2.5;
-constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
+constexpr double kOwnColors = 0.5;      // mean colour evidence of what is surely the object
+constexpr double kSurelyColor = 0.8;    // mean colour evidence of what may be uncovered again
+constexpr double kUsualFollows = 0.01;  // chosen: a size is usual after four seconds
+constexpr int kLookEvery = 15;          // chosen, frames: a look costs as much as two frames
+constexpr double kClearlyBetter = 0.12;
+constexpr int kAgainRounds = 3;
+constexpr double kNearest = 0.6;  // chosen, of its last depth: where it is looked for
+constexpr double kFarthest = 1.6;
+constexpr double kLessLike = 0.8;     // of its resemblance to itself: what is found again ...
+constexpr double kMostUnlike = 0.85;  // ... and what is not it any more
+constexpr double kMostAgain = 1.6;    // of its usual area
+constexpr double kLikeSkin = 0.2;     // chosen, of its pixels: hands cannot be told by their colour
 
 // The colours of the picture without an object, of every second pixel and row.
 ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
@@ -35,6 +43,22 @@ ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
   }
   out.settle();
   return out;
+}
+
+double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv::Mat& where) {
+  const std::vector<float> evidence = colorEvidenceOf(memory);
+  double sum = 0.0;
+  double count = 0.0;
+  for (int v = 0; v < where.rows; v += 2) {
+    const auto* row = color.ptr<cv::Vec3b>(v);
+    const auto* in = where.ptr<unsigned char>(v);
+    for (int u = 0; u < where.cols; u += 2) {
+      if (in[u] == 0) continue;
+      sum += double(evidence[ColorHistogram::binOf(row[u])]);
+      count += 1.0;
+    }
+  }
+  return count > 0 ? sum / count : 0.0;
 }
 
 }  // namespace
@@ -73,36 +97,101 @@ void BandObject::seenWell(const Patch& patch) {
   // One that leaves the picture has not become smaller.
   if (clearOfBorder(whole_) || area > area_px_) area_px_ = area;
   if (const auto depth = depthSpan(patch, patch.inside)) depth_ = *depth;
+  usual_px_ = usual_px_ > 0 ? usual_px_ + kUsualFollows * (area - usual_px_) : area;
   quality_ = 1.0;
   weak_ = 0;
 }
 
-void BandObject::follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene) {
-  const ObjectLimits limits{depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
-                            like_skin_ ? nullptr : &scene.skin};
-  const Patch patch = patchAround(images, whole_, flow.similarity, limits);
-  if (patch.empty()) return lose();
-  carryEvidence(memory_, patch, flow.similarity);
-  const ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
-  const double expected = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
+ObjectLimits BandObject::limits(const BandScene& scene) const {
+  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
+          like_skin_ ? nullptr : &scene.skin};
+}
+
+// Whether what was decided is to be believed.
+bool BandObject::convinces(const ContourResult& now, double expected_px) const {
   const double area = cv::countNonZero(now.mask);
-  if (area < kSmallestObject_px || expected < kSmallestObject_px) return lose();
-  const double growth = area / expected;
-  const bool convincing =
-      growth >= kLeastGrowth && growth <= kMostGrowth && now.inside_color >= 0.0;
-  const cv::Mat seen = convincing ? now.mask : atFullSize(patch.inside, patch);
+  const double growth = area / expected_px;
+  if (growth > kMostGrowth)  // uncovered again
+    return now.inside_color >= kSurelyColor && area < kMostGrowth * usual_px_;
+  return growth >= kLeastGrowth && now.inside_color >= 0.0;
+}
+
+// The patch where the object is expected. Where most of it seems hidden or past, but has its own
+// colours, it is the depth that jumps.
+Patch BandObject::expected(const FrameImages& images, const cv::Matx23d& similarity,
+                           const BandScene& scene) const {
+  ObjectLimits within = limits(scene);
+  Patch patch = patchAround(images, whole_, similarity, within);
+  if (patch.empty() || patch.hidden.empty()) return patch;
+  const int hidden = cv::countNonZero(patch.hidden);
+  if (hidden <= cv::countNonZero(patch.inside)) return patch;
+  if (meanEvidence(memory_, patch.color, patch.hidden) < kOwnColors) return patch;
+  within.nearest_mm = within.farthest_mm = 0.0;
+  return patchAround(images, whole_, similarity, within);
+}
+
+void BandObject::follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene) {
+  cv::Matx23d similarity = flow.similarity;
+  Patch patch = expected(images, similarity, scene);
+  // A motion that leads to other colours was not its own.
+  if (patch.empty() || meanEvidence(memory_, patch.color, patch.inside) < 0.0) {
+    const Patch still = expected(images, ObjectFlow{}.similarity, scene);
+    if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > kOwnColors) {
+      patch = still;
+      similarity = ObjectFlow{}.similarity;
+    }
+  }
+  if (patch.empty()) return lose();
+  carryEvidence(memory_, patch, similarity);
+  const ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
+  const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
+  const bool nothing =
+      cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
+  const bool convincing = !nothing && convinces(now, expected_px);
+  take(convincing ? now.mask : atFullSize(patch.inside, patch), patch, images);
+  if (convincing) {
+    seenWell(patch);
+    if (!flow.reliable) quality_ = kWeaker;
+    if (expected_px > kMostlySeen * area_px_) learn(patch, now.mask, memory_);
+  } else {
+    quality_ *= kWeaker;
+    ++weak_;
+  }
+  const bool in_doubt = weak_ == 2 || weak_ > kWeakFrames;
+  if ((in_doubt || ++since_look_ >= kLookEvery) && lookAgain(images, scene)) return;
+  const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
+  if (nothing || weak_ > kWeakFrames || leaving) lose();
+}
+
+// `seen` over the patch's box is where it is seen now.
+void BandObject::take(const cv::Mat& seen, const Patch& patch, const FrameImages& images) {
   mask_ = wholePicture(seen, patch, images);
   const bool hidden = !patch.hidden.empty() && cv::countNonZero(patch.hidden) > 0;
   whole_ = hidden ? wholePicture(seen | atFullSize(patch.hidden, patch), patch, images) : mask_;
-  if (!convincing) {
-    quality_ *= kWeaker;
-    const bool leaving = !clearOfBorder(mask_);
-    if (++weak_ > kWeakFrames || leaving) lose();
-    return;
-  }
-  seenWell(patch);
-  if (!flow.reliable) quality_ = kWeaker;
-  if (expected > kMostlySeen * area_px_) learn(patch, now.mask, memory_);
+}
+
+// One graph cut by what is known of it. True where that decides: it is better than what is carried
+// on, or neither is like the object.
+bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
+  since_look_ = 0;
+  const KnownObject known{memory_, limits(scene), usual_px_, mask_};
+  const SceneView view = scene.view(images);
+  const cv::Mat mask = lookedFor(view, known);
+  if (mask.empty() || cv::countNonZero(mask) < kSmallestObject_px) return false;
+  const double now = resemblance(view, known, mask_);
+  const double then = resemblance(view, known, mask);
+  if (std::max(now, then) < likeness_ - kMostUnlike) lose();
+  if (!present() || then < now + kClearlyBetter) return !present();
+  mask_ = mask;
+  whole_ = mask;
+  memory_.evidence.release();
+  seenWell(patchAround(images, mask_));
+  return true;
+}
+
+void BandObject::knowItself(const FrameImages& images, const BandScene& scene) {
+  const KnownObject known{memory_, limits(scene), usual_px_, mask_};
+  likeness_ = resemblance(scene.view(images), known, mask_);
 }
 
 void BandObject::yieldTo(const BandObject& other) {
@@ -124,31 +213,30 @@ void BandObject::lose() {
 
 std::optional<BandObject> BandObject::search(const FrameImages& images, const BandScene& scene) {
   if (lost_++ % kSearchEvery != 0) return std::nullopt;
-  BandObject again;
-  again.mask_ = likeliestPlace(images, memory_.first, depth_.middle_mm, area_px_);
-  if (again.mask_.empty()) return std::nullopt;
-  again.memory_.first = memory_.first;
-  again.memory_.elsewhere = memory_.elsewhere;
-  again.like_skin_ = like_skin_;
-  Patch patch;
-  for (int round = 0; round < kSettleRounds; ++round) {
-    again.memory_.evidence.release();
-    patch = patchAround(images, again.mask_);
+  const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
+                              like_skin_ ? nullptr : &scene.skin};
+  const KnownObject known{memory_, anywhere, usual_px_, {}};
+  const SceneView view = scene.view(images);
+  const cv::Mat found = lookedFor(view, known);
+  if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
+  BandObject again = *this;
+  again.mask_ = again.whole_ = found;
+  again.memory_.evidence.release();
+  for (int round = 0; round < kAgainRounds; ++round) {
+    const Patch patch = patchAround(images, again.mask_);
     if (patch.empty()) return std::nullopt;
-    learn(patch, again.mask_(patch.box), again.memory_);
     const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
-    const int changed = cv::countNonZero(now.mask != again.mask_(patch.box));
-    const int area = cv::countNonZero(now.mask);
-    if (area < kSmallestObject_px || now.inside_color < kAgainColor) return std::nullopt;
+    if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
     again.mask_ = wholePicture(now.mask, patch, images);
-    if (changed < kSettled * area) break;
   }
-  const double ratio = cv::countNonZero(again.mask_) / area_px_;
-  if (ratio < kAgainSmallest || ratio > kAgainLargest || !clearOfBorder(again.mask_))
+  const double like = resemblance(view, known, again.mask_);
+  if (like < likeness_ - kLessLike || cv::countNonZero(again.mask_) > kMostAgain * usual_px_)
     return std::nullopt;
   again.whole_ = again.mask_;
-  again.seenWell(patch);
+  again.lost_ = 0;
+  again.seenWell(patchAround(images, again.mask_));
   again.area_px_ = std::max(again.area_px_, area_px_);  // what was found may be a part of it
+  again.usual_px_ = usual_px_;
   return again;
 }
 

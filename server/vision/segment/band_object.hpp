@@ -36,10 +36,13 @@ class BandObject {
              const BandScene& scene, int most_rounds = kSettleRounds);
   static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
 
+  /// Learns how much it looks like itself, by which it is told from others later.
+  void knowItself(const FrameImages& images, const BandScene& scene);
   /// The mask in the next frame, moved by `flow`, its band decided anew.
   void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
   /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
-  /// by its first colours and its last depth. Found again it is another object, without an id yet.
+  /// by its first colours and near its last depth. Found again it is another object, without an id
+  /// yet.
   [[nodiscard]] std::optional<BandObject> search(const FrameImages& images, const BandScene& scene);
   /// Leaves to `other` the pixels that both have; lost when next to nothing is left.
   void yieldTo(const BandObject& other);
@@ -60,6 +63,12 @@ class BandObject {
   BandObject() = default;
   void settle(const FrameImages& images, const BandScene& scene, int most_rounds);
   void seenWell(const Patch& patch);
+  [[nodiscard]] ObjectLimits limits(const BandScene& scene) const;
+  [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
+  [[nodiscard]] Patch expected(const FrameImages& images, const cv::Matx23d& similarity,
+                               const BandScene& scene) const;
+  void take(const cv::Mat& seen, const Patch& patch, const FrameImages& images);
+  bool lookAgain(const FrameImages& images, const BandScene& scene);
 
   std::uint32_t id_ = 0;
   cv::Mat mask_;
@@ -69,6 +78,9 @@ class BandObject {
   int weak_ = 0;        // frames in a row that did not convince
   int lost_ = 0;        // frames since it was lost; 0: present
   double area_px_ = 0;  // when last seen well
+  double usual_px_ = 0;
+  int since_look_ = 0;     // frames
+  double likeness_ = 0.0;  // resemblance to itself at the start
   DepthSpan depth_;
   bool like_skin_ = false;  // its colours are like those of hands
 };

@@ -9,7 +9,7 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/graph_cut.hpp"
-#include "server/vision/segment/start.hpp"
+#include "server/vision/segment/pieces.hpp"
 
 namespace hapticast::server {
 
@@ -29,10 +29,6 @@ constexpr float kBesideObject = 0.7F;  // ... this: a shadow has background on o
 constexpr float kSure = 1e3F;
 constexpr double kSame = 0.97;  // IoU
 constexpr int kNotRadius_px = 5;
-constexpr double kHidden_mm = 90.0;   // chosen: a hand
-constexpr float kBehind_mm = 20.0F;   // chosen
-constexpr double kLeastPiece = 0.02;  // chosen, of the main one
-constexpr double kMostPiece = 2.0;
 
 struct Reach {
   float near_mm, far_mm;
@@ -152,69 +148,12 @@ Surroundings surroundingsOf(const SceneView& scene, const Click& click) {
   return out;
 }
 
-std::vector<cv::Point> rimOf(const cv::Mat& piece) {
-  cv::Mat inner;
-  cv::erode(piece, inner, cv::Mat::ones(3, 3, CV_8UC1));
-  std::vector<cv::Point> out;
-  cv::findNonZero(piece & ~inner, out);
-  return out;
-}
-
-// Whether what lies between the piece and the mask may hide their joint: it is near, and nothing
-// that is seen between them lies behind both.
-bool joinedBehind(const Surroundings& s, const cv::Mat& mask, const cv::Mat& piece) {
-  cv::Point from;
-  cv::Point to;
-  int nearest = 1 << 30;
-  const std::vector<cv::Point> rim = rimOf(mask);
-  for (const cv::Point& b : rimOf(piece)) {
-    for (const cv::Point& a : rim) {
-      const int square = (a - b).dot(a - b);
-      if (square >= nearest) continue;
-      nearest = square;
-      from = a;
-      to = b;
-    }
-  }
-  if (std::sqrt(nearest) > kHidden_mm * s.px_per_mm) return false;
-  const float deepest =
-      std::max(s.view.depth.at<float>(from), s.view.depth.at<float>(to)) + kBehind_mm;
-  const int steps = std::max(2, int(std::sqrt(nearest)));
-  for (int i = 1; i < steps; ++i) {
-    const cv::Point at = from + (to - from) * (double(i) / steps);
-    if (s.view.plane.at<unsigned char>(at) != 0 || s.view.depth.at<float>(at) > deepest)
-      return false;
-  }
-  return true;
-}
-
-// The piece with the click, and those that are one with it behind what passes in front of them.
+// The piece with the click, and those that are one with it.
 cv::Mat piecesAt(const Surroundings& s, const cv::Mat& mask) {
   cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centroids;
-  const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 4, CV_32S);
-  const int main = labels.at<int>(s.at);
-  if (main == 0) return {};
-  cv::Mat out = labels == main;
-  std::vector<int> left;
-  left.reserve(static_cast<std::size_t>(count));
-  for (int i = 1; i < count; ++i) {
-    const double share = double(stats.at<int>(i, cv::CC_STAT_AREA)) / cv::countNonZero(out);
-    if (i != main && share > kLeastPiece && share < kMostPiece && clearOfBorder(labels == i))
-      left.push_back(i);
-  }
-  for (bool grows = true; grows;) {
-    const std::size_t before = left.size();
-    std::erase_if(left, [&](int i) {
-      const cv::Mat piece = labels == i;
-      if (!joinedBehind(s, out, piece)) return false;
-      out |= piece;
-      return true;
-    });
-    grows = left.size() < before;
-  }
-  return withoutHoles(out, out.rows * out.cols / 80);
+  cv::connectedComponents(mask, labels, 4, CV_32S);
+  if (labels.at<int>(s.at) == 0) return {};
+  return joinedPieces(s.view, mask, labels == labels.at<int>(s.at), s.px_per_mm);
 }
 
 cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& background,

@@ -13,6 +13,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
+constexpr double kMostPast = 0.5;          // chosen, of the object
 
 // The box that `from` moves into.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
@@ -72,6 +73,9 @@ void findHidden(Patch& patch, const ObjectLimits& limits) {
   if (limits.farthest_mm > 0) {
     patch.farther = patch.depth > limits.farthest_mm;
     cv::morphologyEx(patch.farther, patch.farther, cv::MORPH_OPEN, square);
+    const int past = cv::countNonZero(patch.farther & patch.inside);
+    // All of it cannot have been uncovered at once: it is the depth that jumps.
+    if (past > kMostPast * cv::countNonZero(patch.inside)) patch.farther.setTo(0);
     patch.inside.setTo(0, patch.farther);
   }
 }

@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: MIT
-// Where in the whole picture a lost object may be.
+// A second look at an object that is known: one graph cut by what is remembered of it, around where
+// it should be or over the whole picture. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
 
-#include "server/vision/base/frame_images.hpp"
-#include "server/vision/segment/color.hpp"
+#include "server/vision/segment/contour.hpp"
+#include "server/vision/segment/patch.hpp"
+#include "server/vision/segment/small_view.hpp"
 
 namespace hapticast::server {
 
-/// The largest region (0 / 255) that has these colours rather than the picture's, 0.25 to 3 times
-/// `area_px`, without what lies far nearer or further than `depth_mm`. Empty: there is none.
-cv::Mat likeliestPlace(const FrameImages& images, const ColorHistogram& colors, double depth_mm,
-                       double area_px);
+struct KnownObject {
+  const ContourMemory& memory;
+  ObjectLimits limits;
+  double usual_px = 0.0;  ///< its area in pictures, when nothing hides it
+  cv::Mat mask;           ///< where it is expected, 0 / 255, size of the picture; empty: anywhere
+};
+
+/// The mask of it in this picture; empty: nothing is like it.
+cv::Mat lookedFor(const SceneView& scene, const KnownObject& known);
+
+/// How much `mask` is like one thing, and this one: its first colours, its usual area. About 4.
+double resemblance(const SceneView& scene, const KnownObject& known, const cv::Mat& mask);
 
 }  // namespace hapticast::server
