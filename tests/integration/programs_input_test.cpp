@@ -52,6 +52,8 @@ TEST_F(ProgramsInputTest, FlagsOfTheServer) {
       {"--max-clients", "0", "from 1 to 10000"},
       {"--object", "1", "U,V"},
       {"--object", "1,nan", "U,V"},
+      {"--object", "1,2@nan", "U,V[@SECONDS]"},
+      {"--object", "1,2@soon", "U,V[@SECONDS]"},
       {"--not", "a,b", "U,V"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "5,1", "NEAR,FAR"},

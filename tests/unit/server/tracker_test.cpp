@@ -30,7 +30,7 @@ TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
     test::BallScene scene;
     scene.with_mask = with_mask;
     VisionSettings settings;
-    settings.object_points_px = {{100, 120}};
+    settings.object_points = {{{100, 120}}};
     settings.segment = segment;
     settings.method = method;
     settings.motion = motion;
