@@ -2,6 +2,7 @@
 #include "server/settings.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <vector>
 
@@ -185,6 +186,25 @@ void addName(CLI::App& app, std::string& name) {
       ->type_name("TEXT");
 }
 
+/// A picture, or a folder for several.
+void addPreview(CLI::App& app, std::string& preview) {
+  const auto set = [&preview](const std::string& text) {
+    std::error_code error;
+    const std::filesystem::path place(text);
+    const bool picture = place.extension() == ".png" && !place.stem().empty();
+    const bool folder = std::filesystem::is_directory(place, error) || !place.has_extension();
+    if (text.empty() || !(picture || folder)) {
+      throw CLI::ValidationError("--preview", inQuotes(text) + " is not FILE.png or a folder");
+    }
+    preview = text;
+  };
+  app.add_option_function<std::string>(
+         "--preview", set,
+         "Stream nothing: write what the server takes (outline, relief, advice) to a picture, or "
+         "with the whole clip's outlines into a folder")
+      ->type_name("FILE.png|FOLDER");
+}
+
 void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
   constexpr const char* kForm = "GROUP:PORT[@INTERFACE], for example 239.1.2.3:7448";
   const auto set = [&multicast](const std::string& text) {
@@ -250,6 +270,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
+  addPreview(*app, settings.preview);
   app->add_flag("--explain", settings.explain,
                 "Say what is left out of each object, why, what it saves and costs");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");

@@ -55,6 +55,8 @@ TEST_F(ProgramsInputTest, FlagsOfTheServer) {
       {"--object", "1,2@nan", "U,V[@SECONDS]"},
       {"--object", "1,2@soon", "U,V[@SECONDS]"},
       {"--not", "a,b", "U,V"},
+      {"--preview", "picture.jpg", "FILE.png or a folder"},
+      {"--preview", "", "FILE.png or a folder"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "5,1", "NEAR,FAR"},
       {"--fov", "9", "from 10 to 170"},

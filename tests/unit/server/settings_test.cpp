@@ -42,6 +42,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.multicast_hops, 3U);
   EXPECT_TRUE(settings.quiet);
   EXPECT_TRUE(settings.wait_for_viewer);
+  EXPECT_EQ(settings.preview, "clip.png");
   const VisionSettings& vision = settings.vision;
   EXPECT_EQ(vision.object_points,
             (std::vector<AuthorPoint>{{{505.0, 330.0}, 0.0}, {{10.0, 20.0}, 2.5}}));
@@ -75,7 +76,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"damping", "2.5"},     {"texture-depth", "1.5"},
     {"fov", "70"},          {"wait-for-viewer", "true"},
     {"transport", "tcp"},   {"multicast", "[ff12::7]:7448@eth0"},
-    {"multicast-ttl", "3"},
+    {"multicast-ttl", "3"}, {"preview", "clip.png"},
 };
 
 TEST(ServerSettings, EveryFlag) {
@@ -122,6 +123,8 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--object", "1,2@nan", "U,V[@SECONDS] in px"},
       {"--not", "1,2@1e7", "U,V[@SECONDS] in px"},
       {"--not", "1,2,3", "U,V[@SECONDS] in px"},
+      {"--preview", "clip.jpg", "FILE.png or a folder"},
+      {"--preview", ".png", "FILE.png or a folder"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "900,500", "NEAR,FAR in mm"},
       {"--depth-range", "-1,500", "NEAR,FAR in mm"},

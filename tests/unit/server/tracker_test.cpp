@@ -39,7 +39,8 @@ TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
     for (std::uint64_t i = 0; i < 6; ++i) {
       const std::uint64_t steps = i / 2;  // every picture comes twice
       const RgbdFrame frame = scene.frame(i, 100 + 3.0 * double(steps), 120);
-      const FrameImages before{frame.color.clone(), {}, frame.depth.clone(), frame.mask.clone()};
+      const FrameImages before{
+          frame.color.clone(), {}, frame.depth.clone(), frame.mask.clone(), {}};
       (void)vision.push(frame, mediaTime(double(i) / 25));
       EXPECT_TRUE(equalImages(before, {frame.color, {}, frame.depth, frame.mask}));
     }
