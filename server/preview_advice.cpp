@@ -19,6 +19,17 @@ constexpr double kOtherColor = 40.0;
 // Chosen: as fine as the part that is pointed at has to be.
 constexpr int kLargestClustered_px = 20'000;
 
+// The place farthest from all edges of `part`; the picture's edge is one of them.
+cv::Point deepestIn(const cv::Mat& part) {
+  cv::Mat framed;
+  cv::copyMakeBorder(part, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat distance;
+  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
+  cv::Point deepest;
+  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &deepest);
+  return deepest - cv::Point(1, 1);
+}
+
 // The place deepest inside the largest piece of `part`, where that is a part worth a word.
 std::optional<cv::Point> middleOf(const cv::Mat& part, double object_px) {
   cv::Mat opened;
@@ -36,27 +47,22 @@ std::optional<cv::Point> middleOf(const cv::Mat& part, double object_px) {
     largest = label;
   }
   if (area_px < kLeastPart * object_px || area_px > kMostPart * object_px) return std::nullopt;
-  cv::Mat framed;  // the picture's edge is one of the part's as well
-  cv::copyMakeBorder(labels == largest, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::Mat distance;
-  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
-  cv::Point deepest;
-  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &deepest);
-  return deepest - cv::Point(1, 1);
+  return deepestIn(labels == largest);
 }
 
 std::optional<Doubt> atTheEdge(const cv::Mat& mask) {
   const int rim_px = std::max(2, static_cast<int>(kEdge * mask.cols));
+  if (std::min(mask.cols, mask.rows) <= 2 * rim_px) return std::nullopt;
   cv::Mat inner = cv::Mat::zeros(mask.size(), CV_8UC1);
   inner(cv::Rect(rim_px, rim_px, mask.cols - 2 * rim_px, mask.rows - 2 * rim_px)).setTo(255);
   const cv::Mat rim = mask & ~inner;
   const int edge_px = cv::countNonZero(rim) / rim_px;
   if (edge_px < rim_px) return std::nullopt;
-  cv::Mat distance;
-  cv::distanceTransform(mask, distance, cv::DIST_L2, 3);
-  cv::Point deepest;
-  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &deepest, rim);
-  return Doubt{deepest, "it reaches the picture's edge there, as an arm does"};
+  const cv::Rect deeper(2 * rim_px, 2 * rim_px, mask.cols - 4 * rim_px, mask.rows - 4 * rim_px);
+  if (deeper.empty()) return std::nullopt;
+  cv::Mat near = mask.clone();
+  near(deeper).setTo(0);
+  return Doubt{deepestIn(near), "it reaches the picture's edge there, as an arm does"};
 }
 
 // Skin in YCrCb (Chai and Ngan 1999, face segmentation using skin-color map in videophones).

