@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/cli/hang_up.hpp"
+#include "server/author_points.hpp"
 #include "server/clip_look.hpp"
 #include "server/source/playback.hpp"
 #include "server/stream/file_limit.hpp"
@@ -41,7 +42,8 @@ App::App(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(infoOf(*source_, settings_.name), settings_.vision, &clock),
+      vision_(infoOf(*source_, settings_.name), withinClip(settings_.vision, source_->info()),
+              &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {

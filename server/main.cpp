@@ -7,6 +7,7 @@
 
 #include "common/cli/parse.hpp"
 #include "server/app.hpp"
+#include "server/preview.hpp"
 #include "server/settings.hpp"
 
 namespace {
@@ -17,6 +18,10 @@ int serve(const hapticast::server::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::server::App> app;
   try {
+    if (!settings.preview.empty()) {
+      hapticast::server::writePreview(settings, clock);
+      return kDone;
+    }
     app = std::make_unique<hapticast::server::App>(settings, clock);
     app->run();
   } catch (const hapticast::server::SourceError& error) {

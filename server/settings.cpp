@@ -2,6 +2,7 @@
 #include "server/settings.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <vector>
 
@@ -31,6 +32,7 @@ const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
 const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
 
 constexpr double kMostDepth_mm = 1e6;
+constexpr double kLongestClip_s = 1e6;  // chosen: eleven days
 
 void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
   const auto take = [&range](const Vec2& pair) {
@@ -116,14 +118,30 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
             "Stop after N frames");
 }
 
+/// "U,V" or "U,V@SECONDS".
+std::optional<AuthorPoint> parsePoint(const std::string& text) {
+  const std::size_t at = text.find('@');
+  const auto place_px = parsePair(text.substr(0, at));
+  if (!place_px) return std::nullopt;
+  if (at == std::string::npos) return AuthorPoint{*place_px, 0.0};
+  const auto time_s = numberIn<double>(text.substr(at + 1), 0.0, kLongestClip_s);
+  if (!time_s) return std::nullopt;
+  return AuthorPoint{*place_px, *time_s};
+}
+
+void addPoints(CLI::App& app, VisionSettings& vision) {
+  addList(app, "--object", vision.object_points, parsePoint,
+          "A pixel on the object to touch, in the first frame or SECONDS after it; repeat for "
+          "several. Default: the nearest compact object",
+          "U,V[@SECONDS] in px, for example 505,330 or 505,330@1.5");
+  addList(app, "--not", vision.not_points, parsePoint,
+          "A pixel on what does not belong to the object, in the first frame or SECONDS after it; "
+          "may be repeated",
+          "U,V[@SECONDS] in px, for example 300,400 or 300,400@1.5");
+}
+
 void addVisionOptions(CLI::App& app, VisionSettings& vision) {
-  addPairs(
-      app, "--object", vision.object_points_px,
-      "A pixel on the object to touch; repeat for several. Default: the nearest compact object",
-      "U,V in px, for example 505,330");
-  addPairs(app, "--not", vision.not_points_px,
-           "A pixel on what does not belong to the object; may be repeated",
-           "U,V in px, for example 300,400");
+  addPoints(app, vision);
   addChoice(app, "--segment", vision.segment, kSegmentModes,
             "How the object is found: the source's mask, followed from frame to frame in a band "
             "around its contour, or "
@@ -166,6 +184,25 @@ void addName(CLI::App& app, std::string& name) {
   app.add_option_function<std::string>(
          "--name", set, "What viewers see as the stream's name; default: the folder's or file's")
       ->type_name("TEXT");
+}
+
+/// A picture, or a folder for several.
+void addPreview(CLI::App& app, std::string& preview) {
+  const auto set = [&preview](const std::string& text) {
+    std::error_code error;
+    const std::filesystem::path place(text);
+    const bool picture = place.extension() == ".png" && !place.stem().empty();
+    const bool folder = std::filesystem::is_directory(place, error) || !place.has_extension();
+    if (text.empty() || !(picture || folder)) {
+      throw CLI::ValidationError("--preview", inQuotes(text) + " is not FILE.png or a folder");
+    }
+    preview = text;
+  };
+  app.add_option_function<std::string>(
+         "--preview", set,
+         "Stream nothing: write what the server takes (outline, relief, advice) to a picture, or "
+         "with the whole clip's outlines into a folder")
+      ->type_name("FILE.png|FOLDER");
 }
 
 void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
@@ -233,6 +270,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
+  addPreview(*app, settings.preview);
   app->add_flag("--explain", settings.explain,
                 "Say what is left out of each object, why, what it saves and costs");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");

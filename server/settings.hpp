@@ -29,6 +29,7 @@ struct Settings {
   std::size_t max_clients = 64;
   std::string name;  ///< what viewers see; empty: the source's own
   VisionSettings vision;
+  std::string preview;  ///< FILE.png or a folder to show what was taken; empty: stream
   bool explain = false;
   bool quiet = false;
 };

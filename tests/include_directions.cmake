@@ -32,7 +32,7 @@ set(doors
   "\\.pb\\.h$"                       "^common/wire/(decode|encode|read_frame|write_frame|frame_pieces)\\.[ch]pp$"
   "^google/protobuf"                 "^common/wire/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^common/wire/signature\\.cpp$"
-  "^opencv2/"                        "^(server/(source|vision)|client/view|tests)/"
+  "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/summary\\.cpp$|tests/)"
   "^(SDL|imgui|backends/imgui)"      "^(client/view/window|tests/)"

@@ -57,19 +57,4 @@ CLI::Option* addPair(CLI::App& app, const std::string& name,
       ->type_name(form.substr(0, form.find(' ')));
 }
 
-CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
-                      const std::string& help, const std::string& form) {
-  const auto set = [&values, name, form](const std::vector<std::string>& texts) {
-    values.clear();
-    for (const std::string& text : texts) {
-      const auto pair = parsePair(text);
-      if (!pair) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
-      values.push_back(*pair);
-    }
-  };
-  return app.add_option_function<std::vector<std::string>>(name, set, help)
-      ->type_name(form.substr(0, form.find(' ')))
-      ->allow_extra_args(false);
-}
-
 }  // namespace hapticast

@@ -25,8 +25,6 @@ std::optional<Vec2> parsePair(const std::string& text);
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
-CLI::Option* addPairs(CLI::App& app, const std::string& name, std::vector<Vec2>& values,
-                      const std::string& help, const std::string& form);
 
 /// An option of two numbers "A,B"; `take` returns false for a pair that is not allowed.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
@@ -49,6 +47,25 @@ CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Num
     value = *number;
   };
   return app.add_option_function<std::string>(name, set, help)->type_name(unit);
+}
+
+/// An option that may be repeated, each time with one value; `parse` tells nullopt of a text that
+/// is none.
+template <class Value>
+CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>& values,
+                     std::optional<Value> (*parse)(const std::string&), const std::string& help,
+                     const std::string& form) {
+  const auto set = [&values, parse, name, form](const std::vector<std::string>& texts) {
+    values.clear();
+    for (const std::string& text : texts) {
+      const auto value = parse(text);
+      if (!value) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
+      values.push_back(*value);
+    }
+  };
+  return app.add_option_function<std::vector<std::string>>(name, set, help)
+      ->type_name(form.substr(0, form.find(' ')))
+      ->allow_extra_args(false);
 }
 
 /// One of the named `choices` (which have to outlive `app`).

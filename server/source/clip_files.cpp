@@ -64,6 +64,30 @@ void requireCount(const fs::path& folder, std::size_t count, std::size_t colors)
                     " colour images; each colour image needs its own, so add or remove some");
 }
 
+// As many masks as pictures are paired with them in order; fewer by their names.
+void addMasks(const fs::path& folder, ClipFiles& clip) {
+  const auto masks = imagesIn(folder);
+  if (masks.size() >= clip.frames.size()) {
+    requireCount(folder, masks.size(), clip.frames.size());
+    for (std::size_t i = 0; i < masks.size(); ++i) clip.frames[i].mask = masks[i];
+    return;
+  }
+  std::map<std::string, FrameFiles*> by_name;
+  for (FrameFiles& frame : clip.frames) by_name[frame.color.stem().string()] = &frame;
+  for (const fs::path& mask : masks) {
+    const auto found = by_name.find(mask.stem().string());
+    if (found == by_name.end()) {
+      throw SourceError(mask.string() +
+                        ": no colour image has this name; name a key mask like its picture");
+    }
+    if (!found->second->mask.empty()) {
+      throw SourceError(mask.string() + ": is a second key mask of one picture; remove one");
+    }
+    found->second->mask = mask;
+    clip.key_masks = true;
+  }
+}
+
 ClipFiles findInFolders(const fs::path& folder) {
   const fs::path color_folder =
       fs::is_directory(folder / "rgb") ? folder / "rgb" : folder / "color";
@@ -82,15 +106,10 @@ ClipFiles findInFolders(const fs::path& folder) {
   }
   const auto depths = imagesIn(folder / "depth");
   requireCount(folder / "depth", depths.size(), colors.size());
-  std::vector<fs::path> masks;
-  if (fs::is_directory(folder / "mask")) {
-    masks = imagesIn(folder / "mask");
-    requireCount(folder / "mask", masks.size(), colors.size());
-  }
   ClipFiles clip;
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    clip.frames.push_back({colors[i], depths[i], masks.empty() ? fs::path() : masks[i]});
-  }
+  clip.frames.reserve(colors.size());
+  for (std::size_t i = 0; i < colors.size(); ++i) clip.frames.push_back({colors[i], depths[i], {}});
+  if (fs::is_directory(folder / "mask")) addMasks(folder / "mask", clip);
   return clip;
 }
 

@@ -20,6 +20,7 @@ struct FrameFiles {
 
 struct ClipFiles {
   std::vector<FrameFiles> frames;  ///< in order of time, at least one
+  bool key_masks = false;          ///< only some frames have a mask
   double fps = 25.0;
   std::optional<int> declared_depth_bits;  ///< 8 or 16
   double mm_per_unit = 1.0;                ///< of 16-bit depth
@@ -31,9 +32,9 @@ struct ClipFiles {
 /// * TUM RGB-D: rgb.txt and depth.txt with lines "timestamp file", each colour frame with the
 /// nearest depth
 ///   frame within 20 ms (used once); 5000 units per metre, a Kinect's field of view.
-/// * otherwise rgb/ or color/, depth/ and perhaps mask/, each with the same number of PNG or JPEG
-/// files, paired
-///   in order of their names (numbers in names by value).
+/// * otherwise rgb/ or color/ and depth/, each with the same number of PNG or JPEG files, paired in
+///   order of their names (numbers in names by value); perhaps mask/, with as many, or with fewer,
+///   which are key masks and belong to the colour images of the same name.
 /// A meta.json may say more; see clip_meta.hpp. Throws SourceError.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 

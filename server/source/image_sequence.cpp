@@ -46,9 +46,11 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.depth_kind = format_.kind;
   info_.frame_count = files_.frames.size();
+  info_.key_masks = files_.key_masks;
   info_.camera = files_.camera;
   if (!info_.camera && files_.fov_deg)
     info_.camera = CameraModel::ofFieldOfView(*files_.fov_deg, info_.width_px, info_.height_px);
+  if (info_.key_masks) checkKeyMasks();
   RgbdFrame frame;
   if (const std::string problem = load(0, frame); !problem.empty()) {
     throw SourceError(problem + "; mend this first frame");
@@ -105,15 +107,36 @@ void ImageSequence::rewind() {
   ++epoch_;
 }
 
+void ImageSequence::checkKeyMasks() const {
+  for (const FrameFiles& frame : files_.frames) {
+    if (frame.mask.empty()) continue;
+    const ImageResult mask = readMask(frame.mask);
+    if (!mask.ok()) throw SourceError(frame.mask.string() + ": " + mask.problem + "; mend it");
+    if (cv::countNonZero(mask.image) == 0) {
+      throw SourceError(frame.mask.string() +
+                        ": shows no object; draw it in white on black, or remove this key mask");
+    }
+  }
+}
+
+ImageResult ImageSequence::readMask(const std::filesystem::path& file) const {
+  ImageResult mask = readRawFile(file);
+  if (mask.ok()) mask = toMask(mask.image);
+  if (mask.ok()) mask.problem = otherSize(mask.image);
+  return mask;
+}
+
+std::string ImageSequence::otherSize(const cv::Mat& image) const {
+  if (image.cols == info_.width_px && image.rows == info_.height_px) return "";
+  return "is " + sizeText(image.cols, image.rows) + ", but the clip's colour is " +
+         sizeText(info_.width_px, info_.height_px);
+}
+
 std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   const FrameFiles& files = files_.frames[index];
   const auto checked = [&](const std::filesystem::path& file, const ImageResult& result) {
-    if (!result.ok()) return file.string() + ": " + result.problem;
-    if (result.image.cols == info_.width_px && result.image.rows == info_.height_px) {
-      return std::string();
-    }
-    return file.string() + ": is " + sizeText(result.image.cols, result.image.rows) +
-           ", but the clip's colour is " + sizeText(info_.width_px, info_.height_px);
+    const std::string problem = result.ok() ? otherSize(result.image) : result.problem;
+    return problem.empty() ? "" : file.string() + ": " + problem;
   };
   ImageResult color = readColorFile(files.color);
   if (std::string problem = checked(files.color, color); !problem.empty()) return problem;
@@ -122,8 +145,7 @@ std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   if (std::string problem = checked(files.depth, depth); !problem.empty()) return problem;
   ImageResult mask;
   if (!files.mask.empty()) {
-    mask = readRawFile(files.mask);
-    if (mask.ok()) mask = toMask(mask.image);
+    mask = readMask(files.mask);
     if (std::string problem = checked(files.mask, mask); !problem.empty()) return problem;
   }
   frame = {index,       epoch_,      static_cast<double>(index) / info_.fps,

@@ -28,6 +28,13 @@ class ImageSequence final : public RgbdSource {
  private:
   /// Decodes frame `index` into `frame`; what is wrong with it (naming the file), or "".
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
+  /// Throws SourceError where a key mask cannot be read, has another size or shows no object: what
+  /// the author drew is not passed over silently.
+  void checkKeyMasks() const;
+  /// What is wrong with the size of `image`, or "".
+  [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
+  /// A mask's picture, or what is wrong with it.
+  [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;
   /// Warns of the frames first .. end - 1, which were passed over; does nothing where there are
   /// none or all were warned of in an earlier round. `problem`: the first one's.
   /// Whether its files, which were there when the clip was opened, are gone.

@@ -26,7 +26,8 @@ struct SourceInfo {
   int height_px = 0;
   double fps = 25.0;
   DepthKind depth_kind = DepthKind::kMetric;
-  bool live = false;  ///< cannot be scanned or rewound
+  bool live = false;       ///< cannot be scanned or rewound
+  bool key_masks = false;  ///< masks are what the author drew in a few of the frames
   std::optional<std::uint64_t> frame_count;
   std::optional<DepthRange>
       depth_range;  ///< if the source itself knows its range for the whole clip
@@ -41,7 +42,9 @@ struct RgbdFrame {
   double clip_time_s = 0.0;  ///< since the clip's start
   cv::Mat color;             ///< CV_8UC3, BGR
   cv::Mat depth;             ///< CV_32FC1, same size; see DepthKind
-  cv::Mat mask;              ///< empty, or CV_8UC1: 0 outside, n for object n
+  /// Empty, or CV_8UC1: 0 outside, n for object n. Where SourceInfo::key_masks says so, most
+  /// frames have none, and none of those that are there is empty of objects.
+  cv::Mat mask;
 };
 
 /// A problem with the source that a person has to mend; what() is one line naming the file and what

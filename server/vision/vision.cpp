@@ -21,14 +21,15 @@ constexpr std::uint64_t kLongestScan = 600;
 constexpr double kClipMargin = 0.05;  // chosen, of the objects' span in depth, on either side
 constexpr double kLiveMargin = 0.5;   // chosen: there is more to come than the first frame shows
 
-void checkPoints(const SourceInfo& info, const std::vector<Vec2>& points, const char* flag) {
-  for (const Vec2& point : points) {
+void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points, const char* flag) {
+  for (const auto& [point, time_s] : points) {
     const bool inside =
         point.x() >= 0 && point.y() >= 0 && point.x() < info.width_px && point.y() < info.height_px;
     if (inside) continue;
     std::ostringstream what;
-    what << flag << ' ' << point.x() << ',' << point.y() << ": outside the picture, which is "
-         << info.width_px << 'x' << info.height_px
+    what << flag << ' ' << point.x() << ',' << point.y();
+    if (time_s > 0.0) what << '@' << time_s;
+    what << ": outside the picture, which is " << info.width_px << 'x' << info.height_px
          << "; give u,v in pixels from its top-left corner";
     throw SourceError(what.str());
   }
@@ -51,8 +52,8 @@ class Vision::Impl {
         clock_(clock),
         lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)),
         motion_(info_, settings_, lookahead_) {
-    checkPoints(info_, settings_.object_points_px, "--object");
-    checkPoints(info_, settings_.not_points_px, "--not");
+    checkPoints(info_, settings_.object_points, "--object");
+    checkPoints(info_, settings_.not_points, "--not");
     description_.name = info_.name;
     description_.fps = info_.fps;
     description_.workspace.width_px = info_.width_px;

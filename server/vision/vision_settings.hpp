@@ -41,16 +41,33 @@ struct PlanSettings {
   double error_budget_N = 0.007;
 };
 
+/// What the author points at, and when.
+struct AuthorPoint {
+  Vec2 at_px = Vec2::Zero();
+  double time_s = 0.0;  ///< in the clip; 0: its first frame. Not negative
+  bool operator==(const AuthorPoint&) const = default;
+};
+
+/// The places of those that speak of the first frame.
+inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points) {
+  std::vector<Vec2> out;
+  out.reserve(points.size());
+  for (const AuthorPoint& point : points) {
+    if (point.time_s == 0.0) out.push_back(point.at_px);
+  }
+  return out;
+}
+
 inline constexpr double kUsualStiffness_N_mm = 0.5;  ///< of an Omni, the default of the viewers
 
 struct VisionSettings {
   Method method = Method::kHapticast;
   SegmentMode segment = SegmentMode::kAuto;
   MotionMode motion = MotionMode::kAuto;
-  std::vector<Vec2> object_points_px;     ///< --object; empty: the nearest compact object
-  std::vector<Vec2> not_points_px;        ///< --not
-  std::optional<DepthRange> depth_range;  ///< --depth-range
-  std::optional<double> fov_deg;          ///< --fov, 10..170; overrules the source's camera
+  std::vector<AuthorPoint> object_points;  ///< --object; empty: the nearest compact object
+  std::vector<AuthorPoint> not_points;     ///< --not
+  std::optional<DepthRange> depth_range;   ///< --depth-range
+  std::optional<double> fov_deg;           ///< --fov, 10..170; overrules the source's camera
   bool stretch = false;
   Material material;              ///< --stiffness, --friction
   std::optional<double> mass_kg;  ///< --mass

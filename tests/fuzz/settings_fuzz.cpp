@@ -47,8 +47,10 @@ void server(const std::string& text) {
   require(!settings.listen.host.empty());
   const auto& vision = settings.vision;
   require(!vision.mass_kg || (*vision.mass_kg >= 0.001 && *vision.mass_kg <= 100.0));
-  for (const auto& point : vision.object_points_px) require(point.allFinite());
-  for (const auto& point : vision.not_points_px) require(point.allFinite());
+  for (const auto& points : {vision.object_points, vision.not_points}) {
+    for (const auto& point : points)
+      require(point.at_px.allFinite() && point.time_s >= 0.0 && point.time_s <= 1e6);
+  }
 }
 
 void client(const std::string& text) {

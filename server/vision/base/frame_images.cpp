@@ -50,7 +50,8 @@ FrameImages imagesOf(const RgbdFrame& frame, const SourceInfo& info) {
     throw SourceError(where + "mask is " + sizeText(frame.mask) +
                       ", it must be 8-bit and as large as colour");
   }
-  FrameImages out{frame.color, {}, workingDepth(frame.depth, info), frame.mask};
+  FrameImages out{frame.color, {}, workingDepth(frame.depth, info), {}, {}};
+  (info.key_masks ? out.key_mask : out.mask) = frame.mask;
   cv::cvtColor(frame.color, out.gray, cv::COLOR_BGR2GRAY);
   return out;
 }
@@ -66,7 +67,7 @@ bool equalImages(const cv::Mat& a, const cv::Mat& b) {
 
 bool equalImages(const FrameImages& a, const FrameImages& b) {
   return equalImages(a.color, b.color) && equalImages(a.depth, b.depth) &&
-         equalImages(a.mask, b.mask);
+         equalImages(a.mask, b.mask) && equalImages(a.key_mask, b.key_mask);
 }
 
 }  // namespace hapticast::server

@@ -23,6 +23,8 @@ struct FrameImages {
   cv::Mat gray;   ///< CV_8UC1
   cv::Mat depth;  ///< CV_32FC1, working depth in mm, 0 = no measurement; always finite
   cv::Mat mask;   ///< the source's: empty, or CV_8UC1 with n for object n
+  /// What the author drew of this frame: empty (most frames), or as `mask`, which is then empty.
+  cv::Mat key_mask;
 };
 
 /// Checks types and sizes (throws SourceError) and makes the working images. Depths that are not
@@ -32,7 +34,7 @@ FrameImages imagesOf(const RgbdFrame& frame, const SourceInfo& info);
 /// Whether two images of one type are the same, pixel by pixel. Ends at the first row that differs,
 /// which is nearly always an early one.
 bool equalImages(const cv::Mat& a, const cv::Mat& b);
-/// Whether colour, depth and mask are.
+/// Whether colour, depth and masks are.
 bool equalImages(const FrameImages& a, const FrameImages& b);
 
 }  // namespace hapticast::server

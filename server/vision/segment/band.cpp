@@ -23,8 +23,10 @@ constexpr double kPlaneIsObject = 0.3;  // chosen: of an object's pixels that li
 
 BandSegmenter::BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
                              RememberedStart* remembered)
-    : points_(settings.object_points_px), next_id_(next_id), remembered_(remembered) {
-  for (const Vec2& point : settings.not_points_px) {
+    : points_(pointsAtStart_px(settings.object_points)),
+      next_id_(next_id),
+      remembered_(remembered) {
+  for (const Vec2& point : pointsAtStart_px(settings.not_points)) {
     not_points_.emplace_back(static_cast<int>(point.x()), static_cast<int>(point.y()));
   }
 }

@@ -41,7 +41,7 @@ cv::Mat regionsOf(const FrameImages& images) {
 class EdgeSegmenter final : public Segmenter {
  public:
   EdgeSegmenter(const VisionSettings& settings, std::uint32_t& next_id)
-      : points_(settings.object_points_px), next_id_(next_id) {}
+      : points_(pointsAtStart_px(settings.object_points)), next_id_(next_id) {}
 
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override {
     const FrameImages& images = frames.now;

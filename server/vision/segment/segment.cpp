@@ -77,7 +77,7 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
                                          std::uint32_t& next_id, RememberedStart* remembered) {
   switch (settings.segment) {
     case SegmentMode::kSource:
-      return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
+      return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
     case SegmentMode::kEdges:
       return makeEdgeSegmenter(settings, next_id);
     case SegmentMode::kBand:
@@ -85,7 +85,8 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
     case SegmentMode::kAuto:
       break;
   }
-  if (has_mask) return std::make_unique<SourceSegmenter>(settings.object_points_px, next_id);
+  if (has_mask)
+    return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
   if (settings.method == Method::kThesis) return makeEdgeSegmenter(settings, next_id);
   return std::make_unique<BandSegmenter>(settings, next_id, remembered);
 }

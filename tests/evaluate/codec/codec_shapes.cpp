@@ -223,7 +223,7 @@ std::vector<CodecShape> realObject(const RealObject& object, std::size_t count) 
   const auto source = server::openSource((test::clipsFolder() / object.clip).string(), 0.0);
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kBand;
-  settings.object_points_px = {object.point_px};
+  settings.object_points = {{object.point_px}};
   CodecShape smooth = throughVision(object.name, *source, settings, count, 5);
   smooth.tuned = object.tuned;
   CodecShape raw{std::string(object.name) + ", raw", {}, true, object.tuned};

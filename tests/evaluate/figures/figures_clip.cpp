@@ -23,7 +23,7 @@ void drawRealClip(const Options& options, Report& report) {
     const auto source = server::openSource(clip.string(), 0.0);
     server::VisionSettings settings;
     settings.method = variant.method;
-    settings.object_points_px = {{505, 330}};
+    settings.object_points = {{{505, 330}}};
     settings.stretch = false;
     streams[variant.name] = makeStream(*source, settings, true);
   }

@@ -105,13 +105,13 @@ void drawPictures(const Options& options, Report& report) {
     for (const TestScene& scene : segmentationScenes()) {
       if (scene.name != "ball_air") continue;
       TestSource source(scene, sensor, 25.0, false);
-      settings.object_points_px = {
-          source.view().workspace.toImage(source.centreAt(0.0).position_mm.head<2>())};
+      settings.object_points = {
+          {source.view().workspace.toImage(source.centreAt(0.0).position_mm.head<2>())}};
       putRow(sheet, row, look(source, settings, 10), name + ", ball");
     }
     if (real) {
       const auto source = server::openSource(clip.string(), 0.0);
-      settings.object_points_px = {{505, 330}};
+      settings.object_points = {{{505, 330}}};
       putRow(sheet, row + 2, look(*source, settings, 10), name + ", dragon");
     }
     ++row;

@@ -40,8 +40,8 @@ class RecordingSource final : public server::RgbdSource {
 server::VisionSettings settingsOf(const Clicks& clicks) {
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kBand;
-  settings.object_points_px = clicks.on;
-  settings.not_points_px = clicks.off;
+  for (const Vec2& point : clicks.on) settings.object_points.push_back({point});
+  for (const Vec2& point : clicks.off) settings.not_points.push_back({point});
   return settings;
 }
 

@@ -163,7 +163,7 @@ void evaluateRealClip(Report& report, const RealObject& object, server::MotionMo
   const double fps = source.info().fps;
   std::vector<server::RgbdFrame> frames;
   server::VisionSettings settings;
-  settings.object_points_px = {object.point_px};
+  settings.object_points = {{object.point_px}};
   settings.motion = mode;
   settings.depth_range = object.range;
   server::Vision vision(source.info(), settings);

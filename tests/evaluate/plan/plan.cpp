@@ -109,7 +109,7 @@ std::vector<Clip> clips(bool quick) {
       Clip clip;
       clip.name = scene.name + ", " + noisy.name;
       clip.info = source.info();
-      clip.settings.object_points_px = {objectAt(source)};
+      clip.settings.object_points = {{objectAt(source)}};
       while (auto frame = source.read()) clip.frames.push_back(std::move(*frame));
       out.push_back(std::move(clip));
     }
@@ -126,7 +126,7 @@ void sustained(Report& report, int width_px, int height_px, bool own_mask) {
   std::vector<server::RgbdFrame> frames;
   while (auto frame = source.read()) frames.push_back(std::move(*frame));
   server::VisionSettings settings;
-  settings.object_points_px = {objectAt(source)};
+  settings.object_points = {{objectAt(source)}};
   server::Vision vision(source.info(), settings);
   server::FrameEncoder encoder;
   (void)vision.push(frames[0], mediaTime(0));  // the careful start is no frame's time

@@ -83,7 +83,7 @@ Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
   settings.material = kind.material;
   settings.mass_kg = kind.mass_kg;
   if (!kind.seen.give_mask) {
-    settings.object_points_px = {scene.objectPoint_px()};
+    settings.object_points = {{scene.objectPoint_px()}};
     settings.segment =
         kind.method == Method::kThesis ? server::SegmentMode::kEdges : server::SegmentMode::kBand;
   }

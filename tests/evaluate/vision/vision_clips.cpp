@@ -56,7 +56,7 @@ Result follow(const RealObject& object, const Options& options) {
   const auto source = server::openSource((test::clipsFolder() / object.clip).string(), 0.0);
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kBand;
-  settings.object_points_px = {object.point_px};
+  settings.object_points = {{object.point_px}};
   std::uint32_t next_id = 1;
   server::RememberedStart start;
   server::Tracker tracker(source->info(), settings, nullptr, next_id, start);

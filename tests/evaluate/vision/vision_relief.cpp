@@ -33,7 +33,7 @@ Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method) {
   server::VisionSettings settings;
   settings.segment = mode;
   settings.method = method;
-  settings.object_points_px = {centroidOf_px(clip.truth[0].mask)};
+  settings.object_points = {{centroidOf_px(clip.truth[0].mask)}};
   std::uint32_t next_id = 1;
   server::RememberedStart start;
   server::Tracker tracker(clip.info, settings, nullptr, next_id, start);

@@ -42,7 +42,7 @@ class Stages {
       : clip_(clip), frames_(clip.info, false) {
     settings_.method = method;
     settings_.segment = mode;
-    settings_.object_points_px = {centroidOf_px(clip.truth[0].mask)};
+    settings_.object_points = {{centroidOf_px(clip.truth[0].mask)}};
     segmenter_ = server::makeSegmenter(settings_, true, next_id_);
   }
 

@@ -23,7 +23,7 @@ TEST(CommandLine, PairIsTwoFiniteNumbers) {
 class CommandLineTest : public testing::Test {
  protected:
   CommandLineTest() : app_("test", "program") {
-    addPairs(app_, "--object", points_, "points", "U,V in px");
+    addList(app_, "--object", points_, parsePair, "points", "U,V in px");
     addEndpoint(app_, "--listen", listen_, 0, "HOST:PORT", "where");
     addNumber(app_, "--fps", fps_, 1.0, 240.0, "1..240", "rate");
     addNumber(app_, "--frames", frames_, std::uint64_t{1}, std::uint64_t{1000}, "N", "how many");

@@ -245,7 +245,7 @@ TEST(BadInput, WhatMovesPansOrGetsBrighterIsNoCut) {
 TEST(BadInput, AnObjectWithoutDepthIsToldInOneLine) {
   const BallScene scene{.with_mask = false};
   VisionSettings settings;
-  settings.object_points_px = {{120, 120}};
+  settings.object_points = {{{120, 120}}};
   Vision vision(scene.info(), settings);
   RgbdFrame frame = scene.frame(0, 120, 120);
   cv::rectangle(frame.depth, cv::Rect(60, 60, 120, 120), 0, cv::FILLED);  // a black monitor
@@ -263,7 +263,7 @@ TEST(BadInput, AnObjectWithoutDepthIsToldInOneLine) {
 TEST(BadInput, AMaskWithoutDepthThatWasChosenIsToldToo) {
   const BallScene scene;
   VisionSettings settings;
-  settings.object_points_px = {{120, 120}};
+  settings.object_points = {{{120, 120}}};
   Vision vision(scene.info(), settings);
   RgbdFrame frame = scene.frame(0, 120, 120);
   frame.depth.setTo(0, frame.mask > 0);

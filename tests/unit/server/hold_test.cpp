@@ -199,7 +199,7 @@ struct StillRun {
 StillRun runStill(Method method, bool with_mask = true) {
   const NoisyBall ball;
   VisionSettings settings;
-  settings.object_points_px = {{160, 120}};
+  settings.object_points = {{{160, 120}}};
   settings.method = method;
   settings.depth_range = DepthRange{600, 600 + 30 / kGain};
   Vision vision(ball.scene.info(), settings);

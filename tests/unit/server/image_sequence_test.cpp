@@ -196,8 +196,8 @@ TEST_F(ImageSequenceFolder, AnotherCountOfDepthOrMaskIsRefused) {
   fs::remove(folder / "depth/000003.png");
   EXPECT_THAT(openError(), HasSubstr("depth: 4 images, but there are 5 colour images"));
   folder.write("depth/000003.png", depth16(1));
-  folder.write("mask/000000.png", depth8(1));
-  EXPECT_THAT(openError(), HasSubstr("mask: 1 images, but there are 5 colour images"));
+  for (int i = 0; i < 6; ++i) folder.write("mask/" + number(i) + ".png", depth8(1));
+  EXPECT_THAT(openError(), HasSubstr("mask: 6 images, but there are 5 colour images"));
 }
 
 TEST_F(ImageSequenceFolder, DepthOfAnotherSizeIsRefusedAtTheStartAndLeftOutLater) {

@@ -135,7 +135,7 @@ RgbdFrame twoBalls(const test::BallScene& scene, std::uint64_t i, const Vec2& on
 TEST(ScenePlan, AnObjectAtRestIsLeftOutWhileAnotherMoves) {
   const test::BallScene scene;
   VisionSettings settings;
-  settings.object_points_px = {{80, 120}, {200, 120}};
+  settings.object_points = {{{80, 120}}, {{200, 120}}};
   settings.depth_range = DepthRange{650, 850};
   Vision vision(scene.info(), settings);
   Vec2 still(80, 120);

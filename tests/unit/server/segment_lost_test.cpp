@@ -58,8 +58,8 @@ struct Scene {
 Runner runnerOf(const Scene& scene, std::uint32_t& next_id, const std::vector<Vec2>& points,
                 const std::vector<Vec2>& not_points = {}) {
   VisionSettings settings;
-  settings.object_points_px = points;
-  settings.not_points_px = not_points;
+  for (const Vec2& point : points) settings.object_points.push_back({point});
+  for (const Vec2& point : not_points) settings.not_points.push_back({point});
   return {scene.ball.info(), makeSegmenter(settings, false, next_id), {}, {}};
 }
 

@@ -31,12 +31,12 @@ TEST(Segment, PointsChooseAmongTheSourcesMasks) {
   RgbdFrame frame = scene.frame(0, 100, 100);
   cv::rectangle(frame.mask, cv::Rect(200, 150, 30, 20), 7, cv::FILLED);
   VisionSettings settings;
-  settings.object_points_px = {{205, 155}};
+  settings.object_points = {{{205, 155}}};
   Runner runner{scene.info(), makeSegmenter(settings, true, id), {}, {}};
   runner.next(frame);
   ASSERT_EQ(runner.segments.size(), 1U);
   EXPECT_EQ(cv::countNonZero(runner.segments[0].mask), 600);
-  settings.object_points_px = {{2, 2}};
+  settings.object_points = {{{2, 2}}};
   Runner nothing{scene.info(), makeSegmenter(settings, true, id), {}, {}};
   EXPECT_NE(errorOf([&] { nothing.next(frame); }).find("--object 2,2: the source's mask"),
             std::string::npos);
@@ -68,7 +68,7 @@ TEST(Segment, AClipThatBeginsAgainStartsAsItDid) {
   test::BallScene scene;
   scene.with_mask = false;
   VisionSettings settings;
-  settings.object_points_px = {{100, 100}};
+  settings.object_points = {{{100, 100}}};
   RememberedStart start;
   std::vector<cv::Mat> masks;
   for (int round = 0; round < 2; ++round) {
@@ -96,7 +96,7 @@ TEST_P(MovingBall, IsHeldOverFrames) {
   test::BallScene scene;
   VisionSettings settings;
   settings.segment = GetParam().first;
-  settings.object_points_px = {{100, 100}};
+  settings.object_points = {{{100, 100}}};
   scene.with_mask = false;
   Runner runner{scene.info(), makeSegmenter(settings, false, id), {}, {}};
   scene.with_mask = true;
@@ -112,7 +112,7 @@ TEST_P(MovingBall, IsHeldOverFrames) {
 TEST(Segment, LargeObjectsOfLargePicturesAreDecidedSmallerButOutlinedAsFinely) {
   std::uint32_t id = 1;
   VisionSettings settings;
-  settings.object_points_px = {{400, 300}};
+  settings.object_points = {{{400, 300}}};
   test::BallScene scene{.width = 1280, .height = 720, .radius_px = 200, .with_mask = true};
   Runner runner{scene.info(), makeSegmenter(settings, false, id), {}, {}};
   for (std::uint64_t i = 0; i < 4; ++i) {
@@ -133,7 +133,7 @@ TEST(Segment, EdgesHoldAPlainObject) {
   std::uint32_t id = 1;
   VisionSettings settings;
   settings.segment = SegmentMode::kEdges;
-  settings.object_points_px = {{100, 100}};
+  settings.object_points = {{{100, 100}}};
   SourceInfo info;
   info.width_px = 320;
   info.height_px = 240;
@@ -191,7 +191,7 @@ TEST(Segment, SaysWhenThePointIsOnThePlaneOrOnNothing) {
   for (const bool hole : {false, true}) {
     std::uint32_t id = 1;
     VisionSettings settings;
-    settings.object_points_px = {{280, 40}};
+    settings.object_points = {{{280, 40}}};
     Runner runner{scene.info(), makeSegmenter(settings, false, id), {}, {}};
     RgbdFrame frame = scene.frame(0, 100, 120);
     if (hole) cv::circle(frame.depth, {280, 40}, 38, 0, cv::FILLED);
@@ -206,7 +206,7 @@ TEST(Segment, FollowsSeveralObjects) {
   std::uint32_t id = 1;
   const test::BallScene scene{.radius_px = 30, .with_mask = false};
   VisionSettings settings;
-  settings.object_points_px = {{80, 120}, {240, 120}};
+  settings.object_points = {{{80, 120}}, {{240, 120}}};
   Runner runner{scene.info(), makeSegmenter(settings, false, id), {}, {}};
   for (std::uint64_t i = 0; i < 5; ++i) {
     RgbdFrame frame = scene.frame(i, 80 + 2.0 * double(i), 120);
@@ -227,7 +227,7 @@ TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
   test::BallScene scene;
   scene.with_mask = false;
   VisionSettings settings;
-  settings.object_points_px = {{100, 100}};
+  settings.object_points = {{{100, 100}}};
   const auto segmenter = makeSegmenter(settings, false, id);
   FramePairs frames(scene.info(), true);
   const cv::Mat first =
@@ -247,7 +247,7 @@ TEST(Segment, TwoPointsOnOneBodyAreOneObject) {
   test::BallScene scene;
   scene.with_mask = false;
   VisionSettings settings;
-  settings.object_points_px = {{100, 100}, {104, 100}};
+  settings.object_points = {{{100, 100}}, {{104, 100}}};
   std::uint32_t id = 1;
   RememberedStart start;
   for (int round = 0; round < 2; ++round) {  // a loop, too
@@ -261,7 +261,7 @@ TEST(Segment, TwoPointsInOneRegionOfEdgesAreOneObject) {
   std::uint32_t id = 1;
   VisionSettings settings;
   settings.segment = SegmentMode::kEdges;
-  settings.object_points_px = {{100, 100}, {110, 105}};
+  settings.object_points = {{{100, 100}}, {{110, 105}}};
   RgbdFrame frame;
   frame.color = cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(40));
   frame.depth = cv::Mat(240, 320, CV_32FC1, cv::Scalar(1500));
@@ -289,7 +289,7 @@ TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
   std::uint32_t id = 1;
   const test::BallScene scene{.radius_px = 30, .with_mask = false};
   VisionSettings settings;
-  settings.object_points_px = {{80, 120}, {240, 120}};
+  settings.object_points = {{{80, 120}}, {{240, 120}}};
   RememberedStart start;
   const FramePair frames = FramePairs(scene.info(), true).takeIn(twoBalls(scene), 0.0);
   const auto segmenter = makeSegmenter(settings, false, id, &start);
@@ -333,8 +333,8 @@ TEST(Segment, APointOfNotKeepsAnotherThingOfTheSameDepthOut) {
   const auto shareOfBlue = [&](const std::vector<Vec2>& not_points) {
     std::uint32_t id = 1;
     VisionSettings settings;
-    settings.object_points_px = {{110, 120}};
-    settings.not_points_px = not_points;
+    settings.object_points = {{{110, 120}}};
+    for (const Vec2& point : not_points) settings.not_points.push_back({point});
     SourceInfo info;
     info.width_px = 320;
     info.height_px = 240;
@@ -358,7 +358,7 @@ TEST(Segment, EdgesOfASyntheticScene) {
   settings.segment = SegmentMode::kEdges;
   std::optional<RgbdFrame> frame = source->read();
   const cv::Moments ball = cv::moments(frame->mask, true);
-  settings.object_points_px = {{ball.m10 / ball.m00, ball.m01 / ball.m00}};
+  settings.object_points = {{{ball.m10 / ball.m00, ball.m01 / ball.m00}}};
   Runner runner{source->info(), makeSegmenter(settings, true, id), {}, {}};
   for (int i = 0; i < 25; ++i, frame = source->read()) {
     runner.next(*frame);

@@ -42,9 +42,11 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.multicast_hops, 3U);
   EXPECT_TRUE(settings.quiet);
   EXPECT_TRUE(settings.wait_for_viewer);
+  EXPECT_EQ(settings.preview, "clip.png");
   const VisionSettings& vision = settings.vision;
-  EXPECT_EQ(vision.object_points_px, (std::vector<Vec2>{{505.0, 330.0}, {10.0, 20.0}}));
-  EXPECT_EQ(vision.not_points_px, (std::vector<Vec2>{{300.0, 400.0}}));
+  EXPECT_EQ(vision.object_points,
+            (std::vector<AuthorPoint>{{{505.0, 330.0}, 0.0}, {{10.0, 20.0}, 2.5}}));
+  EXPECT_EQ(vision.not_points, (std::vector<AuthorPoint>{{{300.0, 400.0}, 0.0}}));
   EXPECT_EQ(vision.segment, SegmentMode::kBand);
   ASSERT_TRUE(vision.depth_range.has_value());
   EXPECT_EQ(vision.depth_range->near_mm, 500.0);
@@ -66,7 +68,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"loop", "true"},       {"frames", "1000"},
     {"quiet", "true"},      {"listen", "127.0.0.1:0"},
     {"max-clients", "3"},   {"object", "505,330"},
-    {"not", "300,400"},     {"object", "10,20"},
+    {"not", "300,400"},     {"object", "10,20@2.5"},
     {"segment", "band"},    {"depth-range", "500,1500"},
     {"stretch", "true"},    {"motion", "lk"},
     {"stiffness", "0.4"},   {"mass", "0.25"},
@@ -74,7 +76,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"damping", "2.5"},     {"texture-depth", "1.5"},
     {"fov", "70"},          {"wait-for-viewer", "true"},
     {"transport", "tcp"},   {"multicast", "[ff12::7]:7448@eth0"},
-    {"multicast-ttl", "3"},
+    {"multicast-ttl", "3"}, {"preview", "clip.png"},
 };
 
 TEST(ServerSettings, EveryFlag) {
@@ -111,9 +113,17 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--multicast", "239.1.2.3:0", "GROUP:PORT[@INTERFACE]"},
       {"--multicast", "239.1.2.3:7448@", "GROUP:PORT[@INTERFACE]"},
       {"--multicast-ttl", "0", "1 to 255"},
-      {"--object", "12", "U,V in px"},
-      {"--object", "nan,1", "U,V in px"},
-      {"--not", "1,2,3", "U,V in px"},
+      {"--object", "12", "U,V[@SECONDS] in px"},
+      {"--object", "nan,1", "U,V[@SECONDS] in px"},
+      {"--object", "1,2@", "U,V[@SECONDS] in px"},
+      {"--object", "@1", "U,V[@SECONDS] in px"},
+      {"--object", "1@2,3", "U,V[@SECONDS] in px"},
+      {"--object", "1,2@3@4", "U,V[@SECONDS] in px"},
+      {"--object", "1,2@-0.5", "U,V[@SECONDS] in px"},
+      {"--object", "1,2@nan", "U,V[@SECONDS] in px"},
+      {"--not", "1,2@1e7", "U,V[@SECONDS] in px"},
+      {"--not", "1,2,3", "U,V[@SECONDS] in px"},
+      {"--preview", "clip.jpg", "FILE.png or a folder"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "900,500", "NEAR,FAR in mm"},
       {"--depth-range", "-1,500", "NEAR,FAR in mm"},

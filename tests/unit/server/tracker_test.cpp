@@ -30,7 +30,7 @@ TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
     test::BallScene scene;
     scene.with_mask = with_mask;
     VisionSettings settings;
-    settings.object_points_px = {{100, 120}};
+    settings.object_points = {{{100, 120}}};
     settings.segment = segment;
     settings.method = method;
     settings.motion = motion;
@@ -39,9 +39,10 @@ TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
     for (std::uint64_t i = 0; i < 6; ++i) {
       const std::uint64_t steps = i / 2;  // every picture comes twice
       const RgbdFrame frame = scene.frame(i, 100 + 3.0 * double(steps), 120);
-      const FrameImages before{frame.color.clone(), {}, frame.depth.clone(), frame.mask.clone()};
+      const FrameImages before{
+          frame.color.clone(), {}, frame.depth.clone(), frame.mask.clone(), {}};
       (void)vision.push(frame, mediaTime(double(i) / 25));
-      EXPECT_TRUE(equalImages(before, {frame.color, {}, frame.depth, frame.mask}));
+      EXPECT_TRUE(equalImages(before, {frame.color, {}, frame.depth, frame.mask, {}}));
     }
   };
   for (const bool with_mask : {true, false})

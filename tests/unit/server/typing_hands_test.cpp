@@ -17,7 +17,7 @@ const Vec2 kBackOfTheHand_px(167, 111);
 std::vector<VisionResult> seeHands() {
   const auto source = openSource(kClip, 0.0);
   VisionSettings settings;
-  settings.object_points_px = {kBackOfTheHand_px};
+  settings.object_points = {{kBackOfTheHand_px}};
   Vision vision(source->info(), settings);
   vision.scan(*source, [](std::uint64_t, std::uint64_t) { return true; });
   std::vector<VisionResult> results;

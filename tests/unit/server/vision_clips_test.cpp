@@ -44,7 +44,7 @@ ClipRun runClip(const std::string& clip, double fps, const VisionSettings& setti
 TEST(Vision, TheDragonIsHeldThroughTheDeskClip) {
   if (!test::clipFrame("visp_rbt_desk", 0)) GTEST_SKIP() << "no clips in " << test::clipsFolder();
   VisionSettings settings;
-  settings.object_points_px = {{505, 330}};
+  settings.object_points = {{{505, 330}}};
   const ClipRun run = runClip("visp_rbt_desk", 30, settings);
   ASSERT_EQ(run.results.size(), 99U);
   double last_area = 0;
@@ -75,7 +75,7 @@ TEST(Vision, ThePersonIsHeldThroughTheTypingClip) {
   if (!test::clipFrame("dkvfx_typing_person", 0))
     GTEST_SKIP() << "no clips in " << test::clipsFolder();
   VisionSettings settings;
-  settings.object_points_px = {{125, 260}};
+  settings.object_points = {{{125, 260}}};
   const ClipRun run = runClip("dkvfx_typing_person", 24, settings);
   ASSERT_EQ(run.results.size(), 48U);
   for (std::size_t i = 0; i < run.results.size(); ++i) {

@@ -94,7 +94,7 @@ TEST(Vision, AStillSceneHasNoMotionAndOneRelief) {
     FunctionSource source(scene.info(), 10,
                           [&](std::uint64_t i) { return scene.frame(i, 160, 120); });
     VisionSettings settings;
-    settings.object_points_px = {{160, 120}};
+    settings.object_points = {{{160, 120}}};
     Vision vision(source.info(), settings);
     const std::vector<VisionResult> results = runAll(vision, source);
     for (const VisionResult& result : results) {
@@ -181,7 +181,7 @@ TEST(Vision, PointsOutsideThePictureAreRefused) {
   const BallScene scene;
   for (const Vec2& point : {Vec2(320, 10), Vec2(-1, 10), Vec2(5, 240), Vec2(std::nan(""), 3)}) {
     VisionSettings settings;
-    settings.object_points_px = {point};
+    settings.object_points = {{point}};
     try {
       Vision vision(scene.info(), settings);
       FAIL();

@@ -53,7 +53,7 @@ TEST(Wrap, ANoisyStillClipGoesOnUnderItsIdAndEpoch) {
     SCOPED_TRACE(with_mask);
     const NoisyBall ball;
     VisionSettings settings;
-    settings.object_points_px = {{160, 120}};
+    settings.object_points = {{{160, 120}}};
     expectOneStillness(rounds(ball.scene.info(), settings, kFrames,
                               [&](std::uint64_t i) {
                                 RgbdFrame frame = ball.frame(i, 160, 120, 0);
@@ -87,7 +87,7 @@ TEST(Wrap, SoDoesACleanBodyBeforeWhatMoves) {
 TEST(Wrap, WhatMovesAtItIsANewSceneEachTime) {
   const NoisyBall ball;
   VisionSettings settings;
-  settings.object_points_px = {{120, 120}};
+  settings.object_points = {{{120, 120}}};
   // At rest, moved by 60 px, at rest again.
   const auto frames = rounds(ball.scene.info(), settings, 3 * kFrames, [&](std::uint64_t i) {
     const double moved = std::clamp(double(i) - double(kFrames), 0.0, 20.0);
