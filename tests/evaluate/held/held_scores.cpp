@@ -141,6 +141,26 @@ double gridShare(const Recording& recording, const Run& run) {
   return sum.without > 0 ? 1.0 - sum.with / sum.without : -1.0;
 }
 
+Vec2 middleOf_px(const Recording& recording, std::size_t frame) {
+  return recording.camera.project(recording.truth[frame].centre.pose.at_mm);
+}
+
+// The pixels that carry another layer's name than they did, moved with the object, of those that
+// are the object's in both frames.
+double renamedShare(const Recording& recording, const Run& run) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < run.layers.size(); ++i) {
+    const Vec2 moved_px = middleOf_px(recording, i) - middleOf_px(recording, i - 1);
+    const cv::Matx23d shift{1, 0, std::round(moved_px.x()), 0, 1, std::round(moved_px.y())};
+    cv::Mat last;
+    cv::warpAffine(run.layers[i - 1], last, shift, last.size(), cv::INTER_NEAREST);
+    const cv::Mat both = (last > 0) & (run.layers[i] > 0) & recording.truth[i].mask();
+    const int renamed = cv::countNonZero(both & (last != run.layers[i]));
+    sum += renamed / std::max(1.0, double(cv::countNonZero(both)));
+  }
+  return sum / std::max(1.0, double(run.layers.size()) - 1.0);
+}
+
 // Nothing of it moves, and nothing passes before it.
 bool rests(const Recording& recording) {
   const cv::Mat first = recording.truth.front().mask();
@@ -156,6 +176,7 @@ Scores scoresOf(const Recording& recording, const Run& run) {
   scoreMasks(recording, run, out);
   if (!run.refused.empty()) return out;
   out.relief_share = reliefShare(recording, run);
+  out.renamed = renamedShare(recording, run);
   out.velocity_error = velocityError(recording, run);
   out.grid_share = gridShare(recording, run);
   if (rests(recording) && run.heights.size() > kSettled)
