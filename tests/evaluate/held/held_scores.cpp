@@ -65,8 +65,9 @@ void scoreMasks(const Recording& recording, const Run& run, Scores& out) {
   out.foreign /= std::max(1.0, double(out.frames));
 }
 
-// The part of the announced heights between which the object's own pixels lie, over the clip.
-double reliefShare(const Recording& recording, const Run& run) {
+// The part of the announced heights between which the object's own pixels lie, over the clip, and
+// how many of them reach beyond.
+void scoreRelief(const Recording& recording, const Run& run, Scores& out) {
   std::vector<float> own;
   for (std::size_t i = 0; i < run.heights.size(); i += 2) {
     const cv::Mat mask = recording.truth[i].mask();
@@ -77,7 +78,12 @@ double reliefShare(const Recording& recording, const Run& run) {
       }
     }
   }
-  return (quantile(own, 0.99) - quantile(own, 0.01)) / Workspace().depth_mm;
+  const double top_mm = Workspace().depth_mm;
+  const auto cut = std::count_if(own.begin(), own.end(), [top_mm](float height) {
+    return height <= 0.0F || double(height) >= top_mm;
+  });
+  out.cut_share = double(cut) / std::max(1.0, double(own.size()));
+  out.relief_share = (quantile(own, 0.99) - quantile(own, 0.01)) / top_mm;
 }
 
 double velocityError(const Recording& recording, const Run& run) {
@@ -175,7 +181,7 @@ Scores scoresOf(const Recording& recording, const Run& run) {
   Scores out;
   scoreMasks(recording, run, out);
   if (!run.refused.empty()) return out;
-  out.relief_share = reliefShare(recording, run);
+  scoreRelief(recording, run, out);
   out.renamed = renamedShare(recording, run);
   out.velocity_error = velocityError(recording, run);
   out.grid_share = gridShare(recording, run);

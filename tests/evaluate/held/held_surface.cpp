@@ -14,9 +14,9 @@ constexpr const char* kPart = "surface";
 
 void tell(const std::vector<held::Recording>& recordings, const std::vector<held::Scores>& all,
           Report& report) {
-  std::vector<std::vector<std::string>> lines{{"scene", "IoU mean", "relief share", "layer changes",
-                                               "velocity error", "force noise", "ms/frame",
-                                               "95 %"}};
+  std::vector<std::vector<std::string>> lines{{"scene", "IoU mean", "relief share", "cut",
+                                               "layer changes", "velocity error", "force noise",
+                                               "ms/frame", "95 %"}};
   double unused = 0.0;
   double renamed = 0.0;
   double noise_N = 0.0;
@@ -24,7 +24,7 @@ void tell(const std::vector<held::Recording>& recordings, const std::vector<held
     const held::Scores& s = all[i];
     const std::string& name = recordings[i].name;
     lines.push_back({name, text("%.3f", s.mean_iou), text("%.3f", s.relief_share),
-                     text("%.4f", s.renamed),
+                     text("%.3f", s.cut_share), text("%.4f", s.renamed),
                      s.velocity_error < 0 ? "rests" : text("%.3f", s.velocity_error),
                      s.noise_N < 0 ? "" : text("%.4f", s.noise_N), text("%.1f", s.median_ms),
                      text("%.1f", s.slow_ms)});
@@ -32,6 +32,7 @@ void tell(const std::vector<held::Recording>& recordings, const std::vector<held
       report.add({name, stage, "true mask", error, unit, 0.0, true, false});
     };
     row("held: relief unused", 1.0 - s.relief_share, "share of 30 mm");
+    row("held: relief cut", s.cut_share, "share of the pixels");
     row("held: layers renamed", s.renamed, "share of the pixels per frame");
     if (s.noise_N >= 0) row("held: rest", s.noise_N, "N rms");
     unused = std::max(unused, 1.0 - s.relief_share);
