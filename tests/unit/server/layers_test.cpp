@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/wire/limits.hpp"
+#include "server/vision/surface/layer_cutter.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
