@@ -116,7 +116,7 @@ cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm) {
 std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm) {
   names_ = namesOf(surface, step_mm);
   count_ = names_.empty() ? 1 : namesIn(names_);
-  if (count_ < 2 && cv::countNonZero(names_ > 1) == 0) names_.release();
+  if (!names_.empty() && cv::countNonZero(names_ > 1) == 0) names_.release();
   if (doubts_.size() != surface.box.size()) doubts_ = cv::Mat::zeros(surface.box.size(), CV_8UC1);
   last_mask_ = surface.mask;
   last_box_ = surface.box;
