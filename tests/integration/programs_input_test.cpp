@@ -55,6 +55,7 @@ TEST_F(ProgramsInputTest, FlagsOfTheServer) {
       {"--not", "a,b", "U,V"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "5,1", "NEAR,FAR"},
+      {"--map-range", "5,1", "NEAR,FAR"},
       {"--fov", "9", "from 10 to 170"},
       {"--fov", "171", "from 10 to 170"},
       {"--fov", "wide", "from 10 to 170"},

@@ -22,6 +22,7 @@ FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s, const cv::Ma
   pair_.now.depth = pair_.identical
                         ? pair_.last.depth
                         : flicker_.steady(raw.depth, raw.gray, pair_.cut ? cv::Mat() : objects);
+  pair_.noise.flickers = flicker_.shown();
   raw_ = raw;
   pair_.interval_s = time_s - std::exchange(time_s_, time_s);
   return pair_;

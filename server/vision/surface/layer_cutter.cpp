@@ -58,6 +58,7 @@ cv::Mat withoutCrumbs(const Surface& surface, const cv::Mat& names) {
 
 Surface partOf(const Surface& surface, const cv::Mat& mask) {
   const cv::Rect box = cv::boundingRect(mask);
+  if (box.empty()) return {};
   return {box + surface.box.tl(), mask(box).clone(), surface.depth(box).clone(),
           surface.measured(box) & mask(box), surface.quantum_mm};
 }
