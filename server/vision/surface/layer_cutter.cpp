@@ -106,7 +106,10 @@ cv::Mat LayerCutter::settled(const Surface& surface, const cv::Mat& now, const c
 
 cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm) {
   Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0));
-  if (now.count < 2 && names_.empty()) return {};
+  if (now.count < 2 && names_.empty()) {
+    doubts_.release();
+    return {};
+  }
   if (now.count < 2) now.labels = surface.mask / 255;
   if (count_ == 0) return now.labels;
   const cv::Mat before = carried(names_.empty() ? last_mask_ / 255 : names_, surface);

@@ -16,7 +16,9 @@ namespace {
 constexpr double kFront = 0.01;
 constexpr double kBack = 0.98;
 constexpr double kFramesBeyond = 0.02;
-constexpr double kUsualReach = 1.6;  // chosen, of what the usual frame reaches: things turn
+constexpr double kOuter = 0.1;  // chosen: leaks are rarely more of a mask
+constexpr double kUsualReach =
+    1.8;  // chosen, of the usual frame: of a ball the back is 1.45 times as far
 constexpr double kSlack_mm = 20;     // chosen, beyond that
 constexpr double kSlackSteps = 4;    // chosen, of rounded depth
 constexpr int kMixedRim_px = 3;      // measured: there sensors mix object and background
@@ -62,7 +64,9 @@ void RangeFinder::add(std::uint32_t object, const Surface& surface, const DepthN
   std::vector<float> depths = depthsIn(surface, coreOf(surface));
   if (depths.size() < kFewest) depths = depthsIn(surface, surface.measured);
   if (depths.empty()) return;
-  const Voice voice{quantile(depths, kFront), quantile(depths, 0.5), quantile(depths, kBack)};
+  Voice voice{quantile(depths, kFront), quantile(depths, 0.5), quantile(depths, kBack)};
+  voice.half_mm = std::max(voice.middle_mm - quantile(depths, kOuter),
+                           quantile(depths, 1.0 - kOuter) - voice.middle_mm);
   voices_[object].push_back(voice);
   const double sigma_mm = noise.at(voice.middle_mm);
   const double least_mm = noise.eight_bit
@@ -72,12 +76,12 @@ void RangeFinder::add(std::uint32_t object, const Surface& surface, const DepthN
   slack_mm_ = noise.eight_bit ? kSlackSteps * noise.quantum_mm : kSlack_mm;
 }
 
-// How far from its middle an object may be in any frame.
+// How far from its middle an object may be in any frame: told by the middle four fifths of its
+// pixels, of which leaks are rarely a part.
 double RangeFinder::reach_mm(const std::vector<Voice>& voices) const {
   std::vector<double> halves_mm;
   halves_mm.reserve(voices.size());
-  for (const Voice& voice : voices)
-    halves_mm.push_back(std::max(voice.middle_mm - voice.near_mm, voice.far_mm - voice.middle_mm));
+  for (const Voice& voice : voices) halves_mm.push_back(voice.half_mm);
   return kUsualReach * medianOf(halves_mm) + slack_mm_;
 }
 
@@ -90,7 +94,7 @@ std::optional<MappedRange> RangeFinder::range(double margin) const {
     for (const Voice& voice : voices) {
       nears_mm.push_back(std::max(voice.near_mm, voice.middle_mm - reach));
       fars_mm.push_back(std::min(voice.far_mm, voice.middle_mm + reach));
-      spans_mm.push_back(voice.far_mm - voice.near_mm);
+      spans_mm.push_back(fars_mm.back() - nears_mm.back());
     }
   }
   if (nears_mm.empty()) return std::nullopt;

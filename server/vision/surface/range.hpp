@@ -36,6 +36,7 @@ class RangeFinder {
  private:
   struct Voice {
     double near_mm, middle_mm, far_mm;
+    double half_mm = 0.0;  // from the middle to where four fifths of the pixels end
   };
   [[nodiscard]] double reach_mm(const std::vector<Voice>& voices) const;
 

@@ -2,8 +2,6 @@
 // A minute of stillness through four kinds of sensors, and how what is held goes over.
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/hold.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
@@ -93,48 +91,52 @@ class StillBall {
   Hold hold_;
 };
 
-constexpr std::array kKinds{Kind::kStructured, Kind::kFlight, Kind::kRoom8, Kind::kEstimate};
+class StillSensors : public ::testing::TestWithParam<Kind> {};
 
-TEST(StillSensors, AMinuteWithoutAReleaseOrATremor) {
-  for (const Kind kind : kKinds) {
-    StillBall ball(kind);
-    Surface settled;
-    int changes = 0;
-    for (int i = 0; i < 1500; ++i) {
-      const Surface now = ball.next();
-      if (i < 25) continue;
-      if (i == 25) settled = now;
-      const bool same = now.box == settled.box && equalImages(now.mask, settled.mask) &&
-                        equalImages(now.depth, settled.depth);
-      changes += same ? 0 : 1;
-    }
-    EXPECT_EQ(changes, 0) << int(kind);
+TEST_P(StillSensors, AMinuteWithoutAReleaseOrATremor) {
+  StillBall ball(GetParam());
+  Surface settled;
+  int changes = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Surface now = ball.next();
+    if (i < 25) continue;
+    if (i == 25) settled = now;
+    const bool same = now.box == settled.box && equalImages(now.mask, settled.mask) &&
+                      equalImages(now.depth, settled.depth);
+    changes += same ? 0 : 1;
   }
+  EXPECT_EQ(changes, 0);
 }
 
+INSTANTIATE_TEST_SUITE_P(All, StillSensors,
+                         ::testing::Values(Kind::kStructured, Kind::kFlight, Kind::kRoom8,
+                                           Kind::kEstimate));
+
 // A part comes nearer while its colours stay: it is let go, but no frame makes a step of it.
-TEST(StillSensors, WhatIsReleasedByItsDepthGoesOverSoftly) {
+TEST(StillBalls, WhatIsReleasedByItsDepthGoesOverSoftly) {
   const cv::Rect part(64, 40, 32, 32);
   StillBall ball(Kind::kFlight);
   Surface last;
   for (int i = 0; i < 30; ++i) last = ball.next();
   double largest_mm = 0.0;
   Cause cause = Cause::kNone;
-  const cv::Rect inner(part.x + 8 - last.box.x, part.y + 8 - last.box.y, 16, 16);
-  const double before_mm = cv::mean(last.depth(inner))[0];
+  const cv::Rect inner(part.tl() + cv::Point(8, 8), cv::Size(16, 16));
+  const auto depthOf = [&](const Surface& surface) {
+    return cv::mean(surface.depth(inner - surface.box.tl()))[0];
+  };
+  const double before_mm = depthOf(last);
   for (int i = 0; i < 20; ++i) {
     const Surface now = ball.next(12.0, part);
-    ASSERT_EQ(now.box, last.box);
-    largest_mm = std::max(largest_mm, std::abs(cv::mean(now.depth(inner) - last.depth(inner))[0]));
+    largest_mm = std::max(largest_mm, std::abs(depthOf(now) - depthOf(last)));
     if (ball.hold().cause() != Cause::kNone) cause = ball.hold().cause();
     last = now;
   }
   EXPECT_EQ(cause, Cause::kDepth);
-  EXPECT_NEAR(before_mm - cv::mean(last.depth(inner))[0], 12.0, 1.5);
+  EXPECT_NEAR(before_mm - depthOf(last), 12.0, 1.5);
   EXPECT_LT(largest_mm, 5.0);
 }
 
-TEST(StillSensors, OneFrameReleasesNothing) {
+TEST(StillBalls, OneFrameReleasesNothing) {
   StillBall ball(Kind::kStructured);
   Surface settled;
   for (int i = 0; i < 30; ++i) settled = ball.next();
