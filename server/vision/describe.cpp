@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
-
-#include "server/vision/surface/layers.hpp"
 
 namespace hapticast::server {
 
@@ -15,16 +12,6 @@ constexpr double kStep_mm = 3.0;  // nominal, chosen: the least that is felt as 
 
 bool equalReliefs(const Relief& a, const Relief& b) {
   return a.rect == b.rect && a.mask == b.mask && a.height_mm == b.height_mm;
-}
-
-// What lies beyond the range is as high as its end: no step there is felt, so none makes a layer.
-Surface withinReach(const Surface& surface, const NominalFrame& nominal) {
-  const double beyond_mm = kStep_mm / std::abs(nominal.mmPerStep().z());
-  Surface out = surface;
-  out.depth = cv::max(cv::min(surface.depth, nominal.range.far_mm + beyond_mm),
-                      nominal.range.near_mm - beyond_mm);
-  surface.depth.copyTo(out.depth, surface.depth <= 0);
-  return out;
 }
 
 std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const NominalFrame& nominal,
@@ -103,7 +90,7 @@ std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint6
       std::max(noise.step_mm(object.pose.depth_mm), kStep_mm / std::abs(nominal.mmPerStep().z()));
   std::uint32_t layer = 0;
   TrackedObject part = object;
-  for (Surface& surface : cutter.cut(withinReach(object.surface, nominal), step_mm)) {
+  for (Surface& surface : cutter.cut(object.surface, step_mm, nominal.range)) {
     part.surface = std::move(surface);
     if (!part.surface.box.empty()) add(part, layer);
     ++layer;

@@ -7,7 +7,6 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/labels.hpp"
-#include "server/vision/surface/layers.hpp"
 
 namespace hapticast::server {
 
@@ -104,8 +103,8 @@ cv::Mat LayerCutter::settled(const Surface& surface, const cv::Mat& now, const c
   return withoutCrumbs(surface, names);
 }
 
-cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm) {
-  Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0));
+cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm, const DepthRange& felt) {
+  Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0), felt);
   if (now.count < 2 && names_.empty()) {
     doubts_.release();
     return {};
@@ -117,8 +116,9 @@ cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm) {
   return settled(surface, named(now, before), before);
 }
 
-std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm) {
-  names_ = namesOf(surface, step_mm);
+std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
+                                      const DepthRange& felt) {
+  names_ = namesOf(surface, step_mm, felt);
   count_ = names_.empty() ? 1 : namesIn(names_);
   if (!names_.empty() && cv::countNonZero(names_ > 1) == 0) names_.release();
   if (doubts_.size() != surface.box.size()) doubts_ = cv::Mat::zeros(surface.box.size(), CV_8UC1);

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "server/vision/surface/enhance.hpp"
+#include "server/vision/surface/layers.hpp"
 
 namespace hapticast::server {
 
@@ -15,11 +15,12 @@ namespace hapticast::server {
 class LayerCutter {
  public:
   /// Surfaces of the layers by name, those that have gone with an empty box; one without steps is
-  /// `surface` itself. They begin nearest first.
-  std::vector<Surface> cut(const Surface& surface, double step_mm);
+  /// `surface` itself. They begin nearest first. `felt` as for findLayers().
+  std::vector<Surface> cut(const Surface& surface, double step_mm,
+                           const DepthRange& felt = kAllDepths);
 
  private:
-  [[nodiscard]] cv::Mat namesOf(const Surface& surface, double step_mm);
+  [[nodiscard]] cv::Mat namesOf(const Surface& surface, double step_mm, const DepthRange& felt);
   [[nodiscard]] cv::Mat settled(const Surface& surface, const cv::Mat& now, const cv::Mat& before);
   [[nodiscard]] cv::Mat carried(const cv::Mat& image, const Surface& surface) const;
 

@@ -36,7 +36,8 @@ cv::Mat steps(const Surface& surface, double step_mm) {
 // For every pixel the measured one that is nearest to it.
 class NearestMeasured {
  public:
-  explicit NearestMeasured(const Surface& surface) : depth_(surface.depth) {
+  NearestMeasured(const Surface& surface, const DepthRange& felt)
+      : depth_(cv::max(cv::min(surface.depth, felt.far_mm), felt.near_mm)) {
     cv::Mat distance;
     cv::distanceTransform(surface.measured == 0, distance, labels_, cv::DIST_L2, 5,
                           cv::DIST_LABEL_PIXEL);
@@ -85,12 +86,13 @@ struct Borders {
   }
 };
 
-Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, double step_mm) {
+Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, double step_mm,
+                  const DepthRange& felt) {
   Borders out;
   out.count = count;
   out.pixels.assign(static_cast<std::size_t>(count * count), 0);
   out.stepping = out.pixels;
-  const NearestMeasured nearest(surface);
+  const NearestMeasured nearest(surface, felt);
   const auto add = [&](const cv::Point& p, const cv::Point& q) {
     const int a = labels.at<uchar>(p);
     const int b = labels.at<uchar>(q);
@@ -144,7 +146,7 @@ std::vector<int> layersOf(const Borders& borders, const std::vector<double>& dep
 
 }  // namespace
 
-Layers findLayers(const Surface& surface, double step_mm) {
+Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt) {
   const cv::Mat step = steps(surface, step_mm);
   if (cv::countNonZero(step) == 0) return {};
   const int area = cv::countNonZero(surface.mask);
@@ -154,7 +156,7 @@ Layers findLayers(const Surface& surface, double step_mm) {
   const int pieces = largePieces(surface.mask & surface.measured & ~step, smallest_px, out.labels);
   if (pieces < 2) return {};
   out.labels = grownLabels(surface, pieces, out.labels);
-  const std::vector<int> layer = layersOf(bordersOf(surface, out.labels, pieces, step_mm),
+  const std::vector<int> layer = layersOf(bordersOf(surface, out.labels, pieces, step_mm, felt),
                                           meanDepths(surface, out.labels, pieces));
   out.count = *std::max_element(layer.begin(), layer.end()) + 1;
   if (out.count < 2) return {};

@@ -10,6 +10,9 @@
 
 namespace hapticast::server {
 
+inline constexpr int kMaxLayers = 4;
+inline constexpr DepthRange kAllDepths{0.0, 1e9};
+
 /// Pieces of an object between depth steps.
 struct Layers {
   int count = 1;
@@ -20,7 +23,7 @@ struct Layers {
 /// their common border. What lies behind something is a layer behind it; pieces that do not touch
 /// share one. Pieces of less than 100 px or 2 % of the object stay with their neighbours. At most
 /// kMaxLayers.
-Layers findLayers(const Surface& surface, double step_mm);
-inline constexpr int kMaxLayers = 4;
+/// `felt`: depths that differ in height; what lies beyond is as high as its end, and no step.
+Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt = kAllDepths);
 
 }  // namespace hapticast::server

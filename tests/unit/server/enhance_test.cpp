@@ -306,14 +306,14 @@ TEST(Enhance, RangeHoldsTheObjectAndIsNeverTooNarrow) {
                         Method::kHapticast),
            kNoise);
   const DepthRange range = wide.range(0.05)->range;
-  EXPECT_LT(range.near_mm, 585);
-  EXPECT_GT(range.far_mm, 1010);
+  EXPECT_LT(range.near_mm, 590);
+  EXPECT_GT(range.far_mm, 1000);
   RangeFinder flat;
   flat.add(
       1,
       cleanSurface(painted(120, [](int, int) { return 700.0; }), mask, kNoise, Method::kHapticast),
       kNoise);
-  EXPECT_NEAR(flat.range(0.05)->range.far_mm - flat.range(0.05)->range.near_mm, 50, 1e-9);
+  EXPECT_NEAR(flat.range(0.05)->range.far_mm - flat.range(0.05)->range.near_mm, 60, 1e-9);
   RangeFinder noisy;
   noisy.add(
       1,
