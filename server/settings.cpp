@@ -42,6 +42,14 @@ void addRange(CLI::App& app, const char* flag, std::optional<DepthRange>& range,
       ->type_name("MM,MM");
 }
 
+void addRanges(CLI::App& app, VisionSettings& vision) {
+  addRange(app, "--depth-range", vision.depth_range,
+           "What the levels 255 and 0 of 8-bit depth mean; of depth in mm the same as --map-range");
+  addRange(
+      app, "--map-range", vision.map_range,
+      "Depths that become the nearest and farthest height; default: the object's, from the clip");
+}
+
 constexpr double kMostFriction = limits::kFriction;
 
 void addFriction(CLI::App& app, Material& material) {
@@ -127,11 +135,7 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "How the object is found: the source's mask, followed from frame to frame in a band "
             "around its contour, or "
             "closed Canny edges. auto: the source's mask if there is one, else band");
-  addRange(app, "--depth-range", vision.depth_range,
-           "What the levels 255 and 0 of 8-bit depth mean; of depth in mm the same as --map-range");
-  addRange(
-      app, "--map-range", vision.map_range,
-      "Depths that become the nearest and farthest height; default: the object's, from the clip");
+  addRanges(app, vision);
   addNumber(
       app, "--fov", vision.fov_deg, 10.0, 170.0, "DEG 10..170",
       "How wide the colour camera sees, left to right; default: the clip's intrinsics, else 56");

@@ -51,7 +51,7 @@ struct Scores {
   double worst_foreign = 0.0;
   std::size_t lost = 0, frames = 0;  ///< of frames in which a quarter of the object is seen
   double relief_share = 0.0;         ///< of the announced 30 mm that the object's own surface takes
-  double cut_share = 0.0;     ///< of its pixels, those that lie at the very ends of the 30 mm
+  double cut_share = 0.0;        ///< of its pixels, those that lie at the very ends of the 30 mm
   double velocity_error = -1.0;  ///< rms over that of the true one, in the picture; < 0: it rests
   double noise_N = -1.0;         ///< on a finger that does not move; < 0: something does
   double renamed = 0.0;          ///< share of its pixels that change their layer, mean over frames
