@@ -105,6 +105,7 @@ void App::look() {
   };
   if (lookThrough(vision_, *source_, media_clock_, stop_, tell))
     broadcaster_.describe(vision_.description());
+  range_teller_.tell(vision_.mapped());
 }
 
 void App::open() {
@@ -136,6 +137,7 @@ void App::play(EncoderThread& encoder) {
         info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result), encoder);
+    range_teller_.tell(vision_.mapped());
     if (settings_.explain)
       plan_teller_.tell(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
     sayWhatWasSkipped(pacer);

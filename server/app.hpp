@@ -11,6 +11,7 @@
 #include "common/wire/asio.hpp"
 #include "server/encoder_thread.hpp"
 #include "server/plan_teller.hpp"
+#include "server/range_teller.hpp"
 #include "server/settings.hpp"
 #include "server/source/pacer.hpp"
 #include "server/stream/broadcaster.hpp"
@@ -65,6 +66,7 @@ class App {
   Listener listener_;
   std::optional<Datagrams> datagrams_;
   PlanTeller plan_teller_;
+  RangeTeller range_teller_;
   std::atomic<bool> stop_{false};
   bool open_ = false;
   bool streaming_ = false;

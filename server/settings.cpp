@@ -34,15 +34,22 @@ const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
 constexpr double kMostDepth_mm = 1e6;
 constexpr double kLongestClip_s = 1e6;  // chosen: eleven days
 
-void addDepthRange(CLI::App& app, std::optional<DepthRange>& range) {
+void addRange(CLI::App& app, const char* flag, std::optional<DepthRange>& range, const char* help) {
   const auto take = [&range](const Vec2& pair) {
     if (!(pair.x() >= 0.0 && pair.x() < pair.y() && pair.y() <= kMostDepth_mm)) return false;
     range = DepthRange{pair.x(), pair.y()};
     return true;
   };
-  addPair(app, "--depth-range", take, "NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000",
-          "Depths that map to the nearest and farthest height; default: from the clip")
+  addPair(app, flag, take, "NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000", help)
       ->type_name("MM,MM");
+}
+
+void addRanges(CLI::App& app, VisionSettings& vision) {
+  addRange(app, "--depth-range", vision.depth_range,
+           "What the levels 255 and 0 of 8-bit depth mean; of depth in mm the same as --map-range");
+  addRange(
+      app, "--map-range", vision.map_range,
+      "Depths that become the nearest and farthest height; default: the object's, from the clip");
 }
 
 constexpr double kMostFriction = limits::kFriction;
@@ -146,7 +153,7 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
             "How the object is found: the source's mask, followed from frame to frame in a band "
             "around its contour, or "
             "closed Canny edges. auto: the source's mask if there is one, else band");
-  addDepthRange(app, vision.depth_range);
+  addRanges(app, vision);
   addNumber(
       app, "--fov", vision.fov_deg, 10.0, 170.0, "DEG 10..170",
       "How wide the colour camera sees, left to right; default: the clip's intrinsics, else 56");

@@ -90,7 +90,7 @@ std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint6
       std::max(noise.step_mm(object.pose.depth_mm), kStep_mm / std::abs(nominal.mmPerStep().z()));
   std::uint32_t layer = 0;
   TrackedObject part = object;
-  for (Surface& surface : cutter.cut(object.surface, step_mm)) {
+  for (Surface& surface : cutter.cut(object.surface, step_mm, nominal.range)) {
     part.surface = std::move(surface);
     if (!part.surface.box.empty()) add(part, layer);
     ++layer;

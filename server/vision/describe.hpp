@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/vision/motion/nominal_frame.hpp"
-#include "server/vision/surface/layers.hpp"
+#include "server/vision/surface/layer_cutter.hpp"
 #include "server/vision/tracked_object.hpp"
 #include "server/vision/vision_settings.hpp"
 

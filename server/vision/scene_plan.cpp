@@ -71,7 +71,7 @@ std::string ScenePlan::whyOn(Stage stage) const {
     case Stage::kHeights:
       break;
   }
-  return "the scene changes";
+  return released_.empty() ? "the scene changes" : "released: " + std::string(released_);
 }
 
 bool ScenePlan::on(Stage stage) const {
@@ -79,7 +79,11 @@ bool ScenePlan::on(Stage stage) const {
   return settings_.everything || !whyOff(stage);
 }
 
-void ScenePlan::rest(bool at_rest) { at_rest_ = at_rest; }
+void ScenePlan::rest(bool at_rest, std::string_view why) {
+  // What goes on being released is told once, until it has rested again.
+  if (at_rest_ && !at_rest) released_ = why;
+  at_rest_ = at_rest;
+}
 
 void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/haptic_frame.hpp"
@@ -30,8 +31,9 @@ class ScenePlan {
   ScenePlan(const PlanSettings& settings, bool source_mask);
 
   [[nodiscard]] bool on(Stage stage) const;
-  /// Whether the object is at rest: all of it is held.
-  void rest(bool at_rest);
+  /// Whether the object is at rest: all of it is held. `why`: what released it in this frame, a
+  /// text that stays; empty: nothing did.
+  void rest(bool at_rest, std::string_view why = {});
   /// Whether the heights of this frame are those of the last one.
   void unchanged(bool unchanged);
   /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
@@ -61,6 +63,7 @@ class ScenePlan {
   PlanSettings settings_;
   bool source_mask_;
   bool at_rest_ = false;
+  std::string_view released_;  // what ended the last rest; empty before the first
   bool unchanged_ = false;
   int frame_ = 0;
   std::array<std::optional<double>, kStages> cost_N_{};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <string_view>
 
 #include "server/vision/base/masks.hpp"
 
@@ -29,6 +30,23 @@ TrackedObject firstOf(const TrackSettings& settings, const Segment& segment) {
   out.quality = segment.quality;
   out.plan = std::make_shared<ScenePlan>(plan, settings.exact_masks);
   return out;
+}
+
+std::string_view textOf(Cause cause) {
+  switch (cause) {
+    case Cause::kNone:
+    case Cause::kNew:
+      break;
+    case Cause::kColor:
+      return "its colours change";
+    case Cause::kOutline:
+      return "its outline changes";
+    case Cause::kDepth:
+      return "its depth changes in places";
+    case Cause::kAllDepth:
+      return "it moves in depth";
+  }
+  return {};
 }
 
 cv::Point2d middleOf(const cv::Mat& mask) {
@@ -90,7 +108,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   now_.surface = seen;
   updatePresence(segment, blind);
   hold(frames, repeated);
-  now_.plan->rest(now_.atRest());
+  now_.plan->rest(now_.atRest(), textOf(hold_.cause()));
   {
     const Lap lap(settings_->clock, *now_.plan, Stage::kMotion);
     // Motion is measured on what this frame shows, not on what is held of the frames before.

@@ -37,7 +37,7 @@ Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, const C
       frames_(info, !settings.plan.everything) {}
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
-  const FramePair frames = frames_.takeIn(frame, time_s);
+  const FramePair frames = frames_.takeIn(frame, time_s, objectsMask());
   scene_cut_ = frames.cut;
   if (scene_cut_) {
     tracks_.clear();
@@ -53,6 +53,12 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   for (const Track& track : tracks_) {
     if (out.size() < kMaxObjects) out.push_back(track.object());
   }
+  return out;
+}
+
+cv::Mat Tracker::objectsMask() const {
+  cv::Mat out;
+  for (const Track& track : tracks_) out = out.empty() ? track.mask() : cv::Mat(out | track.mask());
   return out;
 }
 

@@ -31,6 +31,7 @@ class Tracker {
   [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
  private:
+  [[nodiscard]] cv::Mat objectsMask() const;
   void segment(const FramePair& frames);
   void followBackground(const FramePair& frames);
   void updateTracks(const FramePair& frames);

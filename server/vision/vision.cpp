@@ -8,7 +8,6 @@
 
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
-#include "server/vision/surface/range.hpp"
 #include "server/vision/tracker.hpp"
 #include "server/vision/wrap.hpp"
 
@@ -33,6 +32,17 @@ void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points,
          << "; give u,v in pixels from its top-left corner";
     throw SourceError(what.str());
   }
+}
+
+// The depths that become heights, where somebody says so. --depth-range tells it of metric depth,
+// of 8-bit depth only what its levels mean; the thesis takes all of these for heights.
+std::optional<DepthRange> givenRange(const SourceInfo& info, const VisionSettings& settings) {
+  if (settings.map_range) return settings.map_range;
+  const bool levels = info.depth_kind == DepthKind::kHeight;
+  if (levels && settings.method == Method::kThesis)
+    return settings.depth_range.value_or(info.depth_range.value_or(kHeightRange));
+  if (!settings.depth_range) return info.depth_range;
+  return levels ? std::nullopt : settings.depth_range;
 }
 
 // Whether a frame with one more object is still one that a client takes.
@@ -62,15 +72,12 @@ class Vision::Impl {
     description_.method = settings_.method;
     description_.pipeline_latency = fromSeconds(lookahead_ / info_.fps);
     description_.mass_kg = settings_.mass_kg;
-    range_ = settings_.depth_range ? settings_.depth_range : info_.depth_range;
-    if (info_.depth_kind == DepthKind::kHeight) {
-      if (!range_) range_ = kHeightRange;
-      info_.depth_range = range_;
-    }
+    if (const auto given = givenRange(info_, settings_)) mapped_ = MappedRange{*given};
+    if (settings_.depth_range) info_.depth_range = settings_.depth_range;
   }
 
   bool scan(RgbdSource& source, const Progress& progress) {
-    const bool nothing_to_find = range_ && !settings_.moves();
+    const bool nothing_to_find = mapped_ && !settings_.moves();
     if (info_.live || nothing_to_find) return true;
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, start_);
@@ -85,7 +92,7 @@ class Vision::Impl {
       for (const TrackedObject& object : tracker.next(*frame, time_s)) {
         if (object.seen)
           clip.add(object.id, frame->index, time_s, object.pose, object.followedWell());
-        finder.add(object.surface, tracker.noise());
+        if (object.seen) finder.add(object.id, object.surface, tracker.noise());
       }
       if (progress && !progress(done + 1, std::max(total, done + 1))) return false;
     }
@@ -98,7 +105,7 @@ class Vision::Impl {
     const double time_s = toSeconds(media_time);
     const std::vector<TrackedObject>& objects = track(frame, time_s);
     if (tracker_->sceneCut()) startEpoch();
-    if (!range_ && !objects.empty()) findLiveRange(objects);
+    if (!mapped_ && !objects.empty()) findLiveRange(objects);
     const std::uint64_t id = next_frame_id_++;
     Pending pending{{}, frame.index};
     pending.result.frame.epoch = epoch_;
@@ -120,6 +127,7 @@ class Vision::Impl {
   }
 
   [[nodiscard]] const StreamDescription& description() const { return description_; }
+  [[nodiscard]] const std::optional<MappedRange>& mapped() const { return mapped_; }
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const {
     std::map<std::uint32_t, std::vector<PlanLine>> out;
     for (const auto& [id, plan] : motion_.plans()) out[id] = plan->lines();
@@ -129,8 +137,8 @@ class Vision::Impl {
  private:
   // What the scan of a clip has collected: its range, motion and largest acceleration.
   void learnClip(ClipMotion clip, const RangeFinder& finder, bool ended) {
-    if (!range_) range_ = finder.range(kClipMargin);
-    if (!range_) return;  // no object in the clip
+    if (!mapped_) mapped_ = finder.range(kClipMargin);
+    if (!mapped_) return;  // no object in the clip
     clip.smooth(nominal(), lookahead_, ended);
     std::vector<double> accelerations = clip.accelerations_mm_s2(lookahead_ / info_.fps);
     description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
@@ -154,7 +162,7 @@ class Vision::Impl {
   }
 
   [[nodiscard]] NominalFrame nominal() const {
-    return {description_.workspace, range_.value_or(kHeightRange)};
+    return {description_.workspace, mapped_ ? mapped_->range : kHeightRange};
   }
 
   // The objects of the next frame. A clip that begins again where it ended goes on: nothing has
@@ -193,8 +201,9 @@ class Vision::Impl {
 
   void findLiveRange(const std::vector<TrackedObject>& objects) {
     RangeFinder finder;
-    for (const TrackedObject& object : objects) finder.add(object.surface, tracker_->noise());
-    range_ = finder.range(kLiveMargin);
+    for (const TrackedObject& object : objects)
+      finder.add(object.id, object.surface, tracker_->noise());
+    mapped_ = finder.range(kLiveMargin);
   }
 
   // The oldest pending frame gets its motion from the window around it.
@@ -223,7 +232,7 @@ class Vision::Impl {
   const Clock* clock_;
   int lookahead_;
   StreamDescription description_;
-  std::optional<DepthRange> range_;
+  std::optional<MappedRange> mapped_;
   std::uint32_t next_object_id_ = 1;
   std::uint64_t next_frame_id_ = 1;
   std::uint32_t epoch_ = 0;
@@ -250,6 +259,7 @@ std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media
 }
 std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
 std::map<std::uint32_t, std::vector<PlanLine>> Vision::plan() const { return impl_->plan(); }
+const std::optional<MappedRange>& Vision::mapped() const { return impl_->mapped(); }
 const StreamDescription& Vision::description() const { return impl_->description(); }
 
 }  // namespace hapticast::server

@@ -14,6 +14,7 @@
 #include "common/haptic_frame.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/vision/scene_plan.hpp"
+#include "server/vision/surface/range.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -47,6 +48,10 @@ class Vision {
 
   /// What is left out of each object of the last frame taken in, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
+
+  /// The depths that become heights; nullopt while no object was seen. Found by scan() (recorded)
+  /// or in the first frame with an object (live), if the author does not say.
+  [[nodiscard]] const std::optional<MappedRange>& mapped() const;
 
   /// What to announce; complete after scan() (recorded) or the first frame (live).
   [[nodiscard]] const StreamDescription& description() const;

@@ -66,7 +66,8 @@ struct VisionSettings {
   MotionMode motion = MotionMode::kAuto;
   std::vector<AuthorPoint> object_points;  ///< --object; empty: the nearest compact object
   std::vector<AuthorPoint> not_points;     ///< --not
-  std::optional<DepthRange> depth_range;   ///< --depth-range
+  std::optional<DepthRange> depth_range;   ///< --depth-range: what levels of 8-bit depth mean
+  std::optional<DepthRange> map_range;     ///< --map-range: the depths that become heights
   std::optional<double> fov_deg;           ///< --fov, 10..170; overrules the source's camera
   bool stretch = false;
   Material material;              ///< --stiffness, --friction

@@ -59,6 +59,7 @@ TEST_F(ProgramsInputTest, FlagsOfTheServer) {
       {"--preview", "", "FILE.png or a folder"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "5,1", "NEAR,FAR"},
+      {"--map-range", "5,1", "NEAR,FAR"},
       {"--fov", "9", "from 10 to 170"},
       {"--fov", "171", "from 10 to 170"},
       {"--fov", "wide", "from 10 to 170"},

@@ -13,6 +13,7 @@ struct DepthNoise {
   std::vector<double> sigma_mm;  ///< per kBin_mm of range; never empty after measureNoise()
   double quantum_mm = 0.0;
   bool eight_bit = false;  ///< the step is coarser than what a sensor's noise would be
+  bool flickers = false;   ///< its scale and shift are found anew in each frame
   /// Of range; chosen: a sensor's noise grows with z², by a quarter over this at 1 m.
   static constexpr double kBin_mm = 250.0;
 

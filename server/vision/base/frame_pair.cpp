@@ -5,16 +5,25 @@
 
 namespace hapticast::server {
 
-FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s) {
-  pair_.last = std::exchange(pair_.now, imagesOf(frame, info_));
+FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s, const cv::Mat& objects) {
+  const FrameImages raw = imagesOf(frame, info_);
+  pair_.last = std::exchange(pair_.now, raw);
   const bool first = pair_.last.color.empty();
-  pair_.cut = cuts_.next(pair_.now);
-  if (pair_.cut) pair_.last = {};
+  pair_.cut = cuts_.next(raw);
+  if (pair_.cut) {
+    pair_.last = {};
+    flicker_ = DepthFlicker(info_.depth_kind);
+  }
   if (first || pair_.cut) {
-    pair_.noise = measureNoise(pair_.now.depth);
+    pair_.noise = measureNoise(raw.depth);
     pair_.noise.eight_bit = info_.depth_kind == DepthKind::kHeight;
   }
-  pair_.identical = compare_ && equalImages(pair_.now, pair_.last);
+  pair_.identical = compare_ && !pair_.last.color.empty() && equalImages(raw, raw_);
+  pair_.now.depth = pair_.identical
+                        ? pair_.last.depth
+                        : flicker_.steady(raw.depth, raw.gray, pair_.cut ? cv::Mat() : objects);
+  pair_.noise.flickers = flicker_.shown();
+  raw_ = raw;
   pair_.interval_s = time_s - std::exchange(time_s_, time_s);
   return pair_;
 }

@@ -4,6 +4,7 @@
 // Thread: the one that runs Vision.
 #pragma once
 
+#include "server/vision/base/depth_flicker.hpp"
 #include "server/vision/base/depth_noise.hpp"
 #include "server/vision/base/frame_images.hpp"
 #include "server/vision/base/scene_cut.hpp"
@@ -24,16 +25,21 @@ struct FramePair {
 class FramePairs {
  public:
   /// `info` is copied. `compare`: whether frames that repeat the last one are to be told.
-  FramePairs(const SourceInfo& info, bool compare) : info_(info), compare_(compare) {}
+  FramePairs(const SourceInfo& info, bool compare)
+      : info_(info), compare_(compare), flicker_(info.depth_kind) {}
 
   /// The next frame in order of time. Throws SourceError where it does not fit the announcement.
-  FramePair takeIn(const RgbdFrame& frame, double time_s);
+  /// `objects`: where objects were, 0 / 255, size of the picture, or empty: what of the depth is
+  /// the background's, by which it is kept from flickering.
+  FramePair takeIn(const RgbdFrame& frame, double time_s, const cv::Mat& objects = {});
   [[nodiscard]] const DepthNoise& noise() const { return pair_.noise; }
 
  private:
   SourceInfo info_;
   bool compare_;
   SceneCuts cuts_;
+  DepthFlicker flicker_;
+  FrameImages raw_;  // the last frame as the source gave it
   FramePair pair_;
   double time_s_ = 0.0;
 };

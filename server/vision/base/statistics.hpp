@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 namespace hapticast::server {
@@ -22,6 +23,20 @@ double medianOf(std::vector<Value>& values) {
 template <class Value>
 double sigmaByMedian(std::vector<Value>& absolute_deviations) {
   return 1.48 * medianOf(absolute_deviations);
+}
+
+/// The mean of the middle half of `values`: a quarter of them may be anything, and steps of rounded
+/// values, by which a median would jump, do not show. Reorders them. 0 when there are none.
+template <class Value>
+double middleMean(std::vector<Value>& values) {
+  if (values.empty()) return 0.0;
+  const auto quarter = static_cast<std::ptrdiff_t>(values.size() / 4);
+  const auto first = values.begin() + quarter;
+  const auto last = values.end() - quarter;
+  std::nth_element(values.begin(), first, values.end());
+  if (quarter > 0) std::nth_element(first, last - 1, values.end());
+  return static_cast<double>(std::accumulate(first, last, Value{})) /
+         static_cast<double>(last - first);
 }
 
 }  // namespace hapticast::server

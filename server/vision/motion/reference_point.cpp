@@ -23,7 +23,7 @@ constexpr double kFitResidual = 0.03;     // of the radius
 constexpr double kRadiusAgrees = 0.08;    // fitted against that of the outline
 constexpr std::size_t kFitPoints = 1000;  // chosen: more cost time and change nothing
 constexpr std::size_t kFewestForSphere = 40;
-constexpr std::size_t kFewestPoints = 8;
+constexpr std::size_t kFewestSurfacePoints = 8;
 constexpr double kInnerMargin = 0.12;   // chosen, of the outline's radius
 constexpr double kDomeResidual = 0.03;  // of an ellipsoid's depth; chosen as the sphere's
 // Chosen, of what is neither ball nor ellipsoid: from the mean depth to the centre,
@@ -145,7 +145,7 @@ std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
 BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
   const Outline outline = outlineOf(surface);
   const std::vector<Vector3d> points = innerPoints(surface, camera, outline.radius_px);
-  if (points.size() < kFewestPoints) return {};
+  if (points.size() < kFewestSurfacePoints) return {};
   std::vector<double> depths;
   double mean = 0;
   for (const Vector3d& p : points) {

@@ -20,6 +20,7 @@ constexpr double kSmooth_mm = 0.65;             // measured: 0.6 to 0.75 are equ
 constexpr std::array kWider_mm{1.0, 1.6, 2.6};  // chosen: each about 1.6 times the one before
 constexpr double kFinest_px_mm = 12.0;   // chosen: smoothed over no more pixels in finer pictures
 constexpr double kThesisSigma_px = 2.0;  // of the thesis
+constexpr double kBeyondRange_mm = 3.0;  // chosen: a slope goes on as far as a fit of it looks
 constexpr double kFewestDepth = 0.02;    // chosen, of a mask, to make a surface of
 
 // Depth that is only rounded: the truth is within half a step of it. What a fit makes of a rim that
@@ -129,6 +130,8 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
   if (method == Method::kThesis)
     return reliefFrom(thesisHeight(height, surface, workspace.depth_mm), surface, top_mm);
   height.setTo(0, surface.depth <= 0);
+  // What lies far beyond the range, mostly not the object's, must not bend the fits beside it.
+  height = cv::max(cv::min(height, workspace.depth_mm + kBeyondRange_mm), -kBeyondRange_mm);
   if (!smooth) return reliefFrom(height, surface, top_mm);
   const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());
   return reliefFrom(fittedHeight(height, surface, gain, px_per_mm), surface, top_mm);

@@ -38,7 +38,8 @@ cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, 
 RestNoise restNoiseOf(const DepthNoise& noise, const Surface& surface) {
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
   RestNoise out{noise.at(depth_mm)};
-  out.clean = noise.clean(depth_mm);
+  // What is left of a flicker trembles like a sensor, however clean a single frame is.
+  out.clean = noise.clean(depth_mm) && !noise.flickers;
   if (out.clean) out.drift_mm = kCleanDrift * noise.quantum_mm;
   return out;
 }

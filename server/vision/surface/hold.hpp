@@ -30,6 +30,8 @@ class Hold {
   /// The part of the object, 0..1, that lies in tiles at rest, unchanged by this frame. 1: the
   /// surface equals the last frame's bit by bit.
   [[nodiscard]] double share() const { return share_; }
+  /// Why the last frame released something of the object; kNone: it did not.
+  [[nodiscard]] Cause cause() const { return tiles_.cause(); }
 
  private:
   [[nodiscard]] Hold copy() const;

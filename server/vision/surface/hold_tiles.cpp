@@ -2,6 +2,7 @@
 #include "server/vision/surface/hold_tiles.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/vision/base/masks.hpp"
@@ -25,15 +26,16 @@ constexpr std::size_t kFewestTiles = 4;
 constexpr std::size_t kFewestForGain = 8;
 constexpr int kGainStep_px = 4;   // every fourth pixel and row are enough for a mean
 constexpr double kTexture = 3.0;  // levels; below, colour cannot see motion
-// Evidence of another depth is (off / limit)² a frame: a little off has to last, far off is at
-// once.
+// Evidence of another depth is (off / limit)² a frame: a little off has to last longer than what is
+// far off, but no single frame releases a tile.
+constexpr double kMostEvidence = 4;
 constexpr double kEnough = 12;
-constexpr double kEnoughUntextured = 3;
+constexpr double kEnoughUntextured = 6;
 constexpr double kEnoughOfAll = 4;  // of all tiles alike
 
 double evidenceOf(double off_mm, double limit_mm) {
   const double share = std::abs(off_mm) / limit_mm;
-  return share > 1 ? share * share : 0.0;
+  return share > 1 ? std::min(share * share, kMostEvidence) : 0.0;
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ struct HoldTiles::Reading {
   int core = 0;              // pixels well inside the held object
   int core_lost = 0;         // of these not in the new mask
   int core_measured = 0;
-  double depth_off_mm = 0;  // mean over core_measured
+  double depth_off_mm = 0;  // over core_measured, but for the farthest off
 };
 
 cv::Rect HoldTiles::rectOf(int column, int row) const {
@@ -140,7 +142,8 @@ HoldTiles::Reading HoldTiles::readTile(int column, int row, const HoldImages& he
 // The part of a reading that tells of the outline and of the depth.
 void HoldTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
                             const cv::Mat& core, Reading& out) {
-  double depth_off = 0;
+  std::vector<float> offs;
+  offs.reserve(static_cast<std::size_t>(rect.area()));
   for (int v = rect.y; v < rect.br().y; ++v) {
     const auto* was_inside = held.mask.ptr<unsigned char>(v);
     const auto* is_inside = now.mask.ptr<unsigned char>(v);
@@ -154,11 +157,11 @@ void HoldTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const 
       ++out.core;
       out.core_lost += is_inside[u] == 0 ? 1 : 0;
       if (is_measured[u] == 0) continue;
-      depth_off += double(depth[u] - held_depth[u]);
+      offs.push_back(depth[u] - held_depth[u]);
       ++out.core_measured;
     }
   }
-  out.depth_off_mm = depth_off / std::max(1, out.core_measured);
+  out.depth_off_mm = middleMean(offs);
 }
 
 void HoldTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm) {
@@ -185,16 +188,21 @@ void HoldTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm
   depth_noise_mm_ = std::clamp(depth_noise_mm_, 0.02, largest_mm);
 }
 
-bool HoldTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool repeated) const {
+Cause HoldTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool repeated) const {
+  if (!reading.known) return Cause::kNew;
   // The mean over few pixels of a tile scatters more.
   const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, reading.compared)));
-  if (reading.color_off > spread * color_noise_ + 0.5) return true;
-  if (2 * reading.core_lost > reading.core) return true;
-  double evidence = 2 * reading.flipped > std::max(kFewestPixels, reading.pixels) ? 1.0 : 0.0;
+  if (reading.color_off > spread * color_noise_ + 0.5) return Cause::kColor;
+  double outline = 2 * reading.flipped > std::max(kFewestPixels, reading.pixels) ? 1.0 : 0.0;
+  if (2 * reading.core_lost > reading.core) outline = kMostEvidence;
+  double depth = 0.0;
   if (!repeated && reading.core_measured >= kFewestCore)
-    evidence += evidenceOf(reading.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
+    depth = evidenceOf(reading.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
+  const double evidence = std::min(outline + depth, kMostEvidence);
   if (evidence > 0 || !repeated) tile.evidence = evidence > 0 ? tile.evidence + evidence : 0.0;
-  return tile.evidence >= (reading.texture < kTexture ? kEnoughUntextured : kEnough);
+  if (tile.evidence < (reading.texture < kTexture ? kEnoughUntextured : kEnough))
+    return Cause::kNone;
+  return outline > depth ? Cause::kOutline : Cause::kDepth;
 }
 
 // The whole object drifts in depth: seen sooner and by less than in any one tile.
@@ -211,28 +219,51 @@ bool HoldTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, 
 }
 
 void HoldTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
-  const auto at = [&](int column, int row) -> Tile& {
-    return tiles_[static_cast<std::size_t>(row * columns_ + column)];
-  };
   for (Tile& tile : tiles_) {
     const bool averaging = tile.frames < Tile::kFrames && !repeated;
-    tile.weight = tile.released ? 1.0 : averaging ? 1.0 / (tile.frames + 1) : 0.0;
-    tile.mask_held = !tile.released && tile.frames >= Tile::kMaskFrames;
+    tile.weight =
+        tile.blending > 0 ? 1.0 / tile.blending : (averaging ? 1.0 / (tile.frames + 1) : 0.0);
+    tile.mask_held = !tile.loose() && tile.frames >= Tile::kMaskFrames;
   }
+  std::vector<double> beside(tiles_.size(), 0.0);
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       const auto index = static_cast<std::size_t>(row * columns_ + column);
       // What moves in the background does not concern the object beside it.
-      if (!tiles_[index].released || !readings[index].known) continue;
+      if (!tiles_[index].loose() || !readings[index].known) continue;
       if (readings[index].pixels == 0 && readings[index].flipped == 0) continue;
       for (int v = std::max(0, row - 1); v <= std::min(rows_ - 1, row + 1); ++v) {
         for (int u = std::max(0, column - 1); u <= std::min(columns_ - 1, column + 1); ++u) {
-          at(u, v).weight = std::max(at(u, v).weight, Tile::kNeighbour);
-          at(u, v).mask_held = false;
+          double& weight = beside[static_cast<std::size_t>(v * columns_ + u)];
+          weight = std::max(weight, Tile::kNeighbour * tiles_[index].weight);
         }
       }
     }
   }
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    if (beside[i] == 0.0) continue;
+    tiles_[i].weight = std::max(tiles_[i].weight, beside[i]);
+    tiles_[i].mask_held = false;
+  }
+}
+
+// Which tiles are no longer held, and how fast each goes over into what is seen: what moves at
+// once, what merely has another depth softly.
+void HoldTiles::release(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
+  const bool all = allMoved(readings, drift_mm, repeated);
+  if (all) evidence_of_all_ = 0;
+  std::array<int, 6> pixels{};
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    Tile& tile = tiles_[i];
+    tile.cause = moved(tile, readings[i], drift_mm, repeated);
+    if (all && readings[i].known && tile.cause != Cause::kColor) tile.cause = Cause::kAllDepth;
+    const bool soft = tile.cause == Cause::kOutline || tile.cause == Cause::kDepth;
+    if (soft && tile.blending == 0) tile.blending = Tile::kBlend;
+    if (!soft && tile.cause != Cause::kNone) tile.blending = 1;
+    pixels[static_cast<std::size_t>(tile.cause)] += readings[i].pixels;
+  }
+  const auto most = std::max_element(pixels.begin() + 2, pixels.end());
+  cause_ = *most > 0 ? static_cast<Cause>(most - pixels.begin()) : Cause::kNone;
 }
 
 cv::Mat HoldTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
@@ -241,19 +272,17 @@ cv::Mat HoldTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const
   const HoldImages now{gray, seen.depth, seen.mask, seen.measured};
   const cv::Mat core = erodedBy(held.mask, kCore_px);
   std::vector<Reading> readings;
+  readings.reserve(tiles_.size());
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column)
       readings.push_back(readTile(column, row, held, last_gray, now, core));
   }
   learnNoise(readings, noise.sigma_mm);
-  const bool all = allMoved(readings, noise.drift_mm, repeated);
-  if (all) evidence_of_all_ = 0;
-  for (std::size_t i = 0; i < tiles_.size(); ++i)
-    tiles_[i].released =
-        !readings[i].known || moved(tiles_[i], readings[i], noise.drift_mm, repeated) || all;
+  release(readings, noise.drift_mm, repeated);
   weigh(readings, repeated);
   for (Tile& tile : tiles_) {
-    if (tile.released) {
+    if (tile.loose()) {
+      tile.blending = std::max(0, tile.blending - 1);
       tile.frames = 1;
       tile.evidence = 0;
     } else if (!repeated) {

@@ -3,6 +3,7 @@
 // Hold.
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -17,27 +18,35 @@ struct HoldImages {
   cv::Mat measured;  ///< CV_8UC1, 255 where `depth` is the sensor's own
 };
 
+/// Why a tile is no longer held.
+enum class Cause : std::uint8_t { kNone, kNew, kColor, kOutline, kDepth, kAllDepth };
+
 struct Tile {
   // Tried together on noisy still scenes and on slow motion; chosen where no motion was held back.
   static constexpr int kSize_px = 16;
   static constexpr int kFrames = 16;         ///< averaged; from then on nothing changes
   static constexpr int kColorFrames = 3;     ///< averaged in the reference
   static constexpr int kMaskFrames = 3;      ///< until the mask is held
-  static constexpr double kNeighbour = 0.6;  ///< weight beside a released tile
+  static constexpr double kNeighbour = 0.6;  ///< weight beside a released tile, of its own
+  static constexpr int kBlend = 4;           ///< frames: nothing that rests is felt to step
 
-  int frames = 0;       ///< held so far, at most kFrames
-  double evidence = 0;  ///< of another depth or outline, over frames in a row
-  double weight = 1.0;  ///< of this frame in what is held
-  bool released = false;
+  int frames = 0;              ///< held so far, at most kFrames
+  double evidence = 0;         ///< of another depth or outline, over frames in a row
+  double weight = 1.0;         ///< of this frame in what is held
+  Cause cause = Cause::kNone;  ///< of its release in this frame
+  /// Frames in which what is held goes over into what is seen, this one included: one where it
+  /// moves, more where only depth or outline are another.
+  int blending = 0;
   bool mask_held = false;
+
+  [[nodiscard]] bool loose() const { return cause != Cause::kNone || blending > 0; }
 };
 
 /// What depth reads of something at rest.
 struct RestNoise {
   double sigma_mm = 0.0;  ///< of a pixel
-  double drift_mm =
-      1.0;             ///< of a tile's mean: sensors wander (1 mm is chosen); clean depth does not
-  bool clean = false;  ///< nothing trembles
+  double drift_mm = 1.0;  ///< of a tile: sensors wander (1 mm is chosen); clean depth does not
+  bool clean = false;     ///< nothing trembles
 };
 
 /// The tiles of one object and the noise they are judged by. Thread: vision's.
@@ -57,6 +66,8 @@ class HoldTiles {
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
+  /// Why most of what was released in this frame was; kNone: nothing of the object was.
+  [[nodiscard]] Cause cause() const { return cause_; }
   /// Pixels of a tile within the box.
   [[nodiscard]] cv::Rect rectOf(int column, int row) const;
 
@@ -69,8 +80,9 @@ class HoldTiles {
   static void readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
                           const cv::Mat& core, Reading& out);
   void learnNoise(const std::vector<Reading>& readings, double sigma_mm);
-  [[nodiscard]] bool moved(Tile& tile, const Reading& reading, double drift_mm,
-                           bool repeated) const;
+  [[nodiscard]] Cause moved(Tile& tile, const Reading& reading, double drift_mm,
+                            bool repeated) const;
+  void release(const std::vector<Reading>& readings, double drift_mm, bool repeated);
   [[nodiscard]] bool allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated);
   void weigh(const std::vector<Reading>& readings, bool repeated);
 
@@ -78,8 +90,9 @@ class HoldTiles {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<Tile> tiles_;
+  Cause cause_ = Cause::kNone;
   double color_noise_ = kLargestColorNoise;  // levels, from frame to frame
-  double depth_noise_mm_ = -1.0;             // of a tile's mean; < 0: not known yet
+  double depth_noise_mm_ = -1.0;             // of a tile; < 0: not known yet
   double evidence_of_all_ = 0;               // of another depth of the whole object
 
   // A clip that starts in motion must not take its motion for noise.

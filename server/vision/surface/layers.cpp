@@ -6,7 +6,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "server/vision/base/masks.hpp"
+#include "server/vision/surface/labels.hpp"
 
 namespace hapticast::server {
 
@@ -15,98 +15,61 @@ namespace {
 constexpr int kSmallest_px = 100;  // chosen: what is smaller is not felt as a thing of its own
 constexpr double kSmallestShare = 0.02;  // chosen, likewise, of the object
 constexpr int kShortestBorder_px = 8;    // chosen: a shorter border is a fold, no gap
-constexpr double kKeptStep = 0.7;   // chosen, of the step that made a cut: until it is given up
-constexpr int kFramesToChange = 3;  // chosen, in a row: noise makes one or two
+constexpr double kSlope =
+    0.25;  // chosen, of a step, a pixel of a gap: 60 degrees; a shadow's is more
 constexpr float kBeyond_mm = 1e9F;
 
-// Pixels of the mask with a step within their 3x3; empty where there is none.
+// Measured pixels with a step to another one within their 3x3; empty where there is none. What was
+// filled in tells of no step.
 cv::Mat steps(const Surface& surface, double step_mm) {
   cv::Mat lowest = surface.depth.clone();
   cv::Mat highest = surface.depth.clone();
-  const cv::Mat outside = surface.mask == 0;
-  lowest.setTo(kBeyond_mm, outside);
-  highest.setTo(-kBeyond_mm, outside);
+  const cv::Mat known = surface.measured & surface.mask;
+  lowest.setTo(kBeyond_mm, known == 0);
+  highest.setTo(-kBeyond_mm, known == 0);
   const cv::Mat around = cv::Mat::ones(3, 3, CV_8UC1);
   cv::erode(lowest, lowest, around);
   cv::dilate(highest, highest, around);
-  const cv::Mat out = (highest - lowest > step_mm) & surface.mask;
-  return cv::countNonZero(out) > 0 ? out : cv::Mat();
+  return (highest - lowest > step_mm) & known;
 }
 
-// Connected pieces of `where` that are large enough: labels 1 .. (0: none of them), and how many.
-int largePieces(const cv::Mat& where, int smallest_px, cv::Mat& labels) {
-  cv::Mat all;
-  cv::Mat stats;
-  cv::Mat centroids;
-  const int found = cv::connectedComponentsWithStats(where, all, stats, centroids, 4, CV_32S);
-  std::vector<uchar> name(static_cast<std::size_t>(found), 0);
-  int count = 0;
-  for (int i = 1; i < found; ++i) {
-    if (stats.at<int>(i, cv::CC_STAT_AREA) >= smallest_px)
-      name[static_cast<std::size_t>(i)] = static_cast<uchar>(++count);
-  }
-  labels.create(where.size(), CV_8UC1);
-  for (int v = 0; v < all.rows; ++v) {
-    const auto* from = all.ptr<int>(v);
-    auto* to = labels.ptr<uchar>(v);
-    for (int u = 0; u < all.cols; ++u) to[u] = name[static_cast<std::size_t>(from[u])];
-  }
-  return count;
-}
-
-std::vector<double> meanDepths(const Surface& surface, const cv::Mat& labels, int count) {
-  std::vector<double> out;
-  for (int i = 1; i <= count; ++i) out.push_back(cv::mean(surface.depth, labels == i)[0]);
-  return out;
-}
-
-// Which of the labelled neighbours of a pixel is nearest to it in depth; 0: none is labelled.
-uchar nearestLabel(const Surface& surface, const cv::Mat& labels, const cv::Point& at) {
-  const cv::Rect whole(cv::Point(), labels.size());
-  uchar nearest = 0;
-  float smallest = kBeyond_mm;
-  for (int v = at.y - 1; v <= at.y + 1; ++v) {
-    for (int u = at.x - 1; u <= at.x + 1; ++u) {
-      if (!whole.contains({u, v}) || labels.at<uchar>(v, u) == 0) continue;
-      const float off = std::abs(surface.depth.at<float>(v, u) - surface.depth.at<float>(at));
-      if (off >= smallest) continue;
-      smallest = off;
-      nearest = labels.at<uchar>(v, u);
+// For every pixel the measured one that is nearest to it.
+class NearestMeasured {
+ public:
+  NearestMeasured(const Surface& surface, const DepthRange& felt)
+      : depth_(cv::max(cv::min(surface.depth, felt.far_mm), felt.near_mm)) {
+    cv::Mat distance;
+    cv::distanceTransform(surface.measured == 0, distance, labels_, cv::DIST_L2, 5,
+                          cv::DIST_LABEL_PIXEL);
+    for (int v = 0; v < labels_.rows; ++v) {
+      for (int u = 0; u < labels_.cols; ++u) {
+        if (surface.measured.at<uchar>(v, u) == 0) continue;
+        const auto at = static_cast<std::size_t>(labels_.at<int>(v, u));
+        if (at >= places_.size()) places_.resize(at + 1);
+        places_[at] = {u, v};
+      }
     }
   }
-  return nearest;
-}
+  // How much deeper it is at one pixel than at its neighbour, less what a slope makes over the gap
+  // between the two that were measured.
+  [[nodiscard]] double step_mm(const cv::Point& p, const cv::Point& q,
+                               double slope_mm_per_px) const {
+    const cv::Point from = placeOf(p);
+    const cv::Point to = placeOf(q);
+    const double gap_px = std::max(0.0, cv::norm(to - from) - 1.5);
+    const auto off_mm = double(std::abs(depth_.at<float>(from) - depth_.at<float>(to)));
+    return off_mm - slope_mm_per_px * gap_px;
+  }
 
-// Every pixel of the mask gets a label: from its neighbours, ring by ring; what touches none by its
-// depth alone.
-cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds) {
-  cv::Mat labels = seeds.clone();
-  std::vector<cv::Point> left;
-  cv::findNonZero(surface.mask & (labels == 0), left);
-  for (std::size_t before = left.size() + 1; !left.empty() && left.size() < before;) {
-    before = left.size();
-    std::vector<uchar> grown;
-    grown.reserve(left.size());
-    for (const cv::Point& at : left) grown.push_back(nearestLabel(surface, labels, at));
-    std::vector<cv::Point> still;
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      if (grown[i] == 0) still.push_back(left[i]);
-      labels.at<uchar>(left[i]) = grown[i];
-    }
-    left = std::move(still);
+ private:
+  [[nodiscard]] cv::Point placeOf(const cv::Point& p) const {
+    return places_[static_cast<std::size_t>(labels_.at<int>(p))];
   }
-  if (left.empty()) return labels;
-  const std::vector<double> depths_mm = meanDepths(surface, labels, count);
-  for (const cv::Point& at : left) {
-    const auto off = [&](double mean) {
-      return std::abs(mean - double(surface.depth.at<float>(at)));
-    };
-    const auto best = std::min_element(depths_mm.begin(), depths_mm.end(),
-                                       [&](double a, double b) { return off(a) < off(b); });
-    labels.at<uchar>(at) = static_cast<uchar>(best - depths_mm.begin() + 1);
-  }
-  return labels;
-}
+
+  cv::Mat depth_;
+  cv::Mat labels_;
+  std::vector<cv::Point> places_;
+};
 
 // Of each pair of pieces: pixels along their border, and how many of these are a step.
 struct Borders {
@@ -123,11 +86,13 @@ struct Borders {
   }
 };
 
-Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, double step_mm) {
+Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, double step_mm,
+                  const DepthRange& felt) {
   Borders out;
   out.count = count;
   out.pixels.assign(static_cast<std::size_t>(count * count), 0);
   out.stepping = out.pixels;
+  const NearestMeasured nearest(surface, felt);
   const auto add = [&](const cv::Point& p, const cv::Point& q) {
     const int a = labels.at<uchar>(p);
     const int b = labels.at<uchar>(q);
@@ -135,8 +100,7 @@ Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, doub
     const std::size_t i = out.index(a - 1, b - 1);
     ++out.pixels[i];
     // A step that the sensor has smeared over some pixels is less from one to the next.
-    const auto off = double(std::abs(surface.depth.at<float>(p) - surface.depth.at<float>(q)));
-    out.stepping[i] += off > 0.5 * step_mm ? 1 : 0;
+    out.stepping[i] += nearest.step_mm(p, q, kSlope * step_mm) > 0.5 * step_mm ? 1 : 0;
   };
   for (int v = 0; v < labels.rows; ++v) {
     for (int u = 0; u < labels.cols; ++u) {
@@ -180,25 +144,19 @@ std::vector<int> layersOf(const Borders& borders, const std::vector<double>& dep
   return layer;
 }
 
-Surface partOf(const Surface& surface, const cv::Mat& mask) {
-  const cv::Rect box = cv::boundingRect(mask);
-  return {box + surface.box.tl(), mask(box).clone(), surface.depth(box).clone(),
-          surface.measured(box) & mask(box), surface.quantum_mm};
-}
-
 }  // namespace
 
-Layers findLayers(const Surface& surface, double step_mm) {
+Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt) {
   const cv::Mat step = steps(surface, step_mm);
-  if (step.empty()) return {};
+  if (cv::countNonZero(step) == 0) return {};
   const int area = cv::countNonZero(surface.mask);
   // Their number is a byte, whatever the size.
   const int smallest_px = std::max(kSmallest_px, static_cast<int>(kSmallestShare * area));
   Layers out;
-  const int pieces = largePieces(surface.mask & ~step, smallest_px, out.labels);
+  const int pieces = largePieces(surface.mask & surface.measured & ~step, smallest_px, out.labels);
   if (pieces < 2) return {};
   out.labels = grownLabels(surface, pieces, out.labels);
-  const std::vector<int> layer = layersOf(bordersOf(surface, out.labels, pieces, step_mm),
+  const std::vector<int> layer = layersOf(bordersOf(surface, out.labels, pieces, step_mm, felt),
                                           meanDepths(surface, out.labels, pieces));
   out.count = *std::max_element(layer.begin(), layer.end()) + 1;
   if (out.count < 2) return {};
@@ -206,44 +164,6 @@ Layers findLayers(const Surface& surface, double step_mm) {
   for (std::size_t i = 0; i < layer.size(); ++i)
     names.at<uchar>(static_cast<int>(i) + 1) = static_cast<uchar>(layer[i] + 1);
   cv::LUT(out.labels, names, out.labels);
-  return out;
-}
-
-// The last frame's cut, moved with the object.
-Layers LayerCutter::carried(const Surface& surface) const {
-  if (last_.count < 2) return {};
-  const cv::Point2d moved =
-      centroidOf(cv::moments(surface.mask, true), surface.box.tl()) - last_centroid_px_;
-  const cv::Rect from = last_box_ + cv::Point(cvRound(moved.x), cvRound(moved.y));
-  Layers out{last_.count, cv::Mat::zeros(surface.box.size(), CV_8UC1)};
-  const cv::Rect common = from & surface.box;
-  if (!common.empty())
-    last_.labels(common - from.tl()).copyTo(out.labels(common - surface.box.tl()));
-  out.labels.setTo(0, surface.mask == 0);
-  if (cv::countNonZero(out.labels) == 0) return {};
-  out.labels = grownLabels(surface, out.count, out.labels);
-  return out;
-}
-
-std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm) {
-  Layers now = findLayers(surface, step_mm * (last_.count > 1 ? kKeptStep : 1.0));
-  different_frames_ = now.count == last_.count ? 0 : different_frames_ + 1;
-  if (started_ && different_frames_ > 0 && different_frames_ < kFramesToChange)
-    now = carried(surface);
-  else
-    different_frames_ = 0;
-  started_ = true;
-  // A cut that nothing is left of to carry on is still the one that is held on to.
-  if (now.count == last_.count || different_frames_ == 0) {
-    last_ = now;
-    last_box_ = surface.box;
-    last_centroid_px_ = now.count > 1
-                            ? centroidOf(cv::moments(surface.mask, true), surface.box.tl())
-                            : cv::Point2d();
-  }
-  if (now.count < 2) return {surface};
-  std::vector<Surface> out;
-  for (int i = 1; i <= now.count; ++i) out.push_back(partOf(surface, now.labels == i));
   return out;
 }
 

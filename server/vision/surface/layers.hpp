@@ -10,35 +10,20 @@
 
 namespace hapticast::server {
 
+inline constexpr int kMaxLayers = 4;
+inline constexpr DepthRange kAllDepths{0.0, 1e9};
+
 /// Pieces of an object between depth steps.
 struct Layers {
   int count = 1;
   cv::Mat labels;  ///< CV_8UC1 over the surface's box: 0 outside, n + 1 in layer n; empty with one
 };
 
-/// The pieces of `surface` whose depth steps by more than `step_mm` (working depth) along their
-/// common border. What lies behind something is a layer behind it; pieces that do not touch share
-/// one. Pieces of less than 100 px or 2 % of the object stay with their neighbours. At most
+/// The pieces of `surface` whose measured depth steps by more than `step_mm` (working depth) along
+/// their common border. What lies behind something is a layer behind it; pieces that do not touch
+/// share one. Pieces of less than 100 px or 2 % of the object stay with their neighbours. At most
 /// kMaxLayers.
-Layers findLayers(const Surface& surface, double step_mm);
-inline constexpr int kMaxLayers = 4;
-
-/// Cuts one object from frame to frame: the number of layers changes only when three frames in a
-/// row agree that it did, and a cut is kept until its step is below 0.7 of what made it.
-class LayerCutter {
- public:
-  /// Surfaces of the layers, nearest first; one without steps is `surface` itself. One that has
-  /// just gone may have an empty box.
-  std::vector<Surface> cut(const Surface& surface, double step_mm);
-
- private:
-  [[nodiscard]] Layers carried(const Surface& surface) const;
-
-  Layers last_;
-  cv::Rect last_box_;
-  cv::Point2d last_centroid_px_;
-  bool started_ = false;
-  int different_frames_ = 0;
-};
+/// `felt`: depths that differ in height; what lies beyond is as high as its end, and no step.
+Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt = kAllDepths);
 
 }  // namespace hapticast::server

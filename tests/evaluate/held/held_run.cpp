@@ -16,12 +16,15 @@ namespace {
 // Plays what was drawn.
 class RecordingSource final : public server::RgbdSource {
  public:
-  explicit RecordingSource(const Recording& recording) : recording_(recording) {}
+  RecordingSource(const Recording& recording, bool with_masks)
+      : recording_(recording), with_masks_(with_masks) {}
 
   [[nodiscard]] const server::SourceInfo& info() const override { return recording_.info; }
   std::optional<server::RgbdFrame> read() override {
     if (next_ >= recording_.frames.size()) return std::nullopt;
-    server::RgbdFrame frame = recording_.frames[next_++];
+    server::RgbdFrame frame = recording_.frames[next_];
+    if (with_masks_) frame.mask = recording_.truth[next_].mask() / 255;
+    ++next_;
     frame.epoch = epoch_;
     return frame;
   }
@@ -33,6 +36,7 @@ class RecordingSource final : public server::RgbdSource {
 
  private:
   const Recording& recording_;
+  bool with_masks_;
   std::size_t next_ = 0;
   std::uint32_t epoch_ = 0;
 };
@@ -48,6 +52,7 @@ server::VisionSettings settingsOf(const Clicks& clicks) {
 void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   cv::Mat heights(size, CV_32FC1, cv::Scalar(NAN));
+  cv::Mat layers = cv::Mat::zeros(size, CV_8UC1);
   std::optional<HapticObject> most;
   std::size_t largest = 0;
   for (const HapticObject& object : frame.objects) {
@@ -60,6 +65,8 @@ void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
         if (relief.mask[at] == 0) continue;
         ++area;
         mask.at<uchar>(relief.rect.v + v, relief.rect.u + u) = 255;
+        layers.at<uchar>(relief.rect.v + v, relief.rect.u + u) =
+            static_cast<uchar>(object.layer + 1);
         heights.at<float>(relief.rect.v + v, relief.rect.u + u) = relief.height_mm[at];
       }
     }
@@ -69,6 +76,7 @@ void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
   }
   run.masks.push_back(largest > 0 ? mask : cv::Mat());
   run.heights.push_back(heights);
+  run.layers.push_back(layers);
   run.largest.push_back(most);
 }
 
@@ -92,12 +100,14 @@ Recording record(const Scene& scene, const cv::Size& size, std::size_t most_fram
   return out;
 }
 
-Run watch(const Recording& recording, const Clicks& clicks) {
+namespace {
+
+Run watchWith(const Recording& recording, const server::VisionSettings& settings, bool with_masks) {
   Run run;
   const cv::Size size(recording.info.width_px, recording.info.height_px);
   try {
-    server::Vision vision(recording.info, settingsOf(clicks));
-    RecordingSource source(recording);
+    server::Vision vision(recording.info, settings);
+    RecordingSource source(recording, with_masks);
     vision.scan(source, nullptr);
     while (const auto frame = source.read()) {
       const double start_us = threadTime_us();
@@ -113,6 +123,18 @@ Run watch(const Recording& recording, const Clicks& clicks) {
     run.largest.resize(recording.frames.size());
   }
   return run;
+}
+
+}  // namespace
+
+Run watch(const Recording& recording, const Clicks& clicks) {
+  return watchWith(recording, settingsOf(clicks), false);
+}
+
+Run watchByTrueMasks(const Recording& recording) {
+  server::VisionSettings settings;
+  settings.segment = server::SegmentMode::kSource;
+  return watchWith(recording, settings, true);
 }
 
 std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks) {

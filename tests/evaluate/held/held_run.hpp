@@ -33,11 +33,14 @@ struct Clicks {
 struct Run {
   std::vector<cv::Mat> masks;                        ///< 0 / 255; empty: no object
   std::vector<cv::Mat> heights;                      ///< CV_32FC1, nominal mm; NaN outside
+  std::vector<cv::Mat> layers;                       ///< CV_8UC1, layer + 1; 0 outside
   std::vector<std::optional<HapticObject>> largest;  ///< the object, or layer, of most pixels
   std::vector<double> ms;                            ///< per frame, one thread
   std::string refused;  ///< why there is nothing; empty: it went through
 };
 Run watch(const Recording& recording, const Clicks& clicks);
+/// The same with the true masks given by the source: what is left is the surface's share.
+Run watchByTrueMasks(const Recording& recording);
 
 /// The mask of the first frame alone; nullopt: refused.
 std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks);
@@ -48,8 +51,10 @@ struct Scores {
   double worst_foreign = 0.0;
   std::size_t lost = 0, frames = 0;  ///< of frames in which a quarter of the object is seen
   double relief_share = 0.0;         ///< of the announced 30 mm that the object's own surface takes
+  double cut_share = 0.0;        ///< of its pixels, those that lie at the very ends of the 30 mm
   double velocity_error = -1.0;  ///< rms over that of the true one, in the picture; < 0: it rests
   double noise_N = -1.0;         ///< on a finger that does not move; < 0: something does
+  double renamed = 0.0;          ///< share of its pixels that change their layer, mean over frames
   double grid_share = -1.0;  ///< of the motion that bending adds, what the grid tells; < 0: none
   double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
 };

@@ -65,8 +65,9 @@ void scoreMasks(const Recording& recording, const Run& run, Scores& out) {
   out.foreign /= std::max(1.0, double(out.frames));
 }
 
-// The part of the announced heights between which the object's own pixels lie, over the clip.
-double reliefShare(const Recording& recording, const Run& run) {
+// The part of the announced heights between which the object's own pixels lie, over the clip, and
+// how many of them reach beyond.
+void scoreRelief(const Recording& recording, const Run& run, Scores& out) {
   std::vector<float> own;
   for (std::size_t i = 0; i < run.heights.size(); i += 2) {
     const cv::Mat mask = recording.truth[i].mask();
@@ -77,7 +78,12 @@ double reliefShare(const Recording& recording, const Run& run) {
       }
     }
   }
-  return (quantile(own, 0.99) - quantile(own, 0.01)) / Workspace().depth_mm;
+  const double top_mm = Workspace().depth_mm;
+  const auto cut = std::count_if(own.begin(), own.end(), [top_mm](float height) {
+    return height <= 0.0F || double(height) >= top_mm;
+  });
+  out.cut_share = double(cut) / std::max(1.0, double(own.size()));
+  out.relief_share = (quantile(own, 0.99) - quantile(own, 0.01)) / top_mm;
 }
 
 double velocityError(const Recording& recording, const Run& run) {
@@ -141,6 +147,26 @@ double gridShare(const Recording& recording, const Run& run) {
   return sum.without > 0 ? 1.0 - sum.with / sum.without : -1.0;
 }
 
+Vec2 middleOf_px(const Recording& recording, std::size_t frame) {
+  return recording.camera.project(recording.truth[frame].centre.pose.at_mm);
+}
+
+// The pixels that carry another layer's name than they did, moved with the object, of those that
+// are the object's in both frames.
+double renamedShare(const Recording& recording, const Run& run) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < run.layers.size(); ++i) {
+    const Vec2 moved_px = middleOf_px(recording, i) - middleOf_px(recording, i - 1);
+    const cv::Matx23d shift{1, 0, std::round(moved_px.x()), 0, 1, std::round(moved_px.y())};
+    cv::Mat last;
+    cv::warpAffine(run.layers[i - 1], last, shift, last.size(), cv::INTER_NEAREST);
+    const cv::Mat both = (last > 0) & (run.layers[i] > 0) & recording.truth[i].mask();
+    const int renamed = cv::countNonZero(both & (last != run.layers[i]));
+    sum += renamed / std::max(1.0, double(cv::countNonZero(both)));
+  }
+  return sum / std::max(1.0, double(run.layers.size()) - 1.0);
+}
+
 // Nothing of it moves, and nothing passes before it.
 bool rests(const Recording& recording) {
   const cv::Mat first = recording.truth.front().mask();
@@ -155,7 +181,8 @@ Scores scoresOf(const Recording& recording, const Run& run) {
   Scores out;
   scoreMasks(recording, run, out);
   if (!run.refused.empty()) return out;
-  out.relief_share = reliefShare(recording, run);
+  scoreRelief(recording, run, out);
+  out.renamed = renamedShare(recording, run);
   out.velocity_error = velocityError(recording, run);
   out.grid_share = gridShare(recording, run);
   if (rests(recording) && run.heights.size() > kSettled)

@@ -146,9 +146,11 @@ void measureScenes(const Options& options, Report& report) {
 void evaluateVision(const Options& options) {
   Report report("vision", options);
   const bool only_held = options.only.rfind("held", 0) == 0;
-  if (!only_held) measureScenes(options, report);
-  if (!only_held) measureRealClips(options, report);
-  measureHeld(options, report);
+  const bool only_surface = options.only.rfind("surface", 0) == 0;
+  if (!only_held && !only_surface) measureScenes(options, report);
+  if (!only_held && !only_surface) measureRealClips(options, report);
+  if (!only_surface) measureHeld(options, report);
+  if (only_surface || (!only_held && !options.quick)) measureHeldSurfaces(options, report);
   report.write();
 }
 

@@ -44,10 +44,11 @@ Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method) {
     surfaces.emplace_back();
     if (objects.empty() || !objects[0].seen) continue;
     surfaces.back() = objects[0].surface;
-    finder.add(objects[0].surface, tracker.noise());
+    finder.add(objects[0].id, objects[0].surface, tracker.noise());
   }
   Reliefs out;
-  out.range = finder.range(0.05).value_or(*clip.info.depth_range);
+  const auto mapped = finder.range(0.05);
+  out.range = mapped ? mapped->range : *clip.info.depth_range;
   Workspace workspace;
   workspace.width_px = clip.info.width_px;
   workspace.height_px = clip.info.height_px;

@@ -301,22 +301,25 @@ TEST(Enhance, RangeHoldsTheObjectAndIsNeverTooNarrow) {
   const cv::Mat mask = discMask(120, 45);
   RangeFinder wide;
   EXPECT_FALSE(wide.range(0.05).has_value());
-  wide.add(cleanSurface(painted(120, [](int u, int) { return 500.0 + 5 * u; }), mask, kNoise,
+  wide.add(1,
+           cleanSurface(painted(120, [](int u, int) { return 500.0 + 5 * u; }), mask, kNoise,
                         Method::kHapticast),
            kNoise);
-  const DepthRange range = wide.range(0.05).value();
-  EXPECT_LT(range.near_mm, 585);
-  EXPECT_GT(range.far_mm, 1010);
+  const DepthRange range = wide.range(0.05)->range;
+  EXPECT_LT(range.near_mm, 590);
+  EXPECT_GT(range.far_mm, 1000);
   RangeFinder flat;
   flat.add(
+      1,
       cleanSurface(painted(120, [](int, int) { return 700.0; }), mask, kNoise, Method::kHapticast),
       kNoise);
-  EXPECT_NEAR(flat.range(0.05)->far_mm - flat.range(0.05)->near_mm, 100, 1e-9);
+  EXPECT_NEAR(flat.range(0.05)->range.far_mm - flat.range(0.05)->range.near_mm, 60, 1e-9);
   RangeFinder noisy;
   noisy.add(
+      1,
       cleanSurface(painted(120, [](int, int) { return 700.0; }), mask, kNoise, Method::kHapticast),
       {{4.0}, 0});
-  EXPECT_NEAR(noisy.range(0.05)->far_mm - noisy.range(0.05)->near_mm, 240, 1e-9);
+  EXPECT_NEAR(noisy.range(0.05)->range.far_mm - noisy.range(0.05)->range.near_mm, 240, 1e-9);
 }
 
 // Wide windows are worked out in fewer pixels: on a dome of 15 mm radius, 12 px per mm, that must

@@ -177,7 +177,9 @@ RgbdFrame swaying(const test::BallScene& scene, std::uint64_t i, double sway_px)
 TEST(ScenePlan, WhatDeformsGetsAGridAndARigidBodyNone) {
   const test::BallScene scene;
   for (const double sway_px : {0.0, 4.0}) {
-    Vision vision(scene.info(), {});
+    VisionSettings settings;
+    settings.map_range = DepthRange{650, 850};
+    Vision vision(scene.info(), settings);
     std::size_t grids = 0;
     double strongest_mm_s2 = 0;
     for (std::uint64_t i = 0; i < 60; ++i) {

@@ -51,6 +51,9 @@ void expectAll(const Settings& settings) {
   ASSERT_TRUE(vision.depth_range.has_value());
   EXPECT_EQ(vision.depth_range->near_mm, 500.0);
   EXPECT_EQ(vision.depth_range->far_mm, 1500.0);
+  ASSERT_TRUE(vision.map_range.has_value());
+  EXPECT_EQ(vision.map_range->near_mm, 600.0);
+  EXPECT_EQ(vision.map_range->far_mm, 650.0);
   EXPECT_EQ(vision.fov_deg, 70.0);
   EXPECT_TRUE(vision.stretch);
   EXPECT_EQ(vision.motion, MotionMode::kLk);
@@ -64,19 +67,33 @@ void expectAll(const Settings& settings) {
 }
 
 const std::vector<std::pair<std::string, std::string>> kAll = {
-    {"source", "my clip"},  {"fps", "60"},
-    {"loop", "true"},       {"frames", "1000"},
-    {"quiet", "true"},      {"listen", "127.0.0.1:0"},
-    {"max-clients", "3"},   {"object", "505,330"},
-    {"not", "300,400"},     {"object", "10,20@2.5"},
-    {"segment", "band"},    {"depth-range", "500,1500"},
-    {"stretch", "true"},    {"motion", "lk"},
-    {"stiffness", "0.4"},   {"mass", "0.25"},
-    {"method", "thesis"},   {"friction", "0.5,0.3"},
-    {"damping", "2.5"},     {"texture-depth", "1.5"},
-    {"fov", "70"},          {"wait-for-viewer", "true"},
-    {"transport", "tcp"},   {"multicast", "[ff12::7]:7448@eth0"},
-    {"multicast-ttl", "3"}, {"preview", "clip.png"},
+    {"source", "my clip"},
+    {"fps", "60"},
+    {"loop", "true"},
+    {"frames", "1000"},
+    {"quiet", "true"},
+    {"listen", "127.0.0.1:0"},
+    {"max-clients", "3"},
+    {"object", "505,330"},
+    {"not", "300,400"},
+    {"object", "10,20@2.5"},
+    {"segment", "band"},
+    {"depth-range", "500,1500"},
+    {"map-range", "600,650"},
+    {"stretch", "true"},
+    {"motion", "lk"},
+    {"stiffness", "0.4"},
+    {"mass", "0.25"},
+    {"method", "thesis"},
+    {"friction", "0.5,0.3"},
+    {"damping", "2.5"},
+    {"texture-depth", "1.5"},
+    {"fov", "70"},
+    {"wait-for-viewer", "true"},
+    {"transport", "tcp"},
+    {"multicast", "[ff12::7]:7448@eth0"},
+    {"multicast-ttl", "3"},
+    {"preview", "clip.png"},
 };
 
 TEST(ServerSettings, EveryFlag) {
@@ -126,6 +143,7 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--preview", "clip.jpg", "FILE.png or a folder"},
       {"--segment", "magic", "auto|band|edges|source"},
       {"--depth-range", "900,500", "NEAR,FAR in mm"},
+      {"--map-range", "650,600", "NEAR,FAR in mm"},
       {"--depth-range", "-1,500", "NEAR,FAR in mm"},
       {"--depth-range", "0,1e300", "NEAR,FAR in mm"},
       {"--motion", "rgb", "auto|depth|lk|none"},

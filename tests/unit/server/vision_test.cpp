@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/source/synthetic_scene.hpp"
+#include "server/vision/base/frame_images.hpp"
 #include "tests/unit/server/vision_scenes.hpp"
 
 namespace hapticast::server {
@@ -110,7 +111,9 @@ TEST(Vision, AStillSceneHasNoMotionAndOneRelief) {
 
 TEST(Vision, EightBitHeightsMapToThirtyMillimetres) {
   BallScene scene{.near_mm = 620, .kind = DepthKind::kHeight};
-  Vision vision(scene.info(), {});
+  VisionSettings settings;
+  settings.map_range = kHeightRange;
+  Vision vision(scene.info(), settings);
   (void)vision.push(scene.frame(0, 160, 120), mediaTime(0));
   const auto results = vision.flush();
   const Relief& relief = *results.at(0).frame.objects.at(0).relief;
@@ -226,7 +229,7 @@ TEST(Vision, ScanFindsOneRangeForTheClipAndRewinds) {
   };
   EXPECT_LT(top(results[9]), 30.0);
   EXPECT_GT(top(results[9]), 26.0);
-  EXPECT_NEAR(top(results[9]) - top(results[0]), 16.5, 2.0);  // 90 mm of some 160
+  EXPECT_NEAR(top(results[9]) - top(results[0]), 18.8, 1.5);  // 90 mm of some 145
 }
 
 TEST(Vision, TheThesisMethodSendsADenseGrid) {

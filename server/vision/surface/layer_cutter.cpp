@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/surface/layer_cutter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/surface/labels.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kKeptStep = 0.7;   // chosen, of the step that made a cut: until it is given up
+constexpr int kFramesToChange = 3;  // chosen, in a row: noise makes one or two
+constexpr int kFollows_px = 2;  // chosen: an edge moves so far in a frame over what it is part of
+constexpr int kCrumb_px = 30;   // chosen: what is left of a name that has gone
+
+// The layers of `now` under the names of those of `before` that they lie over the most.
+cv::Mat named(const Layers& now, const cv::Mat& before) {
+  struct Overlap {
+    int pixels, layer, name;
+  };
+  std::vector<Overlap> overlaps;
+  overlaps.reserve(static_cast<std::size_t>(now.count * kMaxLayers));
+  for (int layer = 1; layer <= now.count; ++layer) {
+    for (int name = 1; name <= kMaxLayers; ++name) {
+      const int pixels = cv::countNonZero((now.labels == layer) & (before == name));
+      overlaps.push_back({pixels, layer, name});
+    }
+  }
+  std::stable_sort(overlaps.begin(), overlaps.end(),
+                   [](const Overlap& a, const Overlap& b) { return a.pixels > b.pixels; });
+  cv::Mat names = cv::Mat::zeros(1, 256, CV_8UC1);
+  std::array<bool, kMaxLayers + 1> taken{};
+  for (const Overlap& overlap : overlaps) {
+    auto& name = names.at<uchar>(overlap.layer);
+    if (name != 0 || taken[static_cast<std::size_t>(overlap.name)]) continue;
+    name = static_cast<uchar>(overlap.name);
+    taken[static_cast<std::size_t>(overlap.name)] = true;
+  }
+  cv::Mat out;
+  cv::LUT(now.labels, names, out);
+  return out;
+}
+
+// Crumbs of a name go to their neighbours.
+cv::Mat withoutCrumbs(const Surface& surface, const cv::Mat& names) {
+  cv::Mat seeds = cv::Mat::zeros(names.size(), CV_8UC1);
+  for (int name = 1; name <= kMaxLayers; ++name) {
+    cv::Mat pieces;
+    if (largePieces(names == name, kCrumb_px, pieces) > 0) seeds.setTo(name, pieces > 0);
+  }
+  return cv::countNonZero(seeds) > 0 ? grownLabels(surface, kMaxLayers, seeds) : names.clone();
+}
+
+Surface partOf(const Surface& surface, const cv::Mat& mask) {
+  const cv::Rect box = cv::boundingRect(mask);
+  if (box.empty()) return {};
+  return {box + surface.box.tl(), mask(box).clone(), surface.depth(box).clone(),
+          surface.measured(box) & mask(box), surface.quantum_mm};
+}
+
+int namesIn(const cv::Mat& names) {
+  int count = 0;
+  for (int name = 1; name <= kMaxLayers; ++name)
+    count += cv::countNonZero(names == name) > 0 ? 1 : 0;
+  return count;
+}
+
+}  // namespace
+
+// The last frame's image over its box, moved with the object.
+cv::Mat LayerCutter::carried(const cv::Mat& image, const Surface& surface) const {
+  const cv::Point2d moved =
+      centroidOf(cv::moments(surface.mask, true), surface.box.tl()) - last_centroid_px_;
+  const cv::Rect from = last_box_ + cv::Point(cvRound(moved.x), cvRound(moved.y));
+  cv::Mat out = cv::Mat::zeros(surface.box.size(), CV_8UC1);
+  const cv::Rect common = from & surface.box;
+  if (!common.empty()) image(common - from.tl()).copyTo(out(common - surface.box.tl()));
+  out.setTo(0, surface.mask == 0);
+  return out;
+}
+
+// A pixel takes another name when three frames in a row say so, or where the edge between the two
+// moves on.
+cv::Mat LayerCutter::settled(const Surface& surface, const cv::Mat& now, const cv::Mat& before) {
+  cv::Mat doubts = carried(doubts_, surface);
+  const cv::Mat differs = (now != before) & (before > 0);
+  cv::add(doubts, 1, doubts, differs);
+  doubts.setTo(0, ~differs);
+  cv::Mat changes = (doubts >= kFramesToChange) | (before == 0);
+  if (namesIn(now) == namesIn(before)) {
+    for (int name = 1; name <= kMaxLayers; ++name)
+      changes |= differs & (now == name) & dilatedBy(before == name, kFollows_px);
+  }
+  changes &= surface.mask;
+  cv::Mat names = before.clone();
+  now.copyTo(names, changes);
+  doubts.setTo(0, changes);
+  doubts_ = doubts;
+  return withoutCrumbs(surface, names);
+}
+
+cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm, const DepthRange& felt) {
+  Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0), felt);
+  if (now.count < 2 && names_.empty()) {
+    doubts_.release();
+    return {};
+  }
+  if (now.count < 2) now.labels = surface.mask / 255;
+  if (count_ == 0) return now.labels;
+  const cv::Mat before = carried(names_.empty() ? last_mask_ / 255 : names_, surface);
+  if (cv::countNonZero(before) == 0) return now.count < 2 ? cv::Mat() : now.labels;
+  return settled(surface, named(now, before), before);
+}
+
+std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
+                                      const DepthRange& felt) {
+  names_ = namesOf(surface, step_mm, felt);
+  count_ = names_.empty() ? 1 : namesIn(names_);
+  if (!names_.empty() && cv::countNonZero(names_ > 1) == 0) names_.release();
+  if (doubts_.size() != surface.box.size()) doubts_ = cv::Mat::zeros(surface.box.size(), CV_8UC1);
+  last_mask_ = surface.mask;
+  last_box_ = surface.box;
+  last_centroid_px_ = centroidOf(cv::moments(surface.mask, true), surface.box.tl());
+  if (names_.empty()) return {surface};
+  std::vector<Surface> out;
+  out.reserve(kMaxLayers);
+  for (int name = 1; name <= kMaxLayers; ++name) out.push_back(partOf(surface, names_ == name));
+  while (out.back().box.empty()) out.pop_back();
+  return out;
+}
+
+}  // namespace hapticast::server
