@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "client/view/picture.hpp"
+#include "client/view/window_display.hpp"
 
 namespace hapticast::client {
 
@@ -49,6 +50,7 @@ struct ViewerWindow::Gui {
     renderer = SDL_CreateRenderer(window, -1, 0);
     if (renderer == nullptr) renderer = SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
     if (renderer == nullptr) end("nothing can be drawn");
+    surviveDisplay(*window);  // now: for a renderer SDL makes a window anew
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
@@ -58,6 +60,10 @@ struct ViewerWindow::Gui {
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
   ~Gui() {
+    if (displayIsLost()) {
+      (void)painter.release();  // its textures are the display's
+      return;
+    }
     painter.reset();
     ImGui_ImplSDL2_Shutdown();
     ImGui::DestroyContext(context);
@@ -84,7 +90,9 @@ struct ViewerWindow::Gui {
 ViewerWindow::ViewerWindow(int width_px, int height_px)
     : gui_(std::make_unique<Gui>(width_px, height_px)), place_(workspace_, {0, 0}, {640, 480}) {}
 
-ViewerWindow::~ViewerWindow() = default;
+ViewerWindow::~ViewerWindow() {
+  if (displayIsLost()) (void)texture_.release();
+}
 
 void ViewerWindow::takePicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
@@ -96,17 +104,23 @@ void ViewerWindow::takeReport(const TickReport& report) {
 }
 
 bool ViewerWindow::turn(Desk& desk) {
+  if (displayIsLost()) return false;
   SDL_Event event;
   while (SDL_PollEvent(&event) != 0) hear(event, desk);
   const std::uint64_t now_ms = SDL_GetTicks64();
-  if (now_ms - drawn_ms_ >= kFrame_ms) {
+  if (now_ms - drawn_ms_ >= kFrame_ms && !displayIsLost()) {
     drawn_ms_ = now_ms;
     draw(desk);
   }
-  return !closed_;
+  return !closed_ && !displayIsLost();
+}
+
+void ViewerWindow::finish() {
+  if (displayIsLost()) throw std::runtime_error("the window is gone: its display took it away");
 }
 
 void ViewerWindow::hear(const SDL_Event& event, Desk& desk) {
+  hearDisplay(event);
   ImGui_ImplSDL2_ProcessEvent(&event);
   const ImGuiIO& io = ImGui::GetIO();
   const ImVec2 cursor(static_cast<float>(event.button.x), static_cast<float>(event.button.y));

@@ -31,7 +31,8 @@ class ViewerWindow final : public View {
   void takeReport(const TickReport& report) override;
   /// Hears what the user does; draws when it is time to. False when the window was closed.
   [[nodiscard]] bool turn(Desk& desk) override;
-  void finish() override {}
+  /// Throws where the display took it away.
+  void finish() override;
   [[nodiscard]] bool points() const override { return true; }
 
   /// Draws now, whatever time it is.
