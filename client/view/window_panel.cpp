@@ -54,8 +54,8 @@ void showNetwork(const TickWatch& ticks, const Desk& desk, double picture_off_ms
                    stream.frames_late));
   text(fmt::format("{} parts lost; eye - hand {:.0f} ms", stream.slices_lost, picture_off_ms));
   heading("Loop and safety");
-  text(fmt::format("{} ticks, {} late", ticks.ticks(), ticks.lateTicks()));
-  text(fmt::format("a tick takes {:.0f} µs, {:.0f} at most", ticks.mean_us(), ticks.longest_us()));
+  text(fmt::format("{} ticks, {} late; {:.0f} µs, {:.0f} at most", ticks.ticks(), ticks.lateTicks(),
+                   ticks.mean_us(), ticks.longest_us()));
   const PortWork& work = ticks.last().work;
   text(fmt::format("energy {:.1f} mJ: contact {:.1f},", work.user_mJ(), work.relative_mJ));
   text(fmt::format("  surface {:.1f}, object {:.1f}", work.surface_mJ, work.object_mJ));
@@ -96,7 +96,7 @@ void showControls(Desk& desk, PanelState& state) {
   ImGui::Checkbox("pause (space)", &user.paused);
   ImGui::SameLine();
   bool thesis = user.method == Method::kThesis;
-  if (ImGui::Checkbox("thesis's method (M)", &thesis))
+  if (ImGui::Checkbox("thesis (M)", &thesis))
     user.method = thesis ? Method::kThesis : Method::kHapticast;
   ImGui::Checkbox("static (S)", &user.static_on);
   ImGui::SameLine();
@@ -161,7 +161,7 @@ void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
                kFixed | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(6.0F, 2.0F));
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4.0F, 2.0F));
-  showForce(ticks.last(), history, 0.13F * size.y);
+  showForce(ticks.last(), history, (size.y < 600.0F ? 0.09F : 0.13F) * size.y);
   showControls(desk, state);
   showNetwork(ticks, desk, state.picture_off_ms);
   if (!desk.recording.empty()) ImGui::TextWrapped("%s", desk.recording.c_str());

@@ -120,7 +120,7 @@ TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {"--device", "spoon"}), 2,
             {"--device", "'spoon'", "auto|mouse|virtual"});
   clientEnds({"--fault-dir", write("file", "") + "/below"}, 2, {"--fault-dir", "file/below"});
-  for (const char* flag : {"--log", "--summary", "--screenshot"})
+  for (const char* flag : {"--log", "--summary", "--screenshot", "--film"})
     clientEnds({flag, path("missing/file.png")}, 2, {flag, "missing/file.png", "folder"});
   clientEnds({"--screenshot", path("picture.xyz")}, 2, {"--screenshot", "picture.xyz", ".png"});
   EXPECT_FALSE(std::filesystem::exists(path("picture.xyz")));

@@ -68,7 +68,10 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
       {"quiet", "true"},      {"rearm", "true"},
       {"fault-dir", "d"},     {"stiffness-limit", "2.5"},
       {"redundancy", "3"},    {"interface", "lo"}};
-  if (hasViewer()) flags.emplace_back("screenshot", "c.png");
+  if (hasViewer()) {
+    flags.emplace_back("screenshot", "c.png");
+    flags.emplace_back("film", "c.mp4");
+  }
   return flags;
 }
 const auto kAll = everyFlag();
@@ -133,7 +136,7 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
   for (const char* fact :
-       {hasViewer() ? "views: screenshot" : "views: none", "devices: virtual",
+       {hasViewer() ? "views: screenshot film" : "views: none", "devices: virtual",
         "transports: multicast tcp udp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
