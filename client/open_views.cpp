@@ -15,7 +15,7 @@ Views openViews(const Settings& settings) {
     requireWritable("--screenshot", settings.screenshot_file);
   }
   if (!settings.film_file.empty()) {
-    views.push_back(std::make_unique<Film>(settings.film_file));
+    views.push_back(std::make_unique<FilmView>(settings.film_file));
     requireWritable("--film", settings.film_file);
   }
   if (auto window = openWindow(settings)) views.push_back(std::move(window));

@@ -31,17 +31,17 @@ cv::Size even(cv::Size size) { return {size.width & ~1, size.height & ~1}; }
 
 }  // namespace
 
-Film::Film(std::string file) : file_(std::move(file)) {
+FilmView::FilmView(std::string file) : file_(std::move(file)) {
   if (std::filesystem::path(file_).extension() != ".mp4")
     throw std::runtime_error("--film " + file_ + ": is no film's name; give FILE.mp4");
   thread_ = std::thread([this] { run(); });
 }
 
-void Film::takePicture(VideoFrame picture, const Workspace& workspace) {
+void FilmView::takePicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
 }
 
-void Film::takeReport(const TickReport& report) {
+void FilmView::takeReport(const TickReport& report) {
   if (!next_.ticks.empty()) due_s_ -= goesOnBy(next_.ticks.back(), report);
   next_.ticks.push_back(report);
   if (due_s_ > 0.0) return;
@@ -57,7 +57,7 @@ void Film::takeReport(const TickReport& report) {
   take(std::move(shot));
 }
 
-void Film::take(Shot shot) {
+void FilmView::take(Shot shot) {
   {
     const std::lock_guard lock(mutex_);
     if (failed_) return;
@@ -70,19 +70,19 @@ void Film::take(Shot shot) {
   something_waits_.notify_one();
 }
 
-bool Film::turn(Desk& desk) {
+bool FilmView::turn(Desk& desk) {
   if (desk.stream.connected) fps_ = desk.stream.fps;
   return true;
 }
 
-void Film::finish() {
+void FilmView::finish() {
   stop();
   if (failed_) std::rethrow_exception(failed_);
   if (size_.empty())
     throw std::runtime_error("--film " + file_ + ": no picture came that could be filmed");
 }
 
-void Film::stop() {
+void FilmView::stop() {
   {
     const std::lock_guard lock(mutex_);
     over_ = true;
@@ -91,9 +91,9 @@ void Film::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Film::run() {
+void FilmView::run() {
   // Of this thread, and of the encoder's that it starts: the loop and the window come first.
-  (void)!::nice(10);
+  (void)!::nice(5);
   try {
     while (true) {
       Shot shot;
@@ -113,7 +113,7 @@ void Film::run() {
   }
 }
 
-void Film::write(const Shot& shot) {
+void FilmView::write(const Shot& shot) {
   // The first tick was the last one of the shot before.
   for (std::size_t i = 1; i < shot.ticks.size(); ++i) history_.add(shot.ticks[i]);
   const Workspace& workspace = shot.picture->workspace;
@@ -131,7 +131,7 @@ void Film::write(const Shot& shot) {
 }
 
 /// H.264, which everything plays; where OpenCV cannot, MPEG-4.
-void Film::open(const cv::Mat& drawing, double fps) {
+void FilmView::open(const cv::Mat& drawing, double fps) {
   const cv::Size size = even(drawing.size());
   for (const int codec :
        {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {

@@ -20,16 +20,16 @@
 
 namespace hapticast::client {
 
-class Film final : public View {
+class FilmView final : public View {
  public:
   /// Drawings that wait, at most: beyond, the one before is shown for longer. Chosen: ten seconds.
   static constexpr std::size_t kMostWaiting = 256;
 
   /// Throws std::runtime_error unless `file` ends as a film does (.mp4).
-  explicit Film(std::string file);
-  Film(const Film&) = delete;
-  Film& operator=(const Film&) = delete;
-  ~Film() override { stop(); }
+  explicit FilmView(std::string file);
+  FilmView(const FilmView&) = delete;
+  FilmView& operator=(const FilmView&) = delete;
+  ~FilmView() override { stop(); }
 
   void takePicture(VideoFrame picture, const Workspace& workspace) override;
   void takeReport(const TickReport& report) override;

@@ -27,9 +27,9 @@ float lightOn(const Vec2& gradient) {
 
 /// Adds a relief of at most `most_cells` or so.
 void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& workspace,
-               double most_cells) {
+               double most_cells, int least_px) {
   const PixelRect& rect = relief.rect();
-  const int step = stepFor(rect, most_cells);
+  const int step = std::max(stepFor(rect, most_cells), least_px);
   const int columns = (rect.width - 1) / step + 1;
   const int rows = (rect.height - 1) / step + 1;
   std::vector<int> number(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
@@ -81,12 +81,12 @@ std::vector<std::vector<cv::Point2f>> outlineOf(const HeightField& relief) {
   return lines;
 }
 
-ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace) {
+ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace, int least_px) {
   ReliefMesh mesh;
   for (const auto& relief : reliefs) {
     if (relief->empty()) continue;
     addRelief(mesh, *relief, workspace,
-              ReliefMesh::kMostCells / static_cast<double>(reliefs.size()));
+              ReliefMesh::kMostCells / static_cast<double>(reliefs.size()), least_px);
   }
   return mesh;
 }

@@ -28,7 +28,9 @@ struct ReliefMesh {
   std::vector<std::array<int, 4>> cells;  ///< their corners, in a round
 };
 
-/// What lies within the masks, coarser the larger it is.
-[[nodiscard]] ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace);
+/// What lies within the masks, coarser the larger it is; a cell has at least `least_px` px of the
+/// picture.
+[[nodiscard]] ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace,
+                                int least_px = 1);
 
 }  // namespace hapticast::client

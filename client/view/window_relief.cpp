@@ -11,6 +11,8 @@ namespace hapticast::client {
 namespace {
 
 constexpr double kTurn_rad_per_px = 0.01;  // chosen: across the box is about a half turn
+// The software renderer leaves holes between smaller triangles (tried), px of the window.
+constexpr float kCell_px = 4.0F;
 constexpr double kArrow_mm_per_N = 12.0;
 constexpr double kStylus_mm = 25.0;
 constexpr ImU32 kOutlineColor = IM_COL32(255, 255, 255, 220);
@@ -146,8 +148,11 @@ void WindowRelief::turn(float right_px, float down_px) {
   pitch_rad_ = std::clamp(pitch_rad_ + kTurn_rad_per_px * double{down_px}, -1.5708, 0.0);
 }
 
-const ReliefMesh& WindowRelief::mesh() {
-  if (!mesh_) mesh_ = meshOf(reliefs_, workspace_);
+const ReliefMesh& WindowRelief::mesh(const ScenePlace& place) {
+  const float px = place.pixelsPerMm() / static_cast<float>(workspace_.pixelsPerMm().x());
+  const int least_px = std::max(1, static_cast<int>(std::ceil(kCell_px / px)));
+  if (!mesh_ || least_px != cell_px_) mesh_ = meshOf(reliefs_, workspace_, least_px);
+  cell_px_ = least_px;
   return *mesh_;
 }
 
@@ -166,7 +171,7 @@ void WindowRelief::drawOutline(ImDrawList& list, const ScenePlace& place) {
 }
 
 void WindowRelief::drawShaded(ImDrawList& list, const ScenePlace& place) {
-  drawCells(list, mesh(), allOf(mesh()), 215,
+  drawCells(list, mesh(place), allOf(mesh(place)), 215,
             [&place](const Vec3& position_mm) { return place.toWindow(position_mm.head<2>()); });
 }
 
@@ -184,8 +189,8 @@ void WindowRelief::drawInSpace(ImDrawList& list, const ScenePlace& place,
   const ImVec2 end(room.z, room.w);
   list.PushClipRect(corner, end, true);
   list.AddRectFilled(corner, end, IM_COL32(18, 20, 24, 225));
-  const Aside aside(mesh(), room, yaw_rad_, pitch_rad_);
-  drawCells(list, mesh(), fromBehind(mesh(), aside), 255, aside);
+  const Aside aside(mesh(place), room, yaw_rad_, pitch_rad_);
+  drawCells(list, mesh(place), fromBehind(mesh(place), aside), 255, aside);
   drawTouch(list, aside, report);
   list.AddText({room.x + 5.0F, room.y + 3.0F}, IM_COL32(170, 170, 170, 255),
                "drag here to turn it");

@@ -39,7 +39,7 @@ class WindowRelief {
   [[nodiscard]] static ImVec4 box(const ScenePlace& place);
 
  private:
-  const ReliefMesh& mesh();
+  const ReliefMesh& mesh(const ScenePlace& place);
 
   std::mutex mutex_;
   std::deque<FeltFrame> frames_;  // guarded by mutex_
@@ -48,6 +48,7 @@ class WindowRelief {
   Workspace workspace_;
   // Made of them when somebody wants to see them.
   std::optional<ReliefMesh> mesh_;
+  int cell_px_ = 0;  // of mesh_, at least
   std::optional<std::vector<std::vector<cv::Point2f>>> outlines_;
   double yaw_rad_ = -0.5;
   double pitch_rad_ = -0.9;

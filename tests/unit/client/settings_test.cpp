@@ -31,7 +31,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.method, Method::kHapticast);
   EXPECT_FALSE(run.settings.quiet);
   EXPECT_TRUE(run.settings.log_file.empty() && run.settings.summary_file.empty() &&
-              run.settings.screenshot_file.empty());
+              run.settings.screenshot_file.empty() && run.settings.film_file.empty());
 }
 
 void expectAll(const Settings& settings) {
@@ -50,6 +50,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.log_file, "a.csv");
   EXPECT_EQ(settings.summary_file, "b.json");
   EXPECT_EQ(settings.screenshot_file, hasViewer() ? "c.png" : "");
+  EXPECT_EQ(settings.film_file, hasViewer() ? "c.mp4" : "");
   EXPECT_EQ(settings.seconds, 2.5);
   EXPECT_EQ(settings.fault_folder, "d");
   EXPECT_TRUE(settings.rearm);
