@@ -21,6 +21,12 @@ namespace {
   throw std::runtime_error(fmt::format("{} ({})", what, SDL_GetError()));
 }
 
+/// Where no display can be opened SDL may draw in memory, which only who names its driver wants.
+bool drawsForNobody() {
+  const std::string driver = SDL_GetCurrentVideoDriver();
+  return (driver == "offscreen" || driver == "dummy") && SDL_getenv("SDL_VIDEODRIVER") == nullptr;
+}
+
 /// The share of the window that is the panel's.
 float panelWidth(const ImVec2& window) { return std::clamp(0.3F * window.x, 250.0F, 460.0F); }
 
@@ -36,6 +42,10 @@ struct ViewerWindow::Gui {
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) failed("no display");
+    if (drawsForNobody()) {
+      SDL_SetError("the one that is named cannot be opened");
+      end("no display");
+    }
     constexpr std::uint32_t kFlags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
     window = SDL_CreateWindow("hapticast", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width_px,
                               height_px, kFlags);

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <utility>
 
 #include "client/view/window_plot.hpp"
 #include "client/view/window_scene.hpp"
@@ -17,6 +18,20 @@ constexpr std::array kForces{Curve{&ForcePoint::force_N, kTotalColor},
                              Curve{&ForcePoint::static_force_N, kStaticColor},
                              Curve{&ForcePoint::dynamic_force_N, kDynamicColor}};
 constexpr std::array kDepth{Curve{&ForcePoint::penetration_mm, IM_COL32(90, 255, 120, 255)}};
+
+constexpr std::array<std::pair<const char*, const char*>, 12> kKeys{
+    {{"pointer", "moves the tip over the picture"},
+     {"wheel, drag", "presses it in, lets it out"},
+     {"space", "pauses time and lets it go on"},
+     {"S, D", "static, dynamic force on and off"},
+     {"M", "the thesis's method, and back"},
+     {"R", "re-arms the force"},
+     {"O", "outlines what can be touched"},
+     {"V", "shades its relief, then shows it from aside"},
+     {"L", "records a log: hapticast-1.csv ..."},
+     {"P", "saves a picture: hapticast-1.png ..."},
+     {"F1", "this help"},
+     {"Ctrl-C", "ends, as closing the window does"}}};
 
 void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 
@@ -176,19 +191,11 @@ void showHelp(const ImVec2& room, bool& open) {
   ImGui::Begin("Keys", &open,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                    ImGuiWindowFlags_NoCollapse);
-  text(
-      "pointer        moves the tip over the picture\n"
-      "wheel, or drag   presses it in, lets it out\n"
-      "space      pauses time and lets it go on\n"
-      "S, D        static, dynamic force on and off\n"
-      "M           the thesis's method, and back\n"
-      "R            re-arms the force\n"
-      "O           outlines what can be touched\n"
-      "V           shades its relief, then shows it from aside\n"
-      "L            records a log: hapticast-1.csv ...\n"
-      "P            saves a picture of the window\n"
-      "F1          this help\n"
-      "close the window, or Ctrl-C, to end");
+  for (const auto& [key, does] : kKeys) {
+    ImGui::TextUnformatted(key);
+    ImGui::SameLine(7.0F * ImGui::GetFontSize());
+    ImGui::TextUnformatted(does);
+  }
   ImGui::End();
 }
 

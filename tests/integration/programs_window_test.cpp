@@ -273,6 +273,7 @@ TEST_F(ProgramsWindowTest, AWindowThatCannotBeOpenedIsDoneWithout) {
 
 TEST_F(ProgramsWindowTest, LeavesAFilmOfTheTouch) {
   const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
+  EXPECT_TRUE(server->says("streaming", kStart)) << server->output();
   const auto client = startClient({addressOf(*server), "--seconds", "3", "--film", path("film.mp4"),
                                    "--summary", path("summary.json")});
   EXPECT_EQ(client->wait(kSoon), 0) << client->output();
