@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/cli/hang_up.hpp"
+#include "common/fresh_file.hpp"
 
 namespace hapticast::client {
 
@@ -93,7 +94,7 @@ App::App(Settings settings, const Clock& clock, Views views)
                   connectionEvents()),
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
-      rearm_(settings_.rearm),
+      rearm_(settings_.rearm, points(views_)),
       teller_(toString(settings_.server)) {
   requireWritable("--summary", settings_.summary_file);
   desk_.user = userControls(settings_);
@@ -138,6 +139,7 @@ void App::show(const VideoFrame& picture) {
 
 void App::prepared(const PreparedFrame& frame) {
   receiver_.prepared(frame);
+  for (const auto& view : views_) view->takeFrame(frame.felt);
   tellStatus(true);
   if (const auto line = oddities_.take(receiver_.counts(), clock_.now())) spdlog::warn("{}", *line);
 }
@@ -149,7 +151,8 @@ void App::tellStatus(bool connected) {
                         .frames_lost = counts.lost,
                         .frames_late = counts.late,
                         .slices_lost = counts.slices_lost,
-                        .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6});
+                        .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
+                        .fps = 1.0 / toSeconds(receiver_.stream().frame_interval)});
 }
 
 bool App::run() {
@@ -198,9 +201,29 @@ bool App::turnViews() {
   desk_.stream = stream_status_.load();
   bool go_on = true;
   for (const auto& view : views_) go_on = view->turn(desk_) && go_on;
+  if (desk_.record != recording_.has_value()) record();
   pointer_.store(desk_.pointer);
   user_controls_.store(desk_.user);
   return go_on;
+}
+
+/// A log that is asked for while the client runs begins, or ends.
+void App::record() {
+  try {
+    if (desk_.record) {
+      const std::string file = freshFile(".csv");
+      recording_.emplace(file);
+      desk_.recording = "recording " + file + " (L ends it)";
+    } else {
+      recording_->close();
+      desk_.recording = "recorded " + recording_->file();
+      recording_.reset();
+    }
+  } catch (const std::runtime_error& error) {
+    desk_.recording = error.what();
+    desk_.record = false;
+    recording_.reset();
+  }
 }
 
 void App::takeReports() {
@@ -208,6 +231,7 @@ void App::takeReports() {
     if (!begin_) begin_ = last_report_.time;
     last_report_.time = LocalTime(last_report_.time - *begin_);
     log_.write(last_report_);
+    if (recording_) recording_->write(last_report_);
     for (const auto& view : views_) view->takeReport(last_report_);
     if (const auto line = touch_teller_.take(last_report_, rearm_)) spdlog::warn("{}", *line);
     if (!rearm_.take(last_report_)) continue;
@@ -228,6 +252,10 @@ void App::tellContact() {
 }
 
 RunResult App::result(const LoopThread& loop) const {
+  Histogram eye_hand;
+  for (const auto& view : views_) {
+    if (view->eyeHand() != nullptr) eye_hand = *view->eyeHand();
+  }
   return {.loop = loop.stats(),
           .frames = receiver_.counts(),
           .bytes_received = connection_.bytesReceived(),
@@ -236,6 +264,7 @@ RunResult App::result(const LoopThread& loop) const {
           .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
           .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
+          .eye_hand_ns = eye_hand,
           .realtime = loop.realtime()};
 }
 
@@ -256,6 +285,7 @@ void App::finish(const LoopThread& loop) {
   if (room_->droppedReports() > 0)
     spdlog::warn("{} ticks are missing in the log", room_->droppedReports());
   log_.close();
+  if (recording_) recording_->close();
   const RunResult run = result(loop);
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
   for (const auto& view : views_) view->finish();

@@ -47,6 +47,7 @@ class App {
   // On the calling thread:
   void runEvents();
   bool turnViews();
+  void record();
   void takeReports();
   void takeFaults();
   void tellContact();
@@ -72,6 +73,7 @@ class App {
   Receiver receiver_;
   Connection connection_;
   LogFile log_;
+  std::optional<LogFile> recording_;  // asked for by a view
   FaultFiles fault_files_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};

@@ -16,13 +16,14 @@ const char* faultName(Fault fault) noexcept;
 void writeReportHeading(std::ostream& out);
 void writeReport(std::ostream& out, const TickReport& report);
 
-/// The file of --log: a row for every tick.
+/// The file of --log, or one asked for in the window: a row for every tick.
 class LogFile {
  public:
   /// `file` may be empty: then nothing is written. Throws std::runtime_error, one line, when it
   /// cannot be written.
   explicit LogFile(std::string file);
   void write(const TickReport& report);
+  [[nodiscard]] const std::string& file() const { return file_; }
   /// Throws std::runtime_error when not all rows could be written.
   void close();
 

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "client/view/film.hpp"
 #include "client/view/screenshot.hpp"
 
 namespace hapticast::client {
@@ -12,6 +13,10 @@ Views openViews(const Settings& settings) {
   if (!settings.screenshot_file.empty()) {
     views.push_back(std::make_unique<Screenshot>(settings.screenshot_file));
     requireWritable("--screenshot", settings.screenshot_file);
+  }
+  if (!settings.film_file.empty()) {
+    views.push_back(std::make_unique<FilmView>(settings.film_file));
+    requireWritable("--film", settings.film_file);
   }
   if (auto window = openWindow(settings)) views.push_back(std::move(window));
   return views;

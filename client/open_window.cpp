@@ -36,7 +36,8 @@ std::unique_ptr<View> openWindow(const Settings& settings) {
   try {
     return std::make_unique<ViewerWindow>();
   } catch (const std::runtime_error& error) {
-    if (settings.view == ViewChoice::kOn) throw;
+    if (settings.view == ViewChoice::kOn)
+      throw std::runtime_error(std::string("--view on: ") + error.what());
     spdlog::warn("going on without a window: {}", error.what());
     return nullptr;
   }

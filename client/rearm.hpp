@@ -13,18 +13,21 @@ class Rearm {
   /// ... and so often only.
   static constexpr int kTimes = 3;
 
-  /// Without `by_itself` it never is.
-  explicit Rearm(bool by_itself) : by_itself_(by_itself) {}
+  /// Without `by_itself` it never is; `by_key`: somebody can do it in a window.
+  explicit Rearm(bool by_itself, bool by_key = false) : by_itself_(by_itself), by_key_(by_key) {}
 
   /// Sees every report; whether the force is to be re-armed now.
   [[nodiscard]] bool take(const TickReport& report);
   /// Whether a lost device's force returns, as often as the device does.
   [[nodiscard]] bool byItself() const { return by_itself_; }
+  /// Whether a key of the window brings the force back.
+  [[nodiscard]] bool byKey() const { return by_key_; }
   /// How often lost trust will still be forgiven.
   [[nodiscard]] int left() const { return by_itself_ ? kTimes - forgiven_ : 0; }
 
  private:
   bool by_itself_;
+  bool by_key_;
   int forgiven_ = 0;
   bool asked_ = false;  // the loop has not answered yet
   Halt halt_ = Halt::kNone;

@@ -51,7 +51,7 @@ std::string deviceHelp() {
 
 /// For --version: the kinds of views, devices and transports of this build.
 std::string builtIn() {
-  std::string text = hasViewer() ? "views: screenshot" : "views: none";
+  std::string text = hasViewer() ? "views: screenshot film" : "views: none";
   text += hasWindow() ? " window; devices:" : "; devices:";
   for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
   text += "; transports:";
@@ -119,6 +119,10 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                    "Write a picture at the end: the video with cone and force at the strongest "
                    "moment, and the force of the last minute")
         ->type_name("FILE.png");
+    app.add_option("--film", settings.film_file,
+                   "Write a film: the video with cone and forces, and the force of the last "
+                   "minute, at the video's rate")
+        ->type_name("FILE.mp4");
   }
   app.add_option("--log", settings.log_file,
                  "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "

@@ -31,6 +31,7 @@ struct Settings {
   ViewChoice view = ViewChoice::kAuto;
   Forces forces = Forces::kBoth;
   std::string screenshot_file;
+  std::string film_file;
   std::string log_file;
   std::string summary_file;
   std::string fault_folder;           ///< empty: the state folder

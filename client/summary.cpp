@@ -67,6 +67,15 @@ Json datagramsOf(const DatagramCounts& datagrams) {
           {"forged", datagrams.forged},     {"over_budget", datagrams.over_budget}};
 }
 
+/// null where no window was.
+Json eyeHandOf(const Histogram& offset_ns) {
+  if (offset_ns.count() == 0) return nullptr;
+  const auto milliseconds = [&](double quantile) {
+    return static_cast<double>(offset_ns.quantile_ns(quantile)) * 1e-6;
+  };
+  return {{"p50", milliseconds(0.5)}, {"p95", milliseconds(0.95)}};
+}
+
 Json summary(const RunResult& result) {
   const LoopStats& loop = result.loop;
   const auto lookupKey = [](std::size_t i) { return lookupName(static_cast<Lookup>(i)); };
@@ -100,6 +109,7 @@ Json summary(const RunResult& result) {
       {"playout_delay_ms", result.playout_delay_ms},
       {"clock_offset_us", result.clock_offset_us},
       {"clock_error_us", result.clock_error_us},
+      {"eye_hand_ms", eyeHandOf(result.eye_hand_ns)},
       {"interferences",
        counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
       {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},

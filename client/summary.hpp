@@ -24,6 +24,7 @@ struct RunResult {
   double playout_delay_ms = 0.0;  ///< at the end
   double clock_offset_us = 0.0;   ///< media clock - local clock
   double clock_error_us = 0.0;    ///< its bound
+  Histogram eye_hand_ns;          ///< View::eyeHand(); empty: nothing was shown
   RealtimeGrant realtime;
 };
 

@@ -19,17 +19,21 @@ bool due(std::optional<LocalTime>& told, LocalTime now) {
 }
 
 std::string comesBack(const Rearm& rearm) {
-  if (!rearm.byItself()) return "from now on; start again, or with --rearm, to touch it";
-  if (rearm.left() == 0) return "from now on; start again to touch it";
-  return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
-                     rearm.left() == 1 ? "time" : "times");
+  if (rearm.left() > 0)
+    return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
+                       rearm.left() == 1 ? "time" : "times");
+  if (rearm.byKey()) return "until R is pressed in the window";
+  return rearm.byItself() ? "from now on; start again to touch it"
+                          : "from now on; start again, or with --rearm, to touch it";
 }
 
 std::string halted(const TickReport& report, const Rearm& rearm) {
-  if (report.halt == Halt::kDeviceLost)
-    return rearm.byItself()
-               ? "the device does not answer: no force until it is back"
-               : "the device does not answer: no force from now on (--rearm brings it back)";
+  if (report.halt == Halt::kDeviceLost) {
+    const char* const until = rearm.byItself() ? "until it is back"
+                              : rearm.byKey()  ? "until it is back and R is pressed in the window"
+                                               : "from now on (--rearm brings it back)";
+    return fmt::format("the device does not answer: no force {}", until);
+  }
   return fmt::format(
       "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
       "force {}",
@@ -37,33 +41,6 @@ std::string halted(const TickReport& report, const Rearm& rearm) {
 }
 
 }  // namespace
-
-const char* inWords(Interference which) noexcept {
-  switch (which) {
-    case Interference::kStiffness:
-      return "a wall was made softer";
-    case Interference::kSurfaceSpeed:
-      return "a surface was slowed down";
-    case Interference::kPassivity:
-      return "what a contact gave was damped";
-    case Interference::kTank:
-      return "energy into the hand was held back";
-    case Interference::kSlew:
-      return "a step was slowed";
-    case Interference::kPeak:
-      return "the force was cut at the device's peak";
-    case Interference::kThermal:
-      return "the force was cut for warm motors";
-    case Interference::kUnarmed:
-      return "there was no force until the hand had left";
-    case Interference::kNotFinite:
-      return "a number that was none, or absurd, was left out";
-    case Interference::kDoubted:
-      return "motion that the pictures do not bear out was not believed";
-    default:
-      return "";
-  }
-}
 
 std::optional<std::string> TouchTeller::take(const TickReport& report, const Rearm& rearm) {
   if (report.halt != halt_) {

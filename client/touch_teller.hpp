@@ -29,7 +29,4 @@ class TouchTeller {
   LineLimit halt_limit_;  // whatever else a stream makes the other one say
 };
 
-/// What an interference does, for a person; empty where a hand does not notice it.
-const char* inWords(Interference which) noexcept;
-
 }  // namespace hapticast::client

@@ -52,6 +52,7 @@ void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::at
     const LocalTime end = clock.now();
     stats.exchange_ns.add((exchanged - begin).count());
     stats.tick_ns.add((end - exchanged).count());
+    room.took(end - exchanged);
     stats.add(report, (report.force_N - force_N).norm());
     force_N = report.force_N;
     deadline = std::min(deadline, begin) + kTickPeriod;

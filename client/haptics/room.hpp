@@ -42,6 +42,8 @@ class Room {
 
   /// One tick; report().force_N is for the device. Thread: loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
+  /// How long the last tick has taken, for the next one's report. Thread: loop.
+  void took(Duration last) noexcept { report_.took = last; }
   /// From now on the force ramps to zero and stays there. Thread: loop.
   void stop() noexcept { safety_.stop(); }
 

@@ -32,6 +32,7 @@ struct TickReport {
   LocalTime time;
   MediaTime play_time;
   Duration playout_delay{0};
+  Duration took{0};  ///< the tick before this one
   Vec3 hip_mm = Vec3::Zero();
   Vec3 force_N = Vec3::Zero();  ///< what went to the device
   Vec3 static_force_N =

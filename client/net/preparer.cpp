@@ -119,9 +119,11 @@ void Preparer::fill(FramePool::Slot& slot, const AssembledFrame& assembled, Prep
   slot.frame.id = frame.id;
   slot.frame.media_time = frame.media_time;
   slot.frame.object_count = std::min(frame.objects.size(), kMaxObjects);
+  const auto shown = static_cast<std::ptrdiff_t>(slot.frame.object_count);
   for (std::size_t i = 0; i < slot.frame.object_count; ++i) {
     fillObject(slot, i, frame.objects[i], frame.id, result);
   }
+  result.felt = {frame.media_time, {slot.fields.begin(), slot.fields.begin() + shown}};
   for (std::size_t i = slot.frame.object_count; i < kMaxObjects; ++i) {
     slot.fields[i].reset();
     slot.grids[i].reset();

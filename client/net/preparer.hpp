@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "client/haptics/felt_frame.hpp"
 #include "client/haptics/time/frame_pool.hpp"
 #include "client/net/frame_assembler.hpp"
 #include "client/net/frame_queue.hpp"
@@ -28,6 +29,7 @@ struct PreparedFrame {
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
   std::uint64_t slices_refused = 0;
+  FeltFrame felt;
 };
 
 class Preparer {

@@ -11,9 +11,6 @@ namespace hapticast::client {
 namespace {
 
 const cv::Scalar kGridColor(70, 66, 62);
-const cv::Scalar kTotalColor(250, 250, 250);
-const cv::Scalar kStaticColor(235, 170, 70);
-const cv::Scalar kDynamicColor(80, 130, 250);
 const cv::Scalar kContactColor(58, 52, 40);
 
 double topOf(const std::deque<ForcePoint>& points) {
@@ -74,16 +71,21 @@ void drawCurve(cv::Mat& plot, const Axes& axes, const std::deque<ForcePoint>& po
   std::vector<cv::Point> line;
   line.reserve(points.size());
   for (const ForcePoint& point : points) {
-    line.emplace_back(axes.column(point.time_s), axes.row(point.*value));
+    const cv::Point at(axes.column(point.time_s), axes.row(point.*value));
+    if (line.empty() || line.back().x != at.x) {
+      line.push_back(at);
+    } else {
+      line.back().y = std::min(line.back().y, at.y);  // of a column its peak
+    }
   }
   cv::polylines(plot, line, false, color, width_px, cv::LINE_AA);
 }
 
 void drawLegend(cv::Mat& plot, int left_px) {
-  putLabel(plot, "force at the device", {left_px, 20}, kTotalColor);
-  putLabel(plot, "static", {left_px + 190, 20}, kStaticColor);
-  putLabel(plot, "dynamic", {left_px + 270, 20}, kDynamicColor);
-  putLabel(plot, "shaded: contact   red line: the moment shown above", {left_px + 370, 20},
+  putLabel(plot, "force at the device", {left_px, 20}, kForceColor);
+  putLabel(plot, "static", {left_px + 190, 20}, kStaticForceColor);
+  putLabel(plot, "dynamic", {left_px + 270, 20}, kDynamicForceColor);
+  putLabel(plot, "shaded: contact   white line: the moment shown above", {left_px + 370, 20},
            kTextColor);
 }
 
@@ -101,11 +103,11 @@ cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size siz
     if (point.contact) axes.drawUpright(plot, point.time_s, kContactColor);
   }
   drawGrid(plot, axes);
-  drawCurve(plot, axes, points, &ForcePoint::dynamic_force_N, kDynamicColor, 1);
-  drawCurve(plot, axes, points, &ForcePoint::static_force_N, kStaticColor, 1);
-  drawCurve(plot, axes, points, &ForcePoint::force_N, kTotalColor, 2);
+  drawCurve(plot, axes, points, &ForcePoint::dynamic_force_N, kDynamicForceColor, 1);
+  drawCurve(plot, axes, points, &ForcePoint::static_force_N, kStaticForceColor, 1);
+  drawCurve(plot, axes, points, &ForcePoint::force_N, kForceColor, 2);
   // The strongest moment may lie further back than the plot reaches.
-  if (marked_s >= axes.start_s) axes.drawUpright(plot, marked_s, kForceColor);
+  if (marked_s >= axes.start_s) axes.drawUpright(plot, marked_s, kMomentColor);
   drawLegend(plot, axes.area.x);
   return plot;
 }

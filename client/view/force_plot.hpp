@@ -12,7 +12,11 @@ namespace hapticast::client {
 // The colours of the overlay, BGR.
 inline const cv::Scalar kGroundColor(28, 26, 24);
 inline const cv::Scalar kTextColor(215, 212, 208);
-inline const cv::Scalar kForceColor(60, 60, 240);
+inline const cv::Scalar kMomentColor(250, 250, 250);
+// The window's.
+inline const cv::Scalar kForceColor(64, 214, 255);
+inline const cv::Scalar kStaticForceColor(255, 120, 64);
+inline const cv::Scalar kDynamicForceColor(48, 56, 255);
 
 /// Writes a line of small text whose left lower corner is `at`, in px.
 void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);

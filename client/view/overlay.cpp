@@ -36,21 +36,27 @@ void drawCone(cv::Mat& image, const Vec2& tip_px, double px_per_mm) {
   const int radius = static_cast<int>(std::lround(0.22 * kCone_mm * px_per_mm));
   const Vec2 side = Vec2(-kObliqueZ.y(), kObliqueZ.x()).normalized() * radius;
   const std::array<cv::Point, 3> body{toPoint(tip_px), toPoint(top - side), toPoint(top + side)};
-  cv::Mat solid = image.clone();
-  cv::fillConvexPoly(solid, body, cv::Scalar(200, 205, 60), cv::LINE_AA);
-  cv::ellipse(solid, toPoint(top), {radius, radius * 2 / 5}, 25.0, 0.0, 360.0,
+  // What it covers, and its rim.
+  const cv::Rect covered =
+      cv::boundingRect(body) + cv::Size(2 * radius, 2 * radius) - cv::Point(radius, radius);
+  const cv::Rect around = covered & cv::Rect({0, 0}, image.size());
+  cv::Mat below = image(around);
+  const cv::Mat seen_through = below.clone();
+  cv::fillConvexPoly(image, body, cv::Scalar(200, 205, 60), cv::LINE_AA);
+  cv::ellipse(image, toPoint(top), {radius, radius * 2 / 5}, 25.0, 0.0, 360.0,
               cv::Scalar(225, 230, 110), cv::FILLED, cv::LINE_AA);
-  cv::addWeighted(solid, 0.75, image, 0.25, 0.0, image);
+  cv::addWeighted(below, 0.75, seen_through, 0.25, 0.0, below);
   cv::circle(image, toPoint(tip_px), 3, cv::Scalar(255, 255, 255), cv::FILLED, cv::LINE_AA);
 }
 
-void drawForce(cv::Mat& image, const Vec2& tip_px, const Vec3& force_N) {
+void drawForce(cv::Mat& image, const Vec2& tip_px, const Vec3& force_N, const cv::Scalar& color,
+               int width_px) {
   const Vec2 oblique = kObliqueZ * force_N.z();
   const Vec2 end = tip_px + kArrow_px_per_N * (Vec2(force_N.x(), -force_N.y()) + oblique);
   if ((end - tip_px).norm() < 2.0) return;
-  cv::arrowedLine(image, toPoint(tip_px), toPoint(end), cv::Scalar(0, 0, 0), 7, cv::LINE_AA, 0,
-                  0.22);
-  cv::arrowedLine(image, toPoint(tip_px), toPoint(end), kForceColor, 4, cv::LINE_AA, 0, 0.22);
+  cv::arrowedLine(image, toPoint(tip_px), toPoint(end), cv::Scalar(0, 0, 0), width_px + 3,
+                  cv::LINE_AA, 0, 0.22);
+  cv::arrowedLine(image, toPoint(tip_px), toPoint(end), color, width_px, cv::LINE_AA, 0, 0.22);
 }
 
 std::string caption(const TickReport& report) {
@@ -76,7 +82,9 @@ cv::Mat drawOverlay(const cv::Mat& picture, const TickReport& report, const Work
   const Vec2 tip_px = hip_px.cwiseMax(Vec2::Zero()).cwiseMin(Vec2(size.width, size.height)) +
                       Vec2(0.0, kHeadHeight_px);
   drawCone(scene, tip_px, scale / workspace.mmPerPixel().x());
-  drawForce(scene, tip_px, report.force_N);
+  drawForce(scene, tip_px, report.force_N, kForceColor, 7);
+  drawForce(scene, tip_px, report.static_force_N, kStaticForceColor, 3);
+  drawForce(scene, tip_px, report.dynamic_force_N, kDynamicForceColor, 3);
   putLabel(scene, caption(report), {10, 18}, kTextColor);
 
   cv::Mat overlay;

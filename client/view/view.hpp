@@ -5,12 +5,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "client/haptics/felt_frame.hpp"
 #include "client/haptics/pointer.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "client/haptics/user_controls.hpp"
 #include "common/haptic_frame.hpp"
+#include "common/histogram.hpp"
 
 namespace hapticast::client {
 
@@ -22,6 +25,7 @@ struct StreamStatus {
   std::uint64_t frames_late = 0;
   std::uint64_t slices_lost = 0;
   double clock_error_us = 0.0;  ///< bound of the error of the media clock; 0: not known
+  double fps = 25.0;            ///< as announced
 };
 
 /// What lies between the app and its views.
@@ -29,6 +33,8 @@ struct Desk {
   UserControls user;      ///< a view may change it
   PointerTarget pointer;  ///< the one that points() writes it
   StreamStatus stream;    ///< to be looked at
+  bool record = false;    ///< a view asks for a log in a new file, as long as it is set
+  std::string recording;  ///< to be looked at: the file, or why there is none; empty before
 };
 
 class View {
@@ -37,6 +43,8 @@ class View {
 
   /// Takes a picture of the stream, which belongs to `workspace`. Thread: any.
   virtual void takePicture(VideoFrame picture, const Workspace& workspace) = 0;
+  /// Takes what can be felt of the next frame. Thread: network.
+  virtual void takeFrame(const FeltFrame& /*frame*/) {}
   /// Takes the report of a tick, whose `time` counts from the first tick of the run. The ticks
   /// come in order and shortly after they happened.
   /// Thread: main.
@@ -49,6 +57,9 @@ class View {
   virtual void finish() = 0;
   /// Whether somebody can point at something in it, so that a mouse can be a device.
   [[nodiscard]] virtual bool points() const { return false; }
+  /// How far apart in play time the picture that was shown and the frame that was felt were, each
+  /// time that it was drawn; null: it shows nothing while it runs. Thread: main.
+  [[nodiscard]] virtual const Histogram* eyeHand() const { return nullptr; }
 };
 
 using Views = std::vector<std::unique_ptr<View>>;

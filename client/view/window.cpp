@@ -10,20 +10,21 @@
 #include <stdexcept>
 
 #include "client/view/picture.hpp"
+#include "client/view/window_display.hpp"
+#include "common/fresh_file.hpp"
 
 namespace hapticast::client {
 
 namespace {
 
-constexpr std::uint64_t kFrame_ms = 16;  // chosen: as screens do
-constexpr double kWheel_mm = 1.0;        // chosen: a notch of the wheel
-constexpr double kDrag_mm_per_px = 0.1;  // chosen: half a hand's way is a press
-// As far as the tip goes before and behind the picture.
-constexpr double kNearest_mm = 35.0;
-constexpr double kFarthest_mm = -5.0;
-
 [[noreturn]] void failed(const char* what) {
-  throw std::runtime_error(fmt::format("--view on: {} ({})", what, SDL_GetError()));
+  throw std::runtime_error(fmt::format("{} ({})", what, SDL_GetError()));
+}
+
+/// Where no display can be opened SDL may draw in memory, which only who names its driver wants.
+bool drawsForNobody() {
+  const std::string driver = SDL_GetCurrentVideoDriver();
+  return (driver == "offscreen" || driver == "dummy") && SDL_getenv("SDL_VIDEODRIVER") == nullptr;
 }
 
 /// The share of the window that is the panel's.
@@ -41,6 +42,10 @@ struct ViewerWindow::Gui {
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) failed("no display");
+    if (drawsForNobody()) {
+      SDL_SetError("the one that is named cannot be opened");
+      end("no display");
+    }
     constexpr std::uint32_t kFlags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
     window = SDL_CreateWindow("hapticast", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width_px,
                               height_px, kFlags);
@@ -49,6 +54,7 @@ struct ViewerWindow::Gui {
     renderer = SDL_CreateRenderer(window, -1, 0);
     if (renderer == nullptr) renderer = SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
     if (renderer == nullptr) end("nothing can be drawn");
+    surviveDisplay(*window);  // now: for a renderer SDL makes a window anew
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
@@ -58,6 +64,10 @@ struct ViewerWindow::Gui {
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
   ~Gui() {
+    if (displayIsLost()) {
+      (void)painter.release();  // its textures are the display's
+      return;
+    }
     painter.reset();
     ImGui_ImplSDL2_Shutdown();
     ImGui::DestroyContext(context);
@@ -84,7 +94,9 @@ struct ViewerWindow::Gui {
 ViewerWindow::ViewerWindow(int width_px, int height_px)
     : gui_(std::make_unique<Gui>(width_px, height_px)), place_(workspace_, {0, 0}, {640, 480}) {}
 
-ViewerWindow::~ViewerWindow() = default;
+ViewerWindow::~ViewerWindow() {
+  if (displayIsLost()) (void)texture_.release();
+}
 
 void ViewerWindow::takePicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
@@ -95,72 +107,8 @@ void ViewerWindow::takeReport(const TickReport& report) {
   history_.add(report);
 }
 
-bool ViewerWindow::turn(Desk& desk) {
-  SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) hear(event, desk);
-  const std::uint64_t now_ms = SDL_GetTicks64();
-  if (now_ms - drawn_ms_ >= kFrame_ms) {
-    drawn_ms_ = now_ms;
-    draw(desk);
-  }
-  return !closed_;
-}
-
-void ViewerWindow::hear(const SDL_Event& event, Desk& desk) {
-  ImGui_ImplSDL2_ProcessEvent(&event);
-  const ImGuiIO& io = ImGui::GetIO();
-  const ImVec2 cursor(static_cast<float>(event.button.x), static_cast<float>(event.button.y));
-  switch (event.type) {
-    case SDL_QUIT:
-      closed_ = true;
-      break;
-    case SDL_KEYDOWN:
-      if (io.WantTextInput || event.key.repeat != 0) break;
-      if (event.key.keysym.sym == SDLK_p) save_ = true;
-      (void)pressKey(event.key.keysym.sym, desk, state_);
-      break;
-    case SDL_MOUSEMOTION:
-      point(event.motion, desk);
-      break;
-    case SDL_MOUSEWHEEL:
-      if (!io.WantCaptureMouse) press(-kWheel_mm * double{event.wheel.preciseY}, desk);
-      break;
-    case SDL_MOUSEBUTTONDOWN:
-      if (event.button.button == SDL_BUTTON_LEFT && place_.contains(cursor) && !io.WantCaptureMouse)
-        drag(true);
-      break;
-    case SDL_MOUSEBUTTONUP:
-      if (event.button.button == SDL_BUTTON_LEFT) drag(false);
-      break;
-    default:
-      break;
-  }
-}
-
-void ViewerWindow::point(const SDL_MouseMotionEvent& motion, Desk& desk) {
-  if (dragging_) {
-    press(kDrag_mm_per_px * motion.yrel, desk);
-    return;
-  }
-  const ImVec2 at(static_cast<float>(motion.x), static_cast<float>(motion.y));
-  if (!place_.contains(at) || ImGui::GetIO().WantCaptureMouse) return;
-  if (!desk.pointer.known) {  // in depth it begins where the tip is
-    desk.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
-    press(0.0, desk);
-  }
-  desk.pointer.position_mm.head<2>() = place_.toNominal(at);
-}
-
-/// Into the picture.
-void ViewerWindow::press(double by_mm, Desk& desk) const {
-  double& z_mm = desk.pointer.position_mm.z();
-  z_mm = std::clamp(z_mm - by_mm, kFarthest_mm, kNearest_mm);
-}
-
-/// While a drag lasts the pointer stays where it was and has no edge to stop at.
-void ViewerWindow::drag(bool begins) {
-  dragging_ = begins;
-  SDL_SetRelativeMouseMode(begins ? SDL_TRUE : SDL_FALSE);
+void ViewerWindow::finish() {
+  if (displayIsLost()) throw std::runtime_error("the window is gone: its display took it away");
 }
 
 void ViewerWindow::draw(Desk& desk) {
@@ -195,9 +143,18 @@ void ViewerWindow::showPicture() {
   auto nearest = pictures_.nearest(play_time);
   // While time is paused the buffer goes on, and forgets the picture of the frame that stands.
   const bool nearer = nearest && (!shown_ || off(*nearest) < off(*shown_));
-  if (shown_) state_.picture_off_ms = toSeconds(shown_->video.media_time - play_time) * 1e3;
-  if (!nearer) return;
-  shown_ = std::move(nearest);
+  if (nearer) show(std::move(nearest));
+  if (!shown_) return;
+  const Duration apart = shown_->video.media_time - play_time;
+  state_.picture_off_ms = toSeconds(apart) * 1e3;
+  if (ticks_.last().lookup == Lookup::kInterpolated && play_time != last_play_time_)
+    eye_hand_ns_.add(std::abs(apart.count()));
+  last_play_time_ = play_time;
+}
+
+/// Takes a picture to the screen.
+void ViewerWindow::show(std::shared_ptr<const StreamPicture> picture_of_stream) {
+  shown_ = std::move(picture_of_stream);
   workspace_ = shown_->workspace;
   const cv::Size size(workspace_.width_px, workspace_.height_px);
   const cv::Mat picture = decodeJpeg(shown_->video.jpeg, size);
@@ -222,7 +179,13 @@ void ViewerWindow::showScene(Desk& desk) {
   } else {
     list.AddRectFilled(place_.corner(), place_.end(), IM_COL32(40, 43, 46, 255));
   }
+  relief_.follow(ticks_.last().play_time, workspace_);
+  list.PushClipRect(place_.corner(), place_.end(), true);
+  if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(list, place_);
+  if (state_.outline) relief_.drawOutline(list, place_);
+  list.PopClipRect();
   drawScene(list, place_, ticks_.last(), desk.pointer);
+  if (state_.relief == ReliefLook::kInSpace) relief_.drawInSpace(list, place_, ticks_.last());
   const std::string status = statusLine(ticks_.last(), desk);
   list.AddText({0.5F * ImGui::GetFontSize(), 0.4F * ImGui::GetFontSize()},
                IM_COL32(235, 235, 235, 255), status.c_str());
@@ -239,7 +202,7 @@ cv::Mat ViewerWindow::pixels() const {
 
 void ViewerWindow::savePicture() {
   save_ = false;
-  const std::string file = fmt::format("hapticast-{}.png", ++saved_);
+  const std::string file = freshFile(".png");
   bool written = false;
   try {
     written = cv::imwrite(file, pixels());

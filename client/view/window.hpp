@@ -12,6 +12,7 @@
 #include "client/view/picture_buffer.hpp"
 #include "client/view/window_painter.hpp"
 #include "client/view/window_panel.hpp"
+#include "client/view/window_relief.hpp"
 #include "client/view/window_scene.hpp"
 
 namespace hapticast::client {
@@ -28,11 +29,14 @@ class ViewerWindow final : public View {
   ~ViewerWindow() override;
 
   void takePicture(VideoFrame picture, const Workspace& workspace) override;
+  void takeFrame(const FeltFrame& frame) override { relief_.takeFrame(frame); }
   void takeReport(const TickReport& report) override;
   /// Hears what the user does; draws when it is time to. False when the window was closed.
   [[nodiscard]] bool turn(Desk& desk) override;
-  void finish() override {}
+  /// Throws where the display took it away.
+  void finish() override;
   [[nodiscard]] bool points() const override { return true; }
+  [[nodiscard]] const Histogram* eyeHand() const override { return &eye_hand_ns_; }
 
   /// Draws now, whatever time it is.
   void draw(Desk& desk);
@@ -45,8 +49,12 @@ class ViewerWindow final : public View {
   void hear(const SDL_Event& event, Desk& desk);
   void point(const SDL_MouseMotionEvent& motion, Desk& desk);
   void press(double by_mm, Desk& desk) const;
-  void drag(bool begins);
+  enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
+  void drag(Drag what);
+  /// Whether a drag there turns the relief, and does not move the tip.
+  [[nodiscard]] bool turnsRelief(const ImVec2& point) const;
   void showPicture();
+  void show(std::shared_ptr<const StreamPicture> picture_of_stream);
   void showScene(Desk& desk);
   void savePicture();
 
@@ -61,10 +69,12 @@ class ViewerWindow final : public View {
   TickWatch ticks_;
   PanelState state_;
   ScenePlace place_;
-  bool dragging_ = false;
+  Drag drag_ = Drag::kNone;
+  WindowRelief relief_;
+  Histogram eye_hand_ns_;
+  MediaTime last_play_time_{};
   bool closed_ = false;
   bool save_ = false;
-  int saved_ = 0;
   std::uint64_t drawn_ms_ = 0;
 };
 

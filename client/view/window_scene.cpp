@@ -18,11 +18,6 @@ ImVec2 plus(const ImVec2& a, const ImVec2& b) { return {a.x + b.x, a.y + b.y}; }
 ImVec2 times(const ImVec2& a, float factor) { return {a.x * factor, a.y * factor}; }
 float lengthOf(const ImVec2& a) { return std::hypot(a.x, a.y); }
 
-/// Kept where drawing arithmetic stays exact.
-float bounded(double value) {
-  return std::isfinite(value) ? static_cast<float>(std::clamp(value, -1e5, 1e5)) : 0.0F;
-}
-
 /// The stylus: a cone whose tip is the HIP, opening towards the viewer; the nearer, the larger.
 void drawCone(ImDrawList& list, const ImVec2& tip, float size) {
   constexpr int kSides = 28;
@@ -47,6 +42,12 @@ void drawCone(ImDrawList& list, const ImVec2& tip, float size) {
   list.AddCircleFilled(tip, 3.5F, IM_COL32(255, 255, 255, 255));
 }
 
+}  // namespace
+
+float bounded(double value) {
+  return std::isfinite(value) ? static_cast<float>(std::clamp(value, -1e5, 1e5)) : 0.0F;
+}
+
 void drawArrow(ImDrawList& list, const ImVec2& from, const ImVec2& way, float width, ImU32 color) {
   const float length = lengthOf(way);
   if (length < 2.0F) return;
@@ -59,8 +60,6 @@ void drawArrow(ImDrawList& list, const ImVec2& from, const ImVec2& way, float wi
   list.AddTriangleFilled(end, plus(neck, times(across, 0.5F * head)),
                          plus(neck, times(across, -0.5F * head)), color);
 }
-
-}  // namespace
 
 ScenePlace::ScenePlace(const Workspace& workspace, const ImVec2& corner, const ImVec2& room)
     : workspace_(workspace) {
@@ -81,7 +80,10 @@ bool ScenePlace::contains(const ImVec2& point) const {
 }
 
 ImVec2 ScenePlace::toWindow(const Vec2& nominal_mm) const {
-  const Vec2 image_px = workspace_.toImage(nominal_mm);
+  return fromImage(workspace_.toImage(nominal_mm));
+}
+
+ImVec2 ScenePlace::fromImage(const Vec2& image_px) const {
   return {corner_.x + scale_ * bounded(image_px.x()), corner_.y + scale_ * bounded(image_px.y())};
 }
 

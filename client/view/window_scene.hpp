@@ -25,6 +25,7 @@ class ScenePlace {
   [[nodiscard]] bool contains(const ImVec2& point) const;
   /// A point of the window and the nominal (x, y) that is seen there.
   [[nodiscard]] ImVec2 toWindow(const Vec2& nominal_mm) const;
+  [[nodiscard]] ImVec2 fromImage(const Vec2& image_px) const;
   [[nodiscard]] Vec2 toNominal(const ImVec2& point) const;
   /// An arrow from the tip: x right, y up, z towards the viewer drawn obliquely, up and a little to
   /// the right.
@@ -36,6 +37,11 @@ class ScenePlace {
   ImVec2 corner_;
   float scale_;  // window px a px of the picture
 };
+
+/// Kept where drawing arithmetic stays exact; what is not finite is 0.
+[[nodiscard]] float bounded(double value);
+
+void drawArrow(ImDrawList& list, const ImVec2& from, const ImVec2& way, float width, ImU32 color);
 
 /// Draws cone, contact and arrows of `report`, and where the pointer pulls the tip to.
 void drawScene(ImDrawList& list, const ScenePlace& place, const TickReport& report,

@@ -127,8 +127,11 @@ TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   clientEnds({"--fault-dir", write("file", "") + "/below"}, 2, {"--fault-dir", "file/below"});
   for (const char* flag : {"--log", "--summary", "--screenshot"})
     clientEnds({flag, path("missing/file.png")}, 2, {flag, "missing/file.png", "folder"});
+  clientEnds({"--film", path("missing/film.mp4")}, 2, {"--film", "missing/film.mp4", "folder"});
   clientEnds({"--screenshot", path("picture.xyz")}, 2, {"--screenshot", "picture.xyz", ".png"});
   EXPECT_FALSE(std::filesystem::exists(path("picture.xyz")));
+  clientEnds({"--film", path("film.xyz")}, 2, {"--film", "film.xyz", ".mp4"});
+  EXPECT_FALSE(std::filesystem::exists(path("film.xyz")));
 }
 
 TEST_F(ProgramsInputTest, ConfigFiles) {

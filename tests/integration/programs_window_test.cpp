@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <opencv2/videoio.hpp>
 #include <utility>
 
 #include "client/app.hpp"
@@ -209,6 +210,82 @@ TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesFeelsItAndGoesOn) {
   EXPECT_EQ(summary["step_excess_max_N"], 0.0);
   EXPECT_LE(summary["max_force_N"], 3.3 + 1e-9);
   EXPECT_EQ(last.force_N, Vec3(Vec3::Zero())) << "closed in contact";
+  interrupt(*server);
+}
+
+/// A display of its own, for a window that others do to as they like; empty name: there is none.
+class Display {
+ public:
+  Display() {
+    if (!std::filesystem::exists(kServer)) return;
+    server_ = std::make_unique<Process>(std::vector<std::string>{
+        kServer, "-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"});
+    if (!waitUntil(kSoon, [this] { return server_->output().find('\n') != std::string::npos; }))
+      return;
+    name_ = ":" + server_->output().substr(0, server_->output().find('\n'));
+  }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  void end() { server_->signal(SIGKILL); }
+
+ private:
+  static constexpr const char* kServer = "/usr/bin/Xvfb";
+  std::unique_ptr<Process> server_;
+  std::string name_;
+};
+
+TEST_F(ProgramsWindowTest, ADisplayThatEndsLetsTheForceDown) {
+  Display display;
+  if (display.name().empty()) GTEST_SKIP() << "there is no Xvfb to be ended";
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string log = path("log.csv");
+  const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=" + display.name(),
+                                             HAPTICAST_CLIENT_PROGRAM, addressOf(*server), "--view",
+                                             "on", "--device", "virtual", "--log", log});
+  const auto feels = [&] {
+    const auto rows = readLog(log);
+    return !rows.empty() && rows.back().force_N.norm() > 0.5;
+  };
+  ASSERT_TRUE(waitUntil(kSoon, feels)) << client->output();
+  display.end();
+  EXPECT_EQ(client->wait(kSoon), 1) << client->output();
+  EXPECT_EQ(countOf("the window is gone: its display took it away", client->output()), 1U)
+      << client->output();
+  const auto rows = readLog(log);
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows.back().force_N, Vec3(Vec3::Zero()));
+  double largest_step_N = 0.0;
+  for (std::size_t i = rows.size() - std::min<std::size_t>(rows.size() - 1, 200); i < rows.size();
+       ++i)
+    largest_step_N = std::max(largest_step_N, (rows[i].force_N - rows[i - 1].force_N).norm());
+  EXPECT_LT(largest_step_N, 0.6) << "ramped";
+  interrupt(*server);
+}
+
+TEST_F(ProgramsWindowTest, AWindowThatCannotBeOpenedIsDoneWithout) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=:987",
+                                             HAPTICAST_CLIENT_PROGRAM, addressOf(*server)});
+  EXPECT_TRUE(client->says("going on without a window: no display (", kSoon)) << client->output();
+  EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
+  interrupt(*client);
+  interrupt(*server);
+}
+
+TEST_F(ProgramsWindowTest, LeavesAFilmOfTheTouch) {
+  const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
+  EXPECT_TRUE(server->says("streaming", kStart)) << server->output();
+  const auto client = startClient({addressOf(*server), "--seconds", "3", "--film", path("film.mp4"),
+                                   "--summary", path("summary.json")});
+  EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  std::ifstream in(path("summary.json"));
+  const double ticks = nlohmann::json::parse(in)["ticks"];
+  cv::VideoCapture film(path("film.mp4"));
+  EXPECT_EQ(film.get(cv::CAP_PROP_FPS), 25.0);
+  double pictures = 0.0;
+  for (cv::Mat picture; film.read(picture);) ++pictures;
+  EXPECT_GT(pictures, 25.0);
+  EXPECT_LE(pictures, 4.0 * 25.0);
+  EXPECT_GT(ticks, 1000.0);
   interrupt(*server);
 }
 

@@ -34,6 +34,34 @@ constexpr std::uint32_t bit(Interference which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }
 
+/// What it did, for a person; empty where a hand does not notice it.
+constexpr const char* inWords(Interference which) noexcept {
+  switch (which) {
+    case Interference::kStiffness:
+      return "a wall was made softer";
+    case Interference::kSurfaceSpeed:
+      return "a surface was slowed down";
+    case Interference::kPassivity:
+      return "what a contact gave was damped";
+    case Interference::kTank:
+      return "energy into the hand was held back";
+    case Interference::kSlew:
+      return "a step was slowed";
+    case Interference::kPeak:
+      return "the force was cut at the device's peak";
+    case Interference::kThermal:
+      return "the force was cut for warm motors";
+    case Interference::kUnarmed:
+      return "there was no force until the hand had left";
+    case Interference::kNotFinite:
+      return "a number that was none, or absurd, was left out";
+    case Interference::kDoubted:
+      return "motion that the pictures do not bear out was not believed";
+    default:
+      return "";
+  }
+}
+
 /// Why there is no force until UserControls::rearm.
 enum class Halt : std::uint8_t {
   kNone = 0,

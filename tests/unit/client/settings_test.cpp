@@ -31,7 +31,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.method, Method::kHapticast);
   EXPECT_FALSE(run.settings.quiet);
   EXPECT_TRUE(run.settings.log_file.empty() && run.settings.summary_file.empty() &&
-              run.settings.screenshot_file.empty());
+              run.settings.screenshot_file.empty() && run.settings.film_file.empty());
 }
 
 void expectAll(const Settings& settings) {
@@ -50,6 +50,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.log_file, "a.csv");
   EXPECT_EQ(settings.summary_file, "b.json");
   EXPECT_EQ(settings.screenshot_file, hasViewer() ? "c.png" : "");
+  EXPECT_EQ(settings.film_file, hasViewer() ? "c.mp4" : "");
   EXPECT_EQ(settings.seconds, 2.5);
   EXPECT_EQ(settings.fault_folder, "d");
   EXPECT_TRUE(settings.rearm);
@@ -68,7 +69,10 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
       {"quiet", "true"},      {"rearm", "true"},
       {"fault-dir", "d"},     {"stiffness-limit", "2.5"},
       {"redundancy", "3"},    {"interface", "lo"}};
-  if (hasViewer()) flags.emplace_back("screenshot", "c.png");
+  if (hasViewer()) {
+    flags.emplace_back("screenshot", "c.png");
+    flags.emplace_back("film", "c.mp4");
+  }
   return flags;
 }
 const auto kAll = everyFlag();
@@ -133,7 +137,7 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
   for (const char* fact :
-       {hasViewer() ? "views: screenshot" : "views: none", "devices: virtual",
+       {hasViewer() ? "views: screenshot film" : "views: none", "devices: virtual",
         "transports: multicast tcp udp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;

@@ -67,6 +67,7 @@ RunResult eventful() {
   result.playout_delay_ms = 41.5;
   result.clock_offset_us = -1234567890.125;
   result.clock_error_us = 12.5;
+  for (int i = 0; i < 100; ++i) result.eye_hand_ns.add(8'000'000);
   result.realtime = {.fifo = true, .mlock = false};
   return result;
 }
@@ -88,6 +89,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "work_mJ": {"relative": -8.0, "surface": 5.0, "object": 0.5, "user": -2.5},
     "contact_ticks": 2000,
     "playout_delay_ms": 41.5, "clock_offset_us": -1234567890.125, "clock_error_us": 12.5,
+    "eye_hand_ms": {"p50": 8.0, "p95": 8.0},
     "interferences": {},
     "realtime": {"fifo": true, "mlock": false},
     "faults": []
@@ -122,6 +124,7 @@ TEST(Summary, OfARunWithoutATick) {
   EXPECT_EQ(values.at("ticks"), 0);
   EXPECT_EQ(values.at("tick_ns").at("max"), 0);
   EXPECT_EQ(values.at("faults"), Json::array());
+  EXPECT_TRUE(values.at("eye_hand_ms").is_null());
 }
 
 TEST(Summary, AFileThatCannotBeWrittenIsNamed) {

@@ -214,5 +214,22 @@ TEST(TouchTeller, SaysOnceAMinuteThatAWallIsSofter) {
   EXPECT_EQ(lines, 3);
 }
 
+TEST(Trust, WhereThereIsAWindowItsKeyIsNamed) {
+  TickReport report;
+  report.halt = Halt::kTrustLost;
+  EXPECT_NE(TouchTeller()
+                .take(report, Rearm(false, true))
+                .value_or("")
+                .find("no force until R is pressed in the window"),
+            std::string::npos);
+  EXPECT_NE(TouchTeller().take(report, Rearm(false)).value_or("").find("with --rearm"),
+            std::string::npos);
+  report.halt = Halt::kDeviceLost;
+  EXPECT_EQ(TouchTeller().take(report, Rearm(false, true)),
+            "the device does not answer: no force until it is back and R is pressed in the window");
+  EXPECT_EQ(TouchTeller().take(report, Rearm(true, true)),
+            "the device does not answer: no force until it is back");
+}
+
 }  // namespace
 }  // namespace hapticast::client

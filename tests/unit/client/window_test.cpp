@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/support/flat_relief.hpp"
+
 namespace hapticast::client {
 namespace {
 
@@ -148,6 +150,114 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   EXPECT_FALSE(window.turn(desk));
 }
 
+TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
+  ViewerWindow window(640, 480);
+  const Workspace workspace;
+  window.takePicture(grey(60), workspace);
+  TickReport report = touch();
+  report.contact = false;
+  report.hip_mm = {-70.0, 50.0, 20.0};
+  report.force_N = report.static_force_N = report.dynamic_force_N = Vec3::Zero();
+  window.takeReport(report);
+  const auto field = std::make_shared<const HeightField>(
+      HeightField::prepare(*flatRelief({400, 100, 120, 80}), workspace));
+  window.takeFrame({report.play_time, {field}});
+  const auto at = [&](double u, double v) {
+    const ImVec2 point = window.place().fromImage({u, v});
+    return window.pixels().at<cv::Vec3b>(static_cast<int>(point.y), static_cast<int>(point.x));
+  };
+  const auto press = [&](SDL_Keycode code) {
+    SDL_Event event{};
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = code;
+    SDL_PushEvent(&event);
+    EXPECT_TRUE(window.turn(desk));
+    window.draw(desk);
+  };
+  window.draw(desk);
+  EXPECT_NEAR(at(400, 140)[1], 60, 3) << "not asked for";
+  press(SDLK_o);
+  for (const Vec2& edge : {Vec2(400, 140), Vec2(519, 140), Vec2(460, 100), Vec2(460, 179)})
+    EXPECT_GT(at(edge.x(), edge.y())[1], 160) << edge.transpose();
+  for (const Vec2& beside : {Vec2(380, 140), Vec2(460, 140), Vec2(460, 80), Vec2(540, 140)})
+    EXPECT_NEAR(at(beside.x(), beside.y())[1], 60, 3) << beside.transpose();
+  press(SDLK_v);
+  EXPECT_GT(at(460, 140)[2], 120) << "shaded";
+  EXPECT_NEAR(at(380, 140)[1], 60, 3);
+  press(SDLK_v);
+  EXPECT_NEAR(at(460, 140)[1], 60, 3);
+  EXPECT_LT(at(20, 460)[1], 40) << "the box of the relief in space";
+  press(SDLK_v);
+  EXPECT_NEAR(at(20, 460)[1], 60, 3);
+  press(SDLK_l);
+  EXPECT_TRUE(desk.record);
+}
+
+TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
+  ViewerWindow window(640, 480);
+  window.takePicture(grey(60), Workspace{});
+  window.takeReport(touch());
+  const auto field = std::make_shared<const HeightField>(
+      HeightField::prepare(*flatRelief({400, 100, 120, 80}), Workspace{}));
+  window.takeFrame({touch().play_time, {field}});
+  window.draw(desk);
+  const auto send = [&](SDL_Event event) {
+    SDL_PushEvent(&event);
+    EXPECT_TRUE(window.turn(desk));
+    window.draw(desk);
+  };
+  SDL_Event key{};
+  key.type = SDL_KEYDOWN;
+  key.key.keysym.sym = SDLK_v;
+  send(key);
+  send(key);
+  const ImVec4 box = WindowRelief::box(window.place());
+  const cv::Rect inside(static_cast<int>(box.x), static_cast<int>(box.y),
+                        static_cast<int>(box.z - box.x), static_cast<int>(box.w - box.y));
+  const cv::Mat before = window.pixels()(inside).clone();
+  SDL_Event button{};
+  button.type = SDL_MOUSEBUTTONDOWN;
+  button.button.button = SDL_BUTTON_LEFT;
+  button.button.x = inside.x + inside.width / 2;
+  button.button.y = inside.y + inside.height / 2;
+  send(button);
+  SDL_Event motion{};
+  motion.type = SDL_MOUSEMOTION;
+  motion.motion.xrel = 40;
+  motion.motion.yrel = -30;
+  motion.motion.x = button.button.x;
+  motion.motion.y = button.button.y;
+  send(motion);
+  EXPECT_FALSE(desk.pointer.known);
+  EXPECT_GT(cv::norm(before, window.pixels()(inside), cv::NORM_L1), 10'000.0);
+  button.type = SDL_MOUSEBUTTONUP;
+  send(button);
+}
+
+TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
+  ViewerWindow window(640, 480);
+  window.takePicture(grey(60), Workspace{});  // of 1 s
+  for (const double play_s : {1.0, 1.01, 1.01, 1.02}) {
+    TickReport report = touch();
+    report.play_time = mediaTime(play_s);
+    window.takeReport(report);
+    window.draw(desk);
+  }
+  ASSERT_NE(window.eyeHand(), nullptr);
+  EXPECT_EQ(window.eyeHand()->count(), 3U) << "time that stands says nothing";
+  EXPECT_EQ(window.eyeHand()->max_ns(), 20'000'000U);
+}
+
+TEST_F(WindowTest, TheChainSpeaksInPlainWords) {
+  TickWatch ticks;
+  TickReport report = touch();
+  ticks.add(report);
+  EXPECT_EQ(ticks.chain(), "nothing to do");
+  report.interferences = bit(Interference::kSlew) | bit(Interference::kFade);
+  ticks.add(report);
+  EXPECT_EQ(ticks.chain(), "a step was slowed");
+}
+
 TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
   setenv("SDL_VIDEODRIVER", "x11", 1);
   setenv("DISPLAY", ":987", 1);
@@ -155,7 +265,7 @@ TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
     const ViewerWindow window;
     ADD_FAILURE() << "there is a display :987";
   } catch (const std::runtime_error& error) {
-    EXPECT_EQ(std::string(error.what()).find("--view on: no display ("), 0U) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("no display ("), 0U) << error.what();
   }
   unsetenv("DISPLAY");
 }

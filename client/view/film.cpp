@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/film.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "client/view/overlay.hpp"
+#include "client/view/picture.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Play time that goes on by more than this in a tick has jumped.
+constexpr double kJump_s = 0.05;
+
+/// By how much the film goes on with this tick: as play time does; where that stands or jumps, as
+/// the hand's own time.
+double goesOnBy(const TickReport& before, const TickReport& now) {
+  const double play_s = toSeconds(now.play_time - before.play_time);
+  return play_s > 0.0 && play_s < kJump_s ? play_s : toSeconds(now.time - before.time);
+}
+
+/// A codec takes only even sizes.
+cv::Size even(cv::Size size) { return {size.width & ~1, size.height & ~1}; }
+
+}  // namespace
+
+FilmView::FilmView(std::string file) : file_(std::move(file)) {
+  if (std::filesystem::path(file_).extension() != ".mp4")
+    throw std::runtime_error("--film " + file_ + ": is no film's name; give FILE.mp4");
+  thread_ = std::thread([this] { run(); });
+}
+
+void FilmView::takePicture(VideoFrame picture, const Workspace& workspace) {
+  pictures_.add(std::move(picture), workspace);
+}
+
+void FilmView::takeReport(const TickReport& report) {
+  if (!next_.ticks.empty()) due_s_ -= goesOnBy(next_.ticks.back(), report);
+  next_.ticks.push_back(report);
+  if (due_s_ > 0.0) return;
+  if (fps_ > 0.0) next_.picture = pictures_.nearest(report.play_time);
+  if (!next_.picture) {  // the film begins with the first one
+    next_.ticks = {report};
+    return;
+  }
+  next_.fps = fps_;
+  due_s_ = std::max(due_s_ + 1.0 / fps_, 0.0);
+  Shot shot = std::exchange(next_, {});
+  next_.ticks.push_back(shot.ticks.back());  // from there it goes on
+  take(std::move(shot));
+}
+
+void FilmView::take(Shot shot) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (failed_) return;
+    if (waiting_.size() < kMostWaiting) {
+      waiting_.push_back(std::move(shot));
+    } else {
+      ++waiting_.back().repeats;
+    }
+  }
+  something_waits_.notify_one();
+}
+
+bool FilmView::turn(Desk& desk) {
+  if (desk.stream.connected) fps_ = desk.stream.fps;
+  return true;
+}
+
+void FilmView::finish() {
+  stop();
+  if (failed_) std::rethrow_exception(failed_);
+  if (size_.empty())
+    throw std::runtime_error("--film " + file_ + ": no picture came that could be filmed");
+}
+
+void FilmView::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
+  something_waits_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void FilmView::run() {
+  // Of this thread, and of the encoder's that it starts: the loop and the window come first.
+  (void)!::nice(5);
+  try {
+    while (true) {
+      Shot shot;
+      {
+        std::unique_lock lock(mutex_);
+        something_waits_.wait(lock, [this] { return over_ || !waiting_.empty(); });
+        if (waiting_.empty()) break;
+        shot = std::move(waiting_.front());
+        waiting_.pop_front();
+      }
+      write(shot);
+    }
+    writer_.release();
+  } catch (const std::exception&) {
+    const std::lock_guard lock(mutex_);
+    failed_ = std::current_exception();
+  }
+}
+
+void FilmView::write(const Shot& shot) {
+  // The first tick was the last one of the shot before.
+  for (std::size_t i = 1; i < shot.ticks.size(); ++i) history_.add(shot.ticks[i]);
+  const Workspace& workspace = shot.picture->workspace;
+  const cv::Mat picture =
+      decodeJpeg(shot.picture->video.jpeg, {workspace.width_px, workspace.height_px});
+  cv::Mat drawing = drawOverlay(picture, shot.ticks.back(), workspace, history_);
+  if (size_.empty()) open(drawing, shot.fps);
+  const cv::Size of_drawing = even(drawing.size());
+  if (of_drawing == size_) {
+    drawing = drawing(cv::Rect({0, 0}, size_));
+  } else {  // another stream, of other proportions
+    cv::resize(drawing, drawing, size_);
+  }
+  for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
+}
+
+/// H.264, which everything plays; where OpenCV cannot, MPEG-4.
+void FilmView::open(const cv::Mat& drawing, double fps) {
+  const cv::Size size = even(drawing.size());
+  for (const int codec :
+       {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
+    if (!writer_.open(file_, cv::CAP_FFMPEG, codec, fps, size)) continue;
+    size_ = size;
+    return;
+  }
+  throw std::runtime_error("--film " + file_ + ": OpenCV has no encoder for it");
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/relief_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: pixels of a mask that are looked at for its outline; beyond, it is looked at more
+// coarsely.
+constexpr double kMostPixels = 250'000.0;
+
+/// Wide enough that of this rectangle at most `most` points remain.
+int stepFor(const PixelRect& rect, double most) {
+  return std::max(1, static_cast<int>(std::ceil(std::sqrt(double(rect.pixels()) / most))));
+}
+
+float lightOn(const Vec2& gradient) {
+  const Vec3 normal = Vec3(-gradient.x(), -gradient.y(), 1.0).normalized();
+  const Vec3 to_lamp = Vec3(-0.4, 0.35, 0.85).normalized();
+  constexpr double kAmbient = 0.15;
+  return static_cast<float>(kAmbient + (1.0 - kAmbient) * std::max(0.0, normal.dot(to_lamp)));
+}
+
+/// Adds a relief of at most `most_cells` or so.
+void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& workspace,
+               double most_cells, int least_px) {
+  const PixelRect& rect = relief.rect();
+  const int step = std::max(stepFor(rect, most_cells), least_px);
+  const int columns = (rect.width - 1) / step + 1;
+  const int rows = (rect.height - 1) / step + 1;
+  std::vector<int> number(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
+  const auto at = [&](int column, int row) -> int& {
+    return number[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(column)];
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const Vec2 px(rect.u + column * step + 0.5, rect.v + row * step + 0.5);
+      if (!relief.inside(px)) continue;
+      const SurfaceSample sample = relief.bilinear(px);
+      const Vec2 nominal_mm = workspace.toNominal(px);
+      at(column, row) = static_cast<int>(mesh.corners.size());
+      mesh.corners.push_back(
+          {{nominal_mm.x(), nominal_mm.y(), sample.height_mm}, lightOn(sample.gradient)});
+      if (row == 0 || column == 0) continue;
+      const std::array cell{at(column - 1, row - 1), at(column, row - 1), at(column, row),
+                            at(column - 1, row)};
+      if (*std::min_element(cell.begin(), cell.end()) >= 0) mesh.cells.push_back(cell);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<cv::Point2f>> outlineOf(const HeightField& relief) {
+  const PixelRect& rect = relief.rect();
+  if (relief.empty()) return {};
+  const int step = stepFor(rect, kMostPixels);
+  // A frame of nothing around it, so that what reaches the picture's edge is closed there.
+  cv::Mat mask = cv::Mat::zeros(rect.height / step + 3, rect.width / step + 3, CV_8UC1);
+  for (int row = 0; row * step < rect.height; ++row) {
+    for (int column = 0; column * step < rect.width; ++column) {
+      const Vec2 px(rect.u + column * step + 0.5, rect.v + row * step + 0.5);
+      if (relief.inside(px)) mask.at<std::uint8_t>(row + 1, column + 1) = 1;
+    }
+  }
+  std::vector<std::vector<cv::Point>> edges;
+  cv::findContours(mask, edges, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+  std::vector<std::vector<cv::Point2f>> lines(edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    lines[i].reserve(edges[i].size());
+    for (const cv::Point& point : edges[i]) {
+      lines[i].emplace_back(static_cast<float>(rect.u + (point.x - 1) * step) + 0.5F,
+                            static_cast<float>(rect.v + (point.y - 1) * step) + 0.5F);
+    }
+  }
+  return lines;
+}
+
+ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace, int least_px) {
+  ReliefMesh mesh;
+  for (const auto& relief : reliefs) {
+    if (relief->empty()) continue;
+    addRelief(mesh, *relief, workspace,
+              ReliefMesh::kMostCells / static_cast<double>(reliefs.size()), least_px);
+  }
+  return mesh;
+}
+
+}  // namespace hapticast::client
