@@ -2,6 +2,7 @@
 #include "server/vision/segment/band_object.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/vision/segment/search.hpp"
 #include "server/vision/segment/segment.hpp"
@@ -23,13 +24,14 @@ constexpr double kSurelyColor = 0.8;    // mean colour evidence of what may be u
 constexpr double kUsualFollows = 0.01;  // chosen: a size is usual after four seconds
 constexpr int kLookEvery = 15;          // chosen, frames: a look costs as much as two frames
 constexpr double kClearlyBetter = 0.12;
+constexpr double kAsUsual = 0.1;  // chosen, ln of an area: no worse than this
 constexpr int kAgainRounds = 3;
 constexpr double kNearest = 0.6;  // chosen, of its last depth: where it is looked for
 constexpr double kFarthest = 1.6;
-constexpr double kLessLike = 0.8;     // of its resemblance to itself: what is found again ...
-constexpr double kMostUnlike = 0.85;  // ... and what is not it any more
-constexpr double kMostAgain = 1.6;    // of its usual area
-constexpr double kLikeSkin = 0.2;     // chosen, of its pixels: hands cannot be told by their colour
+constexpr double kLessLike = 0.8;    // of its resemblance to itself: what is found again ...
+constexpr double kMostUnlike = 1.2;  // ... and what is not it any more
+constexpr double kMostAgain = 1.6;   // of its usual area
+constexpr double kLikeSkin = 0.2;    // chosen, of its pixels: hands cannot be told by their colour
 
 // The colours of the picture without an object, of every second pixel and row.
 ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
@@ -181,7 +183,11 @@ bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
   const double now = resemblance(view, known, mask_);
   const double then = resemblance(view, known, mask);
   if (std::max(now, then) < likeness_ - kMostUnlike) lose();
-  if (!present() || then < now + kClearlyBetter) return !present();
+  const auto unusual = [this](const cv::Mat& m) {
+    return std::abs(std::log(std::max(1, cv::countNonZero(m)) / usual_px_));
+  };
+  const bool better = then >= now + kClearlyBetter && unusual(mask) <= unusual(mask_) + kAsUsual;
+  if (!present() || !better) return !present();
   mask_ = mask;
   whole_ = mask;
   memory_.evidence.release();

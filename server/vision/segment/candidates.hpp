@@ -24,4 +24,7 @@ std::vector<cv::Mat> cutsAround(const SceneView& scene, const Click& click);
 /// held in hands, measured, no skin. About 3 for a good one; of two masks the higher one is it.
 double likenessToThing(const SceneView& scene, const cv::Mat& mask);
 
+/// How wide a disc of the mask's area would be at its depth, mm.
+double widthInSpace_mm(const SceneView& scene, const cv::Mat& mask);
+
 }  // namespace hapticast::server

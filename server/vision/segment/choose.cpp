@@ -17,10 +17,32 @@ constexpr double kForComponent = -0.1;  // what depth alone says has hands in it
 constexpr double kForSettled = 0.03;
 constexpr double kDespiteDepth = 2.5;  // where depth says that there is nothing
 
+// Chosen: what hands hold is less wide than the first, in space. What is wider, of something that
+// is wider than the second, is a part of a body: the whole is meant.
+constexpr double kHeld_mm = 200.0;
+constexpr double kBody_mm = 260.0;
+
+constexpr double kOnSkin = 0.5;  // chosen
+
 struct Candidate {
   BandObject object;
   double likeness;
 };
+
+bool isBody(const SceneView& scene, const BandObject& part, const BandObject& whole) {
+  return widthInSpace_mm(scene, part.mask()) > kHeld_mm &&
+         widthInSpace_mm(scene, whole.mask()) > kBody_mm;
+}
+
+// Who points at a hand means it with its arm.
+bool isHand(const SceneView& scene, const cv::Point& at) {
+  const cv::Rect around =
+      cv::Rect(at.x - 20, at.y - 20, 41, 41) & cv::Rect({0, 0}, scene.images.color.size());
+  const cv::Mat skin = scene.skin.in(scene.images.color(around));
+  const cv::Rect middle =
+      cv::Rect(at.x - around.x - 3, at.y - around.y - 3, 7, 7) & cv::Rect({0, 0}, skin.size());
+  return cv::countNonZero(skin(middle)) > kOnSkin * middle.area();
+}
 
 }  // namespace
 
@@ -46,13 +68,18 @@ ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv
   std::sort(scored.begin(), scored.end(),
             [](const auto& a, const auto& b) { return a.first > b.first; });
   if (scored.size() > kSettledCuts) scored.resize(kSettledCuts);
+  // A cut is coarser in a large picture.
+  const int rounds = kFewRounds * std::max(1, images.color.cols / kUsualWidth_px);
   for (const auto& [likeness, cut] : scored) {
-    take(BandObject(0, cut, images, own, kFewRounds), kForSettled);
+    take(BandObject(0, cut, images, own, rounds), kForSettled);
     take(BandObject(0, cut, images, own, 0), 0.0);
   }
-  const auto best = std::max_element(
+  auto best = std::max_element(
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return a.likeness < b.likeness; });
+  if (start.why_not == nullptr && best != candidates.end() &&
+      (isHand(view, point) || isBody(view, best->object, candidates.front().object)))
+    best = candidates.begin();
   if (best == candidates.end() || (start.why_not != nullptr && best->likeness < kDespiteDepth)) {
     const char* why = start.why_not != nullptr ? start.why_not : "there is next to nothing";
     return {std::nullopt, why, {}};

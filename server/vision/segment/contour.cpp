@@ -19,7 +19,7 @@ constexpr int kCell_px = 4;         // chosen for time: a mean over sigma 7 px i
 constexpr float kInside_px = 3.0F;  // chosen: nearer to the contour depth is not the object's own
 constexpr int kLargestHole_px = 400;
 constexpr double kColorWeight = 1.5;
-constexpr double kWholePicture = 0.3;  // of the background: hands are known before they arrive
+constexpr double kWholePicture = 0.3;  // of the background, where the object is unlike the rest
 constexpr double kUnlike = 0.35;  // of two histograms: from here on colour has its whole weight
 constexpr double kLeastColor = 0.6;
 constexpr double kGuidedEps = 2e-3;
@@ -246,7 +246,6 @@ void carryEvidence(ContourMemory& memory, const Patch& patch, const cv::Matx23d&
 
 std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
   ColorHistogram background = memory.background;
-  // What has the colours of the rest of the picture tells little of a hand that is still to come.
   background.adapt(memory.elsewhere,
                    kWholePicture * (1.0 - overlapOf(memory.first, memory.elsewhere)));
   return colorEvidence(memory.first, memory.now, background);

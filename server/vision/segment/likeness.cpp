@@ -194,4 +194,9 @@ double likenessToThing(const SceneView& scene, const cv::Mat& mask) {
          0.6 * body.skin - 2.0 * std::min(0.5, body.stray);
 }
 
+double widthInSpace_mm(const SceneView& scene, const cv::Mat& mask) {
+  if (cv::countNonZero(mask) == 0) return 0.0;
+  return bodyOf(viewOf(scene, mask), mask.size()).diameter_mm;
+}
+
 }  // namespace hapticast::server
