@@ -118,7 +118,7 @@ cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace) {
           cv::Vec3b::all(cv::saturate_cast<unsigned char>(30.0F + 225.0F * std::max(0.0F, lit)));
     }
   }
-  return enlarged(picture, boxAround(heights == heights, kAround_px));  // NaN is no number's equal
+  return enlarged(picture, boxAround(heights >= 0.0, kAround_px));  // which no NaN is
 }
 
 cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,

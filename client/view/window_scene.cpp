@@ -8,11 +8,11 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr float kArrow_px_per_N = 0.09F;  // of the picture's width; 3.3 N are a third of it
-constexpr float kCone_mm = 18.0F;
+constexpr float kArrowShare = 0.09F;  // of the picture's width; 3.3 N are a third of it
+constexpr float kStylus_mm = 18.0F;
 // Chosen: at the eye's distance of 120 nominal mm what is nearer looks visibly larger.
 constexpr double kEye_mm = 120.0;
-const Vec2 kObliqueZ(0.35, -0.75);  // up and a little to the right, px for a px
+const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px for a px
 
 ImVec2 plus(const ImVec2& a, const ImVec2& b) { return {a.x + b.x, a.y + b.y}; }
 ImVec2 times(const ImVec2& a, float factor) { return {a.x * factor, a.y * factor}; }
@@ -21,8 +21,8 @@ float lengthOf(const ImVec2& a) { return std::hypot(a.x, a.y); }
 /// The stylus: a cone whose tip is the HIP, opening towards the viewer; the nearer, the larger.
 void drawCone(ImDrawList& list, const ImVec2& tip, float size) {
   constexpr int kSides = 28;
-  const ImVec2 axis(static_cast<float>(kObliqueZ.x()) * size,
-                    static_cast<float>(kObliqueZ.y()) * size);
+  const ImVec2 axis(static_cast<float>(kTowardsViewer.x()) * size,
+                    static_cast<float>(kTowardsViewer.y()) * size);
   const ImVec2 top = plus(tip, axis);
   const float radius = 0.24F * size;
   const ImVec2 along = times(axis, 1.0F / lengthOf(axis));
@@ -92,8 +92,8 @@ Vec2 ScenePlace::toNominal(const ImVec2& point) const {
 }
 
 ImVec2 ScenePlace::arrow(const Vec3& force_N) const {
-  const Vec2 way = Vec2(force_N.x(), -force_N.y()) + kObliqueZ * force_N.z();
-  const float px_per_N = kArrow_px_per_N * (end().x - corner_.x);
+  const Vec2 way = Vec2(force_N.x(), -force_N.y()) + kTowardsViewer * force_N.z();
+  const float px_per_N = kArrowShare * (end().x - corner_.x);
   return {px_per_N * bounded(way.x()), px_per_N * bounded(way.y())};
 }
 
@@ -111,7 +111,7 @@ void drawScene(ImDrawList& list, const ScenePlace& place, const TickReport& repo
     list.AddCircle(goal, 6.0F, IM_COL32(255, 255, 255, 220), 0, 1.5F);
   }
   const double nearness = kEye_mm / std::max(kEye_mm - report.hip_mm.z(), 0.3 * kEye_mm);
-  drawCone(list, tip, kCone_mm * place.pixelsPerMm() * static_cast<float>(nearness));
+  drawCone(list, tip, kStylus_mm * place.pixelsPerMm() * static_cast<float>(nearness));
   if (report.contact) {
     const ImVec2 contact = place.toWindow(report.contact_mm.head<2>());
     list.AddCircle(contact, 7.0F, IM_COL32(90, 255, 120, 255), 0, 2.0F);

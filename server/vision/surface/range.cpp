@@ -2,6 +2,7 @@
 #include "server/vision/surface/range.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
@@ -52,8 +53,7 @@ std::vector<float> depthsIn(const Surface& surface, const cv::Mat& where) {
 
 template <class Value>
 double quantile(std::vector<Value>& values, double share) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return static_cast<double>(*at);
 }

@@ -93,8 +93,8 @@ std::optional<Vec2> correctionAfter(const Recording& recording, const Clicks& cl
     cv::Mat distance;
     cv::distanceTransform(truth.mask() == 0, distance, cv::DIST_L2, 5);
     const cv::Mat wrong = *mask & (distance > kBesideRim_px) & fresh;
-    if (const auto at = innermost(wrong & hand)) return at;
-    if (const auto at = innermost(wrong)) return at;
+    if (auto at = innermost(wrong & hand)) return at;
+    if (auto at = innermost(wrong)) return at;
   }
   return innermost(hand);
 }

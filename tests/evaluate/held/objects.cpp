@@ -123,7 +123,7 @@ Mat3 Object::turned(const Vec3& unbent_mm, double t) const {
 
 Vec3 Object::velocityAt(const Vec3& at_mm, double t) const {
   const MotionState state = path.at(t);
-  const Vec3 rigid = state.velocityAt(at_mm);
+  Vec3 rigid = state.velocityAt(at_mm);
   const double rate = bent.rate(t);
   if (rate == 0.0) return rigid;
   const Vec3 inner = state.pose.in(at_mm);

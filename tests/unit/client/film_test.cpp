@@ -25,7 +25,8 @@ class FilmTest : public ::testing::Test {
     for (int tick = 0; tick < ticks; ++tick) {
       if (tick % 40 == 0) {
         VideoFrame picture{0, 0, mediaTime(1e-3 * tick), {}};
-        cv::imencode(".jpg", cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(tick / 20)), picture.jpeg);
+        cv::imencode(".jpg", cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(0.05 * tick)),
+                     picture.jpeg);
         film.takePicture(std::move(picture), Workspace{});
       }
       TickReport report;

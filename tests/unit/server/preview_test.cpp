@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 struct Preview : ::testing::Test {
   SourceFolder folder;
-  const SteadyClock clock;
+  const SteadyClock clock{};
 
   [[nodiscard]] Settings settingsFor(const std::string& place) const {
     Settings settings;
