@@ -9,7 +9,7 @@ namespace hapticast::client {
 namespace {
 
 constexpr float kArrowShare = 0.09F;  // of the picture's width; 3.3 N are a third of it
-constexpr float kStylus_mm = 18.0F;
+constexpr float kStylusCone_mm = 18.0F;
 // Chosen: at the eye's distance of 120 nominal mm what is nearer looks visibly larger.
 constexpr double kEye_mm = 120.0;
 const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px for a px
@@ -111,7 +111,7 @@ void drawScene(ImDrawList& list, const ScenePlace& place, const TickReport& repo
     list.AddCircle(goal, 6.0F, IM_COL32(255, 255, 255, 220), 0, 1.5F);
   }
   const double nearness = kEye_mm / std::max(kEye_mm - report.hip_mm.z(), 0.3 * kEye_mm);
-  drawCone(list, tip, kStylus_mm * place.pixelsPerMm() * static_cast<float>(nearness));
+  drawCone(list, tip, kStylusCone_mm * place.pixelsPerMm() * static_cast<float>(nearness));
   if (report.contact) {
     const ImVec2 contact = place.toWindow(report.contact_mm.head<2>());
     list.AddCircle(contact, 7.0F, IM_COL32(90, 255, 120, 255), 0, 2.0F);
