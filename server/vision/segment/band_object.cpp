@@ -177,7 +177,7 @@ void BandObject::take(const cv::Mat& seen, const Patch& patch, const FrameImages
 bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
   since_look_ = 0;
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
-  const SceneView view = scene.view(images);
+  const FrameView view = scene.view(images);
   const cv::Mat mask = lookedFor(view, known);
   if (mask.empty() || cv::countNonZero(mask) < kSmallestObject_px) return false;
   const double now = resemblance(view, known, mask_);
@@ -222,7 +222,7 @@ std::optional<BandObject> BandObject::search(const FrameImages& images, const Ba
   const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
                               like_skin_ ? nullptr : &scene.skin};
   const KnownObject known{memory_, anywhere, usual_px_, {}};
-  const SceneView view = scene.view(images);
+  const FrameView view = scene.view(images);
   const cv::Mat found = lookedFor(view, known);
   if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
   BandObject again = *this;

@@ -23,7 +23,7 @@ struct BandScene {
   std::vector<Plane> planes;
   SkinColors skin;
 
-  [[nodiscard]] SceneView view(const FrameImages& images) const {
+  [[nodiscard]] FrameView view(const FrameImages& images) const {
     return {images, planes, noise, skin};
   }
 };

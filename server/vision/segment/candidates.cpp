@@ -119,7 +119,7 @@ cv::Mat placeEvidence(const Surroundings& s) {
   return out;
 }
 
-Surroundings surroundingsOf(const SceneView& scene, const Click& click) {
+Surroundings surroundingsOf(const FrameView& scene, const Click& click) {
   Surroundings out;
   const cv::Size picture = scene.images.color.size();
   const double depth_mm = std::max(depthAt(scene.images.depth, click.at), 1.0);
@@ -200,7 +200,7 @@ bool isNew(const std::vector<cv::Mat>& masks, const cv::Mat& mask) {
 
 }  // namespace
 
-std::vector<cv::Mat> cutsAround(const SceneView& scene, const Click& click) {
+std::vector<cv::Mat> cutsAround(const FrameView& scene, const Click& click) {
   const Surroundings s = surroundingsOf(scene, click);
   std::vector<cv::Mat> small;
   for (const Reach& reach : kReaches) {

@@ -29,13 +29,13 @@ struct Candidate {
   double likeness;
 };
 
-bool isBody(const SceneView& scene, const BandObject& part, const BandObject& whole) {
+bool isBody(const FrameView& scene, const BandObject& part, const BandObject& whole) {
   return widthInSpace_mm(scene, part.mask()) > kHeld_mm &&
          widthInSpace_mm(scene, whole.mask()) > kBody_mm;
 }
 
 // Who points at a hand means it with its arm.
-bool isHand(const SceneView& scene, const cv::Point& at) {
+bool isHand(const FrameView& scene, const cv::Point& at) {
   const cv::Rect around =
       cv::Rect(at.x - 20, at.y - 20, 41, 41) & cv::Rect({0, 0}, scene.images.color.size());
   const cv::Mat skin = scene.skin.in(scene.images.color(around));
@@ -51,7 +51,7 @@ ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv
   ObjectStart start = objectAt(images.depth, point, scene.noise, scene.planes);
   BandScene own = scene;
   if (start.why_not == nullptr) own.planes = start.planes;
-  const SceneView view = own.view(images);
+  const FrameView view = own.view(images);
   std::vector<Candidate> candidates;
   const auto take = [&](const BandObject& object, double more) {
     if (cv::countNonZero(object.mask()) < kSmallestObject_px) return;

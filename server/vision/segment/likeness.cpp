@@ -30,7 +30,7 @@ struct MaskView {
   double area = 0.0;
 };
 
-MaskView viewOf(const SceneView& scene, const cv::Mat& mask) {
+MaskView viewOf(const FrameView& scene, const cv::Mat& mask) {
   MaskView out;
   const double area = cv::countNonZero(mask);
   const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
@@ -179,7 +179,7 @@ Body bodyOf(const MaskView& m, const cv::Size& picture) {
 
 }  // namespace
 
-double likenessToThing(const SceneView& scene, const cv::Mat& mask) {
+double likenessToThing(const FrameView& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return -10.0;
   const MaskView m = viewOf(scene, mask);
   if (m.area < 10.0) return -10.0;
@@ -194,7 +194,7 @@ double likenessToThing(const SceneView& scene, const cv::Mat& mask) {
          0.6 * body.skin - 2.0 * std::min(0.5, body.stray);
 }
 
-double widthInSpace_mm(const SceneView& scene, const cv::Mat& mask) {
+double widthInSpace_mm(const FrameView& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return 0.0;
   return bodyOf(viewOf(scene, mask), mask.size()).diameter_mm;
 }

@@ -41,7 +41,7 @@ ColorHistogram colorsIn(const cv::Mat& color, const cv::Mat& mask) {
 }
 
 // The colours' evidence, averaged down: patterns must not blur before they are looked up.
-cv::Mat colorsOf(const SceneView& scene, const SmallView& view, const ContourMemory& memory) {
+cv::Mat colorsOf(const FrameView& scene, const SmallView& view, const ContourMemory& memory) {
   const std::vector<float> evidence = colorEvidenceOf(memory);
   const cv::Mat color = scene.images.color(view.box);
   cv::Mat full(color.size(), CV_32FC1);
@@ -55,7 +55,7 @@ cv::Mat colorsOf(const SceneView& scene, const SmallView& view, const ContourMem
   return kOfColor * out;
 }
 
-cv::Mat evidenceOf(const SceneView& scene, const SmallView& view, const KnownObject& known) {
+cv::Mat evidenceOf(const FrameView& scene, const SmallView& view, const KnownObject& known) {
   cv::Mat out = colorsOf(scene, view, known.memory);
   cv::Mat beyond = (view.depth > 0) & (view.depth < known.limits.nearest_mm);
   if (known.limits.farthest_mm > 0) beyond |= view.depth > known.limits.farthest_mm;
@@ -94,7 +94,7 @@ cv::Mat mainPiece(const cv::Mat& cut, const cv::Mat& expected) {
 
 }  // namespace
 
-cv::Mat lookedFor(const SceneView& scene, const KnownObject& known) {
+cv::Mat lookedFor(const FrameView& scene, const KnownObject& known) {
   const cv::Size picture = scene.images.color.size();
   cv::Rect box({0, 0}, picture);
   if (!known.mask.empty()) {
@@ -113,7 +113,7 @@ cv::Mat lookedFor(const SceneView& scene, const KnownObject& known) {
   return view.inPicture(joinedPieces(view, cut, main, px_per_mm), picture);
 }
 
-double resemblance(const SceneView& scene, const KnownObject& known, const cv::Mat& mask) {
+double resemblance(const FrameView& scene, const KnownObject& known, const cv::Mat& mask) {
   const double area = std::max(1, cv::countNonZero(mask));
   const double like = overlapOf(colorsIn(scene.images.color, mask), known.memory.first);
   const double size = std::log(area / std::max(known.usual_px, 1.0));

@@ -17,7 +17,7 @@ double pixelsPerMm(double depth_mm, const cv::Size& picture) {
   return kUsualFocal * picture.width / std::max(depth_mm, 1.0);
 }
 
-SmallView SmallView::of(const SceneView& scene, const cv::Rect& box, double most_px) {
+SmallView SmallView::of(const FrameView& scene, const cv::Rect& box, double most_px) {
   SmallView out;
   out.box = box;
   out.shrink = std::min(1.0, std::sqrt(most_px / std::max(1, box.area())));

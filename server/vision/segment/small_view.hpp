@@ -14,7 +14,7 @@
 namespace hapticast::server {
 
 /// A frame with what is known of the scene behind its objects.
-struct SceneView {
+struct FrameView {
   const FrameImages& images;
   const std::vector<Plane>& planes;
   const DepthNoise& noise;
@@ -31,7 +31,7 @@ struct SmallView {
   cv::Mat skin;         ///< CV_8UC1
 
   /// `box` of the scene's picture in at most `most_px` pixels.
-  static SmallView of(const SceneView& scene, const cv::Rect& box, double most_px);
+  static SmallView of(const FrameView& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// A mask (0 / 255) of the whole picture in this view, and one of this view in the whole picture.
   [[nodiscard]] cv::Mat shrunk(const cv::Mat& mask) const;

@@ -84,7 +84,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   Drawn drawn(kGrey);
   drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
   const FrameImages images = drawn.finish(random);
-  const SceneView scene{images, drawn.planes, drawn.noise, drawn.skin};
+  const FrameView scene{images, drawn.planes, drawn.noise, drawn.skin};
   const SmallView view = SmallView::of(scene, {{0, 0}, kDrawn}, 1e6);
   cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
   cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
@@ -105,7 +105,7 @@ TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
     drawn.fill(whole, cv::Scalar(40, 40, 200), 700.0);
     drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
     const FrameImages images = drawn.finish(random);
-    const SceneView scene{images, drawn.planes, drawn.noise, drawn.skin};
+    const FrameView scene{images, drawn.planes, drawn.noise, drawn.skin};
     const SmallView view = SmallView::of(scene, {{0, 0}, kDrawn}, 1e6);
     cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
     mask(whole).setTo(255);
