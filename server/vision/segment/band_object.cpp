@@ -227,10 +227,10 @@ std::optional<BandObject> BandObject::search(const FrameImages& images, const Ba
   if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
   BandObject again = *this;
   again.mask_ = again.whole_ = found;
-  again.memory_.evidence.release();
   for (int round = 0; round < kAgainRounds; ++round) {
     const Patch patch = patchAround(images, again.mask_);
     if (patch.empty()) return std::nullopt;
+    again.memory_.evidence.release();  // it is another patch's
     const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
     if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
     again.mask_ = wholePicture(now.mask, patch, images);
