@@ -66,13 +66,14 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
   hold(frames, false);
 }
 
-bool Track::rests(const FramePair& frames) {
+bool Track::rests(const FramePair& frames, bool told) {
   const ScenePlan& plan = *now_.plan;
   now_.plan->nextFrame();
   const bool left_out = !plan.on(Stage::kMotion) && !plan.on(Stage::kSegment) &&
                         settings_->vision.method != Method::kThesis;
-  rests_ = frames.identical || (left_out && lost_ == 0 && now_.atRest() &&
-                                hold_.stays(frames.now, restNoiseOf(frames.noise, now_.surface)));
+  rests_ = !told &&
+           (frames.identical || (left_out && lost_ == 0 && now_.atRest() &&
+                                 hold_.stays(frames.now, restNoiseOf(frames.noise, now_.surface))));
   return rests_;
 }
 

@@ -30,8 +30,9 @@ class Track {
   Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames);
 
   /// Ends a frame of the plan and tells whether the new one shows the object as it is held, all of
-  /// it at rest, and the plan leaves out what would measure it again. First of a frame.
-  bool rests(const FramePair& frames);
+  /// it at rest, and the plan leaves out what would measure it again; not where the author has a
+  /// word on this frame (`told`). First of a frame.
+  bool rests(const FramePair& frames, bool told);
   /// Where the object went since the last frame: what carries its mask. After rests().
   const ObjectFlow& follow(const FramePair& frames);
   /// Its segment in this frame. Last of a frame, or lose().

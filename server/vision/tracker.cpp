@@ -30,10 +30,11 @@ PoseSettings poseSettings(const SourceInfo& info, const VisionSettings& settings
 }  // namespace
 
 Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, const Clock* clock,
-                 std::uint32_t& next_id, RememberedStart& remembered)
+                 std::uint32_t& next_id, ClipLessons& lessons)
     : settings_{settings, poseSettings(info, settings), false, clock},
       next_id_(next_id),
-      remembered_(remembered),
+      lessons_(lessons),
+      live_(info.live),
       frames_(info, !settings.plan.everything) {}
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
@@ -45,7 +46,8 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
     background_ = {};
   }
   bool all_rest = !tracks_.empty() || frames.identical;
-  for (Track& track : tracks_) all_rest = track.rests(frames) && all_rest;
+  const bool told = segmenter_ != nullptr && segmenter_->hasWord(frames);
+  for (Track& track : tracks_) all_rest = track.rests(frames, told) && all_rest;
   if (!all_rest) segment(frames);
   if (settings_.vision.compensate_pan) followBackground(frames);
   updateTracks(frames);
@@ -68,7 +70,7 @@ void Tracker::segment(const FramePair& frames) {
     const SegmentMode mode = settings_.vision.segment;
     settings_.exact_masks = settings_.pose.exact_masks =
         has_mask && (mode == SegmentMode::kAuto || mode == SegmentMode::kSource);
-    segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, &remembered_);
+    segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, live_ ? nullptr : &lessons_);
   }
   Flows flows;
   for (Track& track : tracks_) flows[track.object().id] = track.follow(frames);

@@ -17,10 +17,10 @@ namespace hapticast::server {
 
 class Tracker {
  public:
-  /// `next_id` is counted up; it and `remembered` must outlive the tracker. `settings` and `info`
-  /// are copied. `clock` tells how long stages take; null: nobody asks.
+  /// `next_id` is counted up; it and `lessons` must outlive the tracker. `settings` and `info` are
+  /// copied. `clock` tells how long stages take; null: nobody asks.
   Tracker(const SourceInfo& info, const VisionSettings& settings, const Clock* clock,
-          std::uint32_t& next_id, RememberedStart& remembered);
+          std::uint32_t& next_id, ClipLessons& lessons);
 
   /// The objects of the next frame, also those just lost (for Track::kKeepLost frames, quality
   /// falling to 0). Throws SourceError (a frame that does not fit the announcement, an object point
@@ -38,7 +38,8 @@ class Tracker {
 
   TrackSettings settings_;
   std::uint32_t& next_id_;
-  RememberedStart& remembered_;
+  ClipLessons& lessons_;
+  bool live_;
   FramePairs frames_;
   BackgroundMotion background_;
   std::unique_ptr<Segmenter> segmenter_;

@@ -74,30 +74,26 @@ class Vision::Impl {
     description_.mass_kg = settings_.mass_kg;
     if (const auto given = givenRange(info_, settings_)) mapped_ = MappedRange{*given};
     if (settings_.depth_range) info_.depth_range = settings_.depth_range;
+    for (const AuthorPoint& p : settings_.object_points)
+      last_word_s_ = std::max(last_word_s_, p.time_s);
+    for (const AuthorPoint& p : settings_.not_points) last_not_s_ = std::max(last_not_s_, p.time_s);
+    last_word_s_ = std::max(last_word_s_, last_not_s_);
   }
 
   bool scan(RgbdSource& source, const Progress& progress) {
-    const bool nothing_to_find = mapped_ && !settings_.moves();
+    const bool nothing_to_find =
+        mapped_ && !settings_.moves() && !info_.key_masks && last_word_s_ == 0.0;
     if (info_.live || nothing_to_find) return true;
-    std::uint32_t ids = 1;
-    Tracker tracker(info_, settings_, nullptr, ids, start_);
-    ClipMotion clip;
-    RangeFinder finder;
-    const std::uint64_t total = std::min(kLongestScan, info_.frame_count.value_or(kLongestScan));
-    std::uint64_t done = 0;
-    for (; done < kLongestScan; ++done) {
-      const std::optional<RgbdFrame> frame = source.read();
-      if (!frame) break;
-      const double time_s = double(done) / info_.fps;
-      for (const TrackedObject& object : tracker.next(*frame, time_s)) {
-        if (object.seen)
-          clip.add(object.id, frame->index, time_s, object.pose, object.followedWell());
-        if (object.seen) finder.add(object.id, object.surface, tracker.noise());
-      }
-      if (progress && !progress(done + 1, std::max(total, done + 1))) return false;
+    // What is not the object is known to the second look from its first frame on.
+    const int looks = last_not_s_ > 0.0 ? 2 : 1;
+    for (int look = 0; look < looks; ++look) {
+      lessons_.start = nullptr;
+      lessons_.masks.clear();
+      lessons_.open = true;
+      const bool whole = lookThrough(source, look, looks, progress);
+      lessons_.open = false;
+      if (!whole) return false;
     }
-    source.rewind();
-    learnClip(std::move(clip), finder, done < kLongestScan);
     return true;
   }
 
@@ -135,6 +131,34 @@ class Vision::Impl {
   }
 
  private:
+  bool lookThrough(RgbdSource& source, int look, int looks, const Progress& progress) {
+    std::uint32_t ids = 1;
+    Tracker tracker(info_, settings_, nullptr, ids, lessons_);
+    ClipMotion clip;
+    RangeFinder finder;
+    const auto with_words = static_cast<std::uint64_t>(last_word_s_ * info_.fps) + 2;
+    const std::uint64_t longest = std::max(kLongestScan, with_words);
+    const std::uint64_t total = std::min(longest, info_.frame_count.value_or(longest));
+    std::uint64_t done = 0;
+    for (; done < longest; ++done) {
+      const std::optional<RgbdFrame> frame = source.read();
+      if (!frame) break;
+      const double time_s = double(done) / info_.fps;
+      for (const TrackedObject& object : tracker.next(*frame, time_s)) {
+        if (object.seen)
+          clip.add(object.id, frame->index, time_s, object.pose, object.followedWell());
+        if (object.seen) finder.add(object.id, object.surface, tracker.noise());
+      }
+      const std::uint64_t all = std::max(total, done + 1);
+      const auto before = static_cast<std::uint64_t>(look) * total;
+      if (progress && !progress(before + done + 1, static_cast<std::uint64_t>(looks) * all))
+        return false;
+    }
+    source.rewind();
+    if (look == looks - 1) learnClip(std::move(clip), finder, done < longest);
+    return true;
+  }
+
   // What the scan of a clip has collected: its range, motion and largest acceleration.
   void learnClip(ClipMotion clip, const RangeFinder& finder, bool ended) {
     if (!mapped_) mapped_ = finder.range(kClipMargin);
@@ -195,7 +219,7 @@ class Vision::Impl {
   void restart(std::uint32_t source_epoch) {
     startEpoch();
     motion_.beginClip(next_object_id_);
-    tracker_ = std::make_unique<Tracker>(info_, settings_, clock_, next_object_id_, start_);
+    tracker_ = std::make_unique<Tracker>(info_, settings_, clock_, next_object_id_, lessons_);
     source_epoch_ = source_epoch;
   }
 
@@ -231,13 +255,15 @@ class Vision::Impl {
   VisionSettings settings_;
   const Clock* clock_;
   int lookahead_;
+  double last_word_s_ = 0.0;  // of the author's points, in the clip
+  double last_not_s_ = 0.0;
   StreamDescription description_;
   std::optional<MappedRange> mapped_;
   std::uint32_t next_object_id_ = 1;
   std::uint64_t next_frame_id_ = 1;
   std::uint32_t epoch_ = 0;
   std::uint32_t source_epoch_ = 0;
-  RememberedStart start_;  // a clip that is looped, or was scanned, starts as it did
+  ClipLessons lessons_;  // of a clip that is looped, or was scanned
   std::unique_ptr<Tracker> tracker_;
   std::vector<TrackedObject> tracked_;  // in the last frame
   std::vector<TrackedObject> began_;    // in the tracker's first frame

@@ -9,6 +9,9 @@ FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s, const cv::Ma
   const FrameImages raw = imagesOf(frame, info_);
   pair_.last = std::exchange(pair_.now, raw);
   const bool first = pair_.last.color.empty();
+  pair_.index = frame.index;
+  pair_.clip_time_s = frame.clip_time_s;
+  pair_.has_key_masks = info_.key_masks;
   pair_.cut = cuts_.next(raw);
   if (pair_.cut) {
     pair_.last = {};

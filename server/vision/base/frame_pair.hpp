@@ -15,10 +15,13 @@ namespace hapticast::server {
 struct FramePair {
   FrameImages now;
   FrameImages last;         ///< empty in the first frame of a scene
-  DepthNoise noise;         ///< of the scene's depth, measured in its first frame
-  bool cut = false;         ///< `now` is the first frame of another scene
-  bool identical = false;   ///< `now` shows what `last` showed, and it matters
-  double interval_s = 0.0;  ///< between the two
+  std::uint64_t index = 0;  ///< of `now` in the clip
+  double clip_time_s = 0.0;
+  bool has_key_masks = false;  ///< the author drew some frames of the clip
+  DepthNoise noise;            ///< of the scene's depth, measured in its first frame
+  bool cut = false;            ///< `now` is the first frame of another scene
+  bool identical = false;      ///< `now` shows what `last` showed, and it matters
+  double interval_s = 0.0;     ///< between the two
 };
 
 /// Takes the frames of a clip in and pairs each with the one before.

@@ -22,18 +22,21 @@ constexpr double kPlaneIsObject = 0.3;  // chosen: of an object's pixels that li
 }  // namespace
 
 BandSegmenter::BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
-                             RememberedStart* remembered)
-    : points_(pointsAtStart_px(settings.object_points)),
-      next_id_(next_id),
-      remembered_(remembered) {
-  for (const Vec2& point : pointsAtStart_px(settings.not_points)) {
-    not_points_.emplace_back(static_cast<int>(point.x()), static_cast<int>(point.y()));
-  }
+                             ClipLessons* lessons)
+    : script_(settings), next_id_(next_id), lessons_(lessons) {
+  if (lessons_ != nullptr) scene_.avoided = lessons_->avoided;
 }
 
 std::vector<Segment> BandSegmenter::next(const FramePair& frames, const Flows& flows) {
   if (frames.cut) forgetScene();
   if (frame_ > 0 || !recall(frames.now)) decide(frames, flows);
+  if (const auto* masks = taught(frames)) {
+    adoptTaught(frames.now, *masks);
+  } else if (const AuthorWord word = script_.wordOn(frames); !word.empty()) {
+    hear(word, frames);
+  }
+  shareOut();
+  keepHistory(frames);
   ++frame_;
   std::vector<Segment> out;
   for (const BandObject& object : objects_) {
@@ -44,7 +47,8 @@ std::vector<Segment> BandSegmenter::next(const FramePair& frames, const Flows& f
 
 void BandSegmenter::forgetScene() {
   new_scene_ = true;
-  if (points_.empty()) objects_.clear();
+  past_.clear();
+  if (script_.atStart().on.empty()) objects_.clear();
   for (BandObject& object : objects_) object.lose();
 }
 
@@ -54,7 +58,7 @@ void BandSegmenter::decide(const FramePair& frames, const Flows& flows) {
   if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::inLightOf(frames.now.color);
   followObjects(frames.now, flows);
   if (frame_ == 0) startAtPoints(frames.now);
-  if (points_.empty()) chooseByItself(frames.now);
+  if (choosesByItself(frames)) chooseByItself(frames.now);
   shareOut();
   if (frame_ == 0) remember(frames.now);
 }
@@ -74,16 +78,17 @@ void BandSegmenter::followObjects(const FrameImages& images, const Flows& flows)
   }
 }
 
-void BandSegmenter::remember(const FrameImages& images) const {
-  if (remembered_ == nullptr) return;
-  *remembered_ =
+void BandSegmenter::remember(const FrameImages& images) {
+  if (lessons_ == nullptr) return;
+  lessons_->start =
       std::make_shared<BandStart>(BandStart{images.color, images.depth, objects_, scene_});
+  lessons_->avoided = scene_.avoided;
 }
 
 // The same first frame again has the same start, but for the ids.
 bool BandSegmenter::recall(const FrameImages& images) {
-  if (remembered_ == nullptr || *remembered_ == nullptr) return false;
-  const BandStart& start = **remembered_;
+  if (lessons_ == nullptr || lessons_->start == nullptr) return false;
+  const BandStart& start = *lessons_->start;
   if (!equalImages(start.color, images.color) || !equalImages(start.depth, images.depth))
     return false;
   objects_ = start.objects;
@@ -116,14 +121,20 @@ void BandSegmenter::removePlanesOf(const BandObject& object, const FrameImages& 
 }
 
 void BandSegmenter::startAtPoints(const FrameImages& images) {
-  for (const Vec2& point : points_) {
-    const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
-    ChosenStart start = chooseAt(images, scene_, at, not_points_);
-    if (!start.object) throwNothingAt(point, start.why_not);
+  const AuthorWord& word = script_.atStart();
+  for (const cv::Point& point : word.off) avoid(scene_.view(images), point, scene_.avoided);
+  int number = 0;
+  for (const cv::Point& point : word.on) {
+    ChosenStart start = chooseAt(images, scene_, point, word.off);
+    if (!start.object) throwNothingAt({double(point.x), double(point.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
     start.object->knowItself(images, scene_);
-    add(std::move(*start.object));
+    add(std::move(*start.object), ++number);
   }
+}
+
+bool BandSegmenter::choosesByItself(const FramePair& frames) const {
+  return script_.atStart().on.empty() && !script_.pointsLater() && !frames.has_key_masks;
 }
 
 void BandSegmenter::chooseByItself(const FrameImages& images) {
@@ -138,15 +149,16 @@ void BandSegmenter::chooseByItself(const FrameImages& images) {
   findSupports(images.depth, mask, scene_.planes);
   const cv::Rect box = boxAround(mask, 0);
   const cv::Mat cut =
-      cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2, not_points_);
+      cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2, script_.atStart().off);
   BandObject object(0, cut, images, scene_);
   object.knowItself(images, scene_);
-  add(std::move(object));
+  add(std::move(object), 1);
 }
 
-void BandSegmenter::add(BandObject object) {
+void BandSegmenter::add(BandObject object, int number) {
   if (isAnother(object)) return;  // two points on one body name one object
   object.rename(next_id_++);
+  object.setNumber(number);
   objects_.push_back(std::move(object));
 }
 

@@ -4,8 +4,11 @@
 // again under a new id. Thread: the one that runs Vision.
 #pragma once
 
+#include <deque>
+#include <map>
 #include <vector>
 
+#include "server/vision/segment/author_script.hpp"
 #include "server/vision/segment/band_object.hpp"
 #include "server/vision/segment/segment.hpp"
 
@@ -22,10 +25,10 @@ struct BandStart {
 
 class BandSegmenter final : public Segmenter {
  public:
-  /// `next_id` and `remembered` as in makeSegmenter().
-  BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
-                RememberedStart* remembered);
+  /// `next_id` and `lessons` as in makeSegmenter().
+  BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id, ClipLessons* lessons);
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override;
+  [[nodiscard]] bool hasWord(const FramePair& frames) const override;
 
  private:
   void forgetScene();
@@ -34,18 +37,37 @@ class BandSegmenter final : public Segmenter {
   void followPlanes(const FrameImages& images);
   void removePlanesOf(const BandObject& object, const FrameImages& images);
   void startAtPoints(const FrameImages& images);
+  [[nodiscard]] bool choosesByItself(const FramePair& frames) const;
   void chooseByItself(const FrameImages& images);
-  void add(BandObject object);
+  void add(BandObject object, int number);
   /// Whether what was just found is an object that is followed already.
   [[nodiscard]] bool isAnother(const BandObject& found) const;
   void shareOut();
-  void remember(const FrameImages& images) const;
+  void remember(const FrameImages& images);
   bool recall(const FrameImages& images);
+  BandObject* numbered(int number);
 
-  std::vector<Vec2> points_;
-  std::vector<cv::Point> not_points_;
+  // The author's words (band_author.cpp).
+  [[nodiscard]] const std::vector<TaughtMask>* taught(const FramePair& frames) const;
+  void adoptTaught(const FrameImages& images, const std::vector<TaughtMask>& masks);
+  void hear(const AuthorWord& word, const FramePair& frames);
+  void hearPoint(const cv::Point& point, const AuthorWord& word, const FramePair& frames);
+  void place(int number, const cv::Mat& mask, const FrameImages& images);
+  BandObject* meantBy(const cv::Point& point);
+  void keepHistory(const FramePair& frames);
+  void teach(BandObject& object, const FramePair& frames, bool given);
+  void teachBack(BandObject object, const FramePair& frames, std::uint64_t until);
+
+  struct Past {
+    std::uint64_t index;
+    FrameImages images;
+  };
+
+  AuthorScript script_;
   std::uint32_t& next_id_;
-  RememberedStart* remembered_;
+  ClipLessons* lessons_;
+  std::deque<Past> past_;                   // while the clip is looked through and more is said
+  std::map<int, std::uint64_t> last_word_;  // the frame of it, by object number
   BandScene scene_;
   std::vector<BandObject> objects_;
   int frame_ = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/vision/segment/correction.hpp"
 #include "server/vision/segment/search.hpp"
 #include "server/vision/segment/segment.hpp"
 #include "server/vision/segment/start.hpp"
@@ -31,6 +32,8 @@ constexpr double kFarthest = 1.6;
 constexpr double kLessLike = 0.8;    // of its resemblance to itself: what is found again ...
 constexpr double kMostUnlike = 1.2;  // ... and what is not it any more
 constexpr double kMostAgain = 1.6;   // of its usual area
+constexpr double kSaid = 0.5;        // chosen, of its first colours: by a later word of the author
+constexpr double kSurelyLikeSkin = 0.05;  // where the author says that there is no hand in it
 constexpr double kLikeSkin = 0.2;    // chosen, of its pixels: hands cannot be told by their colour
 
 // The colours of the picture without an object, of every second pixel and row.
@@ -71,11 +74,16 @@ BandObject::BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameI
   settle(images, scene, most_rounds);
 }
 
+void BandObject::forgetColors(const BandScene& scene) {
+  memory_ = {};
+  memory_.avoided = scene.avoided.histogram;
+}
+
 void BandObject::settle(const FrameImages& images, const BandScene& scene, int most_rounds) {
   for (int round = 0; round < most_rounds; ++round) {
     const Patch patch = patchAround(images, mask_);
     if (patch.empty()) return;
-    memory_ = {};
+    forgetColors(scene);
     learn(patch, mask_(patch.box), memory_);
     const cv::Mat mask = decideContour(patch, scene.noise, scene.planes, memory_).mask;
     const int changed = cv::countNonZero(mask != mask_(patch.box));
@@ -85,13 +93,17 @@ void BandObject::settle(const FrameImages& images, const BandScene& scene, int m
     if (changed < kSettled * area) break;
   }
   const Patch patch = patchAround(images, mask_);
-  memory_ = {};
+  forgetColors(scene);
   learn(patch, mask_(patch.box), memory_);
   memory_.elsewhere = elsewhere(images, mask_);
-  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
-  like_skin_ = cv::countNonZero(skin) > kLikeSkin * cv::countNonZero(patch.inside);
+  learnSkin(patch, scene, kLikeSkin);
   whole_ = mask_;
   seenWell(patch);
+}
+
+void BandObject::learnSkin(const Patch& patch, const BandScene& scene, double most) {
+  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
+  like_skin_ = cv::countNonZero(skin) > most * cv::countNonZero(patch.inside);
 }
 
 void BandObject::seenWell(const Patch& patch) {
@@ -198,6 +210,35 @@ bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
 void BandObject::knowItself(const FrameImages& images, const BandScene& scene) {
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
   likeness_ = resemblance(scene.view(images), known, mask_);
+}
+
+void BandObject::correct(const FrameImages& images, const BandScene& scene,
+                         const AuthorWord& word) {
+  memory_.avoided = scene.avoided.histogram;
+  const cv::Mat mask = corrected(scene.view(images), mask_, word);
+  if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
+  adopt(mask, images, scene, true);
+}
+
+void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene,
+                       bool given) {
+  const Patch patch = patchAround(images, mask);
+  if (patch.empty()) return;
+  mask_ = whole_ = mask;
+  lost_ = 0;
+  since_look_ = 0;
+  memory_.avoided = scene.avoided.histogram;
+  memory_.evidence.release();
+  if (given) {
+    memory_.now = memory_.background = {};
+    ContourMemory said;
+    learn(patch, mask(patch.box), said);
+    memory_.first.adapt(said.first, kSaid);
+    learnSkin(patch, scene, kSurelyLikeSkin);
+  }
+  seenWell(patch);
+  learn(patch, mask(patch.box), memory_);
+  if (given) knowItself(images, scene);
 }
 
 void BandObject::yieldTo(const BandObject& other) {

@@ -11,6 +11,7 @@
 #include "server/vision/base/depth_noise.hpp"
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/frame_images.hpp"
+#include "server/vision/segment/author_script.hpp"
 #include "server/vision/segment/contour.hpp"
 #include "server/vision/segment/planes.hpp"
 #include "server/vision/segment/small_view.hpp"
@@ -22,6 +23,7 @@ struct BandScene {
   DepthNoise noise;
   std::vector<Plane> planes;
   SkinColors skin;
+  AvoidedColors avoided;
 
   [[nodiscard]] FrameView view(const FrameImages& images) const {
     return {images, planes, noise, skin};
@@ -38,6 +40,12 @@ class BandObject {
 
   /// Learns how much it looks like itself, by which it is told from others later.
   void knowItself(const FrameImages& images, const BandScene& scene);
+  /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
+  /// nothing is left.
+  void correct(const FrameImages& images, const BandScene& scene, const AuthorWord& word);
+  /// From now on it is where the author's word says; of a mask that was `given` it learns its
+  /// looks anew.
+  void adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene, bool given);
   /// The mask in the next frame, moved by `flow`, its band decided anew.
   void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
   /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
@@ -52,6 +60,9 @@ class BandObject {
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }
+  /// By what the author means it: n for the n-th point, and for n in a drawn mask. Stays for good.
+  [[nodiscard]] int number() const { return number_; }
+  void setNumber(int number) { number_ = number; }
   /// Where it is seen: 0 / 255, size of the picture.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// 1: decided from this frame; less: carried on.
@@ -61,7 +72,9 @@ class BandObject {
 
  private:
   BandObject() = default;
+  void forgetColors(const BandScene& scene);
   void settle(const FrameImages& images, const BandScene& scene, int most_rounds);
+  void learnSkin(const Patch& patch, const BandScene& scene, double most);
   void seenWell(const Patch& patch);
   [[nodiscard]] ObjectLimits limits(const BandScene& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
@@ -71,6 +84,7 @@ class BandObject {
   bool lookAgain(const FrameImages& images, const BandScene& scene);
 
   std::uint32_t id_ = 0;
+  int number_ = 0;
   cv::Mat mask_;
   cv::Mat whole_;  // mask and what of the object something nearer hides
   ContourMemory memory_;

@@ -119,6 +119,11 @@ cv::Mat placeEvidence(const Surroundings& s) {
   return out;
 }
 
+ColorMixture mixtureOf(const AvoidedColors& avoided) {
+  if (avoided.samples.empty()) return {};
+  return {avoided.samples, cv::Mat(avoided.samples.size(), CV_8UC1, cv::Scalar(255))};
+}
+
 Surroundings surroundingsOf(const FrameView& scene, const Click& click) {
   Surroundings out;
   const cv::Size picture = scene.images.color.size();
@@ -143,7 +148,7 @@ Surroundings surroundingsOf(const FrameView& scene, const Click& click) {
     if (box.contains(point))
       cv::circle(out.never, out.view.placeOf(point), radius, cv::Scalar(255), cv::FILLED);
   }
-  const ColorMixture not_mixture(out.view.lab, out.never);
+  const ColorMixture not_mixture = mixtureOf(click.avoided);
   if (!not_mixture.empty()) out.not_log = logDensities(not_mixture, out.view.lab);
   return out;
 }

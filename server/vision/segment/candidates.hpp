@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "server/vision/segment/lessons.hpp"
 #include "server/vision/segment/small_view.hpp"
 
 namespace hapticast::server {
@@ -13,6 +14,7 @@ namespace hapticast::server {
 struct Click {
   cv::Point at;
   const std::vector<cv::Point>& not_points;
+  const AvoidedColors& avoided;
   cv::Mat component;  ///< what hangs together with it in depth, 0 / 255; empty: not known
 };
 

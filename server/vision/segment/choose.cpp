@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
 #include "server/vision/segment/candidates.hpp"
 #include "server/vision/segment/segment.hpp"
 #include "server/vision/segment/start.hpp"
@@ -22,7 +25,7 @@ constexpr double kDespiteDepth = 2.5;  // where depth says that there is nothing
 constexpr double kHeld_mm = 200.0;
 constexpr double kBody_mm = 260.0;
 
-constexpr double kOnSkin = 0.5;  // chosen
+constexpr double kHand_mm = 60.0;  // chosen: a hand, its fingers alone as well, is wider
 
 struct Candidate {
   BandObject object;
@@ -34,14 +37,18 @@ bool isBody(const FrameView& scene, const BandObject& part, const BandObject& wh
          widthInSpace_mm(scene, whole.mask()) > kBody_mm;
 }
 
-// Who points at a hand means it with its arm.
-bool isHand(const FrameView& scene, const cv::Point& at) {
-  const cv::Rect around =
-      cv::Rect(at.x - 20, at.y - 20, 41, 41) & cv::Rect({0, 0}, scene.images.color.size());
-  const cv::Mat skin = scene.skin.in(scene.images.color(around));
-  const cv::Rect middle =
-      cv::Rect(at.x - around.x - 3, at.y - around.y - 3, 7, 7) & cv::Rect({0, 0}, skin.size());
-  return cv::countNonZero(skin(middle)) > kOnSkin * middle.area();
+// Who points at a hand means it with its arm; a skin-coloured patch of something else is small.
+bool isHand(const FrameView& scene, const cv::Mat& component, const cv::Point& at) {
+  const cv::Rect box = boxAround(component, 0);
+  if (!box.contains(at)) return false;
+  const cv::Mat skin = scene.skin.in(scene.images.color(box)) & component(box);
+  cv::Mat labels;
+  cv::connectedComponents(skin, labels, 4, CV_32S);
+  const int label = labels.at<int>(at - box.tl());
+  if (label == 0) return false;
+  cv::Mat patch = cv::Mat::zeros(component.size(), CV_8UC1);
+  cv::Mat(labels == label).copyTo(patch(box));
+  return widthInSpace_mm(scene, patch) > kHand_mm;
 }
 
 }  // namespace
@@ -61,7 +68,7 @@ ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv
     const cv::Mat cut = cutByColor(images, start.mask, own.planes, point, not_points);
     take(BandObject(0, cut, images, own), kForComponent);
   }
-  std::vector<cv::Mat> cuts = cutsAround(view, {point, not_points, start.mask});
+  std::vector<cv::Mat> cuts = cutsAround(view, {point, not_points, scene.avoided, start.mask});
   std::vector<std::pair<double, cv::Mat>> scored;
   scored.reserve(cuts.size());
   for (const cv::Mat& cut : cuts) scored.emplace_back(likenessToThing(view, cut), cut);
@@ -78,7 +85,7 @@ ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv
       candidates.begin(), candidates.end(),
       [](const Candidate& a, const Candidate& b) { return a.likeness < b.likeness; });
   if (start.why_not == nullptr && best != candidates.end() &&
-      (isHand(view, point) || isBody(view, best->object, candidates.front().object)))
+      (isHand(view, start.mask, point) || isBody(view, best->object, candidates.front().object)))
     best = candidates.begin();
   if (best == candidates.end() || (start.why_not != nullptr && best->likeness < kDespiteDepth)) {
     const char* why = start.why_not != nullptr ? start.why_not : "there is next to nothing";

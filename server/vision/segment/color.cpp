@@ -50,6 +50,13 @@ void ColorHistogram::adapt(const ColorHistogram& other, double share) {
   empty_ = false;
 }
 
+void ColorHistogram::raise(const ColorHistogram& other, double share) {
+  if (other.empty_) return;
+  for (std::size_t i = 0; i < kBins; ++i)
+    fraction_[i] = std::max(fraction_[i], static_cast<float>(share) * other.fraction_[i]);
+  empty_ = false;
+}
+
 double overlapOf(const ColorHistogram& a, const ColorHistogram& b) {
   float sum = 0.0F;
   for (std::size_t i = 0; i < ColorHistogram::kBins; ++i) sum += std::sqrt(a[i] * b[i]);

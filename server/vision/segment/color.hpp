@@ -30,6 +30,9 @@ class ColorHistogram {
 
   /// Moves towards `other` by `share`; takes it over when nothing was seen yet.
   void adapt(const ColorHistogram& other, double share);
+  /// Takes, bin by bin, the larger fraction of the two, `share` of the other's; they sum to more
+  /// than 1 then.
+  void raise(const ColorHistogram& other, double share);
   [[nodiscard]] bool empty() const { return empty_; }
   [[nodiscard]] float operator[](std::size_t bin) const { return fraction_[bin]; }
 

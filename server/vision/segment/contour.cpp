@@ -18,6 +18,7 @@ constexpr double kCoreShare = 0.8;  // what hangs on at the rim must not teach i
 constexpr int kCell_px = 4;         // chosen for time: a mean over sigma 7 px is smooth
 constexpr float kInside_px = 3.0F;  // chosen: nearer to the contour depth is not the object's own
 constexpr int kLargestHole_px = 400;
+constexpr double kLeastPart = 0.03;  // of the largest: the end of a thing beyond a hand
 constexpr double kColorWeight = 1.5;
 constexpr double kWholePicture = 0.3;  // of the background, where the object is unlike the rest
 constexpr double kUnlike = 0.35;  // of two histograms: from here on colour has its whole weight
@@ -206,7 +207,7 @@ cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
   return thresholded(patch, slope, offset);
 }
 
-// Keeps the largest piece, and others over a tenth of it that the carried mask supports; fills
+// Keeps the largest piece, and others that are no crumbs and that the carried mask supports; fills
 // small holes.
 void keepMainPieces(cv::Mat& mask, const Patch& patch) {
   std::vector<std::vector<cv::Point>> contours;
@@ -231,7 +232,7 @@ void keepMainPieces(cv::Mat& mask, const Patch& patch) {
     const bool hole = tree[i][3] >= 0;
     if (hole && area[i] < kLargestHole_px)
       cv::drawContours(mask, contours, int(i), 255, cv::FILLED);
-    if (!hole && area[i] < largest && (area[i] <= 0.1 * largest || !supported(i)))
+    if (!hole && area[i] < largest && (area[i] <= kLeastPart * largest || !supported(i)))
       cv::drawContours(mask, contours, int(i), 0, cv::FILLED);
   }
 }
@@ -248,6 +249,9 @@ std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
   ColorHistogram background = memory.background;
   background.adapt(memory.elsewhere,
                    kWholePicture * (1.0 - overlapOf(memory.first, memory.elsewhere)));
+  // What is like the object in colour cannot be told from it by colour.
+  const double other = 1.0 - overlapOf(memory.first, memory.avoided);
+  background.raise(memory.avoided, std::min(1.0, other / kUnlike));
   return colorEvidence(memory.first, memory.now, background);
 }
 

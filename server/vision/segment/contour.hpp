@@ -18,6 +18,7 @@ struct ContourMemory {
   ColorHistogram now;         ///< follows slowly
   ColorHistogram background;  ///< of the ring around the object
   ColorHistogram elsewhere;   ///< of the whole picture it began in, without it; may be empty
+  ColorHistogram avoided;     ///< of what the author does not mean; may be empty
   cv::Mat evidence;           ///< CV_32FC1 over a patch: the last decision, > 0 object
   cv::Matx33d to_picture;     ///< of `evidence`
 };

@@ -12,6 +12,7 @@
 
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/frame_pair.hpp"
+#include "server/vision/segment/lessons.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -29,21 +30,18 @@ class Segmenter {
   /// `flows`: how the objects of the last frame moved. Throws SourceError where an object point
   /// names nothing.
   virtual std::vector<Segment> next(const FramePair& frames, const Flows& flows) = 0;
+  /// Whether the author's word changes something in this frame, so that it is to be looked at even
+  /// where everything rests. Before next().
+  [[nodiscard]] virtual bool hasWord(const FramePair& /*frames*/) const { return false; }
 };
 
 /// Below this many pixels an object is lost; chosen, in a usual picture 1.5 mm across.
 inline constexpr int kSmallestObject_px = 40;
 
-/// The careful start of a clip, kept by who plays the clip again and again: it costs as much as ten
-/// frames. Null until there is one.
-struct BandStart;  // band.hpp
-using RememberedStart = std::shared_ptr<const BandStart>;
-
 /// Which segmenter `settings` ask for, given whether the source brings masks. `next_id` is counted
-/// up; it and `remembered` (may be null) must outlive the segmenter.
+/// up; it and `lessons` (of a recorded clip, else null) must outlive the segmenter.
 std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
-                                         std::uint32_t& next_id,
-                                         RememberedStart* remembered = nullptr);
+                                         std::uint32_t& next_id, ClipLessons* lessons = nullptr);
 std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
                                              std::uint32_t& next_id);
 
