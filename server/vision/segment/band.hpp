@@ -56,11 +56,12 @@ class BandSegmenter final : public Segmenter {
   BandObject* meantBy(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void teach(BandObject& object, const FramePair& frames, bool given);
-  void teachBack(BandObject object, const FramePair& frames, std::uint64_t until);
+  void teachBack(BandObject object, const FramePair& frames, std::uint64_t until, bool given);
 
   struct Past {
     std::uint64_t index;
     FrameImages images;
+    std::map<int, cv::Mat> masks;  // as followed forwards, by object number
   };
 
   AuthorScript script_;

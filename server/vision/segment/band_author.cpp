@@ -16,10 +16,6 @@ constexpr double kAsTaught = 0.97;  // chosen, IoU: what is followed anyway stay
 constexpr double kNear = 2.0;       // chosen, of an object's width: so far off a point means it
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
-double overlapOf(const cv::Mat& a, const cv::Mat& b) {
-  return cv::countNonZero(a & b) / std::max(1.0, double(cv::countNonZero(a | b)));
-}
-
 cv::Mat inPicture(const TaughtMask& taught, const cv::Size& size) {
   cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
   taught.mask.copyTo(out(taught.box));
@@ -171,7 +167,11 @@ void BandSegmenter::keepHistory(const FramePair& frames) {
     past_.clear();
     return;
   }
-  past_.push_back({frames.index, frames.now});
+  Past past{frames.index, frames.now, {}};
+  for (const BandObject& object : objects_) {
+    if (object.present()) past.masks[object.number()] = object.mask();
+  }
+  past_.push_back(std::move(past));
   while (past_.size() * bytesOf(frames.now) > kPast_bytes) past_.pop_front();
 }
 
@@ -192,22 +192,34 @@ void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool give
   const cv::Rect box = boxAround(object.mask(), 0);
   lessons_->masks[frames.index].push_back(
       {object.number(), box, object.mask()(box).clone(), given});
-  teachBack(object, frames, until);
+  teachBack(object, frames, until, given);
 }
 
-void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until) {
+// What is only carried on, and not seen again, is not taught: it may be hidden there.
+void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until,
+                              bool given) {
   BandScene scene = scene_;
   const FrameImages* later = &frames.now;
+  std::vector<std::pair<std::uint64_t, TaughtMask>> carried;
   for (auto past = past_.rbegin(); past != past_.rend() && past->index >= until; ++past) {
     if (past->index >= frames.index) continue;
     const ObjectFlow flow = trackObject(later->gray, past->images.gray, object.mask(), {0, 0});
     if (!refitPlanes(past->images.depth, scene.planes)) scene.planes.clear();
     object.follow(past->images, flow, scene);
     if (!object.present()) return;
-    const cv::Rect box = boxAround(object.mask(), 0);
-    lessons_->masks[past->index].push_back(
-        {object.number(), box, object.mask()(box).clone(), false});
     later = &past->images;
+    const auto before = past->masks.find(object.number());
+    if (before != past->masks.end()) {
+      if (overlapOf(before->second, object.mask()) >= kAsTaught) return;  // the same from here on
+      if (!given && object.likeness(past->images, scene, object.mask()) <
+                        object.likeness(past->images, scene, before->second))
+        continue;
+    }
+    const cv::Rect box = boxAround(object.mask(), 0);
+    carried.push_back({past->index, {object.number(), box, object.mask()(box).clone(), false}});
+    if (!object.decided()) continue;
+    for (auto& [index, mask] : carried) lessons_->masks[index].push_back(std::move(mask));
+    carried.clear();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/vision/base/masks.hpp"
 #include "server/vision/segment/correction.hpp"
 #include "server/vision/segment/search.hpp"
 #include "server/vision/segment/segment.hpp"
@@ -29,12 +30,13 @@ constexpr double kAsUsual = 0.1;  // chosen, ln of an area: no worse than this
 constexpr int kAgainRounds = 3;
 constexpr double kNearest = 0.6;  // chosen, of its last depth: where it is looked for
 constexpr double kFarthest = 1.6;
-constexpr double kLessLike = 0.8;    // of its resemblance to itself: what is found again ...
-constexpr double kMostUnlike = 1.2;  // ... and what is not it any more
-constexpr double kMostAgain = 1.6;   // of its usual area
-constexpr double kSaid = 0.5;        // chosen, of its first colours: by a later word of the author
+constexpr double kLessLike = 0.8;      // of its resemblance to itself: what is found again ...
+constexpr double kMostUnlike = 1.2;    // ... and what is not it any more
+constexpr double kMostAgain = 1.6;     // of its usual area
+constexpr double kMuchAsBefore = 0.7;  // chosen, IoU: its colours are not learnt anew
+constexpr double kSaid = 0.5;  // chosen, of its first colours: by a later word of the author
 constexpr double kSurelyLikeSkin = 0.05;  // where the author says that there is no hand in it
-constexpr double kLikeSkin = 0.2;    // chosen, of its pixels: hands cannot be told by their colour
+constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
 
 // The colours of the picture without an object, of every second pixel and row.
 ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
@@ -208,8 +210,13 @@ bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
 }
 
 void BandObject::knowItself(const FrameImages& images, const BandScene& scene) {
-  const KnownObject known{memory_, limits(scene), usual_px_, mask_};
-  likeness_ = resemblance(scene.view(images), known, mask_);
+  likeness_ = likeness(images, scene, mask_);
+}
+
+double BandObject::likeness(const FrameImages& images, const BandScene& scene,
+                            const cv::Mat& mask) const {
+  const KnownObject known{memory_, limits(scene), usual_px_, mask};
+  return resemblance(scene.view(images), known, mask);
 }
 
 void BandObject::correct(const FrameImages& images, const BandScene& scene,
@@ -217,25 +224,26 @@ void BandObject::correct(const FrameImages& images, const BandScene& scene,
   memory_.avoided = scene.avoided.histogram;
   const cv::Mat mask = corrected(scene.view(images), mask_, word);
   if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
-  adopt(mask, images, scene, true);
+  adopt(mask, images, scene, false);
 }
 
 void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene,
                        bool given) {
   const Patch patch = patchAround(images, mask);
   if (patch.empty()) return;
+  const bool anew = given && overlapOf(mask_, mask) < kMuchAsBefore;
   mask_ = whole_ = mask;
   lost_ = 0;
   since_look_ = 0;
   memory_.avoided = scene.avoided.histogram;
   memory_.evidence.release();
-  if (given) {
+  if (anew) {
     memory_.now = memory_.background = {};
     ContourMemory said;
     learn(patch, mask(patch.box), said);
     memory_.first.adapt(said.first, kSaid);
-    learnSkin(patch, scene, kSurelyLikeSkin);
   }
+  if (given) learnSkin(patch, scene, kSurelyLikeSkin);
   seenWell(patch);
   learn(patch, mask(patch.box), memory_);
   if (given) knowItself(images, scene);

@@ -40,6 +40,9 @@ class BandObject {
 
   /// Learns how much it looks like itself, by which it is told from others later.
   void knowItself(const FrameImages& images, const BandScene& scene);
+  /// How much `mask` is like one thing, and this one; see resemblance().
+  [[nodiscard]] double likeness(const FrameImages& images, const BandScene& scene,
+                                const cv::Mat& mask) const;
   /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
   /// nothing is left.
   void correct(const FrameImages& images, const BandScene& scene, const AuthorWord& word);
@@ -67,6 +70,8 @@ class BandObject {
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// 1: decided from this frame; less: carried on.
   [[nodiscard]] double quality() const { return quality_; }
+  /// Whether its last frame was decided from what is seen there; else it was carried on.
+  [[nodiscard]] bool decided() const { return weak_ == 0; }
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
 

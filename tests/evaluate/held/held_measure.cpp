@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kGoodStart = 0.8;  // IoU
 constexpr double kBadStart = 0.5;
-constexpr double kBesideRim_px = 4.0;  // nobody corrects the very rim
-constexpr int kSaid_px = 40;           // about a correction
-constexpr double kFromEdge_px = 3.0;   // nobody clicks on the very edge
+constexpr double kWorthAWord = 0.02;  // of the object's area: nobody corrects less
+constexpr double kShown = 0.25;       // of the object is seen where its mask is drawn
+constexpr double kFromEdge_px = 3.0;  // nobody clicks on the very edge
 
 const char* nameOf(DepthSense sense) {
   switch (sense) {
@@ -69,7 +69,7 @@ Starts clickAround(const Recording& recording, double clicks) {
     for (int u = step / 2; u < truth.cols; u += step) {
       if (double(distance.at<float>(v, u)) < kFromEdge_px) continue;
       ++out.clicks;
-      const auto mask = startOf(recording, {{{u + 0.5, v + 0.5}}, {}});
+      const auto mask = startOf(recording, {{{{u + 0.5, v + 0.5}}}, {}, {}});
       if (!mask) ++out.refused;
       const double iou = mask ? overlapOf(*mask, truth) : 0.0;
       if (iou > kGoodStart) ++out.good;
@@ -79,24 +79,49 @@ Starts clickAround(const Recording& recording, double clicks) {
   return out;
 }
 
-// Where the author says "not this": in what is wrong in the first frame, in a hand rather than
-// elsewhere, else in the hand; not where it was said already.
-std::optional<Vec2> correctionAfter(const Recording& recording, const Clicks& clicks) {
-  const Truth& truth = recording.truth[0];
-  cv::Mat fresh = cv::Mat(truth.id.size(), CV_8UC1, cv::Scalar(255));
-  for (const Vec2& not_px : clicks.off)
-    cv::circle(fresh, cv::Point(cvRound(not_px.x()), cvRound(not_px.y())), kSaid_px, cv::Scalar(0),
-               -1);
-  const cv::Mat hand =
-      fresh & ((truth.id == static_cast<int>(kHand)) | (truth.id == static_cast<int>(kOtherHand)));
-  if (const auto mask = startOf(recording, clicks)) {
-    cv::Mat distance;
-    cv::distanceTransform(truth.mask() == 0, distance, cv::DIST_L2, 5);
-    const cv::Mat wrong = *mask & (distance > kBesideRim_px) & fresh;
-    if (auto at = innermost(wrong & hand)) return at;
-    if (auto at = innermost(wrong)) return at;
+// The largest wrong place of the clip, where the author says what it is. False where nobody would
+// say a word.
+bool correct(const Recording& recording, const Run& run, Words& words) {
+  double most = kWorthAWord;
+  std::optional<server::AuthorPoint> said;
+  bool off = false;
+  for (std::size_t i = 0; i < run.masks.size(); ++i) {
+    const cv::Mat truth = recording.truth[i].mask();
+    const double area = std::max(1, cv::countNonZero(truth));
+    const cv::Mat mask =
+        run.masks[i].empty() ? cv::Mat::zeros(truth.size(), CV_8UC1) : run.masks[i];
+    for (const bool is_foreign : {true, false}) {
+      const cv::Mat wrong = is_foreign ? mask & ~truth : truth & ~mask;
+      cv::Mat labels;
+      cv::Mat stats;
+      cv::Mat centroids;
+      const int count = cv::connectedComponentsWithStats(wrong, labels, stats, centroids, 4);
+      for (int label = 1; label < count; ++label) {
+        const double share = stats.at<int>(label, cv::CC_STAT_AREA) / area;
+        if (share <= most) continue;
+        most = share;
+        said = server::AuthorPoint{*innermost(labels == label), recording.frames[i].clip_time_s};
+        off = is_foreign;
+      }
+    }
   }
-  return innermost(hand);
+  if (!said) return false;
+  (off ? words.off : words.on).push_back(*said);
+  return true;
+}
+
+std::size_t worstFrame(const Recording& recording, const Run& run) {
+  std::size_t out = 0;
+  double worst = 2.0;
+  for (std::size_t i = 0; i < run.masks.size(); ++i) {
+    if (recording.truth[i].visibleShare() < kShown) continue;
+    const double iou =
+        run.masks[i].empty() ? 0.0 : overlapOf(run.masks[i], recording.truth[i].mask());
+    if (iou >= worst) continue;
+    worst = iou;
+    out = i;
+  }
+  return out;
 }
 
 }  // namespace
@@ -107,25 +132,29 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, double c
   out.name = scene.name;
   out.sensor = nameOf(scene.sensing.kind);
   out.held_at_start = scene.held_at_start;
-  Clicks clicks{{*innermost(recording.truth[0].mask())}, {}};
-  const Run run = watch(recording, clicks);
+  const Words click{{{*innermost(recording.truth[0].mask())}}, {}, {}};
+  const Run run = watch(recording, click);
   out.one_click = scoresOf(recording, run);
   out.refused = run.refused;
   if (!sheets.empty()) drawSheet(recording, run, sheets);
   out.starts = clickAround(recording, clicks_to_try);
-  if (!scene.held_at_start) return out;
-  for (Scores* scores : {&out.one_not, &out.two_nots}) {
-    const auto correction = correctionAfter(recording, clicks);
-    if (correction) clicks.off.push_back(*correction);
-    *scores = scoresOf(recording, watch(recording, clicks));
+  Words points = click;
+  Words masks = click;
+  Run by_points = run;
+  Run by_masks = run;
+  for (std::size_t n = 0; n < out.by_points.size(); ++n) {
+    if (correct(recording, by_points, points)) by_points = watch(recording, points);
+    out.by_points[n] = scoresOf(recording, by_points);
+    masks.drawn.push_back(worstFrame(recording, by_masks));
+    by_masks = watch(recording, masks);
+    out.by_masks[n] = scoresOf(recording, by_masks);
   }
-  out.corrected = true;
   return out;
 }
 
 Scores timesOf(const Scene& scene, const cv::Size& size, std::size_t frames) {
   const Recording recording = record(scene, size, frames);
-  return scoresOf(recording, watch(recording, {{*innermost(recording.truth[0].mask())}, {}}));
+  return scoresOf(recording, watch(recording, {{{*innermost(recording.truth[0].mask())}}, {}, {}}));
 }
 
 }  // namespace hapticast::evaluate::held

@@ -3,6 +3,7 @@
 // Thread: any; values.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 
@@ -32,8 +33,9 @@ struct Result {
   Scores one_click;
   std::string refused;
   Starts starts;
-  bool corrected = false;  ///< the clicks after the first could be set
-  Scores one_not, two_nots;
+  /// After one and two corrections: points at what is most wrong in the clip, or true masks of the
+  /// frames that are most wrong.
+  std::array<Scores, 2> by_points, by_masks;
 };
 
 /// Draws a contact sheet into `sheets` (empty: none); `clicks` inside the object are tried.

@@ -16,14 +16,18 @@ namespace {
 // Plays what was drawn.
 class RecordingSource final : public server::RgbdSource {
  public:
-  RecordingSource(const Recording& recording, bool with_masks)
-      : recording_(recording), with_masks_(with_masks) {}
+  RecordingSource(const Recording& recording, bool with_masks,
+                  const std::vector<std::size_t>& drawn)
+      : recording_(recording), info_(recording.info), with_masks_(with_masks), drawn_(drawn) {
+    info_.key_masks = !drawn.empty();
+  }
 
-  [[nodiscard]] const server::SourceInfo& info() const override { return recording_.info; }
+  [[nodiscard]] const server::SourceInfo& info() const override { return info_; }
   std::optional<server::RgbdFrame> read() override {
     if (next_ >= recording_.frames.size()) return std::nullopt;
     server::RgbdFrame frame = recording_.frames[next_];
-    if (with_masks_) frame.mask = recording_.truth[next_].mask() / 255;
+    const bool drawn = std::find(drawn_.begin(), drawn_.end(), next_) != drawn_.end();
+    if (with_masks_ || drawn) frame.mask = recording_.truth[next_].mask() / 255;
     ++next_;
     frame.epoch = epoch_;
     return frame;
@@ -36,16 +40,18 @@ class RecordingSource final : public server::RgbdSource {
 
  private:
   const Recording& recording_;
+  server::SourceInfo info_;
   bool with_masks_;
+  const std::vector<std::size_t>& drawn_;
   std::size_t next_ = 0;
   std::uint32_t epoch_ = 0;
 };
 
-server::VisionSettings settingsOf(const Clicks& clicks) {
+server::VisionSettings settingsOf(const Words& words) {
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kBand;
-  for (const Vec2& point : clicks.on) settings.object_points.push_back({point});
-  for (const Vec2& point : clicks.off) settings.not_points.push_back({point});
+  settings.object_points = words.on;
+  settings.not_points = words.off;
   return settings;
 }
 
@@ -102,12 +108,13 @@ Recording record(const Scene& scene, const cv::Size& size, std::size_t most_fram
 
 namespace {
 
-Run watchWith(const Recording& recording, const server::VisionSettings& settings, bool with_masks) {
+Run watchWith(const Recording& recording, const server::VisionSettings& settings, bool with_masks,
+              const std::vector<std::size_t>& drawn) {
   Run run;
   const cv::Size size(recording.info.width_px, recording.info.height_px);
   try {
-    server::Vision vision(recording.info, settings);
-    RecordingSource source(recording, with_masks);
+    RecordingSource source(recording, with_masks, drawn);
+    server::Vision vision(source.info(), settings);
     vision.scan(source, nullptr);
     while (const auto frame = source.read()) {
       const double start_us = threadTime_us();
@@ -127,23 +134,23 @@ Run watchWith(const Recording& recording, const server::VisionSettings& settings
 
 }  // namespace
 
-Run watch(const Recording& recording, const Clicks& clicks) {
-  return watchWith(recording, settingsOf(clicks), false);
+Run watch(const Recording& recording, const Words& words) {
+  return watchWith(recording, settingsOf(words), false, words.drawn);
 }
 
 Run watchByTrueMasks(const Recording& recording) {
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kSource;
-  return watchWith(recording, settings, true);
+  return watchWith(recording, settings, true, {});
 }
 
-std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks) {
+std::optional<cv::Mat> startOf(const Recording& recording, const Words& words) {
   const cv::Size size(recording.info.width_px, recording.info.height_px);
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   std::uint32_t next_id = 1;
   server::ClipLessons lessons;
   try {
-    server::Tracker tracker(recording.info, settingsOf(clicks), nullptr, next_id, lessons);
+    server::Tracker tracker(recording.info, settingsOf(words), nullptr, next_id, lessons);
     for (const server::TrackedObject& object : tracker.next(recording.frames.front(), 0.0)) {
       if (object.seen)
         cv::bitwise_or(mask(object.surface.box), object.surface.mask, mask(object.surface.box));

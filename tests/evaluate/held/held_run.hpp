@@ -23,10 +23,11 @@ struct Recording {
 };
 Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames = 1000);
 
-/// What the author says, px.
-struct Clicks {
-  std::vector<Vec2> on;
-  std::vector<Vec2> off;
+/// What the author says.
+struct Words {
+  std::vector<server::AuthorPoint> on;
+  std::vector<server::AuthorPoint> off;
+  std::vector<std::size_t> drawn;  ///< frames whose true mask is given
 };
 
 /// What vision made of it, frame by frame.
@@ -38,12 +39,12 @@ struct Run {
   std::vector<double> ms;                            ///< per frame, one thread
   std::string refused;  ///< why there is nothing; empty: it went through
 };
-Run watch(const Recording& recording, const Clicks& clicks);
+Run watch(const Recording& recording, const Words& words);
 /// The same with the true masks given by the source: what is left is the surface's share.
 Run watchByTrueMasks(const Recording& recording);
 
 /// The mask of the first frame alone; nullopt: refused.
-std::optional<cv::Mat> startOf(const Recording& recording, const Clicks& clicks);
+std::optional<cv::Mat> startOf(const Recording& recording, const Words& words);
 
 struct Scores {
   double mean_iou = 0.0, worst_iou = 1.0;

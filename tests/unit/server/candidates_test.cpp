@@ -127,7 +127,7 @@ TEST(ChooseAt, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
     drawn.fill({box.x + 20, box.br().y - 10, 35, kDrawn.height - box.br().y + 10}, kSkin, 705.0);
     drawn.fill(box, cv::Scalar(170, 60, 40), 700.0);
     const FrameImages images = drawn.finish(random);
-    const BandScene scene{drawn.noise, drawn.planes, drawn.skin};
+    const BandScene scene{drawn.noise, drawn.planes, drawn.skin, {}};
     const cv::Point click(box.x + 10 + static_cast<int>(random() % 40),
                           box.y + 10 + static_cast<int>(random() % 50));
     const ChosenStart start = chooseAt(images, scene, click, {});
