@@ -13,6 +13,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kAsTaught = 0.97;  // chosen, IoU: what is followed anyway stays as it is at rest
+constexpr double kAnother = 0.05;   // chosen, IoU
 constexpr double kNear = 2.0;       // chosen, of an object's width: so far off a point means it
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
@@ -118,6 +119,10 @@ void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
   for (int number = 1; number <= int(numbers); ++number) {
     const cv::Mat mask = word.masks == double(number);
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
+    const BandObject* known = numbered(number);
+    if (known != nullptr && known->present() && overlapOf(known->mask(), mask) < kAnother)
+      spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
+                   frames.index, number);
     place(number, mask, images);
     BandObject& object = *numbered(number);
     object.adopt(mask, images, scene_, true);

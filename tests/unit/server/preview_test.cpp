@@ -139,5 +139,19 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
   EXPECT_EQ(withinClip(settings, info).object_points.size(), 3U) << "no end is known";
 }
 
+TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
+  VisionSettings settings;
+  settings.object_points = {{{10, 20}}, {{30, 40}, 1.5}};
+  settings.not_points = {{{31, 41}, 1.5}, {{30, 40}, 0.0}};
+  const LogLines log;
+  const VisionSettings left = withinClip(settings, {});
+  ASSERT_EQ(left.object_points.size(), 1U);
+  EXPECT_EQ(left.object_points[0].time_s, 0.0);
+  ASSERT_EQ(left.not_points.size(), 1U) << "at another time it is no contradiction";
+  EXPECT_EQ(left.not_points[0].time_s, 0.0);
+  EXPECT_EQ(log.count(), 1);
+  EXPECT_THAT(log.text(), HasSubstr("--object 30,40@1.5 and --not contradict each other"));
+}
+
 }  // namespace
 }  // namespace hapticast::server
