@@ -10,10 +10,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kNew = 0.2;    // chosen: of a new measurement in what is remembered of a time
-constexpr double kFade = 0.95;  // chosen: of what a grid cost, a frame; half a second at 25 fps
-// Measured: rigid things leave .1 to .6 px at sensors' noise, 3 mm/s of bending .5, 10 mm/s .8.
-constexpr double kLeft_px = 0.65;
+constexpr double kNew = 0.2;        // chosen: of a new measurement in what is remembered of a time
+constexpr double kFade = 0.95;      // chosen: of what a grid cost, a frame; half a second at 25 fps
 constexpr double kFinger_mm = 1.0;  // chosen: as deep as a light touch goes in
 
 std::size_t indexOf(Stage stage) { return static_cast<std::size_t>(stage); }
@@ -41,7 +39,8 @@ std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
       if (unchanged_ && !at_rest_) return "they are as they were";
       break;
     case Stage::kGrid:
-      if (frame_ >= grid_until_) return "a rigid motion explains it";
+      if (cost_N && *cost_N <= settings_.error_budget_N && frame_ % kGridEvery >= kGridFrames)
+        return "a rigid motion explains it";
       break;
     case Stage::kMotion:
       break;
@@ -66,7 +65,7 @@ std::string ScenePlan::whyOn(Stage stage) const {
     case Stage::kGrid: {
       const std::optional<double>& cost_N = cost_N_[indexOf(stage)];
       return cost_N && *cost_N > settings_.error_budget_N ? "the object deforms"
-                                                          : "a rigid motion leaves something";
+                                                          : "it is measured now";
     }
     case Stage::kMotion:
     case Stage::kHeights:
@@ -90,15 +89,11 @@ void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
 
 void ScenePlan::costs(Stage stage, double error_N) { cost_N_[indexOf(stage)] = error_N; }
 
-void ScenePlan::alignmentLeft(double left_px) {
-  if (left_px > kLeft_px) grid_until_ = frame_ + kGridFrames;
-}
-
 bool ScenePlan::residual(double felt_N) {
   std::optional<double>& cost_N = cost_N_[indexOf(Stage::kGrid)];
   cost_N = std::max(felt_N, kFade * cost_N.value_or(0.0));
-  const std::optional<bool>& forced = settings_.forced[indexOf(Stage::kGrid)];
-  return forced.value_or(settings_.everything || *cost_N > settings_.error_budget_N);
+  return settings_.everything || settings_.forced[indexOf(Stage::kGrid)].value_or(false) ||
+         *cost_N > settings_.error_budget_N;
 }
 
 void ScenePlan::nextFrame() {

@@ -38,9 +38,6 @@ class ScenePlan {
   void unchanged(bool unchanged);
   /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
   void costs(Stage stage, double error_N);
-  /// What the rigid alignment leaves of the object's motion in this frame, px: the grid is looked
-  /// at from here on while that is more than noise.
-  void alignmentLeft(double left_px);
   /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
   /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
   bool residual(double felt_N);
@@ -53,9 +50,11 @@ class ScenePlan {
   /// All stages, in order, for --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
 
-  // Chosen: once a second at 25 fps; the grid goes on for as many frames as a window of it needs.
+  // Chosen: once a second at 25 fps; the grid is dear, so it is measured every four seconds, over
+  // as many frames as a window of it needs.
   static constexpr int kMeasureEvery = 25;  ///< frames
-  static constexpr int kGridFrames = 8;     ///< that the grid goes on
+  static constexpr int kGridEvery = 100;    ///< frames from one measurement of the grid to the next
+  static constexpr int kGridFrames = 12;    ///< that one takes
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
@@ -67,7 +66,6 @@ class ScenePlan {
   std::string_view released_;  // what ended the last rest; empty before the first
   bool unchanged_ = false;
   int frame_ = 0;
-  int grid_until_ = 0;  // frame from which on the rigid motion explains all
   std::array<std::optional<double>, kStages> cost_N_{};
   std::array<double, kStages> time_ms_{};
   std::array<double, kStages> this_frame_ms_{};

@@ -61,7 +61,6 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
       now_(firstOf(settings, segment)),
       mask_(segment.mask),
       motion_(settings.pose, frames.now.gray, now_.surface = cleaned(segment, frames)),
-      seen_(now_.surface),
       full_area_px_(double(cv::countNonZero(segment.mask))) {
   now_.pose = motion_.pose();
   hold(frames, false);
@@ -121,8 +120,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
                                  .visible_fraction = now_.visible_fraction});
   }
   now_.pose.background_px = background_px_;
-  now_.cells = cells(frames, seen_, seen);
-  seen_ = seen;
+  now_.cells = cells(frames, before);
   last_step_px_ = middleOf(segment.mask) - middleOf(mask_);
   mask_ = segment.mask;
 }
@@ -198,23 +196,18 @@ void Track::updatePresence(const Segment& segment, bool blind) {
 }
 
 // The thesis's dense flow, or what the rigid motion leaves over.
-CellFlow Track::cells(const FramePair& frames, const Surface& before, const Surface& seen) const {
+CellFlow Track::cells(const FramePair& frames, const Surface& before) const {
   CellFlow out;
   const MotionMode mode = settings_->vision.motion;
   if (settings_->vision.method == Method::kThesis) {
     if (mode != MotionMode::kNone)
-      out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, seen, mode);
-  } else if (motion_.aligned()) {
-    now_.plan->alignmentLeft(motion_.left_px());
-    if (!now_.plan->on(Stage::kGrid)) {
-      out = explainedFlow(seen);
-    } else {
-      const Lap lap(settings_->clock, *now_.plan, Stage::kGrid);
-      out = residualFlow(frames.last.gray, frames.now.gray, before, seen,
-                         [&](const cv::Point2f& at_px, double depth_mm) {
-                           return motion_.explained(at_px, depth_mm);
-                         });
-    }
+      out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, now_.surface, mode);
+  } else if (motion_.aligned() && now_.plan->on(Stage::kGrid)) {
+    const Lap lap(settings_->clock, *now_.plan, Stage::kGrid);
+    out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
+                       [&](const cv::Point2f& at_px, double depth_mm) {
+                         return motion_.explained(at_px, depth_mm);
+                       });
   }
   out.interval_s = frames.interval_s;
   return out;

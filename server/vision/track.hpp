@@ -54,15 +54,13 @@ class Track {
   [[nodiscard]] Surface cleaned(const Segment& segment, const FramePair& frames);
   void hold(const FramePair& frames, bool repeated);
   void updatePresence(const Segment& segment, bool blind);
-  [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before,
-                               const Surface& seen) const;
+  [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before) const;
 
   const TrackSettings* settings_;
   TrackedObject now_;
   cv::Mat mask_;
   PoseTracker motion_;
   Hold hold_;
-  Surface seen_;               // as the last frame that was looked at showed it, nothing held
   ObjectFlow flow_;            // from the last frame to this one
   bool rests_ = false;         // in this frame nothing of it has changed
   int lost_ = 0;               // frames

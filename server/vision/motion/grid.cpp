@@ -3,32 +3,28 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
-#include "server/vision/motion/cell_fit.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kSampleStep_px = 8;      // chosen: four points a cell
-constexpr int kMargin_px = 16;         // chosen: of the windows that points are followed with
-constexpr double kMostPoints = 300.0;  // chosen for time: larger objects get a wider lattice
+constexpr int kSampleStep_px = 8;  // chosen: four points a cell
+constexpr int kMargin_px = 16;     // chosen: of the windows that points are followed with
 
 struct Cell {
   std::array<std::vector<double>, 3> steps;
 };
 
 // The places of `mask` that are followed.
-std::vector<cv::Point> latticeOver(const cv::Mat& mask, int step = kSampleStep_px) {
+std::vector<cv::Point> latticeOver(const cv::Mat& mask) {
   std::vector<cv::Point> out;
-  for (int v = step / 2; v < mask.rows; v += step) {
-    for (int u = step / 2; u < mask.cols; u += step) {
+  for (int v = kSampleStep_px / 2; v < mask.rows; v += kSampleStep_px) {
+    for (int u = kSampleStep_px / 2; u < mask.cols; u += kSampleStep_px) {
       if (mask.at<unsigned char>(v, u) != 0) out.emplace_back(u, v);
     }
   }
@@ -81,15 +77,15 @@ CellFlow cellsOver(const cv::Rect& box) {
   return out;
 }
 
-// A cell without a measurement gets the median of all.
-cv::Mat mediansOf(std::vector<Cell>& cells, const CellFlow& size) {
+// A cell without a measurement gets 0 where that is what is `known` of it, else the median of all.
+cv::Mat mediansOf(std::vector<Cell>& cells, const CellFlow& size, bool known) {
   std::array<cv::Mat, 3> axes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> all;
     for (const Cell& cell : cells)
       all.insert(all.end(), cell.steps[axis].begin(), cell.steps[axis].end());
     axes[axis].create(size.rows, size.columns, CV_32F);
-    axes[axis].setTo(medianOf(all));
+    axes[axis].setTo(known ? 0.0 : medianOf(all));
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (cells[i].steps[axis].empty()) continue;
       const int index = static_cast<int>(i);
@@ -101,31 +97,6 @@ cv::Mat mediansOf(std::vector<Cell>& cells, const CellFlow& size) {
   cv::Mat out;
   cv::merge(axes.data(), 3, out);
   return out;
-}
-
-int latticeStep(const cv::Mat& mask) {
-  return std::max(kSampleStep_px, cvRound(std::sqrt(cv::countNonZero(mask) / kMostPoints)));
-}
-
-// Bilinear, because on a slope the nearest pixel's depth would be off by as much as things move;
-// nullopt where not all four belong to the surface.
-std::optional<double> depthAt(const Surface& surface, const cv::Point2f& at_px) {
-  const cv::Point2f in_box = at_px - cv::Point2f(surface.box.tl());
-  const cv::Point at(cvFloor(in_box.x), cvFloor(in_box.y));
-  if (!cv::Rect(0, 0, surface.box.width - 1, surface.box.height - 1).contains(at))
-    return std::nullopt;
-  const double a = double(in_box.x) - at.x;
-  const double b = double(in_box.y) - at.y;
-  double sum = 0.0;
-  for (int j = 0; j < 2; ++j) {
-    for (int i = 0; i < 2; ++i) {
-      const cv::Point px(at.x + i, at.y + j);
-      const auto depth_mm = double(surface.depth.at<float>(px));
-      if (surface.mask.at<unsigned char>(px) == 0 || depth_mm <= 0) return std::nullopt;
-      sum += (i == 0 ? 1.0 - a : a) * (j == 0 ? 1.0 - b : b) * depth_mm;
-    }
-  }
-  return sum;
 }
 
 cv::Vec3f sampled(const CellFlow& flow, double x, double y) {
@@ -164,45 +135,40 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
   if (mode != MotionMode::kDepth) addTracks(last_gray, gray, last_mask, now, out, cells);
   if (mode != MotionMode::kLk) addDepths(before, now, out, cells);
-  out.step = mediansOf(cells, out);
+  out.step = mediansOf(cells, out, /*known=*/false);
   return out;
 }
 
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
                       const Surface& now, const Explained& explained) {
   CellFlow out = cellsOver(now.box);
+  std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
   const cv::Rect area = grown(before.box | now.box, kMargin_px, last_gray.size());
   const cv::Point2f corner(static_cast<float>(area.x), static_cast<float>(area.y));
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> guesses;
-  for (const cv::Point& in_box : latticeOver(before.mask, latticeStep(before.mask))) {
+  for (const cv::Point& in_box : latticeOver(before.mask)) {
     const cv::Point2f at = cv::Point2f(before.box.tl() + in_box);
     const cv::Vec3d step = explained(at, double(before.depth.at<float>(in_box)));
     points.push_back(at - corner);
     guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])));
   }
   const PointTracks tracks = trackPoints(last_gray(area), gray(area), points, guesses);
-  std::vector<LeftStep> left;
-  left.reserve(tracks.from.size());
   for (std::size_t i = 0; i < tracks.from.size(); ++i) {
-    const cv::Point2f was = tracks.from[i] + corner;
-    const cv::Point2f is = tracks.to[i] + corner;
-    const std::optional<double> from_mm = depthAt(before, was);
-    const std::optional<double> to_mm = depthAt(now, is);
-    if (!from_mm || !to_mm) continue;
-    const cv::Vec3d step = explained(was, *from_mm);
-    const cv::Point2f moved = is - was;
-    left.push_back(
-        {is - cv::Point2f(now.box.tl()),
-         {double(moved.x) - step[0], double(moved.y) - step[1], *to_mm - *from_mm - step[2]}});
+    const cv::Point2f& from = tracks.from[i];
+    const cv::Point2f& to = tracks.to[i];
+    const cv::Point2f was = from + corner;
+    const cv::Point here = cv::Point(cvRound(to.x), cvRound(to.y)) + area.tl() - now.box.tl();
+    if (!cv::Rect({0, 0}, now.box.size()).contains(here) || now.mask.at<unsigned char>(here) == 0)
+      continue;
+    const auto depth_mm = double(before.depth.at<float>(cv::Point(was) - before.box.tl()));
+    const cv::Vec3d step = explained(was, depth_mm);
+    Cell& cell = cells[cellOf(here, out)];
+    cell.steps[0].push_back(double(to.x - from.x) - step[0]);
+    cell.steps[1].push_back(double(to.y - from.y) - step[1]);
+    cell.steps[2].push_back(double(now.depth.at<float>(here)) - depth_mm - step[2]);
   }
-  out.step = cellsFittedTo(left, out.columns, out.rows);
-  return out;
-}
-
-CellFlow explainedFlow(const Surface& now) {
-  CellFlow out = cellsOver(now.box);
-  out.step = cv::Mat::zeros(out.rows, out.columns, CV_32FC3);
+  out.step = mediansOf(cells, out, /*known=*/true);
   return out;
 }
 

@@ -52,8 +52,6 @@ class PoseTracker {
   /// Whether the last advance() was a rigid alignment; then where it says that a point of the last
   /// frame's surface went: px, px (centres at whole numbers) and mm.
   [[nodiscard]] bool aligned() const { return aligned_; }
-  /// What it left of the object's motion, rms over patches of it, px.
-  [[nodiscard]] double left_px() const { return last_step_.left_px; }
   [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
 
  private:

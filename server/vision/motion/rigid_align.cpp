@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
@@ -156,7 +155,6 @@ RigidStep RigidTemplate::align(const FrameImages& images, const Vector3d& pivot_
     if (crop.texels.empty() || level->points.size() < kFewestPoints / 2) continue;
     RigidFit fit(camera_, crop, level->points, pivot_mm, expected_turn_rad);
     if (!fit.improve(now)) return guess;
-    if (std::next(level) == levels_.rend()) now.left_px = fit.left_px(now);
   }
   return now;
 }

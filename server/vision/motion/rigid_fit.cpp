@@ -27,8 +27,6 @@ constexpr double kTukey =
 // Chosen: off by more, a point counts as not found again.
 constexpr double kGrayInlier = 30.0;  // grey levels
 constexpr double kDepthInlier_mm = 25.0;
-constexpr double kPatch_px = 20.0;       // chosen, of the picture: some forty points
-constexpr int kFewestRows = 30;          // chosen, of a patch's equations
 constexpr double kSpinPrior_rad = 0.05;  // chosen: weak, it only decides where nothing else does
 
 double tukey(double residual, double sigma) {
@@ -155,51 +153,6 @@ RigidFit::Normal RigidFit::equations(const RigidStep& step) {
   out.right.tail<3>() -= prior * (rotationVector(step.rotation) - expected_turn_rad_);
   out.matrix.diagonal().head<3>().array() += 1e-6;
   return out;
-}
-
-void RigidFit::addToPatch(const Residual& at, Patch& patch) const {
-  const auto add = [&](const Vector3d& row, double residual) {
-    patch.matrix.noalias() += row * row.transpose();
-    patch.right.noalias() -= residual * row;
-    ++patch.rows;
-  };
-  const Texel& texel = at.texel;
-  const double per_px = 1.0 / crop_.factor;
-  const double gray = std::clamp(at.gray_residual, -kGrayInlier, kGrayInlier);
-  add(Vector3d(double(texel.gray_u) * per_px, double(texel.gray_v) * per_px, 0.0) / kGrayFloor,
-      gray / kGrayFloor);
-  // What is farther off is no longer the object.
-  if (texel.depth <= 0 || std::abs(at.depth_residual_mm) > kDepthInlier_mm) return;
-  add(Vector3d(double(texel.depth_u) * per_px, double(texel.depth_v) * per_px, -1.0) /
-          kDepthFloor_mm,
-      at.depth_residual_mm / kDepthFloor_mm);
-}
-
-double RigidFit::left_px(const RigidStep& step) {
-  computeResiduals(step);
-  removeBias();
-  const double per_patch = crop_.factor / kPatch_px;
-  const int columns = static_cast<int>(crop_.columns * per_patch) + 1;
-  const int rows = static_cast<int>(crop_.rows * per_patch) + 1;
-  std::vector<Patch> patches(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  for (const Residual& s : residuals_) {
-    if (!s.valid) continue;
-    const Eigen::Vector2d at = per_patch * crop_.place(camera_.project(s.position_mm));
-    const int column = std::clamp(static_cast<int>(at.x()), 0, columns - 1);
-    const int row = std::clamp(static_cast<int>(at.y()), 0, rows - 1);
-    addToPatch(s, patches[static_cast<std::size_t>(row * columns + column)]);
-  }
-  double square = 0.0;
-  int count = 0;
-  for (const Patch& patch : patches) {
-    if (patch.rows < kFewestRows) continue;
-    // Expected to be about 1: where nothing shows a direction, nothing is left in it.
-    const Matrix3d matrix = patch.matrix + Matrix3d::Identity();
-    const Vector3d move = matrix.ldlt().solve(patch.right);
-    square += move.head<2>().squaredNorm();
-    ++count;
-  }
-  return count > 0 ? std::sqrt(square / count) : 0.0;
 }
 
 bool RigidFit::improve(RigidStep& step) {

@@ -17,9 +17,6 @@ struct RigidStep {
   Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();  ///< of the pivot
   double inliers = 0.0;  ///< share of the points that agree in colour and depth, 0..1
   bool reliable = false;
-  /// What patches of the object would have to move by beyond it to agree, rms over them, px of the
-  /// picture: some tenths of noise, more where it deforms.
-  double left_px = 0.0;
   /// last px -> this px (OpenCV's coordinates, pixel centres at whole numbers), as near as a
   /// similarity comes to what the outline did.
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
@@ -42,9 +39,6 @@ class RigidFit {
   /// Improves `step` until it rests, at most eight times, and sets its share of inliers. False: no
   /// solution, `step` is of no use.
   bool improve(RigidStep& step);
-  /// RigidStep::left_px of `step`: one step of Lucas-Kanade on colour and depth for each patch,
-  /// from what the fit has read of the picture anyway.
-  [[nodiscard]] double left_px(const RigidStep& step);
 
  private:
   struct Residual {  // of one point with the present estimate
@@ -55,12 +49,6 @@ class RigidFit {
     bool valid = false;
   };
   struct Normal;
-  struct Patch {  // what its points say about its own motion: px, px, mm
-    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    int rows = 0;
-  };
-  void addToPatch(const Residual& at, Patch& patch) const;
   void computeResiduals(const RigidStep& step);
   void removeBias();
   [[nodiscard]] double inliers() const;
