@@ -37,7 +37,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", options.only,
                  "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
-                 "(held, or held/NAME for its scenes of this name) and "
+                 "(held, surface, deform, or held/NAME for its scenes of this name) and "
                  "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
                  "cases, lies, honest), only this one");
   app.add_option("--set", options.set,

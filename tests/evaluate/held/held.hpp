@@ -15,4 +15,8 @@ void measureHeld(const Options& options, Report& report);
 /// masks: relief used, rest, layers that change their names. `--only surface[/NAME]`.
 void measureHeldSurfaces(const Options& options, Report& report);
 
+/// What the grid tells of things that squeeze and bend, that it tells nothing of rigid ones, and
+/// the velocity of both, with the true masks. `--only deform[/NAME]`.
+void measureDeforming(const Options& options, Report& report);
+
 }  // namespace hapticast::evaluate

@@ -84,6 +84,7 @@ void take(const HapticFrame& frame, const cv::Size& size, Run& run) {
   run.heights.push_back(heights);
   run.layers.push_back(layers);
   run.largest.push_back(most);
+  run.objects.push_back(frame.objects);
 }
 
 }  // namespace
@@ -123,11 +124,13 @@ Run watchWith(const Recording& recording, const server::VisionSettings& settings
       if (result) take(result->frame, size, run);
     }
     for (const server::VisionResult& result : vision.flush()) take(result.frame, size, run);
+    if (vision.mapped()) run.mapped = vision.mapped()->range;
   } catch (const server::SourceError& error) {
     run = {};
     run.refused = error.what();
     run.masks.resize(recording.frames.size());
     run.largest.resize(recording.frames.size());
+    run.objects.resize(recording.frames.size());
   }
   return run;
 }

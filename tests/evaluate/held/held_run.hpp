@@ -36,7 +36,9 @@ struct Run {
   std::vector<cv::Mat> heights;                      ///< CV_32FC1, nominal mm; NaN outside
   std::vector<cv::Mat> layers;                       ///< CV_8UC1, layer + 1; 0 outside
   std::vector<std::optional<HapticObject>> largest;  ///< the object, or layer, of most pixels
+  std::vector<std::vector<HapticObject>> objects;    ///< all of them, with their layers
   std::vector<double> ms;                            ///< per frame, one thread
+  std::optional<server::DepthRange> mapped;          ///< what became heights
   std::string refused;  ///< why there is nothing; empty: it went through
 };
 Run watch(const Recording& recording, const Words& words);

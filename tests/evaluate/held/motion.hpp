@@ -42,6 +42,7 @@ class Ramp {
     for (const Step& step : steps_) sum += step.by * step.when.at(t);
     return sum;
   }
+  [[nodiscard]] bool changes() const { return !steps_.empty(); }
   [[nodiscard]] double rate(double t) const {
     double sum = 0.0;
     for (const Step& step : steps_) sum += step.by * step.when.rate(t);

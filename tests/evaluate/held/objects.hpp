@@ -19,6 +19,7 @@ struct Object {
   Path path;              ///< in the frame that it is drawn in
 
   [[nodiscard]] Thing at(double t) const;
+  [[nodiscard]] bool deforms() const { return bent.changes(); }
   /// Its surface's point that is at `at_mm` at t: how it moves, squeezing and bending with it.
   [[nodiscard]] Vec3 velocityAt(const Vec3& at_mm, double t) const;
   /// Where a point moves to with the thing, given in its frame when it was neither squeezed nor

@@ -145,12 +145,16 @@ void measureScenes(const Options& options, Report& report) {
 
 void evaluateVision(const Options& options) {
   Report report("vision", options);
-  const bool only_held = options.only.rfind("held", 0) == 0;
-  const bool only_surface = options.only.rfind("surface", 0) == 0;
-  if (!only_held && !only_surface) measureScenes(options, report);
-  if (!only_held && !only_surface) measureRealClips(options, report);
-  if (!only_surface) measureHeld(options, report);
-  if (only_surface || (!only_held && !options.quick)) measureHeldSurfaces(options, report);
+  const auto only = [&](const char* part) { return options.only.rfind(part, 0) == 0; };
+  const bool a_part = only("surface") || only("deform");
+  if (!only("held") && !a_part) {
+    measureScenes(options, report);
+    measureRealClips(options, report);
+  }
+  if (!a_part) measureHeld(options, report);
+  const bool whole = !only("held") && !a_part && !options.quick;
+  if (only("surface") || whole) measureHeldSurfaces(options, report);
+  if (only("deform") || whole) measureDeforming(options, report);
   report.write();
 }
 
