@@ -2,6 +2,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <exception>
 #include <memory>
 
@@ -20,6 +21,9 @@ int touch(const hapticast::client::Settings& settings) {
   try {
     app = std::make_unique<hapticast::client::App>(settings, clock,
                                                    hapticast::client::openViews(settings));
+  } catch (const hapticast::client::DeviceAbsent& error) {
+    spdlog::error("{}", hapticast::oneLine(error.what()));
+    return kFailed;
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::oneLine(error.what()));
     return kWrongInput;
@@ -34,6 +38,10 @@ int main(int argc, char** argv) {
   const auto command_line = hapticast::client::commandLine(settings);
   if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
     return *exit_code;
+  if (settings.list_devices) {
+    std::fputs(hapticast::client::listDevices().c_str(), stdout);
+    return kDone;
+  }
   spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-client"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   if (settings.quiet) spdlog::set_level(spdlog::level::warn);

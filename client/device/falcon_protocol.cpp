@@ -10,9 +10,9 @@ namespace {
 // A nibble is a letter from 'A' to 'P'; so are, from 'A' on, the flags, which have up to 7 bits.
 constexpr std::uint8_t kBegin = '<';
 constexpr std::uint8_t kEnd = '>';
-constexpr std::uint8_t kZero = 'A';
-constexpr std::uint8_t kLastNibble = kZero + 0x0F;
-constexpr std::uint8_t kLastFlags = kZero + 0x7F;
+constexpr std::uint8_t kNibbleZero = 'A';
+constexpr std::uint8_t kLastNibble = kNibbleZero + 0x0F;
+constexpr std::uint8_t kLastFlags = kNibbleZero + 0x7F;
 constexpr std::size_t kFlagsAt = 13;
 constexpr std::size_t kUnusedAt = 14;
 constexpr std::size_t kEndAt = 15;
@@ -28,7 +28,7 @@ constexpr std::size_t nibbleAt(std::size_t axis, std::size_t nibble) noexcept {
 int encoderOf(const FalconFrame& frame, std::size_t axis) noexcept {
   unsigned bits = 0;
   for (std::size_t i = 0; i < 4; ++i)
-    bits |= static_cast<unsigned>(frame[nibbleAt(axis, i)] - kZero) << (4 * i);
+    bits |= static_cast<unsigned>(frame[nibbleAt(axis, i)] - kNibbleZero) << (4 * i);
   return static_cast<std::int16_t>(bits);
 }
 
@@ -41,19 +41,19 @@ FalconFrame encode(const FalconRequest& request) noexcept {
     const int counts = std::clamp(request.motors[axis], -kMostMotorCounts, kMostMotorCounts);
     const auto bits = static_cast<std::uint16_t>(counts);
     for (std::size_t i = 0; i < 4; ++i)
-      frame[nibbleAt(axis, i)] = static_cast<std::uint8_t>(kZero + (bits >> (4 * i) & 0x0FU));
+      frame[nibbleAt(axis, i)] = static_cast<std::uint8_t>(kNibbleZero + (bits >> (4 * i) & 0x0FU));
   }
   const unsigned flags = request.lights | (request.homing ? kHomingFlag : 0U);
-  frame[kFlagsAt] = static_cast<std::uint8_t>(kZero + flags);
-  frame[kUnusedAt] = kZero;
+  frame[kFlagsAt] = static_cast<std::uint8_t>(kNibbleZero + flags);
+  frame[kUnusedAt] = kNibbleZero;
   frame[kEndAt] = kEnd;
   return frame;
 }
 
 bool FalconParser::fits(std::uint8_t byte) const noexcept {
   if (filled_ == 0) return byte == kBegin;
-  if (filled_ < kFlagsAt) return byte >= kZero && byte <= kLastNibble;
-  if (filled_ == kFlagsAt) return byte >= kZero && byte <= kLastFlags;
+  if (filled_ < kFlagsAt) return byte >= kNibbleZero && byte <= kLastNibble;
+  if (filled_ == kFlagsAt) return byte >= kNibbleZero && byte <= kLastFlags;
   return filled_ == kUnusedAt || byte == kEnd;
 }
 
@@ -74,7 +74,7 @@ std::optional<FalconReply> FalconParser::take(std::uint8_t byte) noexcept {
   astray_ = false;
   FalconReply reply;
   for (std::size_t axis = 0; axis < 3; ++axis) reply.encoders[axis] = encoderOf(frame_, axis);
-  const auto flags = static_cast<std::uint8_t>(frame_[kFlagsAt] - kZero);
+  const auto flags = static_cast<std::uint8_t>(frame_[kFlagsAt] - kNibbleZero);
   reply.buttons = flags & kButtonBits;
   reply.homed = static_cast<std::uint8_t>(flags >> kHomedShift);
   return reply;

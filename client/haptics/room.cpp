@@ -74,6 +74,7 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamStat
       feel_(settings.method, settings.surface),
       safety_(settings.profile),
       mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
+  if (settings.unconfirmed) safety_.awaitConfirmation();
   report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
 }
 
@@ -89,6 +90,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
   if (state.status == DeviceStatus::kOk) report_.enabled = enabled(settings_.profile, state);
+  report_.buttons = state.status == DeviceStatus::kLost ? 0 : state.buttons;
   if (world_changed || hip.restarted) proxies_.restart();
   const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
   const Contact contact = contactAt(scene, ahead_mm);
