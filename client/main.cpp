@@ -2,11 +2,15 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <string>
 
 #include "client/app.hpp"
+#include "client/calibrate.hpp"
 #include "client/open_views.hpp"
 #include "client/settings.hpp"
 #include "common/cli/parse.hpp"
@@ -14,6 +18,34 @@
 namespace {
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
+
+std::atomic<bool> stop_calibration{false};
+
+/// --falcon-calibrate; `config_file` may be empty.
+int calibrateFalcon(const hapticast::client::Settings& settings, const std::string& config_file) {
+  using namespace hapticast::client;
+  const auto tell = [](const std::string& line) { spdlog::info("{}", line); };
+  const hapticast::SteadyClock clock;
+  hapticast::LatestValue<TickReport> seen;
+  const auto device = openDevice("falcon", {.profile = settings.profile,
+                                            .clock = clock,
+                                            .seen = seen,
+                                            .falcon = settings.falcon,
+                                            .tell = tell});
+  const auto stop = [](int /*signal*/) { stop_calibration = true; };
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
+                              stop_calibration, tell);
+  if (!gain) return kDone;
+  if (config_file.empty()) {
+    spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);
+  } else {
+    storeGain(config_file, *gain);
+    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, config_file);
+  }
+  return kDone;
+}
 
 int touch(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
@@ -46,6 +78,8 @@ int main(int argc, char** argv) {
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   if (settings.quiet) spdlog::set_level(spdlog::level::warn);
   try {
+    if (settings.calibration_g > 0.0)
+      return calibrateFalcon(settings, command_line->get_config_ptr()->as<std::string>());
     return touch(settings);
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::oneLine(error.what()));

@@ -105,6 +105,10 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
       ->type_name("S");
   addNumber(app, "--falcon-gain", settings.falcon.gain, 100.0, 20000.0, "COUNTS_PER_NM",
             "What its motors are sent for a torque of 1 N m at an arm; default: 3500");
+  addNumber(
+      app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
+      "Find the gain with a known weight, step by step, and store it in the file of --config, "
+      "else say it; then end");
 }
 
 void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {

@@ -27,6 +27,7 @@ struct Settings {
   std::string profile;  ///< a built-in name or a file; empty: as the device has it
   FalconSettings falcon;
   bool list_devices = false;
+  double calibration_g = 0.0;  ///< the known weight; 0: no calibration
   DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< a script's name or a CSV file

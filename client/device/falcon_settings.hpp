@@ -7,7 +7,7 @@
 namespace hapticast::client {
 
 /// What was measured of a stock driver's frames fits 3500 counts a N m at the arm; other drivers
-/// send three times as much. Every device is a little different: --falcon-calibrate.
+/// send three times as much. Every device is a little different.
 inline constexpr double kFalconGain = 3500.0;
 
 struct FalconSettings {

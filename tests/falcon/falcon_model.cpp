@@ -27,6 +27,9 @@ constexpr double kMass_kg = 0.25;
 constexpr double kHand_N_m = 200.0;
 constexpr double kHandDamping_Ns_m = 10.0;
 constexpr double kHandSpeed_m_s = 0.15;
+// Nobody holds it.
+constexpr double kGripMass_kg = 0.1;
+constexpr double kGripDamping_Ns_m = 2.0;
 constexpr double kStep_s = 1e-4;
 
 }  // namespace
@@ -133,7 +136,12 @@ void FalconModel::move(double time_s, const std::array<int, 3>& motors) {
     const Vec3 hand_N = kHand_N_m * (way_m.norm() > 2.0 * most_m + 0.02
                                          ? Vec3(way_m * ((2.0 * most_m + 0.02) / way_m.norm()))
                                          : way_m);
-    velocity_m_s_ += kStep_s / kMass_kg * (motor_N + hand_N - kHandDamping_Ns_m * velocity_m_s_);
+    const bool held = !let_go || homed_ != client::kAllHomed;
+    const Vec3 outside_N = held ? Vec3(hand_N - kHandDamping_Ns_m * velocity_m_s_)
+                                : Vec3(-kGripDamping_Ns_m * velocity_m_s_);
+    const Vec3 weight_N = -9.80665 * (held ? 0.0 : weight_kg) * Vec3::UnitY();
+    const double mass_kg = held ? kMass_kg : kGripMass_kg + weight_kg;
+    velocity_m_s_ += kStep_s / mass_kg * (motor_N + outside_N + weight_N);
     position_m_ += kStep_s * velocity_m_s_;
   }
 }

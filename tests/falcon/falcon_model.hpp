@@ -55,6 +55,8 @@ class FalconModel {
   FalconFaults faults;
   std::uint8_t buttons = 0;
   Vec3 target_m{0.0, 0.0, 0.125};  ///< where the hand wants the grip
+  bool let_go = false;             ///< nobody holds the grip
+  double weight_kg = 0;            ///< what hangs on it
   bool homes_itself = true;        ///< the hand pulls out and pushes in whenever the light is red
   void powerCycle();
   void boot() { stage_ = Stage::kRuns; }  ///< as if its firmware had been loaded

@@ -166,14 +166,16 @@ void UsbPort::unplug() {
 void UsbPort::forbid() {
   gchar* const root = umockdev_testbed_get_root_dir(testbed_);
   using std::filesystem::perms;
-  const perms look = perms::others_read | perms::others_exec;
-  std::filesystem::permissions(root, look | perms::others_write,
-                               std::filesystem::perm_options::add);
+  // Whoever gives up being root keeps its group.
+  const perms look =
+      perms::group_read | perms::group_exec | perms::others_read | perms::others_exec;
+  const perms use = look | perms::group_write | perms::others_write;
+  const auto allow = [](const std::filesystem::path& path, perms what) {
+    std::filesystem::permissions(path, what, std::filesystem::perm_options::add);
+  };
+  allow(root, use);
   for (const auto& each : std::filesystem::recursive_directory_iterator(root)) {
-    if (!each.is_symlink())
-      std::filesystem::permissions(
-          each, each.is_socket() || each.is_directory() ? look | perms::others_write : look,
-          std::filesystem::perm_options::add);
+    if (!each.is_symlink()) allow(each, each.is_socket() || each.is_directory() ? use : look);
   }
   (void)chmod((std::string(root) + node()).c_str(), 0600);
   g_free(root);

@@ -73,6 +73,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.falcon.firmware_file, falcon ? "f.bin" : "");
   EXPECT_EQ(settings.falcon.serial, falcon ? "A7" : "");
   EXPECT_EQ(settings.falcon.gain, falcon ? 4000.0 : 3500.0);
+  EXPECT_EQ(settings.calibration_g, falcon ? 200.0 : 0.0);
 }
 
 std::vector<std::pair<std::string, std::string>> everyFlag() {
@@ -91,6 +92,7 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
     flags.emplace_back("falcon-firmware", "f.bin");
     flags.emplace_back("falcon-serial", "A7");
     flags.emplace_back("falcon-gain", "4000");
+    flags.emplace_back("falcon-calibrate", "200");
   }
   if (hasViewer()) {
     flags.emplace_back("screenshot", "c.png");
