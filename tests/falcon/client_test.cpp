@@ -126,7 +126,7 @@ std::vector<Logged> steadyForces(const std::vector<FalconHeard>& heard) {
   LocalTime silent{};
   LocalTime last{};
   for (const FalconHeard& each : heard) {
-    const bool gap = each.at - last > std::chrono::milliseconds(18);
+    const bool gap = each.at - last > std::chrono::milliseconds(10);
     if (gap || each.request.motors == kNoTorque) silent = each.at;
     last = each.at;
     if (each.at - silent > std::chrono::milliseconds(600))
