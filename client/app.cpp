@@ -19,8 +19,9 @@ namespace {
 // Chosen: a window that is drawn in every turn moves smoothly.
 constexpr auto kTurn = std::chrono::milliseconds(10);
 
-RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile) {
+RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile, bool found) {
   RoomSettings room;
+  room.unconfirmed = found;
   room.profile = profile;
   room.method = settings.method;
   room.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
@@ -43,11 +44,6 @@ UserControls userControls(const Settings& settings) {
   user.method = settings.method;
   user.surface = settings.surface;
   return user;
-}
-
-/// A scripted hand moves the virtual device, whatever else there is.
-std::string deviceName(const Settings& settings) {
-  return settings.device == "auto" && settings.hand_given ? "virtual" : settings.device;
 }
 
 bool points(const Views& views) {
@@ -77,12 +73,8 @@ App::App(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
       views_(std::move(views)),
-      device_(openDevice(deviceName(settings_), {.profile = settings_.profile,
-                                                 .hand = settings_.hand,
-                                                 .clock = clock,
-                                                 .seen = published_,
-                                                 .pointer = points(views_) ? &pointer_ : nullptr})),
-      room_settings_(roomSettings(settings_, device_->profile())),
+      device_(chooseDevice(settings_, clock, published_, points(views_) ? &pointer_ : nullptr)),
+      room_settings_(roomSettings(settings_, device_.device->profile(), device_.found)),
       room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, published_,
                                    &log_ring_)),
       preparer_(pool_, clock, settings_.method,
@@ -95,6 +87,7 @@ App::App(Settings settings, const Clock& clock, Views views)
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
       rearm_(settings_.rearm, points(views_)),
+      buttons_(device_.device->profile()),
       teller_(toString(settings_.server)) {
   requireWritable("--summary", settings_.summary_file);
   desk_.user = userControls(settings_);
@@ -157,7 +150,7 @@ void App::tellStatus(bool connected) {
 
 bool App::run() {
   spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", toString(settings_.server),
-               device_->description());
+               device_.device->description());
   if (settings_.forces != Forces::kBoth)
     spdlog::info("felt: the {} force only (--forces)",
                  settings_.forces == Forces::kStatic ? "static" : "dynamic");
@@ -170,7 +163,7 @@ bool App::run() {
   connection_.start();
   std::jthread network([this] { io_.run(); });
   const StopOnExit network_stop{io_};
-  LoopThread loop(*device_, *room_, clock_);
+  LoopThread loop(*device_.device, *room_, clock_);
 
   runEvents();
   loop.stop();
@@ -188,6 +181,7 @@ void App::runEvents() {
   while (!stop_ && !time_is_over_) {
     takeReports();
     takeFaults();
+    while (const auto line = device_.device->news()) spdlog::info("{}", *line);
     tellContact();
     if (!turnViews()) stop();
     std::this_thread::sleep_for(kTurn);
@@ -234,10 +228,20 @@ void App::takeReports() {
     if (recording_) recording_->write(last_report_);
     for (const auto& view : views_) view->takeReport(last_report_);
     if (const auto line = touch_teller_.take(last_report_, rearm_)) spdlog::warn("{}", *line);
+    takeButtons();
     if (!rearm_.take(last_report_)) continue;
     ++desk_.user.rearm;
     user_controls_.store(desk_.user);
   }
+}
+
+/// What the user presses on the device itself.
+void App::takeButtons() {
+  const DeviceButtons::Wish wish = buttons_.take(last_report_.buttons);
+  if (wish.pause) desk_.user.paused = !desk_.user.paused;
+  if (wish.rearm) ++desk_.user.rearm;
+  if (wish.pause || wish.rearm) user_controls_.store(desk_.user);
+  if (wish.other) spdlog::info("button {} of the device was pressed", *wish.other);
 }
 
 void App::takeFaults() {
@@ -265,6 +269,7 @@ RunResult App::result(const LoopThread& loop) const {
           .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
           .eye_hand_ns = eye_hand,
+          .device = device_.device->traffic(),
           .realtime = loop.realtime()};
 }
 

@@ -8,8 +8,9 @@
 #include <optional>
 #include <string>
 
+#include "client/chosen_device.hpp"
 #include "client/connection_teller.hpp"
-#include "client/device/open_device.hpp"
+#include "client/device_buttons.hpp"
 #include "client/fault_files.hpp"
 #include "client/haptics/loop_thread.hpp"
 #include "client/haptics/room.hpp"
@@ -50,6 +51,7 @@ class App {
   void record();
   void takeReports();
   void takeFaults();
+  void takeButtons();
   void tellContact();
   [[nodiscard]] RunResult result(const LoopThread& loop) const;
   void finish(const LoopThread& loop);
@@ -59,7 +61,7 @@ class App {
   LatestValue<TickReport> published_;  // the device's hand reads it
   LatestValue<PointerTarget> pointer_;
   Views views_;
-  std::unique_ptr<HapticDevice> device_;
+  ChosenDevice device_;
   RoomSettings room_settings_;
   FramePool pool_;
   LatestValue<StreamState> stream_;
@@ -81,6 +83,7 @@ class App {
   TickReport last_report_;          // of those taken from log_ring_; its time counts from begin_
   bool told_contact_ = false;
   Rearm rearm_;
+  DeviceButtons buttons_;
   TouchTeller touch_teller_;
   bool time_is_over_ = false;
   OddityTeller oddities_;    // network thread

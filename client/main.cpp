@@ -2,10 +2,15 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
+#include <csignal>
+#include <cstdio>
 #include <exception>
 #include <memory>
+#include <string>
 
 #include "client/app.hpp"
+#include "client/calibrate.hpp"
 #include "client/open_views.hpp"
 #include "client/settings.hpp"
 #include "common/cli/parse.hpp"
@@ -14,12 +19,43 @@ namespace {
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
+std::atomic<bool> stop_calibration{false};
+
+/// --falcon-calibrate; `config_file` may be empty.
+int calibrateFalcon(const hapticast::client::Settings& settings, const std::string& config_file) {
+  using namespace hapticast::client;
+  const auto tell = [](const std::string& line) { spdlog::info("{}", line); };
+  const hapticast::SteadyClock clock;
+  hapticast::LatestValue<TickReport> seen;
+  const auto device = openDevice("falcon", {.profile = settings.profile,
+                                            .clock = clock,
+                                            .seen = seen,
+                                            .falcon = settings.falcon,
+                                            .tell = tell});
+  const auto stop = [](int /*signal*/) { stop_calibration = true; };
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
+                              stop_calibration, tell);
+  if (!gain) return kDone;
+  if (config_file.empty()) {
+    spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);
+  } else {
+    storeGain(config_file, *gain);
+    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, config_file);
+  }
+  return kDone;
+}
+
 int touch(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
     app = std::make_unique<hapticast::client::App>(settings, clock,
                                                    hapticast::client::openViews(settings));
+  } catch (const hapticast::client::DeviceAbsent& error) {
+    spdlog::error("{}", hapticast::oneLine(error.what()));
+    return kFailed;
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::oneLine(error.what()));
     return kWrongInput;
@@ -34,10 +70,16 @@ int main(int argc, char** argv) {
   const auto command_line = hapticast::client::commandLine(settings);
   if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
     return *exit_code;
+  if (settings.list_devices) {
+    std::fputs(hapticast::client::listDevices().c_str(), stdout);
+    return kDone;
+  }
   spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-client"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   if (settings.quiet) spdlog::set_level(spdlog::level::warn);
   try {
+    if (settings.calibration_g > 0.0)
+      return calibrateFalcon(settings, command_line->get_config_ptr()->as<std::string>());
     return touch(settings);
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::oneLine(error.what()));

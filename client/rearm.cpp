@@ -8,8 +8,8 @@ bool Rearm::take(const TickReport& report) {
     halt_ = report.halt;
     halted_ = report.time;
   }
-  const bool waits =
-      deviceIsBack(report) || (halt_ == Halt::kTrustLost && report.device == DeviceStatus::kOk);
+  const bool waits = deviceIsBack(report) || report.halt == Halt::kUnconfirmed ||
+                     (halt_ == Halt::kTrustLost && report.device == DeviceStatus::kOk);
   if (!waits) asked_ = false;  // a device that is lost again has not heard of it
   if (!by_itself_ || !waits || asked_) return false;
   if (halt_ == Halt::kTrustLost) {

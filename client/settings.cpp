@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "client/settings.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <stdexcept>
+#include <string_view>
 
 #include "client/device/open_device.hpp"
 #include "common/cli/config_file.hpp"
@@ -42,7 +44,9 @@ const std::map<std::string, std::string>& devices() {
 
 std::string deviceHelp() {
   std::string help =
-      "The haptic device; auto (default): the mouse where there is a window, else virtual";
+      "The haptic device; auto (default): a real one that is plugged in, else the mouse where "
+      "there "
+      "is a window, else virtual";
   for (const DeviceKind& kind : deviceKinds()) {
     help += std::string("; ") + kind.name + ": " + kind.description;
   }
@@ -61,10 +65,10 @@ std::string builtIn() {
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--device", settings.device, devices(), deviceHelp());
-  app.add_option(
-         "--profile", settings.profile,
-         "What the device can stand: omni (default), falcon, or a file of KEY = VALUE lines (keys: "
-         "client/README.md, Profiles)")
+  app.add_option("--profile", settings.profile,
+                 "What the device can stand: omni (default; of a Falcon falcon), falcon, or a file "
+                 "of KEY = VALUE lines (keys: "
+                 "client/README.md, Profiles)")
       ->type_name("NAME|FILE");
   app.add_option(
          "--hand", settings.hand,
@@ -80,6 +84,31 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
       "--rearm", settings.rearm,
       "After a lost device has come back, or 5 s after the trust in a stream was lost (three times "
       "at most), the force returns by itself, faded in; without it, only at the next start");
+}
+
+bool hasDevice(std::string_view name) {
+  const auto kinds = deviceKinds();
+  return std::any_of(kinds.begin(), kinds.end(),
+                     [name](const DeviceKind& kind) { return kind.name == name; });
+}
+
+void addFalconOptions(CLI::App& app, Settings& settings) {
+  app.add_flag("--list-devices", settings.list_devices,
+               "Say which kinds of devices there are and what was found of them, and end");
+  if (!hasDevice("falcon")) return;
+  app.add_option("--falcon-firmware", settings.falcon.firmware_file,
+                 "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
+                 "hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share")
+      ->type_name("FILE");
+  app.add_option("--falcon-serial", settings.falcon.serial,
+                 "Which Falcon, by its serial number (--list-devices); default: the first")
+      ->type_name("S");
+  addNumber(app, "--falcon-gain", settings.falcon.gain, 100.0, 20000.0, "COUNTS_PER_NM",
+            "What its motors are sent for a torque of 1 N m at an arm; default: 3500");
+  addNumber(
+      app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
+      "Find the gain with a known weight, step by step, and store it in the file of --config, "
+      "else say it; then end");
 }
 
 void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
@@ -163,6 +192,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
               "Where hapticast-server listens; default: localhost:7447. One that is not there is "
               "waited for");
   addDeviceOptions(*app, settings);
+  addFalconOptions(*app, settings);
   addDeliveryOptions(*app, settings.delivery);
   addChoice(
       *app, "--surface", settings.surface, kSurfaceKinds,

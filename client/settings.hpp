@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "client/device/falcon_settings.hpp"
 #include "client/haptics/surface/surface_model.hpp"
 #include "client/net/delivery_choice.hpp"
 #include "common/endpoint.hpp"
@@ -23,7 +24,10 @@ enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string device = "auto";
-  std::string profile = "omni";  ///< a built-in name or a file
+  std::string profile;  ///< a built-in name or a file; empty: as the device has it
+  FalconSettings falcon;
+  bool list_devices = false;
+  double calibration_g = 0.0;  ///< the known weight; 0: no calibration
   DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< a script's name or a CSV file

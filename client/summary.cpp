@@ -76,6 +76,14 @@ Json eyeHandOf(const Histogram& offset_ns) {
   return {{"p50", milliseconds(0.5)}, {"p95", milliseconds(0.95)}};
 }
 
+/// null where nothing travels.
+Json deviceOf(const std::optional<DeviceTraffic>& device) {
+  if (!device) return nullptr;
+  return {{"round_trips", device->round_trips},
+          {"misses", device->misses},
+          {"resyncs", device->resyncs}};
+}
+
 Json summary(const RunResult& result) {
   const LoopStats& loop = result.loop;
   const auto lookupKey = [](std::size_t i) { return lookupName(static_cast<Lookup>(i)); };
@@ -112,6 +120,7 @@ Json summary(const RunResult& result) {
       {"eye_hand_ms", eyeHandOf(result.eye_hand_ns)},
       {"interferences",
        counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
+      {"device", deviceOf(result.device)},
       {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
       {"faults", faultNames(loop.faults)}};
 }
@@ -152,6 +161,9 @@ std::string inWords(const RunResult& result) {
       "clock.\n",
       result.frames.received, wayName(result.delivery.way), result.frames.lost, result.frames.late,
       result.playout_delay_ms);
+  if (result.device)
+    text += fmt::format("The device answered {} times; {} ticks began without, {} damaged.\n",
+                        result.device->round_trips, result.device->misses, result.device->resyncs);
   const std::string chain = chainInWords(loop);
   if (loop.step_excess_max_N != 0.0) {
     text += fmt::format("WARNING: a force step exceeded its limit by {:.3f} N.\n",

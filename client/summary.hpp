@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/haptics/loop.hpp"
@@ -21,10 +22,11 @@ struct RunResult {
   std::uint64_t bytes_received = 0;
   DatagramCounts datagrams;
   DeliveryState delivery;
-  double playout_delay_ms = 0.0;  ///< at the end
-  double clock_offset_us = 0.0;   ///< media clock - local clock
-  double clock_error_us = 0.0;    ///< its bound
-  Histogram eye_hand_ns;          ///< View::eyeHand(); empty: nothing was shown
+  double playout_delay_ms = 0.0;        ///< at the end
+  double clock_offset_us = 0.0;         ///< media clock - local clock
+  double clock_error_us = 0.0;          ///< its bound
+  Histogram eye_hand_ns;                ///< View::eyeHand(); empty: nothing was shown
+  std::optional<DeviceTraffic> device;  ///< none: nothing travels to it
   RealtimeGrant realtime;
 };
 

@@ -34,6 +34,11 @@ std::string halted(const TickReport& report, const Rearm& rearm) {
                                                : "from now on (--rearm brings it back)";
     return fmt::format("the device does not answer: no force {}", until);
   }
+  if (report.halt == Halt::kUnconfirmed)
+    return fmt::format(
+        "this device was found, not asked for: no force until {}its re-arming "
+        "button is pressed, or with --rearm or --device",
+        rearm.byKey() ? "R in the window or " : "");
   return fmt::format(
       "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
       "force {}",

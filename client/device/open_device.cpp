@@ -10,18 +10,23 @@ namespace hapticast::client {
 // Each is defined in a file of its own.
 OpenDevice openVirtual;
 OpenDevice openMouse;
+OpenDevice openFalcon;
+std::vector<std::string> listFalcons();
 
 std::span<const DeviceKind> deviceKinds() noexcept {
   static constexpr std::array kKinds = {
       DeviceKind{"virtual", "a simulated one in a simulated hand", openVirtual},
       DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
+#ifdef HAPTICAST_FALCON
+      DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
+#endif
   };
   return kKinds;
 }
 
-PlantProfile loadProfile(const std::string& name_or_file) {
+PlantProfile loadProfile(const std::string& name_or_file, const std::string& own) {
   try {
-    return loadDeviceProfile(name_or_file);
+    return loadDeviceProfile(name_or_file.empty() ? own : name_or_file);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string("--profile ") + error.what());
   }
@@ -36,6 +41,38 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRe
     names += "|" + std::string(kind.name);
   }
   throw std::runtime_error("--device " + name + ": is not one of " + names);
+}
+
+std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
+  for (const DeviceKind& kind : deviceKinds()) {
+    if (kind.list == nullptr) continue;
+    try {
+      if (!kind.list().empty()) return kind.open(request);
+    } catch (const DeviceAbsent& error) {
+      request.tell(std::string("going on without it: ") + error.what());
+    } catch (const std::runtime_error&) {
+      // Where nothing can be asked, nothing is plugged in; --list-devices says why.
+    }
+  }
+  return nullptr;
+}
+
+std::string listDevices() {
+  std::string text;
+  for (const DeviceKind& kind : deviceKinds()) {
+    text.append(kind.name).append(": ").append(kind.description);
+    if (kind.list != nullptr) {
+      try {
+        const auto lines = kind.list();
+        if (lines.empty()) text.append("; none was found: is it plugged in?");
+        for (const std::string& line : lines) text.append("; ").append(line);
+      } catch (const std::runtime_error& error) {
+        text.append("; ").append(error.what());
+      }
+    }
+    text.append("\n");
+  }
+  return text;
 }
 
 }  // namespace hapticast::client

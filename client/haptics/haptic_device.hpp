@@ -26,6 +26,9 @@ struct DeviceProfile {
   /// Bit of DeviceState::buttons that has to be held for any force (a dead-man); none: no such
   /// button.
   std::optional<int> enable_button;
+  /// Buttons that stop the picture's time (and let it go on), and that bring the force back.
+  std::optional<int> pause_button;
+  std::optional<int> rearm_button;
   double stiffness_N_mm = 0.5;  ///< default rendered stiffness
   double slew_rise_N_per_tick = 0.2;
   double slew_fall_N_per_tick = 0.5;
@@ -51,6 +54,13 @@ inline bool enabled(const DeviceProfile& profile, const DeviceState& state) noex
   return !profile.enable_button || (state.buttons >> *profile.enable_button & 1U) != 0;
 }
 
+/// What a device that is asked and answers has counted.
+struct DeviceTraffic {
+  std::uint64_t round_trips = 0;
+  std::uint64_t misses = 0;   ///< ticks that began without the answer of their request
+  std::uint64_t resyncs = 0;  ///< answers that were damaged
+};
+
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
@@ -64,6 +74,15 @@ class HapticDevice {
   /// Hands over the force (N, device frame, finite) and returns the newest position. Non-blocking.
   /// Thread: loop.
   virtual DeviceState exchange(const Vec3& force_N) noexcept = 0;
+  /// The force of this tick as soon as it is known, for a device that sends it before the next
+  /// exchange(), which hands it over again. Non-blocking. Thread: loop.
+  virtual void decided(const Vec3& /*force_N*/) noexcept {}
+  /// The next line for the user: what to do, what has happened. Thread: main.
+  [[nodiscard]] virtual std::optional<std::string> news() { return std::nullopt; }
+  /// None: nothing travels. Thread: any.
+  [[nodiscard]] virtual std::optional<DeviceTraffic> traffic() const noexcept {
+    return std::nullopt;
+  }
 };
 
 }  // namespace hapticast::client

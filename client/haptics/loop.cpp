@@ -49,6 +49,7 @@ void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::at
       --ticks_to_stop;
     }
     const TickReport& report = room.tick(begin, state);
+    device.decided(report.force_N);
     const LocalTime end = clock.now();
     stats.exchange_ns.add((exchanged - begin).count());
     stats.tick_ns.add((end - exchanged).count());

@@ -56,6 +56,13 @@ const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
 
 bool standsStill(Lookup kind) noexcept { return kind == Lookup::kHeld || kind == Lookup::kFaded; }
 
+void takeDevice(const DeviceProfile& profile, const DeviceState& state,
+                TickReport& report) noexcept {
+  report.device = state.status;
+  report.buttons = state.status == DeviceStatus::kLost ? 0 : state.buttons;
+  if (state.status == DeviceStatus::kOk) report.enabled = enabled(profile, state);
+}
+
 bool fresh(Lookup kind) noexcept {
   return kind == Lookup::kInterpolated || kind == Lookup::kExtrapolated || kind == Lookup::kHeld;
 }
@@ -74,6 +81,7 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamStat
       feel_(settings.method, settings.surface),
       safety_(settings.profile),
       mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
+  if (settings.unconfirmed) safety_.awaitConfirmation();
   report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
 }
 
@@ -88,7 +96,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   const Scene& scene = lookup_.at(play_time, stream, user);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
-  if (state.status == DeviceStatus::kOk) report_.enabled = enabled(settings_.profile, state);
+  takeDevice(settings_.profile, state, report_);
   if (world_changed || hip.restarted) proxies_.restart();
   const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
   const Contact contact = contactAt(scene, ahead_mm);
@@ -111,7 +119,6 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   if (out.contact && softened(contact.object)) {
     report_.interferences |= bit(Interference::kStiffness);
   }
-  report_.device = state.status;
   report_.fault = faultOf(out, hip, input.device_lost);
   reportObject(contact, scene);
   publish();

@@ -27,7 +27,8 @@ struct RoomSettings {
   SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
   Method method = Method::kHapticast;  ///< kThesis: forces interpolated by cubics between frames
-  double stiffness_N_mm = 0.0;         ///< > 0: instead of the material's and the profile's
+  bool unconfirmed = false;     ///< nobody has asked for this device: no force until it is re-armed
+  double stiffness_N_mm = 0.0;  ///< > 0: instead of the material's and the profile's
   double stiffness_limit_N_mm =
       0.0;  ///< of what an author may ask for; 0: three times the profile's
 };

@@ -44,8 +44,9 @@ struct TickReport {
   Lookup lookup = Lookup::kNone;
   Fault fault = Fault::kNone;  ///< raised in this tick
   DeviceStatus device = DeviceStatus::kOk;
-  bool enabled = true;      ///< the device's enabling button is held, or it has none
-  Halt halt = Halt::kNone;  ///< why there is no force until UserControls::rearm
+  std::uint32_t buttons = 0;  ///< of the device, as DeviceState has them
+  bool enabled = true;        ///< the device's enabling button is held, or it has none
+  Halt halt = Halt::kNone;    ///< why there is no force until UserControls::rearm
   Interference distrusted = Interference::kDoubted;  ///< where trust is lost: mostly for this
   double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
   std::uint32_t interferences = 0;  ///< bit per safety step that changed the force

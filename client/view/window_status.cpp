@@ -15,6 +15,7 @@ constexpr Duration kSecond = std::chrono::seconds(1);
 std::string haltLine(const TickReport& report) {
   if (report.halt == Halt::kStopped) return "ending: the force goes to zero";
   if (deviceIsBack(report)) return "the device is back: R re-arms the force";
+  if (report.halt == Halt::kUnconfirmed) return "a device was found: R gives it the force";
   if (report.halt == Halt::kDeviceLost) return "the device does not answer: no force";
   return "the stream is not trusted any more: no force (R re-arms)";
 }

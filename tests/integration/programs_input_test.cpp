@@ -123,7 +123,7 @@ TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   clientEnds({"a", "b"}, 2, {"b"});
   clientEnds({"--bogus"}, 2, {"--bogus"});
   expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {"--device", "spoon"}), 2,
-            {"--device", "'spoon'", "auto|mouse|virtual"});
+            {"--device", "'spoon'", "mouse|virtual"});
   clientEnds({"--fault-dir", write("file", "") + "/below"}, 2, {"--fault-dir", "file/below"});
   for (const char* flag : {"--log", "--summary", "--screenshot"})
     clientEnds({flag, path("missing/file.png")}, 2, {flag, "missing/file.png", "folder"});

@@ -89,6 +89,8 @@ class SafetyChain {
   void rearm() noexcept;
   /// Ramps the force to zero and keeps it there until rearm().
   void stop() noexcept { stop_requested_ = true; }
+  /// There is no force until rearm(), from the first tick on.
+  void awaitConfirmation() noexcept { halt_ = Halt::kUnconfirmed; }
   /// Why there is no force until somebody re-arms it.
   [[nodiscard]] Halt halt() const noexcept { return halt_; }
   /// Which interference cost most of the trust.

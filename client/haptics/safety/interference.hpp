@@ -66,8 +66,9 @@ constexpr const char* inWords(Interference which) noexcept {
 enum class Halt : std::uint8_t {
   kNone = 0,
   kDeviceLost,
-  kTrustLost,  ///< the stream asked for too much that had to be held back
-  kStopped,    ///< the loop is ending
+  kTrustLost,    ///< the stream asked for too much that had to be held back
+  kStopped,      ///< the loop is ending
+  kUnconfirmed,  ///< the device was found, not asked for
 };
 
 }  // namespace hapticast::client

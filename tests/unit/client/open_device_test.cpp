@@ -52,11 +52,17 @@ TEST(OpenDevice, AutoIsTheMouseWhereThereIsAWindow) {
   EXPECT_EQ(device->description(), "mouse: a virtual device (omni) on a spring behind the pointer");
 }
 
+TEST(OpenDevice, TheListNamesEveryKind) {
+  const std::string list = listDevices();
+  for (const DeviceKind& kind : deviceKinds())
+    EXPECT_NE(list.find(std::string(kind.name) + ": "), std::string::npos) << list;
+}
+
 TEST(OpenDevice, ComplaintsNameTheFlag) {
   const ManualClock clock;
   LatestValue<TickReport> seen;
-  EXPECT_EQ(complaintOf("spoon", {.clock = clock, .seen = seen}),
-            "--device spoon: is not one of auto|virtual|mouse");
+  const std::string unknown = complaintOf("spoon", {.clock = clock, .seen = seen});
+  EXPECT_EQ(unknown.find("--device spoon: is not one of auto|virtual|mouse"), 0U) << unknown;
   EXPECT_EQ(complaintOf("mouse", {.clock = clock, .seen = seen}),
             "--device mouse: needs the window to point in (--view on)");
   EXPECT_EQ(complaintOf("virtual", {.profile = "/nowhere", .clock = clock, .seen = seen})

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
+#include "client/device/open_device.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::client {
@@ -15,7 +19,9 @@ TEST(ClientSettings, Defaults) {
   ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
   EXPECT_EQ(run.settings.server, (Endpoint{"localhost", 7447}));
   EXPECT_EQ(run.settings.device, "auto");
-  EXPECT_EQ(run.settings.profile, "omni");
+  EXPECT_EQ(run.settings.profile, "");
+  EXPECT_EQ(run.settings.falcon.gain, 3500.0);
+  EXPECT_FALSE(run.settings.list_devices);
   EXPECT_FALSE(run.settings.rearm);
   EXPECT_EQ(run.settings.stiffness_limit_N_mm, 0.0);
   EXPECT_EQ(run.settings.fault_folder, "");
@@ -32,6 +38,12 @@ TEST(ClientSettings, Defaults) {
   EXPECT_FALSE(run.settings.quiet);
   EXPECT_TRUE(run.settings.log_file.empty() && run.settings.summary_file.empty() &&
               run.settings.screenshot_file.empty() && run.settings.film_file.empty());
+}
+
+bool hasFalcon() {
+  const auto kinds = deviceKinds();
+  return std::any_of(kinds.begin(), kinds.end(),
+                     [](const DeviceKind& kind) { return std::string(kind.name) == "falcon"; });
 }
 
 void expectAll(const Settings& settings) {
@@ -56,19 +68,32 @@ void expectAll(const Settings& settings) {
   EXPECT_TRUE(settings.rearm);
   EXPECT_EQ(settings.stiffness_limit_N_mm, 2.5);
   EXPECT_TRUE(settings.quiet);
+  EXPECT_TRUE(settings.list_devices);
+  const bool falcon = hasFalcon();
+  EXPECT_EQ(settings.falcon.firmware_file, falcon ? "f.bin" : "");
+  EXPECT_EQ(settings.falcon.serial, falcon ? "A7" : "");
+  EXPECT_EQ(settings.falcon.gain, falcon ? 4000.0 : 3500.0);
+  EXPECT_EQ(settings.calibration_g, falcon ? 200.0 : 0.0);
 }
 
 std::vector<std::pair<std::string, std::string>> everyFlag() {
   std::vector<std::pair<std::string, std::string>> flags = {
-      {"server", "[::1]:99"}, {"device", "virtual"},
-      {"profile", "falcon"},  {"view", "off"},
-      {"forces", "static"},   {"hand", "slide"},
-      {"transport", "tcp"},   {"surface", "perturbed"},
-      {"method", "thesis"},   {"log", "a.csv"},
-      {"summary", "b.json"},  {"seconds", "2.5"},
-      {"quiet", "true"},      {"rearm", "true"},
-      {"fault-dir", "d"},     {"stiffness-limit", "2.5"},
-      {"redundancy", "3"},    {"interface", "lo"}};
+      {"server", "[::1]:99"},  {"device", "virtual"},
+      {"profile", "falcon"},   {"view", "off"},
+      {"forces", "static"},    {"hand", "slide"},
+      {"transport", "tcp"},    {"surface", "perturbed"},
+      {"method", "thesis"},    {"log", "a.csv"},
+      {"summary", "b.json"},   {"seconds", "2.5"},
+      {"quiet", "true"},       {"rearm", "true"},
+      {"fault-dir", "d"},      {"stiffness-limit", "2.5"},
+      {"redundancy", "3"},     {"interface", "lo"},
+      {"list-devices", "true"}};
+  if (hasFalcon()) {
+    flags.emplace_back("falcon-firmware", "f.bin");
+    flags.emplace_back("falcon-serial", "A7");
+    flags.emplace_back("falcon-gain", "4000");
+    flags.emplace_back("falcon-calibrate", "200");
+  }
   if (hasViewer()) {
     flags.emplace_back("screenshot", "c.png");
     flags.emplace_back("film", "c.mp4");
@@ -84,7 +109,7 @@ TEST(ClientSettings, EveryFlag) {
       arguments.push_back(value);
     } else {
       arguments.push_back("--" + key);
-      if (key != "quiet" && key != "rearm") arguments.push_back(value);
+      if (key != "quiet" && key != "rearm" && key != "list-devices") arguments.push_back(value);
     }
   }
   const Probe run(arguments);
@@ -107,7 +132,7 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
 
 TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   const std::vector<std::array<std::string, 3>> wrong = {
-      {"--device", "spoon", "auto|mouse|virtual"},   {"--transport", "upd", "multicast|tcp|udp"},
+      {"--device", "spoon", "mouse|virtual"},        {"--transport", "upd", "multicast|tcp|udp"},
       {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
       {"--surface", "flat", "normal|perturbed"},     {"--method", "best", "hapticast|thesis"},
       {"--seconds", "nan", "0.001 to 1000000000"},   {"--seconds", "0", "0.001 to 1000000000"},

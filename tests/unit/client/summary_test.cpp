@@ -68,6 +68,7 @@ RunResult eventful() {
   result.clock_offset_us = -1234567890.125;
   result.clock_error_us = 12.5;
   for (int i = 0; i < 100; ++i) result.eye_hand_ns.add(8'000'000);
+  result.device = DeviceTraffic{.round_trips = 20, .misses = 21, .resyncs = 22};
   result.realtime = {.fifo = true, .mlock = false};
   return result;
 }
@@ -91,6 +92,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "playout_delay_ms": 41.5, "clock_offset_us": -1234567890.125, "clock_error_us": 12.5,
     "eye_hand_ms": {"p50": 8.0, "p95": 8.0},
     "interferences": {},
+    "device": {"round_trips": 20, "misses": 21, "resyncs": 22},
     "realtime": {"fifo": true, "mlock": false},
     "faults": []
   })");
@@ -125,6 +127,7 @@ TEST(Summary, OfARunWithoutATick) {
   EXPECT_EQ(values.at("tick_ns").at("max"), 0);
   EXPECT_EQ(values.at("faults"), Json::array());
   EXPECT_TRUE(values.at("eye_hand_ms").is_null());
+  EXPECT_TRUE(values.at("device").is_null());
 }
 
 TEST(Summary, AFileThatCannotBeWrittenIsNamed) {
@@ -146,6 +149,7 @@ TEST(SummaryInWords, OfARun) {
       "force 1.25 N.\n"
       "250 frames received by multicast (6 lost, 7 late), played 42 ms behind their arrival's "
       "clock.\n"
+      "The device answered 20 times; 21 ticks began without, 22 damaged.\n"
       "The safety chain worked: a number that was none, or absurd, was left out (100 ticks); a "
       "surface was slowed down (101 ticks); a wall was made softer (102 ticks); the force was cut "
       "at the device's peak (104 ticks); a step was slowed (105 ticks); there was no force until "

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What the buttons of a device mean, apart from a dead-man's. Thread: main.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "client/haptics/haptic_device.hpp"
+
+namespace hapticast::client {
+
+class DeviceButtons {
+ public:
+  struct Wish {
+    bool pause = false;
+    bool rearm = false;
+    std::optional<int> other;  ///< a button without a meaning
+  };
+
+  explicit DeviceButtons(const DeviceProfile& profile)
+      : pause_(profile.pause_button),
+        rearm_(profile.rearm_button),
+        enable_(profile.enable_button),
+        known_(pause_ || rearm_) {}
+
+  /// What is pressed now and was not before. A device whose buttons mean nothing has no wishes.
+  [[nodiscard]] Wish take(std::uint32_t buttons) {
+    const std::uint32_t pressed = buttons & ~std::exchange(last_, buttons);
+    Wish wish;
+    if (pressed == 0 || !known_) return wish;
+    const auto is = [pressed](const std::optional<int>& button) {
+      return button && (pressed >> *button & 1U) != 0;
+    };
+    wish.pause = is(pause_);
+    wish.rearm = is(rearm_);
+    if (!wish.pause && !wish.rearm && !is(enable_)) wish.other = std::countr_zero(pressed);
+    return wish;
+  }
+
+ private:
+  std::optional<int> pause_;
+  std::optional<int> rearm_;
+  std::optional<int> enable_;
+  bool known_;
+  std::uint32_t last_ = 0;
+};
+
+}  // namespace hapticast::client

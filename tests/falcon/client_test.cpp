@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+// The unmodified client with a Falcon below its libusb, streaming from a real server.
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "client/device/falcon_kinematics.hpp"
+#include "tests/falcon/falcon_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+struct Logged {
+  double t_s = 0.0;
+  Vec3 force_N = Vec3::Zero();
+};
+
+class FalconClient : public FalconTest {
+ protected:
+  void TearDown() override {
+    client_.reset();
+    server_.reset();
+  }
+  void startServer() {
+    server_ = std::make_unique<Process>(
+        std::vector<std::string>{HAPTICAST_SERVER_PROGRAM, "--source", "synthetic:still", "--loop",
+                                 "--listen", "127.0.0.1:0"});
+    ASSERT_TRUE(server_->says("listening on ", kPatience)) << server_->output();
+    const std::string text = server_->output();
+    const std::size_t begin = text.find("listening on ") + 13;
+    address_ = text.substr(begin, text.find(';', begin) - begin);
+  }
+  void startClient(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {HAPTICAST_CLIENT_PROGRAM, address_, "--view", "off"});
+    client_ = std::make_unique<Process>(arguments);
+  }
+  /// The hand presses the grip into the middle of the picture, and lets it out again.
+  void aim(double z_mm) {
+    port_->with([z_mm](FalconModel& model, BusFaults&) {
+      model.target_m = client::kFalconCentre_m + 1e-3 * Vec3(0.0, 0.0, z_mm);
+    });
+  }
+  bool acts() {
+    const auto all = heard();
+    return !all.empty() && all.back().request.motors != kNoTorque;
+  }
+  void touch() {
+    ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
+    ASSERT_TRUE(client_->says("connected", kPatience)) << client_->output();
+    const auto touches = [&] {
+      aim(20.0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      aim(-5.0);
+      return waitUntil(std::chrono::seconds(1), [&] { return acts(); });
+    };
+    ASSERT_TRUE(waitUntil(kPatience, touches)) << client_->output();
+  }
+  std::vector<Logged> loggedForces(const std::string& file) {
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    std::vector<Logged> forces;
+    while (std::getline(in, line)) {
+      std::replace(line.begin(), line.end(), ',', ' ');
+      std::istringstream words(line);
+      double skipped = 0.0;
+      Logged row;
+      words >> row.t_s;
+      for (int i = 0; i < 4; ++i) words >> skipped;
+      words >> row.force_N.x() >> row.force_N.y() >> row.force_N.z();
+      if (words) forces.push_back(row);
+    }
+    return forces;
+  }
+
+  std::string address_;
+  std::unique_ptr<Process> server_;
+  std::unique_ptr<Process> client_;
+};
+
+/// Force at the grip that these motors make there.
+Vec3 forceOf(const FalconHeard& heard) {
+  const auto& motors = heard.request.motors;
+  const Vec3 torques = -Vec3(motors[0], motors[1], motors[2]) / client::kFalconGain;
+  return client::falconJacobian_rad_m(heard.position_m)->transpose() * torques;
+}
+
+/// Each force that came at the motors beside the one of the log that was decided then, two ticks
+/// more or less, where the log begins `begin_s` after the clock.
+double relativeError(const std::vector<Logged>& sent, const std::vector<Logged>& logged,
+                     double begin_s) {
+  double error = 0.0;
+  double whole = 0.0;
+  std::size_t at = 0;
+  for (const Logged& each : sent) {
+    while (at + 1 < logged.size() && logged[at + 1].t_s + begin_s <= each.t_s) ++at;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = at < 2 ? 0 : at - 2; i < std::min(at + 3, logged.size()); ++i)
+      least = std::min(least, (logged[i].force_N - each.force_N).squaredNorm());
+    error += least;
+    whole += each.force_N.squaredNorm();
+  }
+  return std::sqrt(error / whole);
+}
+
+/// The log does not say when on the clock it begins: with one of the first requests, the one that
+/// fits best.
+double relativeError(const std::vector<FalconHeard>& heard, const std::vector<Logged>& sent,
+                     const std::vector<Logged>& logged) {
+  double best = 1.0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(heard.size(), 40); ++i) {
+    for (int ms = -3; ms <= 3; ++ms)
+      best = std::min(best, relativeError(sent, logged, toSeconds(heard[i].at) + 1e-3 * ms));
+  }
+  return best;
+}
+
+/// What the motors made of it, but for the half second of ramp that follows a silence.
+std::vector<Logged> steadyForces(const std::vector<FalconHeard>& heard) {
+  std::vector<Logged> forces;
+  LocalTime silent{};
+  LocalTime last{};
+  for (const FalconHeard& each : heard) {
+    const bool gap = each.at - last > std::chrono::milliseconds(10);
+    if (gap || each.request.motors == kNoTorque) silent = each.at;
+    last = each.at;
+    if (each.at - silent > std::chrono::milliseconds(600))
+      forces.push_back({toSeconds(each.at), forceOf(each)});
+  }
+  return forces;
+}
+
+TEST_F(FalconClient, FeelsTheStreamAndTheMotorsGetTheForcesOfTheLog) {
+  bootAndPlugIn();
+  startServer();
+  const std::string log = (folder_ / "log.csv").string();
+  const std::string summary = (folder_ / "summary.json").string();
+  startClient({"--device", "falcon", "--log", log, "--summary", summary});
+  EXPECT_TRUE(client_->says("pull the grip out", kPatience)) << client_->output();
+  touch();
+  EXPECT_TRUE(waitUntil(kPatience, [&] {  // without friction it slides aside: again and again
+    aim(15.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    aim(-5.0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(3000));
+    return steadyForces(heard()).size() > 150;
+  }));
+  client_->signal(SIGINT);
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  expectZeroAtLast();
+
+  const std::vector<Logged> sent = steadyForces(heard());
+  const auto logged = loggedForces(log);
+  ASSERT_GT(logged.size(), 1000U);
+  ASSERT_GT(sent.size(), 150U) << client_->output();
+  const double error = relativeError(heard(), sent, logged);
+  std::printf("%zu forces at the motors, %.2f %% from the log\n", sent.size(), 100.0 * error);
+  EXPECT_LT(error, 0.02);
+  std::ifstream in(summary);
+  const auto json = nlohmann::json::parse(in);
+  EXPECT_GT(json.at("device").at("round_trips"), 1000);
+  EXPECT_GT(json.at("contact_ticks"), 200);
+  EXPECT_EQ(json.at("step_excess_max_N"), 0.0);
+}
+
+TEST_F(FalconClient, OneFoundByItselfGivesNoForceUntilItsButtonIsPressed) {
+  bootAndPlugIn();
+  startServer();
+  startClient({});
+  ASSERT_TRUE(client_->says("found, not asked for: no force until", kPatience))
+      << client_->output();
+  ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
+  ASSERT_TRUE(client_->says("connected", kPatience)) << client_->output();
+  aim(-15.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  for (const FalconHeard& each : heard()) ASSERT_EQ(each.request.motors, kNoTorque);
+  aim(20.0);
+  port_->with([](FalconModel& model, BusFaults&) { model.buttons = 1; });
+  ASSERT_TRUE(client_->says("re-armed", kPatience)) << client_->output();
+  touch();
+  client_->signal(SIGTERM);
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  expectZeroAtLast();
+}
+
+TEST_F(FalconClient, GoesOnWithoutOneThatIsPulledOutAndTakesItBack) {
+  bootAndPlugIn();
+  startServer();
+  startClient({"--device", "falcon", "--rearm"});
+  touch();
+  port_->unplug();
+  ASSERT_TRUE(client_->says("it is gone; no force", kPatience)) << client_->output();
+  bootAndPlugIn();
+  aim(0.0);
+  ASSERT_TRUE(client_->says("it is back", kPatience)) << client_->output();
+  ASSERT_TRUE(client_->says("Falcon: ready", kPatience, 2)) << client_->output();
+  touch();
+  client_->signal(SIGINT);
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  expectZeroAtLast();
+}
+
+TEST_F(FalconClient, KilledInContactLeavesItsTorqueAndTheNextStartTakesItAway) {
+  bootAndPlugIn();
+  startServer();
+  startClient({"--device", "falcon"});
+  touch();
+  client_->signal(SIGKILL);
+  (void)client_->wait(kPatience);
+  EXPECT_TRUE(acts()) << "nobody could tell the motors anything";
+  (void)openFalcon();
+  expectZeroAtLast();
+}
+
+/// How often a hold was broken, because nobody was heard for so long.
+std::ptrdiff_t stalls(const std::vector<FalconHeard>& heard) {
+  std::ptrdiff_t count = 0;
+  for (std::size_t i = 1; i < heard.size(); ++i)
+    count += heard[i].at - heard[i - 1].at > std::chrono::milliseconds(18) ? 1 : 0;
+  return count;
+}
+
+TEST_F(FalconClient, CalibratesItsGainWithAWeight) {
+  bootAndPlugIn();
+  port_->with([](FalconModel& model, BusFaults&) { model.gain = 3000.0; });
+  const std::string config = folder_.write("client.cfg", "quiet = false\n");
+  client_ = std::make_unique<Process>(std::vector<std::string>{
+      HAPTICAST_CLIENT_PROGRAM, "--falcon-calibrate", "200", "--config", config});
+  ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
+  ASSERT_TRUE(client_->says("2. hang 200 g", kPatience)) << client_->output();
+  port_->with([](FalconModel& model, BusFaults&) { model.weight_kg = 0.2; });
+  const auto before = stalls(heard());
+  if (!client_->says("3. take the weight", kPatience) && stalls(heard()) > before + 4)
+    GTEST_SKIP() << "this machine is too busy to hold a grip for two seconds";
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  std::ifstream in(config);
+  std::string first;
+  std::string second;
+  std::getline(in, first);
+  std::getline(in, second);
+  EXPECT_EQ(first, "quiet = false");
+  ASSERT_EQ(second.rfind("falcon-gain = ", 0), 0U) << second;
+  std::printf("gain 3000, found %s\n", second.c_str());
+  EXPECT_NEAR(std::stod(second.substr(14)), 3000.0, 90.0);
+  expectZeroAtLast();
+}
+
+TEST_F(FalconClient, WithoutADeviceItEndsWithOneLine) {
+  startServer();
+  startClient({"--device", "falcon"});
+  EXPECT_EQ(client_->wait(kPatience), 1);
+  EXPECT_TRUE(client_->says("--device falcon: none was found on USB", kPatience));
+}
+
+}  // namespace
+}  // namespace hapticast::testing

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// From the plug to a grip that pushes back, and everything that may stand in the way.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/falcon/falcon_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+class FalconStart : public FalconTest {};
+
+TEST_F(FalconStart, OneThatRunsIsHomedByTheHandAndPushesBack) {
+  bootAndPlugIn();
+  const auto device = openFalcon();
+  EXPECT_EQ(device->description(), "Falcon (falcon, 3500 counts a N m)");
+  Turning turning(*device, clock_);
+  turning.push(1.0);
+  EXPECT_TRUE(turning.runsAgain());
+  EXPECT_TRUE(waitUntil(kPatience, [&] { return heard().back().request.motors != kNoTorque; }));
+  turning.stop();
+  const auto all = heard();
+  for (const FalconHeard& each : all) {
+    EXPECT_TRUE(each.request.homing);
+    if (each.request.motors != kNoTorque) {
+      ASSERT_EQ(each.request.lights, client::FalconLight::kGreen);
+    }
+  }
+  EXPECT_EQ(all.front().request.motors, kNoTorque);
+  EXPECT_GT(device->traffic()->round_trips, 100U);
+}
+
+TEST_F(FalconStart, TheFirmwareIsLoadedOverAShakyStart) {
+  port_->with([](FalconModel& model, BusFaults&) {
+    model.faults.hellos_ignored = 3;
+    model.faults.echoes_wrong = 1;
+  });
+  port_->plugIn();
+  file_ = firmwareFile();
+  const auto device = openFalcon();
+  EXPECT_TRUE(port_->with([](FalconModel& model, BusFaults&) { return model.runs(); }));
+  EXPECT_NE(told_.find("loading its firmware (2000 bytes)"), std::string::npos) << told_;
+  EXPECT_NE(told_.find("heard something else"), std::string::npos) << told_;
+  EXPECT_NE(told_.find("% of its firmware is loaded"), std::string::npos) << told_;
+}
+
+TEST_F(FalconStart, OneThatIsNotThere) {
+  EXPECT_EQ(complaint(),
+            "--device falcon: none was found on USB: is it plugged in, and its power supply too?");
+  EXPECT_TRUE(client::findDevice({.clock = clock_, .seen = seen_}) == nullptr);
+  EXPECT_NE(client::listDevices().find("none was found"), std::string::npos);
+}
+
+TEST_F(FalconStart, OneThatIsFoundByItself) {
+  bootAndPlugIn();
+  EXPECT_NE(client::listDevices().find("serial number FT0TEST1"), std::string::npos);
+  EXPECT_TRUE(client::findDevice({.clock = clock_, .seen = seen_}) != nullptr);
+}
+
+TEST_F(FalconStart, OneThatBelongsToAnother) {
+  bootAndPlugIn();
+  port_->with([](FalconModel&, BusFaults& bus) { bus.busy = true; });
+  EXPECT_EQ(complaint(), "--device falcon: another program holds it: end that one first");
+  EXPECT_NE(client::listDevices().find("another program"), std::string::npos);
+}
+
+TEST_F(FalconStart, OneThatMayNotBeOpened) {
+  bootAndPlugIn();
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become somebody without the permission";
+  port_->forbid();
+  ASSERT_EQ(seteuid(65534), 0);
+  const std::string line = complaint();
+  ASSERT_EQ(seteuid(0), 0);
+  EXPECT_NE(line.find("no permission to open it: copy deploy/70-hapticast-falcon.rules"),
+            std::string::npos)
+      << line;
+}
+
+TEST_F(FalconStart, AnotherSerialNumber) {
+  bootAndPlugIn();
+  try {
+    (void)client::openDevice("falcon",
+                             {.clock = clock_, .seen = seen_, .falcon = {.serial = "FTOTHER"}});
+    ADD_FAILURE();
+  } catch (const client::DeviceAbsent& error) {
+    EXPECT_STREQ(error.what(),
+                 "--device falcon: there is one with the serial number FT0TEST1, but not FTOTHER");
+  }
+}
+
+TEST_F(FalconStart, FirmwareThatIsNone) {
+  port_->plugIn();
+  EXPECT_NE(complaint().find("give the file with --falcon-firmware FILE"), std::string::npos);
+  file_ = "/nowhere.bin";
+  EXPECT_EQ(complaint(), "--falcon-firmware /nowhere.bin: cannot be read");
+  file_ = firmwareFile({});
+  EXPECT_EQ(complaint(), "--falcon-firmware " + file_ + ": is empty");
+  file_ = firmwareFile(std::vector<std::uint8_t>(70'000));
+  EXPECT_NE(complaint().find("longer than 64 KiB"), std::string::npos);
+  // Of the right length, but another one.
+  file_ = firmwareFile(std::vector<std::uint8_t>(2000, 7));
+  EXPECT_NE(complaint().find("it does not run with this firmware: is it the right file?"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapticast::testing

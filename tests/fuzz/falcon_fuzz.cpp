@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// What a Falcon says, or whatever answers in its place: any bytes are taken, what comes out is
+// within its ranges, and whole frames behind any of them are read.
+#include <cstdint>
+#include <cstdlib>
+
+#include "client/device/falcon_kinematics.hpp"
+#include "tests/support/falcon_bytes.hpp"
+
+namespace {
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace hapticast::client;
+  FalconParser parser;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto reply = parser.take(data[i]);
+    if (!reply) continue;
+    require(reply->homed <= kAllHomed && reply->buttons <= 0x0F);
+    const hapticast::Vec3 angles_rad = falconAngles_rad(reply->encoders);
+    const auto position_m = falconForward_m(angles_rad, kFalconCentre_m);
+    require(!position_m || position_m->norm() < 0.25);
+  }
+  const FalconReply last{{-1, 300, -700}, 2, kAllHomed};
+  int found = 0;
+  for (int i = 0; i < 2; ++i) {  // the first one may be taken for the end of another
+    for (const std::uint8_t byte : hapticast::testing::encodeReply(last))
+      found += parser.take(byte) == last ? 1 : 0;
+  }
+  require(found >= 1);
+  return 0;
+}

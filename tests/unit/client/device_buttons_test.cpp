@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "client/device_buttons.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hapticast::client {
+namespace {
+
+TEST(DeviceButtons, AreHeardOncePerPress) {
+  DeviceProfile profile;
+  profile.pause_button = 2;
+  profile.rearm_button = 0;
+  DeviceButtons buttons(profile);
+  EXPECT_TRUE(buttons.take(0b0100).pause);
+  EXPECT_FALSE(buttons.take(0b0100).pause) << "it is held";
+  const DeviceButtons::Wish both = buttons.take(0b0101);
+  EXPECT_TRUE(both.rearm && !both.pause && !both.other);
+  (void)buttons.take(0);
+  EXPECT_TRUE(buttons.take(0b0100).pause);
+  EXPECT_EQ(buttons.take(0b1100).other, 3);
+}
+
+TEST(DeviceButtons, WithoutAMeaningNothingIsSaid) {
+  DeviceProfile dead_man;
+  dead_man.enable_button = 1;
+  DeviceButtons buttons(dead_man);
+  const DeviceButtons::Wish wish = buttons.take(0b1111);
+  EXPECT_FALSE(wish.pause || wish.rearm || wish.other);
+}
+
+}  // namespace
+}  // namespace hapticast::client
