@@ -43,8 +43,6 @@ struct Hold {
     deadline = clock.now() + kTickPeriod;
     const DeviceState state = device.exchange(force_N);
     while (const auto line = device.news()) tell(*line);
-    if (state.status == DeviceStatus::kLost)
-      throw std::runtime_error("--falcon-calibrate: the device was lost");
     return state;
   }
   /// The force at rest, when `good` likes it.
@@ -53,6 +51,8 @@ struct Hold {
     const LocalTime until = clock.now() + kPatience;
     while (!stop && clock.now() < until) {
       const DeviceState state = turn();
+      if (state.status == DeviceStatus::kLost)
+        throw std::runtime_error("--falcon-calibrate: the device was lost");
       if (state.status != DeviceStatus::kOk) continue;
       force_N = holder.hold(state.position_mm);
       device.decided(force_N);
@@ -64,6 +64,8 @@ struct Hold {
     if (!stop) throw std::runtime_error("--falcon-calibrate: the grip did not come to rest");
     return std::nullopt;
   }
+  /// A weight that nobody takes falls then, perhaps out of what the device believes: no reason to
+  /// forget what was measured.
   void letGo() {
     const Vec3 from_N = force_N;
     for (int i = kLetGo_ticks - 1; i >= 0; --i) {

@@ -10,7 +10,10 @@ FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s, const cv::Ma
   pair_.last = std::exchange(pair_.now, raw);
   const bool first = pair_.last.color.empty();
   pair_.index = frame.index;
+  pair_.last_clip_time_s =
+      first || frame.clip_time_s < pair_.clip_time_s ? -1.0 : pair_.clip_time_s;
   pair_.clip_time_s = frame.clip_time_s;
+  pair_.frame_s = 1.0 / info_.fps;
   pair_.has_key_masks = info_.key_masks;
   pair_.cut = cuts_.next(raw);
   if (pair_.cut) {

@@ -17,11 +17,13 @@ struct FramePair {
   FrameImages last;         ///< empty in the first frame of a scene
   std::uint64_t index = 0;  ///< of `now` in the clip
   double clip_time_s = 0.0;
-  bool has_key_masks = false;  ///< the author drew some frames of the clip
-  DepthNoise noise;            ///< of the scene's depth, measured in its first frame
-  bool cut = false;            ///< `now` is the first frame of another scene
-  bool identical = false;      ///< `now` shows what `last` showed, and it matters
-  double interval_s = 0.0;     ///< between the two
+  double frame_s = 0.0;            ///< one over the clip's announced rate
+  double last_clip_time_s = -1.0;  ///< of `last`; below 0 in the first frame of a clip
+  bool has_key_masks = false;      ///< the author drew some frames of the clip
+  DepthNoise noise;                ///< of the scene's depth, measured in its first frame
+  bool cut = false;                ///< `now` is the first frame of another scene
+  bool identical = false;          ///< `now` shows what `last` showed, and it matters
+  double interval_s = 0.0;         ///< between the two
 };
 
 /// Takes the frames of a clip in and pairs each with the one before.

@@ -19,14 +19,17 @@ cv::Point pixelOf(const AuthorPoint& point) {
   return {static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y())};
 }
 
-double halfInterval_s(const FramePair& frames) { return 0.5 * frames.interval_s; }
+// Times up to this one speak of the frame or of an earlier one.
+double endOf(double clip_time_s, const FramePair& frames) {
+  return clip_time_s < 0.0 ? -1.0 : clip_time_s + 0.5 * frames.frame_s;
+}
 
 void addDue(const std::vector<AuthorPoint>& points, const FramePair& frames,
             std::vector<cv::Point>& out) {
-  const double half_s = halfInterval_s(frames);
+  const double begin_s = endOf(frames.last_clip_time_s, frames);
+  const double end_s = endOf(frames.clip_time_s, frames);
   for (const AuthorPoint& point : points) {
-    const double off_s = point.time_s - frames.clip_time_s;
-    if (off_s > -half_s && off_s <= half_s) out.push_back(pixelOf(point));
+    if (point.time_s > begin_s && point.time_s <= end_s) out.push_back(pixelOf(point));
   }
 }
 
@@ -67,7 +70,7 @@ AuthorWord AuthorScript::wordOn(const FramePair& frames) const {
 }
 
 bool AuthorScript::speaksAfter(const FramePair& frames) const {
-  const double end_s = frames.clip_time_s + halfInterval_s(frames);
+  const double end_s = endOf(frames.clip_time_s, frames);
   const auto later = [end_s](const AuthorPoint& point) { return point.time_s > end_s; };
   return std::any_of(on_.begin(), on_.end(), later) || std::any_of(off_.begin(), off_.end(), later);
 }

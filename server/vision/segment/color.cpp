@@ -73,4 +73,14 @@ std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogr
   return evidence;
 }
 
+cv::Mat evidenceOf(const cv::Mat& color, const std::vector<float>& evidence) {
+  cv::Mat out(color.size(), CV_32FC1);
+  for (int v = 0; v < color.rows; ++v) {
+    const auto* in = color.ptr<cv::Vec3b>(v);
+    auto* to = out.ptr<float>(v);
+    for (int u = 0; u < color.cols; ++u) to[u] = evidence[ColorHistogram::binOf(in[u])];
+  }
+  return out;
+}
+
 }  // namespace hapticast::server

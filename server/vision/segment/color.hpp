@@ -50,4 +50,7 @@ double overlapOf(const ColorHistogram& a, const ColorHistogram& b);
 std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,
                                  const ColorHistogram& background);
 
+/// The evidence (by colour bin) of each pixel of `color` (CV_8UC3), CV_32FC1.
+cv::Mat evidenceOf(const cv::Mat& color, const std::vector<float>& evidence);
+
 }  // namespace hapticast::server

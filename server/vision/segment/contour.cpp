@@ -131,16 +131,6 @@ cv::Mat depthTerm(const Patch& patch, const std::vector<Plane>& planes, const De
   return out;
 }
 
-cv::Mat colorTerm(const cv::Mat& color, const std::vector<float>& evidence) {
-  cv::Mat out(color.size(), CV_32FC1);
-  for (int v = 0; v < color.rows; ++v) {
-    const auto* in = color.ptr<cv::Vec3b>(v);
-    auto* to = out.ptr<float>(v);
-    for (int u = 0; u < color.cols; ++u) to[u] = evidence[ColorHistogram::binOf(in[u])];
-  }
-  return out;
-}
-
 // What was seen with what is expected: near the old contour, and like the last decision (`before`,
 // may be empty).
 void addExpectation(const cv::Mat& distance, const cv::Mat& before, cv::Mat& evidence) {
@@ -258,7 +248,7 @@ std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
 ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory) {
   ContourResult result;
-  const cv::Mat color = colorTerm(patch.color, colorEvidenceOf(memory));
+  const cv::Mat color = evidenceOf(patch.color, colorEvidenceOf(memory));
   // Where object and background look alike, depth has to decide.
   const double unlike = 1.0 - overlapOf(memory.first, memory.background);
   const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);

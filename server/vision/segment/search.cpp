@@ -42,14 +42,7 @@ ColorHistogram colorsIn(const cv::Mat& color, const cv::Mat& mask) {
 
 // The colours' evidence, averaged down: patterns must not blur before they are looked up.
 cv::Mat colorsOf(const FrameView& scene, const SmallView& view, const ContourMemory& memory) {
-  const std::vector<float> evidence = colorEvidenceOf(memory);
-  const cv::Mat color = scene.images.color(view.box);
-  cv::Mat full(color.size(), CV_32FC1);
-  for (int v = 0; v < full.rows; ++v) {
-    const auto* row = color.ptr<cv::Vec3b>(v);
-    auto* to = full.ptr<float>(v);
-    for (int u = 0; u < full.cols; ++u) to[u] = evidence[ColorHistogram::binOf(row[u])];
-  }
+  const cv::Mat full = evidenceOf(scene.images.color(view.box), colorEvidenceOf(memory));
   cv::Mat out;
   cv::resize(full, out, view.size(), 0, 0, cv::INTER_AREA);
   return kOfColor * out;

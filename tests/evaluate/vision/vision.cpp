@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <stdexcept>
+#include <string>
 
 #include "tests/evaluate/held/held.hpp"
 #include "tests/evaluate/topics.hpp"
@@ -147,6 +149,10 @@ void evaluateVision(const Options& options) {
   Report report("vision", options);
   const auto only = [&](const char* part) { return options.only.rfind(part, 0) == 0; };
   const bool a_part = only("surface") || only("deform");
+  if (!options.only.empty() && !only("held") && !a_part)
+    throw std::runtime_error("vision: --only " + options.only +
+                             " is none of held, held/NAME, surface, surface/NAME, deform, "
+                             "deform/NAME");
   if (!only("held") && !a_part) {
     measureScenes(options, report);
     measureRealClips(options, report);

@@ -19,10 +19,11 @@ namespace {
 constexpr double kWordFps = 25.0;
 constexpr int kWordFrames = 20;
 
-FramePair at(double time_s) {
+FramePair at(double time_s, double gap = 1.0) {
   FramePair out;
   out.clip_time_s = time_s;
-  out.interval_s = 1 / kWordFps;
+  out.frame_s = 1 / kWordFps;
+  out.last_clip_time_s = time_s > 0.0 ? time_s - gap * out.frame_s : -1.0;
   return out;
 }
 
@@ -43,6 +44,16 @@ TEST(AuthorScript, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
     if (!word.empty()) ++spoken;
   }
   EXPECT_EQ(spoken, 2);
+}
+
+TEST(AuthorScript, NoPointIsMissedWhereFramesAreMissingNorRightAfterTheStart) {
+  VisionSettings settings;
+  settings.object_points = {{{5, 6}, 0.001}};
+  settings.not_points = {{{9, 10}, 0.41}};
+  const AuthorScript script(settings);
+  EXPECT_EQ(script.wordOn(at(0)).on.size(), 1U);
+  EXPECT_TRUE(script.wordOn(at(1 / kWordFps)).empty());
+  EXPECT_EQ(script.wordOn(at(13 / kWordFps, 6)).off.size(), 1U) << "frames 8 to 12 are missing";
 }
 
 // A red square with a blue bar that is one with it in depth, both grained.
