@@ -20,7 +20,7 @@ constexpr double kStays = 1.0;             // of what is farther
 constexpr double kPlace = 1.5;             // of what is nearer
 constexpr double kFarColor = 0.5;
 constexpr float kMostRather = 4.0F;
-constexpr int kMargin_px = 30;
+constexpr int kWordMargin_px = 30;
 constexpr double kCertain = 1e3;
 
 // Everything about a correction in one small view.
@@ -66,9 +66,10 @@ cv::Mat nearnessTo(const cv::Mat& said, double reach_px) {
 
 Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const AuthorWord& word) {
   const cv::Size picture = mask.size();
-  cv::Rect box = boxAround(mask, kMargin_px);
+  cv::Rect box = boxAround(mask, kWordMargin_px);
   for (const cv::Point& point : word.on) {
-    box |= cv::Rect(point.x - kMargin_px, point.y - kMargin_px, 2 * kMargin_px, 2 * kMargin_px);
+    box |= cv::Rect(point.x - kWordMargin_px, point.y - kWordMargin_px, 2 * kWordMargin_px,
+                    2 * kWordMargin_px);
   }
   Correction out;
   out.view = SmallView::of(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
