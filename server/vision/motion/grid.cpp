@@ -13,8 +13,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSampleStep_px = 8;  // chosen: four points a cell
-constexpr int kMargin_px = 16;     // chosen: of the windows that points are followed with
+constexpr int kSampleStep_px = 8;     // chosen: four points a cell
+constexpr int kWindowMargin_px = 16;  // chosen: of the windows that points are followed with
 
 struct Cell {
   std::array<std::vector<double>, 3> steps;
@@ -143,7 +143,7 @@ CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surfa
                       const Surface& now, const Explained& explained) {
   CellFlow out = cellsOver(now.box);
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
-  const cv::Rect area = grown(before.box | now.box, kMargin_px, last_gray.size());
+  const cv::Rect area = grown(before.box | now.box, kWindowMargin_px, last_gray.size());
   const cv::Point2f corner(static_cast<float>(area.x), static_cast<float>(area.y));
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> guesses;

@@ -11,9 +11,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kJoined_mm = 60;  // chosen: a hand is larger, a finger and its shadow are not
-constexpr double kLeast_mm = 25;   // chosen: a rim or a shadow must not teach its colours
-constexpr float kAlike = -7.0F;    // chosen, log of a density: two spreads of the camera off
+constexpr double kJoined_mm = 60;       // chosen: a hand is larger, a finger and its shadow are not
+constexpr double kLeastPatch_mm = 25;   // chosen: a rim or a shadow must not teach its colours
+constexpr float kLikeThePoint = -7.0F;  // chosen, log of a density: two spreads of the camera off
 
 cv::Point pixelOf(const AuthorPoint& point) {
   return {static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y())};
@@ -40,7 +40,7 @@ cv::Mat joinedTo(const SmallView& view, const cv::Point& at, int radius_px) {
   cv::circle(disc, at, radius_px, cv::Scalar(255), cv::FILLED);
   const ColorMixture mixture(view.lab, disc);
   if (mixture.empty()) return disc;
-  const cv::Mat alike = (logDensities(mixture, view.lab) > kAlike) | disc;
+  const cv::Mat alike = (logDensities(mixture, view.lab) > kLikeThePoint) | disc;
   cv::Mat labels;
   cv::connectedComponents(alike, labels, 4, CV_32S);
   return labels == labels.at<int>(at);
@@ -88,7 +88,7 @@ void avoid(const FrameView& scene, const cv::Point& point, AvoidedColors& colors
   const SmallView view = SmallView::of(scene, box, 1e9);
   const cv::Mat region = joinedTo(view, view.placeOf(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
-  if (depth_mm > 0 && width_px < kLeast_mm * pixelsPerMm(double(depth_mm), picture)) return;
+  if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;
   ColorHistogram said;
   cv::Mat samples(0, 1, CV_32FC3);
   for (int v = 0; v < region.rows; ++v) {

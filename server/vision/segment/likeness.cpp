@@ -15,7 +15,7 @@ namespace {
 
 // Weights and limits tuned on drawn scenes of things in hands, and checked on bare ones.
 constexpr double kObject_px = 2500.0;  // of the view: enough to see a contour, few enough for time
-constexpr int kMargin_px = 16;
+constexpr int kRingMargin_px = 16;
 constexpr float kFirstOfRing_px = 1.5F;
 constexpr float kLastOfRing_px = 12.0F;
 constexpr float kIn_px = 2.5F;
@@ -34,7 +34,7 @@ MaskView viewOf(const FrameView& scene, const cv::Mat& mask) {
   MaskView out;
   const double area = cv::countNonZero(mask);
   const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
-  const cv::Rect box = boxAround(mask, int(kMargin_px / shrink) + 1);
+  const cv::Rect box = boxAround(mask, int(kRingMargin_px / shrink) + 1);
   out.view = SmallView::of(scene, box, shrink * shrink * box.area());
   out.mask = out.view.shrunk(mask);
   cv::Mat inner;
