@@ -41,7 +41,7 @@ struct Hold {
   DeviceState turn() {
     device.waitForTick(deadline);
     deadline = clock.now() + kTickPeriod;
-    const DeviceState state = device.exchange(force_N);
+    DeviceState state = device.exchange(force_N);
     while (const auto line = device.news()) tell(*line);
     return state;
   }
@@ -56,7 +56,7 @@ struct Hold {
       if (state.status != DeviceStatus::kOk) continue;
       force_N = holder.hold(state.position_mm);
       device.decided(force_N);
-      const auto rest_N = holder.restForce_N();
+      auto rest_N = holder.restForce_N();
       if (!rest_N) continue;
       if (good(*rest_N)) return rest_N;
       holder.begin();

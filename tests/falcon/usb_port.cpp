@@ -93,7 +93,11 @@ UsbPort::UsbPort(std::vector<std::uint8_t> firmware, const std::string& serial)
 }
 
 UsbPort::~UsbPort() {
-  unplug();
+  try {
+    unplug();
+  } catch (const std::exception& error) {
+    (void)std::fprintf(stderr, "the emulated plug: %s\n", error.what());
+  }
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;

@@ -38,6 +38,7 @@ std::vector<FalconReply> someReplies(std::mt19937& random, int count) {
   std::uniform_int_distribution<int> encoder(-32768, 32767);
   std::uniform_int_distribution<int> bits(0, 15);
   std::vector<FalconReply> replies;
+  replies.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     replies.push_back({{encoder(random), encoder(random), encoder(random)},
                        static_cast<std::uint8_t>(bits(random)),
