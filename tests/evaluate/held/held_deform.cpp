@@ -49,7 +49,9 @@ void tellDeforming(const std::vector<Measured>& all, Report& report) {
   double unseen = 0.0;
   double invented_mm_s = 0.0;
   double mug = 0.0;
-  for (const auto& [name, s] : all) {
+  for (const Measured& scene : all) {
+    const std::string& name = scene.name;
+    const DeformScores& s = scene.scores;
     lines.push_back({name, s.deforms ? text("%.1f", s.apart_mm_s) : "rigid", orNothing(s.share),
                      orNothing(s.flat), orNothing(s.deep), text("%.2f", s.looked),
                      text("%.2f", s.grid_mm_s), orNothing(s.surface), orNothing(s.middle),
