@@ -45,8 +45,7 @@ const std::map<std::string, std::string>& devices() {
 std::string deviceHelp() {
   std::string help =
       "The haptic device; auto (default): a real one that is plugged in, else the mouse where "
-      "there "
-      "is a window, else virtual";
+      "there is a window, else virtual";
   for (const DeviceKind& kind : deviceKinds()) {
     help += std::string("; ") + kind.name + ": " + kind.description;
   }
@@ -67,8 +66,7 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--device", settings.device, devices(), deviceHelp());
   app.add_option("--profile", settings.profile,
                  "What the device can stand: omni (default; of a Falcon falcon), falcon, or a file "
-                 "of KEY = VALUE lines (keys: "
-                 "client/README.md, Profiles)")
+                 "of KEY = VALUE lines (keys: client/README.md, Profiles)")
       ->type_name("NAME|FILE");
   app.add_option(
          "--hand", settings.hand,

@@ -49,6 +49,18 @@ constexpr int kProbes = 10;              // 10 ms each
 constexpr milliseconds kAnswer{100};
 constexpr milliseconds kEcho{500};
 
+void purge(FalconUsb& usb) {
+  usb.control(kReset, kPurgeIncoming);
+  usb.control(kReset, kPurgeOutgoing);
+}
+
+void setLine(FalconUsb& usb, std::uint16_t latency_ms, std::uint16_t baud) {
+  usb.control(kLatency, latency_ms);
+  usb.control(kBaud, baud);
+  usb.control(kFormat, kEightNone);
+  usb.control(kFlow, 0);
+}
+
 bool answersHello(FalconUsb& usb) {
   Bytes heard;
   for (int i = 0; i < kHellos; ++i) {
@@ -107,12 +119,8 @@ std::string usualFalconFirmware() {
 }
 
 bool falconRuns(FalconUsb& usb, bool event_character) {
-  usb.control(kLatency, kRunLatency_ms);
-  usb.control(kBaud, kBaudRun);
-  usb.control(kFormat, kEightNone);
-  usb.control(kFlow, 0);
-  usb.control(kReset, kPurgeIncoming);
-  usb.control(kReset, kPurgeOutgoing);
+  setLine(usb, kRunLatency_ms, kBaudRun);
+  purge(usb);
   usb.control(kEventCharacter, event_character ? kEventAtEnd : 0);
   const FalconFrame neutral = encode({});
   FalconParser parser;
@@ -131,12 +139,8 @@ bool falconRuns(FalconUsb& usb, bool event_character) {
 void loadFalconFirmware(FalconUsb& usb, const Bytes& image,
                         const std::function<void(double share)>& progress) {
   usb.control(kReset, 0);  // also: no event character, no flow control
-  usb.control(kReset, kPurgeIncoming);
-  usb.control(kReset, kPurgeOutgoing);
-  usb.control(kLatency, kHelloLatency_ms);
-  usb.control(kBaud, kBaudHello);
-  usb.control(kFormat, kEightNone);
-  usb.control(kFlow, 0);
+  purge(usb);
+  setLine(usb, kHelloLatency_ms, kBaudHello);
   usb.control(kModem, kSendOff);
   usb.control(kModem, kReadyOff);
   usb.control(kModem, kReadyOn);

@@ -5,12 +5,11 @@
 #include <fmt/core.h>
 
 #include <atomic>
-#include <cerrno>
-#include <ctime>
 
 #include "client/device/falcon_link.hpp"
 #include "client/device/falcon_pilot.hpp"
 #include "client/device/open_device.hpp"
+#include "client/device/sleep_until.hpp"
 #include "common/tick.hpp"
 
 namespace hapticast::client {
@@ -19,13 +18,6 @@ namespace {
 
 // Chosen: half a period after the request the tick begins without its reply.
 constexpr Duration kPatience{500'000};
-
-void sleepUntil(LocalTime deadline) noexcept {
-  const auto since = deadline.time_since_epoch().count();
-  const timespec until{static_cast<time_t>(since / 1'000'000'000), since % 1'000'000'000};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
-}
 
 const char* inWords(FalconPilot::Phase phase) {
   switch (phase) {

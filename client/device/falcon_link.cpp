@@ -5,10 +5,10 @@
 
 #include <cerrno>
 #include <chrono>
-#include <ctime>
 #include <utility>
 
 #include "client/device/falcon_firmware.hpp"
+#include "client/device/sleep_until.hpp"
 #include "common/tick.hpp"
 
 namespace hapticast::client {
@@ -192,8 +192,7 @@ void FalconLink::send(const FalconRequest& request) noexcept {
 }
 
 bool FalconLink::waitForReply(LocalTime deadline) noexcept {
-  const auto since = deadline.time_since_epoch().count();
-  const timespec until{static_cast<time_t>(since / 1'000'000'000), since % 1'000'000'000};
+  const timespec until = timespecOf(deadline);
   int result = 0;
   do {
     result = sem_clockwait(&replied_, CLOCK_MONOTONIC, &until);

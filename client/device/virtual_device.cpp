@@ -2,10 +2,9 @@
 #include "client/device/virtual_device.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <ctime>
 #include <utility>
 
+#include "client/device/sleep_until.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "common/tick.hpp"
 
@@ -39,11 +38,7 @@ std::string VirtualDevice::description() const {
 
 void VirtualDevice::waitForTick(LocalTime deadline) noexcept {
   if (clock_.now() >= deadline) return;
-  const auto since = deadline.time_since_epoch().count();
-  const timespec until{static_cast<time_t>(since / 1'000'000'000), since % 1'000'000'000};
-  // Interrupted by a signal: sleep on until the same absolute time.
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
+  sleepUntil(deadline);
 }
 
 DeviceState VirtualDevice::exchange(const Vec3& force_N) noexcept {

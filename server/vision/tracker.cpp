@@ -33,8 +33,7 @@ Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, const C
                  std::uint32_t& next_id, ClipLessons& lessons)
     : settings_{settings, poseSettings(info, settings), false, clock},
       next_id_(next_id),
-      lessons_(lessons),
-      live_(info.live),
+      lessons_(info.live ? nullptr : &lessons),
       frames_(info, !settings.plan.everything) {}
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
@@ -70,7 +69,7 @@ void Tracker::segment(const FramePair& frames) {
     const SegmentMode mode = settings_.vision.segment;
     settings_.exact_masks = settings_.pose.exact_masks =
         has_mask && (mode == SegmentMode::kAuto || mode == SegmentMode::kSource);
-    segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, live_ ? nullptr : &lessons_);
+    segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, lessons_);
   }
   Flows flows;
   for (Track& track : tracks_) flows[track.object().id] = track.follow(frames);

@@ -38,8 +38,7 @@ class Tracker {
 
   TrackSettings settings_;
   std::uint32_t& next_id_;
-  ClipLessons& lessons_;
-  bool live_;
+  ClipLessons* lessons_;  // null: a live source
   FramePairs frames_;
   BackgroundMotion background_;
   std::unique_ptr<Segmenter> segmenter_;

@@ -34,6 +34,12 @@ void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points,
   }
 }
 
+double lastTime_s(const std::vector<AuthorPoint>& points) {
+  double last_s = 0.0;
+  for (const AuthorPoint& point : points) last_s = std::max(last_s, point.time_s);
+  return last_s;
+}
+
 // The depths that become heights, where somebody says so. --depth-range tells it of metric depth,
 // of 8-bit depth only what its levels mean; the thesis takes all of these for heights.
 std::optional<DepthRange> givenRange(const SourceInfo& info, const VisionSettings& settings) {
@@ -74,23 +80,19 @@ class Vision::Impl {
     description_.mass_kg = settings_.mass_kg;
     if (const auto given = givenRange(info_, settings_)) mapped_ = MappedRange{*given};
     if (settings_.depth_range) info_.depth_range = settings_.depth_range;
-    for (const AuthorPoint& p : settings_.object_points)
-      last_word_s_ = std::max(last_word_s_, p.time_s);
-    for (const AuthorPoint& p : settings_.not_points) last_not_s_ = std::max(last_not_s_, p.time_s);
-    last_word_s_ = std::max(last_word_s_, last_not_s_);
   }
 
   bool scan(RgbdSource& source, const Progress& progress) {
     const bool nothing_to_find =
-        mapped_ && !settings_.moves() && !info_.key_masks && last_word_s_ == 0.0;
+        mapped_ && !settings_.moves() && !info_.key_masks && lastWord_s() == 0.0;
     if (info_.live || nothing_to_find) return true;
     // What is not the object is known to the second look from its first frame on.
-    const int looks = last_not_s_ > 0.0 ? 2 : 1;
+    const int looks = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
     for (int look = 0; look < looks; ++look) {
       lessons_.start = nullptr;
       lessons_.masks.clear();
       lessons_.open = true;
-      const bool whole = lookThrough(source, look, looks, progress);
+      const bool whole = lookOnce(source, look, looks, progress);
       lessons_.open = false;
       if (!whole) return false;
     }
@@ -131,12 +133,16 @@ class Vision::Impl {
   }
 
  private:
-  bool lookThrough(RgbdSource& source, int look, int looks, const Progress& progress) {
+  [[nodiscard]] double lastWord_s() const {
+    return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
+  }
+
+  bool lookOnce(RgbdSource& source, int look, int looks, const Progress& progress) {
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, lessons_);
     ClipMotion clip;
     RangeFinder finder;
-    const auto with_words = static_cast<std::uint64_t>(last_word_s_ * info_.fps) + 2;
+    const auto with_words = static_cast<std::uint64_t>(lastWord_s() * info_.fps) + 2;
     const std::uint64_t longest = std::max(kLongestScan, with_words);
     const std::uint64_t total = std::min(longest, info_.frame_count.value_or(longest));
     std::uint64_t done = 0;
@@ -255,8 +261,6 @@ class Vision::Impl {
   VisionSettings settings_;
   const Clock* clock_;
   int lookahead_;
-  double last_word_s_ = 0.0;  // of the author's points, in the clip
-  double last_not_s_ = 0.0;
   StreamDescription description_;
   std::optional<MappedRange> mapped_;
   std::uint32_t next_object_id_ = 1;

@@ -89,16 +89,13 @@ void avoid(const FrameView& scene, const cv::Point& point, AvoidedColors& colors
   const cv::Mat region = joinedTo(view, view.placeOf(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
   if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;
-  ColorHistogram said;
+  const ColorHistogram said = ColorHistogram::of(view.color, region);
   cv::Mat samples(0, 1, CV_32FC3);
   for (int v = 0; v < region.rows; ++v) {
     for (int u = 0; u < region.cols; ++u) {
-      if (region.at<unsigned char>(v, u) == 0) continue;
-      said.count(view.color.at<cv::Vec3b>(v, u));
-      samples.push_back(view.lab.at<cv::Vec3f>(v, u));
+      if (region.at<unsigned char>(v, u) != 0) samples.push_back(view.lab.at<cv::Vec3f>(v, u));
     }
   }
-  said.settle();
   if (colors.samples.empty()) {
     colors = {said, samples};
     return;

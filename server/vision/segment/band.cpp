@@ -32,10 +32,11 @@ std::vector<Segment> BandSegmenter::next(const FramePair& frames, const Flows& f
   if (frame_ > 0 || !recall(frames.now)) decide(frames, flows);
   if (const auto* masks = taught(frames)) {
     adoptTaught(frames.now, *masks);
+    shareOut();
   } else if (const AuthorWord word = script_.wordOn(frames); !word.empty()) {
     hear(word, frames);
+    shareOut();
   }
-  shareOut();
   keepHistory(frames);
   ++frame_;
   std::vector<Segment> out;

@@ -45,7 +45,6 @@ class BandSegmenter final : public Segmenter {
   void shareOut();
   void remember(const FrameImages& images);
   bool recall(const FrameImages& images);
-  BandObject* numbered(int number);
 
   // The author's words (band_author.cpp).
   [[nodiscard]] const std::vector<TaughtMask>* taught(const FramePair& frames) const;

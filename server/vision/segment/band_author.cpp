@@ -23,9 +23,22 @@ cv::Mat inPicture(const TaughtMask& taught, const cv::Size& size) {
   return out;
 }
 
+TaughtMask taughtOf(const BandObject& object, bool given) {
+  const cv::Rect box = boxAround(object.mask(), 0);
+  return {object.number(), box, object.mask()(box).clone(), given};
+}
+
 std::size_t bytesOf(const FrameImages& images) {
   return images.color.total() * images.color.elemSize() + images.gray.total() +
          images.depth.total() * images.depth.elemSize();
+}
+
+// The object that the author means by `number`, or null.
+template <class Objects>
+auto* numbered(Objects& objects, int number) {
+  const auto found = std::find_if(objects.begin(), objects.end(),
+                                  [number](const BandObject& o) { return o.number() == number; });
+  return found != objects.end() ? &*found : nullptr;
 }
 
 bool contains(const cv::Mat& mask, const cv::Point& point) {
@@ -50,10 +63,8 @@ bool BandSegmenter::hasWord(const FramePair& frames) const {
   const auto* masks = taught(frames);
   if (masks == nullptr) return !script_.wordOn(frames).empty();
   return std::any_of(masks->begin(), masks->end(), [&](const TaughtMask& mask) {
-    const auto object = std::find_if(objects_.begin(), objects_.end(), [&](const BandObject& o) {
-      return o.number() == mask.number && o.present();
-    });
-    if (object == objects_.end()) return !mask.box.empty();
+    const BandObject* object = numbered(objects_, mask.number);
+    if (object == nullptr || !object->present()) return !mask.box.empty();
     return mask.given || mask.box.empty() ||
            overlapOf(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
   });
@@ -65,21 +76,15 @@ const std::vector<TaughtMask>* BandSegmenter::taught(const FramePair& frames) co
   return found != lessons_->masks.end() ? &found->second : nullptr;
 }
 
-BandObject* BandSegmenter::numbered(int number) {
-  const auto found = std::find_if(objects_.begin(), objects_.end(),
-                                  [number](const BandObject& o) { return o.number() == number; });
-  return found != objects_.end() ? &*found : nullptr;
-}
-
 void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<TaughtMask>& masks) {
   for (const TaughtMask& taught : masks) {
     if (taught.box.empty()) {
-      BandObject* hidden = numbered(taught.number);
+      BandObject* hidden = numbered(objects_, taught.number);
       if (hidden != nullptr && hidden->present()) hidden->lose();
       continue;
     }
     const cv::Mat mask = inPicture(taught, images.color.size());
-    const BandObject* object = numbered(taught.number);
+    const BandObject* object = numbered(objects_, taught.number);
     const bool as_taught = object != nullptr && object->present() && !taught.given &&
                            overlapOf(object->mask(), mask) >= kAsTaught;
     if (!as_taught) place(taught.number, mask, images);
@@ -88,7 +93,7 @@ void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<Tau
 
 // The object of this number is where `mask` says; it may be lost, or not yet begun.
 void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& images) {
-  BandObject* object = numbered(number);
+  BandObject* object = numbered(objects_, number);
   if (object == nullptr) {
     BandObject begun(next_id_++, mask, images, scene_, 0);
     begun.setNumber(number);
@@ -119,12 +124,12 @@ void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
   for (int number = 1; number <= int(numbers); ++number) {
     const cv::Mat mask = word.masks == double(number);
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
-    const BandObject* known = numbered(number);
+    const BandObject* known = numbered(objects_, number);
     if (known != nullptr && known->present() && overlapOf(known->mask(), mask) < kAnother)
       spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
                    frames.index, number);
     place(number, mask, images);
-    BandObject& object = *numbered(number);
+    BandObject& object = *numbered(objects_, number);
     object.adopt(mask, images, scene_, true);
     teach(object, frames, true);
   }
@@ -158,9 +163,9 @@ void BandSegmenter::hearPoint(const cv::Point& point, const AuthorWord& word,
     return;
   }
   int number = object != nullptr ? object->number() : 1;
-  while (object == nullptr && numbered(number) != nullptr) ++number;
+  while (object == nullptr && numbered(objects_, number) != nullptr) ++number;
   place(number, start.object->mask(), images);
-  object = numbered(number);
+  object = numbered(objects_, number);
   object->knowItself(images, scene_);
   teach(*object, frames, false);
 }
@@ -194,9 +199,7 @@ void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool give
   if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
   if (from_start) until = frames.index / 2 + 1;
   last_word_[object.number()] = frames.index;
-  const cv::Rect box = boxAround(object.mask(), 0);
-  lessons_->masks[frames.index].push_back(
-      {object.number(), box, object.mask()(box).clone(), given});
+  lessons_->masks[frames.index].push_back(taughtOf(object, given));
   teachBack(object, frames, until, given);
 }
 
@@ -220,8 +223,7 @@ void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::u
                         object.likeness(past->images, scene, before->second))
         continue;
     }
-    const cv::Rect box = boxAround(object.mask(), 0);
-    carried.push_back({past->index, {object.number(), box, object.mask()(box).clone(), false}});
+    carried.emplace_back(past->index, taughtOf(object, false));
     if (!object.decided()) continue;
     for (auto& [index, mask] : carried) lessons_->masks[index].push_back(std::move(mask));
     carried.clear();

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/vision/base/masks.hpp"
 #include "server/vision/segment/correction.hpp"
 #include "server/vision/segment/search.hpp"
 #include "server/vision/segment/segment.hpp"
@@ -30,11 +29,9 @@ constexpr double kAsUsual = 0.1;  // chosen, ln of an area: no worse than this
 constexpr int kAgainRounds = 3;
 constexpr double kNearest = 0.6;  // chosen, of its last depth: where it is looked for
 constexpr double kFarthest = 1.6;
-constexpr double kLessLike = 0.8;      // of its resemblance to itself: what is found again ...
-constexpr double kMostUnlike = 1.2;    // ... and what is not it any more
-constexpr double kMostAgain = 1.6;     // of its usual area
-constexpr double kMuchAsBefore = 0.7;  // chosen, IoU: its colours are not learnt anew
-constexpr double kSaid = 0.5;  // chosen, of its first colours: by a later word of the author
+constexpr double kLessLike = 0.8;         // of its resemblance to itself: what is found again ...
+constexpr double kMostUnlike = 1.2;       // ... and what is not it any more
+constexpr double kMostAgain = 1.6;        // of its usual area
 constexpr double kSurelyLikeSkin = 0.05;  // where the author says that there is no hand in it
 constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
 
@@ -231,18 +228,11 @@ void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const Ban
                        bool given) {
   const Patch patch = patchAround(images, mask);
   if (patch.empty()) return;
-  const bool anew = given && overlapOf(mask_, mask) < kMuchAsBefore;
   mask_ = whole_ = mask;
   lost_ = 0;
   since_look_ = 0;
   memory_.avoided = scene.avoided.histogram;
   memory_.evidence.release();
-  if (anew) {
-    memory_.now = memory_.background = {};
-    ContourMemory said;
-    learn(patch, mask(patch.box), said);
-    memory_.first.adapt(said.first, kSaid);
-  }
   if (given) learnSkin(patch, scene, kSurelyLikeSkin);
   seenWell(patch);
   learn(patch, mask(patch.box), memory_);

@@ -46,8 +46,8 @@ class BandObject {
   /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
   /// nothing is left.
   void correct(const FrameImages& images, const BandScene& scene, const AuthorWord& word);
-  /// From now on it is where the author's word says; of a mask that was `given` it learns its
-  /// looks anew.
+  /// From now on it is where the author's word says; a mask that was `given` has no hand in it,
+  /// and it learns from it how much it looks like itself.
   void adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene, bool given);
   /// The mask in the next frame, moved by `flow`, its band decided anew.
   void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);

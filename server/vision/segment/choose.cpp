@@ -2,7 +2,6 @@
 #include "server/vision/segment/choose.hpp"
 
 #include <algorithm>
-
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"

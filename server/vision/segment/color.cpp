@@ -25,11 +25,14 @@ void smoothAlong(std::array<float, ColorHistogram::kBins>& bins, std::size_t str
 
 }  // namespace
 
-ColorHistogram ColorHistogram::of(const cv::Mat& color) {
+ColorHistogram ColorHistogram::of(const cv::Mat& color, const cv::Mat& mask) {
   ColorHistogram out;
-  for (int v = 0; v < color.rows; ++v) {
+  for (int v = 0; v < mask.rows; ++v) {
     const auto* row = color.ptr<cv::Vec3b>(v);
-    for (int u = 0; u < color.cols; ++u) out.count(row[u]);
+    const auto* in = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < mask.cols; ++u) {
+      if (in[u] != 0) out.count(row[u]);
+    }
   }
   out.settle();
   return out;

@@ -17,8 +17,8 @@ class ColorHistogram {
     return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U |
            std::size_t{bgr[2]} >> 4U;
   }
-  /// Of all pixels of `color` (CV_8UC3).
-  static ColorHistogram of(const cv::Mat& color);
+  /// Of the pixels of `color` (CV_8UC3) where `mask` is not 0.
+  static ColorHistogram of(const cv::Mat& color, const cv::Mat& mask);
 
   /// Counts a pixel. Call settle() after the last one, before anything else.
   void count(const cv::Vec3b& bgr) {

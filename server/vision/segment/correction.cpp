@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/graph_cut.hpp"
+#include "server/vision/segment/start.hpp"
 
 namespace hapticast::server {
 
@@ -32,17 +32,6 @@ struct Correction {
   cv::Mat said_off;           // 255
   cv::Mat near_on, near_off;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
 };
-
-double medianDepthOf(const cv::Mat& depth, const cv::Mat& mask) {
-  std::vector<double> values;
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      const float z = depth.at<float>(v, u);
-      if (z > 0 && mask.at<unsigned char>(v, u) != 0) values.push_back(double(z));
-    }
-  }
-  return values.empty() ? 0.0 : medianOf(values);
-}
 
 int discRadius(const SmallView& view) {
   return std::max(1, int(std::lround(kPoint_px * view.shrink)));
@@ -81,7 +70,7 @@ Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const Autho
     if (out.view.box.contains(point))
       out.joined_off |= joinedTo(out.view, out.view.placeOf(point), discRadius(out.view));
   }
-  const double depth_mm = medianDepthOf(out.view.depth, out.old);
+  const double depth_mm = medianDepth(out.view.depth, out.old, 1);
   const double reach_px = kSays_mm * pixelsPerMm(depth_mm, picture) * out.view.shrink;
   out.near_on = nearnessTo(out.said_on, std::max(reach_px, 3.0));
   out.near_off = nearnessTo(out.said_off, std::max(reach_px, 3.0));

@@ -27,19 +27,6 @@ constexpr float kFarthest_px = 20.0F;
 constexpr double kForColors = 1.5;
 constexpr double kForArea = 0.5;
 
-ColorHistogram colorsIn(const cv::Mat& color, const cv::Mat& mask) {
-  ColorHistogram out;
-  for (int v = 0; v < mask.rows; ++v) {
-    const auto* row = color.ptr<cv::Vec3b>(v);
-    const auto* in = mask.ptr<unsigned char>(v);
-    for (int u = 0; u < mask.cols; ++u) {
-      if (in[u] != 0) out.count(row[u]);
-    }
-  }
-  out.settle();
-  return out;
-}
-
 // The colours' evidence, averaged down: patterns must not blur before they are looked up.
 cv::Mat colorsOf(const FrameView& scene, const SmallView& view, const ContourMemory& memory) {
   const cv::Mat full = evidenceOf(scene.images.color(view.box), colorEvidenceOf(memory));
@@ -108,7 +95,7 @@ cv::Mat lookedFor(const FrameView& scene, const KnownObject& known) {
 
 double resemblance(const FrameView& scene, const KnownObject& known, const cv::Mat& mask) {
   const double area = std::max(1, cv::countNonZero(mask));
-  const double like = overlapOf(colorsIn(scene.images.color, mask), known.memory.first);
+  const double like = overlapOf(ColorHistogram::of(scene.images.color, mask), known.memory.first);
   const double size = std::log(area / std::max(known.usual_px, 1.0));
   return likenessToThing(scene, mask) + kForColors * like - kForArea * size * size;
 }

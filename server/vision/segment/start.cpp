@@ -47,18 +47,6 @@ int rootOf(std::vector<int>& parent, int i) {
   return i;
 }
 
-// Of every `step`-th pixel and row; 0: nothing is known there.
-double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
-  std::vector<double> values;
-  for (int v = 0; v < depth.rows; v += step) {
-    for (int u = 0; u < depth.cols; u += step) {
-      const float z = depth.at<float>(v, u);
-      if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
-    }
-  }
-  return medianOf(values);
-}
-
 // Corners that are well exposed: what can be followed from frame to frame.
 bool hasTexture(const FrameImages& images, const cv::Mat& mask) {
   std::vector<cv::Point2f> corners;
@@ -117,6 +105,17 @@ int labelNear(const cv::Mat& labels, const cv::Point& point) {
 }
 
 }  // namespace
+
+double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
+  std::vector<double> values;
+  for (int v = 0; v < depth.rows; v += step) {
+    for (int u = 0; u < depth.cols; u += step) {
+      const float z = depth.at<float>(v, u);
+      if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
+    }
+  }
+  return medianOf(values);
+}
 
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise) {
   cv::Mat bridged = depth.clone();

@@ -16,6 +16,10 @@ namespace hapticast::server {
 /// 255) left out.
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise);
 
+/// Median of the known depths where `mask` is not 0, of every `step`-th pixel and row; 0: nothing
+/// is known there.
+double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step);
+
 /// Whether hardly any of `mask` lies on the picture's border.
 bool clearOfBorder(const cv::Mat& mask);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/vision/base/statistics.hpp"
+
 namespace hapticast::evaluate::held {
 
 namespace {
@@ -39,10 +41,7 @@ double rmsOf(const std::vector<double>& values) {
 }
 
 double median(std::vector<double> values) {
-  if (values.empty()) return -1.0;
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? -1.0 : server::medianOf(values);
 }
 
 class Judge {

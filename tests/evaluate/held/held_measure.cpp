@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
 #include "tests/evaluate/vision/vision_sheet.hpp"
 
 namespace hapticast::evaluate::held {
@@ -71,7 +72,7 @@ Starts clickAround(const Recording& recording, double clicks) {
       ++out.clicks;
       const auto mask = startOf(recording, {{{{u + 0.5, v + 0.5}}}, {}, {}});
       if (!mask) ++out.refused;
-      const double iou = mask ? overlapOf(*mask, truth) : 0.0;
+      const double iou = mask ? server::overlapOf(*mask, truth) : 0.0;
       if (iou > kGoodStart) ++out.good;
       if (iou < kBadStart) ++out.bad;
     }
@@ -116,7 +117,7 @@ std::size_t worstFrame(const Recording& recording, const Run& run) {
   for (std::size_t i = 0; i < run.masks.size(); ++i) {
     if (recording.truth[i].visibleShare() < kShown) continue;
     const double iou =
-        run.masks[i].empty() ? 0.0 : overlapOf(run.masks[i], recording.truth[i].mask());
+        run.masks[i].empty() ? 0.0 : server::overlapOf(run.masks[i], recording.truth[i].mask());
     if (iou >= worst) continue;
     worst = iou;
     out = i;

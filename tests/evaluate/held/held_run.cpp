@@ -165,10 +165,6 @@ std::optional<cv::Mat> startOf(const Recording& recording, const Words& words) {
   return mask;
 }
 
-double overlapOf(const cv::Mat& a, const cv::Mat& b) {
-  return cv::countNonZero(a & b) / std::max(1.0, double(cv::countNonZero(a | b)));
-}
-
 std::optional<Vec2> innermost(const cv::Mat& region) {
   if (cv::countNonZero(region) == 0) return std::nullopt;
   // The picture's border is an edge, too.

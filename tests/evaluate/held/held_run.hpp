@@ -63,7 +63,6 @@ struct Scores {
 };
 Scores scoresOf(const Recording& recording, const Run& run);
 
-double overlapOf(const cv::Mat& a, const cv::Mat& b);
 /// The place of `region` (0 / 255) that is farthest from its edge, px; nullopt: it is empty.
 std::optional<Vec2> innermost(const cv::Mat& region);
 
