@@ -29,9 +29,11 @@ RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile
   return room;
 }
 
-ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
+ConnectionSettings connectionSettings(const Settings& settings, ServerChoice& choice,
+                                      bool wants_video) {
   ConnectionSettings connection;
   connection.server = settings.server;
+  connection.dial = choice.dial();
   connection.delivery = settings.delivery;
   connection.wants_video = wants_video;
   return connection;
@@ -56,17 +58,6 @@ struct StopOnExit {
   ~StopOnExit() { io.stop(); }
 };
 
-std::string greeting(const StreamDescription& stream, Method method) {
-  std::string text = fmt::format("connected: {}, {} x {}, {:g} frames/s", stream.name,
-                                 stream.workspace.width_px, stream.workspace.height_px, stream.fps);
-  if (method == Method::kThesis && stream.method != Method::kThesis) {
-    text +=
-        "; --method thesis here, but not on the server: segmentation, smoothing, motion and "
-        "workspace stay its own";
-  }
-  return text;
-}
-
 }  // namespace
 
 App::App(Settings settings, const Clock& clock, Views views)
@@ -82,13 +73,14 @@ App::App(Settings settings, const Clock& clock, Views views)
                   asio::post(io_, [this, frame] { prepared(frame); });
                 }),
       receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
-      connection_(io_, clock, connectionSettings(settings_, !views_.empty()), receiver_,
+      choice_(settings_),
+      connection_(io_, clock, connectionSettings(settings_, choice_, !views_.empty()), receiver_,
                   connectionEvents()),
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
       rearm_(settings_.rearm, points(views_)),
       buttons_(device_.device->profile()),
-      teller_(toString(settings_.server)) {
+      teller_(choice_.name()) {
   requireWritable("--summary", settings_.summary_file);
   desk_.user = userControls(settings_);
   user_controls_.store(desk_.user);
@@ -115,11 +107,12 @@ ConnectionEvents App::connectionEvents() {
           .disconnected =
               [this](const std::string& why) {
                 tellStatus(false);
+                teller_.nowIs(choice_.name());
                 if (const auto told = teller_.lost(why, clock_.now())) spdlog::warn("{}", *told);
               },
           .failed =
               [this](const std::string& why) {
-                spdlog::error("{}: {}", toString(settings_.server), why);
+                spdlog::error("{}: {}", choice_.name(), why);
                 failed_ = true;
                 stop();
               }};
@@ -149,7 +142,7 @@ void App::tellStatus(bool connected) {
 }
 
 bool App::run() {
-  spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", toString(settings_.server),
+  spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", choice_.name(),
                device_.device->description());
   if (settings_.forces != Forces::kBoth)
     spdlog::info("felt: the {} force only (--forces)",
@@ -184,6 +177,8 @@ void App::runEvents() {
     while (const auto line = device_.device->news()) spdlog::info("{}", *line);
     tellContact();
     if (!turnViews()) stop();
+    if (const auto line = choice_.turn(desk_.stream.connected, clock_.now()))
+      spdlog::warn("{}", *line);
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =
         settings_.seconds > 0.0 && clock_.now() - begin >= fromSeconds(settings_.seconds);
@@ -276,8 +271,8 @@ RunResult App::result(const LoopThread& loop) const {
 void App::finish(const LoopThread& loop) {
   takeFaults();
   if (time_is_over_ && !failed_ && !teller_.everConnected()) {
-    spdlog::error("no server came to {} in {:g} s ({})", toString(settings_.server),
-                  settings_.seconds, teller_.reason().empty() ? "no answer" : teller_.reason());
+    spdlog::error("no server came to {} in {:g} s ({})", choice_.name(), settings_.seconds,
+                  teller_.reason().empty() ? "no answer" : teller_.reason());
     failed_ = true;
   }
   const RealtimeGrant& realtime = loop.realtime();

@@ -18,6 +18,7 @@
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
 #include "client/rearm.hpp"
+#include "client/server_choice.hpp"
 #include "client/settings.hpp"
 #include "client/summary.hpp"
 #include "client/touch_teller.hpp"
@@ -73,6 +74,7 @@ class App {
   asio::io_context io_;
   Preparer preparer_;
   Receiver receiver_;
+  ServerChoice choice_;
   Connection connection_;
   LogFile log_;
   std::optional<LogFile> recording_;  // asked for by a view

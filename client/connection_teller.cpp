@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "client/connection_teller.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace hapticast::client {
+
+std::string greeting(const StreamDescription& stream, Method method) {
+  std::string text = fmt::format("connected: {}, {} x {}, {:g} frames/s", stream.name,
+                                 stream.workspace.width_px, stream.workspace.height_px, stream.fps);
+  if (method == Method::kThesis && stream.method != Method::kThesis) {
+    text +=
+        "; --method thesis here, but not on the server: segmentation, smoothing, motion and "
+        "workspace stay its own";
+  }
+  return text;
+}
 
 std::optional<std::string> ConnectionTeller::connected(const std::string& greeting, LocalTime now) {
   ever_connected_ = true;

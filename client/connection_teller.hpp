@@ -12,10 +12,16 @@
 
 namespace hapticast::client {
 
+/// What is said of a new connection, by a client that runs `method`.
+std::string greeting(const StreamDescription& stream, Method method);
+
 class ConnectionTeller {
  public:
-  /// `server`: HOST:PORT.
+  /// `server`: HOST:PORT, or mdns:NAME.
   explicit ConnectionTeller(std::string server) : server_(std::move(server)) {}
+
+  /// From now on it is another server.
+  void nowIs(std::string server) { server_ = std::move(server); }
 
   /// A connection is made; `greeting` is the line for it.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);

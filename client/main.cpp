@@ -12,6 +12,7 @@
 #include "client/app.hpp"
 #include "client/calibrate.hpp"
 #include "client/open_views.hpp"
+#include "client/server_choice.hpp"
 #include "client/settings.hpp"
 #include "common/cli/parse.hpp"
 
@@ -74,6 +75,7 @@ int main(int argc, char** argv) {
     std::fputs(hapticast::client::listDevices().c_str(), stdout);
     return kDone;
   }
+  if (settings.list_servers) return hapticast::client::listServers() ? kDone : kFailed;
   spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-client"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   if (settings.quiet) spdlog::set_level(spdlog::level::warn);

@@ -10,6 +10,7 @@
 #include "client/device/open_device.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/service_name.hpp"
 #include "common/cli/version.hpp"
 #include "common/text.hpp"
 #include "common/wire/limits.hpp"
@@ -59,7 +60,39 @@ std::string builtIn() {
   for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
   text += "; transports:";
   for (const auto& transport : kTransports) text += " " + transport.first;
-  return text;
+  return text.append(hasDiscovery() ? "; discovery: Avahi" : "; discovery: none");
+}
+
+void addServer(CLI::App& app, Settings& settings) {
+  const auto set = [&settings, otherwise = settings.server](const std::string& text) {
+    constexpr std::string_view kAnnounced = "mdns:";
+    settings.server_given = true;
+    if (text.starts_with(kAnnounced)) {
+      settings.announced = serviceName("server", text.substr(kAnnounced.size()));
+      return;
+    }
+    const auto endpoint = parseEndpoint(text, otherwise);
+    if (!endpoint || endpoint->port == 0) {
+      throw CLI::ValidationError("server", inQuotes(text) +
+                                               " is not HOST[:PORT], PORT, [V6ADDRESS]:PORT or "
+                                               "mdns:NAME (port 1..65535)");
+    }
+    settings.server = *endpoint;
+  };
+  app.add_option_function<std::string>(
+         "server", set,
+         "Where hapticast-server listens, or mdns:NAME: the one that is announced by NAME. "
+         "Default: "
+         "localhost:7447; where none is there, those that are announced on the LAN are shown, to "
+         "be chosen on a terminal. One that is not there is waited for")
+      ->type_name("HOST[:PORT]|mdns:NAME");
+  const auto list = [&settings](std::int64_t /*times*/) {
+    requireDiscovery("--list");
+    settings.list_servers = true;
+  };
+  app.add_flag_function("--list", list,
+                        "Say which servers are announced on the LAN, and end: with exit code 0, or "
+                        "1 where none was found");
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
@@ -186,9 +219,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "zero.",
       "hapticast-client");
   addVersion(*app, builtIn());
-  addEndpoint(*app, "server", settings.server, 1, "HOST[:PORT], PORT or [V6ADDRESS]:PORT",
-              "Where hapticast-server listens; default: localhost:7447. One that is not there is "
-              "waited for");
+  addServer(*app, settings);
   addDeviceOptions(*app, settings);
   addFalconOptions(*app, settings);
   addDeliveryOptions(*app, settings.delivery);

@@ -23,6 +23,9 @@ enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
+  std::string announced;      ///< of the server that is wanted (mdns:NAME); empty: `server`
+  bool server_given = false;  ///< one of both
+  bool list_servers = false;
   std::string device = "auto";
   std::string profile;  ///< a built-in name or a file; empty: as the device has it
   FalconSettings falcon;

@@ -47,6 +47,7 @@ App::App(Settings settings, const Clock& clock)
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {
+  if (!settings_.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings_.datagrams) {
     if (settings_.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
     return;
@@ -70,6 +71,7 @@ void App::run() {
   });
   std::jthread network([this] { io_.run(); });
   const auto end = [&] {
+    announcer_.reset();
     listener_.stop();
     broadcaster_.stop();
     asio::post(io_, [&signals] { signals.cancel(); });
@@ -113,6 +115,8 @@ void App::open() {
   open_ = true;
   spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
   listener_.start();
+  if (!settings_.announce.empty())
+    announcer_.emplace(settings_.announce, listener_.endpoint(), vision_.description().name);
 }
 
 void App::waitForViewer() const {

@@ -14,6 +14,7 @@
 #include "server/range_teller.hpp"
 #include "server/settings.hpp"
 #include "server/source/pacer.hpp"
+#include "server/stream/announce.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/datagram_signer.hpp"
@@ -65,6 +66,7 @@ class App {
   Broadcaster broadcaster_;
   Listener listener_;
   std::optional<Datagrams> datagrams_;
+  std::optional<Announcer> announcer_;  // once it is open
   PlanTeller plan_teller_;
   RangeTeller range_teller_;
   std::atomic<bool> stop_{false};

@@ -8,6 +8,7 @@
 
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/service_name.hpp"
 #include "common/cli/version.hpp"
 #include "common/wire/height_codec.hpp"
 #include "common/wire/limits.hpp"
@@ -241,6 +242,14 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
             "N 1..255", "How many networks multicast may cross; default: 1, this one");
   addNumber(app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N", "More are turned away with a message; default: 64");
+  const auto announce = [&settings](const std::string& text) {
+    settings.announce = serviceName("--announce", text);
+  };
+  app.add_option_function<std::string>(
+         "--announce", announce,
+         "Tell the LAN of this server by NAME (mDNS), so that clients find it; default: it is not "
+         "told")
+      ->type_name("NAME");
 }
 
 /// The author's say on what is touched.
@@ -271,7 +280,9 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
       "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends it.",
       "hapticast-server");
-  addVersion(*app, "sources: synthetic, images, videos, cameras; transports: udp, multicast, tcp");
+  addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
+                               "multicast, tcp; discovery: ") +
+                       (hasDiscovery() ? "Avahi" : "none"));
   addSourceOptions(*app, settings);
   addNetworkOptions(*app, settings);
   addName(*app, settings.name);

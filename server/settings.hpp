@@ -27,7 +27,8 @@ struct Settings {
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
-  std::string name;  ///< what viewers see; empty: the source's own
+  std::string announce;  ///< by which name on the LAN; empty: not at all
+  std::string name;      ///< what viewers see; empty: the source's own
   VisionSettings vision;
   std::string preview;  ///< FILE.png or a folder to show what was taken; empty: stream
   bool explain = false;

@@ -36,6 +36,7 @@ set(doors
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/summary\\.cpp$|tests/)"
   "^(SDL|imgui|backends/imgui)"      "^(client/view/window|tests/)"
+  "^avahi-"                          "^(common/wire/avahi_session|client/net/discover|server/stream/announce)\\.cpp$"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "common/cli/service_name.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "common/service.hpp"
+#include "common/text.hpp"
+
+namespace hapticast {
+
+bool hasDiscovery() { return HAPTICAST_HAS_AVAHI != 0; }
+
+void requireDiscovery(const std::string& flag) {
+  if (!hasDiscovery())
+    throw CLI::ValidationError(flag, "this build announces and finds no servers (Avahi)");
+}
+
+std::string serviceName(const std::string& flag, const std::string& text) {
+  requireDiscovery(flag);
+  if (!isServiceName(text)) {
+    throw CLI::ValidationError(flag, inQuotes(printable(text, text.size())) +
+                                         " is not a name of 1 to 63 bytes of UTF-8 without control "
+                                         "characters");
+  }
+  return text;
+}
+
+}  // namespace hapticast

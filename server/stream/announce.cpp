@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "server/stream/announce.hpp"
+
+#include <avahi-client/publish.h>
+#include <avahi-common/alternative.h>
+#include <avahi-common/error.h>
+#include <avahi-common/malloc.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/service.hpp"
+#include "common/wire/avahi_session.hpp"
+#include "common/wire/messages.hpp"
+#include "common/wire/network_interfaces.hpp"
+#include "server/stream/address_error.hpp"
+#include "server/stream/log_limit.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+/// The network that a server on this address can be reached from; all of them where it listens on
+/// all, or the address is none of this machine's any more.
+AvahiIfIndex networkOf(const asio::ip::address& address) {
+  const auto all = networkInterfaces();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const auto& each) { return each.address == address; });
+  return found == all.end() ? AVAHI_IF_UNSPEC : static_cast<AvahiIfIndex>(found->index);
+}
+
+/// What listens on all addresses of IPv6 takes IPv4 as well.
+AvahiProtocol protocolOf(const asio::ip::address& address) {
+  if (address.is_v4()) return AVAHI_PROTO_INET;
+  return address.is_unspecified() ? AVAHI_PROTO_UNSPEC : AVAHI_PROTO_INET6;
+}
+
+std::string textOf(const char* key, const std::string& value) {
+  return std::string(key) + "=" + value;
+}
+
+}  // namespace
+
+void requireReachable(const asio::ip::address& address) {
+  if (!address.is_loopback()) return;
+  throw AddressError("--announce: nobody else can reach a server on " + address.to_string() +
+                     "; --listen names another address");
+}
+
+/// On the library's thread, once `session` has begun.
+struct Announcer::Service {
+  Service(std::string the_name, const asio::ip::tcp::endpoint& where, const std::string& what)
+      : wanted(std::move(the_name)),
+        name(wanted),
+        listens(where),
+        version(textOf(kServiceVersionKey, std::to_string(kProtocolVersion))),
+        plays(textOf(kServicePlaysKey, printable(what, kMaxServicePlays_bytes))) {}
+
+  void make(AvahiClient* client) {
+    const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {
+      static_cast<Service*>(self)->changed(state);
+    };
+    name = wanted;
+    group = avahi_entry_group_new(client, settled, this);
+    if (group == nullptr) {
+      failed(avahi_client_errno(client));
+      return;
+    }
+    publish();
+  }
+
+  void publish() {
+    int error = 0;
+    do {  // what another program of this machine has taken is told at once
+      error = avahi_entry_group_add_service(
+          group, networkOf(listens.address()), protocolOf(listens.address()),
+          static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
+          listens.port(), version.c_str(), plays.c_str(), nullptr);
+      if (error == AVAHI_ERR_COLLISION) rename();
+    } while (error == AVAHI_ERR_COLLISION);
+    if (error == AVAHI_OK) error = avahi_entry_group_commit(group);
+    if (error != AVAHI_OK) failed(error);
+  }
+
+  void rename() {
+    char* const other = avahi_alternative_service_name(name.c_str());
+    name = other;
+    avahi_free(other);
+  }
+
+  void changed(AvahiEntryGroupState state) {
+    if (state == AVAHI_ENTRY_GROUP_ESTABLISHED) {
+      if (!news.allow(SteadyClock().now())) return;
+      spdlog::info("announced on the LAN as {}{}", name,
+                   name == wanted ? "" : " (another one has the name " + wanted + ")");
+    } else if (state == AVAHI_ENTRY_GROUP_COLLISION && group != nullptr) {
+      rename();
+      avahi_entry_group_reset(group);
+      publish();
+    } else if (state == AVAHI_ENTRY_GROUP_FAILURE && group != nullptr) {
+      failed(avahi_client_errno(avahi_entry_group_get_client(group)));
+    }
+  }
+
+  static void failed(int error) {
+    spdlog::warn("not announced on the LAN: {}", avahi_strerror(error));
+  }
+
+  void withdraw() {
+    if (group != nullptr) avahi_entry_group_free(group);
+    group = nullptr;
+  }
+
+  const std::string wanted;
+  std::string name;  // as it is announced
+  const asio::ip::tcp::endpoint listens;
+  const std::string version;
+  const std::string plays;
+  LogLimit news;  // of a stranger who takes each name again and again
+  AvahiEntryGroup* group = nullptr;
+  AvahiSession session{
+      {.runs = [this](AvahiClient* client) { make(client); },
+       .over = [this] { withdraw(); },
+       .absent =
+           [](const std::string& why) {
+             spdlog::warn("not announced on the LAN: {}; it will be as soon as it can", why);
+           }}};
+};
+
+Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listens,
+                     const std::string& plays)
+    : service_(std::make_unique<Service>(std::move(name), listens, plays)) {}
+
+Announcer::~Announcer() = default;
+
+}  // namespace hapticast::server

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// In a build without Avahi, whose command line takes no --announce.
+#include "server/stream/announce.hpp"
+
+namespace hapticast::server {
+
+struct Announcer::Service {};
+
+void requireReachable(const asio::ip::address& /*address*/) {}
+
+Announcer::Announcer(std::string /*name*/, const asio::ip::tcp::endpoint& /*listens*/,
+                     const std::string& /*plays*/) {}
+
+Announcer::~Announcer() = default;
+
+}  // namespace hapticast::server
