@@ -86,13 +86,10 @@ void addServer(CLI::App& app, Settings& settings) {
          "localhost:7447; where none is there, those that are announced on the LAN are shown, to "
          "be chosen on a terminal. One that is not there is waited for")
       ->type_name("HOST[:PORT]|mdns:NAME");
-  const auto list = [&settings](std::int64_t /*times*/) {
-    requireDiscovery("--list");
-    settings.list_servers = true;
-  };
-  app.add_flag_function("--list", list,
-                        "Say which servers are announced on the LAN, and end: with exit code 0, or "
-                        "1 where none was found");
+  app.add_flag("--list", settings.list_servers,
+               "Say which servers are announced on the LAN, and end: with exit code 0, or 1 where "
+               "none was found")
+      ->each([](const std::string& /*value*/) { requireDiscovery("--list"); });
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "client/device/open_device.hpp"
+#include "common/cli/service_name.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::client {
@@ -18,6 +19,9 @@ TEST(ClientSettings, Defaults) {
   const Probe run({});
   ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
   EXPECT_EQ(run.settings.server, (Endpoint{"localhost", 7447}));
+  EXPECT_EQ(run.settings.announced, "");
+  EXPECT_FALSE(run.settings.server_given);
+  EXPECT_FALSE(run.settings.list_servers);
   EXPECT_EQ(run.settings.device, "auto");
   EXPECT_EQ(run.settings.profile, "");
   EXPECT_EQ(run.settings.falcon.gain, 3500.0);
@@ -48,6 +52,8 @@ bool hasFalcon() {
 
 void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.server, (Endpoint{"::1", 99}));
+  EXPECT_TRUE(settings.server_given);
+  EXPECT_EQ(settings.list_servers, hasDiscovery());
   EXPECT_EQ(settings.device, "virtual");
   EXPECT_EQ(settings.profile, "falcon");
   EXPECT_EQ(settings.hand, "slide");
@@ -88,6 +94,7 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
       {"fault-dir", "d"},      {"stiffness-limit", "2.5"},
       {"redundancy", "3"},     {"interface", "lo"},
       {"list-devices", "true"}};
+  if (hasDiscovery()) flags.emplace_back("list", "true");
   if (hasFalcon()) {
     flags.emplace_back("falcon-firmware", "f.bin");
     flags.emplace_back("falcon-serial", "A7");
@@ -109,7 +116,7 @@ TEST(ClientSettings, EveryFlag) {
       arguments.push_back(value);
     } else {
       arguments.push_back("--" + key);
-      if (key != "quiet" && key != "rearm" && key != "list-devices") arguments.push_back(value);
+      if (value != "true") arguments.push_back(value);
     }
   }
   const Probe run(arguments);
@@ -148,6 +155,21 @@ TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   }
 }
 
+TEST(ClientSettings, AServerThatIsAnnounced) {
+  const Probe run({"mdns:Living room"});
+  if (!hasDiscovery()) {
+    run.expectErrorWith({"server", "this build announces and finds no servers"});
+    return;
+  }
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  EXPECT_EQ(run.settings.announced, "Living room");
+  EXPECT_TRUE(run.settings.server_given);
+  EXPECT_EQ(Probe({"mdns:7447"}).settings.announced, "7447") << "never a port of a host";
+  EXPECT_EQ(Probe({"[mdns]:7447"}).settings.server, (Endpoint{"mdns", 7447}));
+  EXPECT_EQ(Probe({"mdns:two\nlines"}).exit_code, 2);
+  EXPECT_FALSE(Probe({"--list=false"}).settings.list_servers);
+}
+
 TEST(ClientSettings, WhatIsUnknownIsTold) {
   const Probe unknown({"--forse", "1"});
   EXPECT_EQ(unknown.exit_code, 2);
@@ -163,7 +185,8 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
   for (const char* fact :
        {hasViewer() ? "views: screenshot film" : "views: none", "devices: virtual",
-        "transports: multicast tcp udp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
+        "transports: multicast tcp udp", hasDiscovery() ? "discovery: Avahi" : "discovery: none",
+        "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
   }

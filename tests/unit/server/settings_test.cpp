@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/cli/service_name.hpp"
 #include "common/wire/height_codec.hpp"
-
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::server {
@@ -20,6 +20,7 @@ TEST(ServerSettings, Defaults) {
   EXPECT_EQ(run.settings.frames, 0U);
   EXPECT_EQ(run.settings.listen, (Endpoint{"0.0.0.0", 7447}));
   EXPECT_EQ(run.settings.max_clients, 64U);
+  EXPECT_EQ(run.settings.announce, "");
   EXPECT_TRUE(run.settings.datagrams);
   EXPECT_EQ(run.settings.multicast, std::nullopt);
   EXPECT_FALSE(run.settings.loop || run.settings.quiet || run.settings.vision.stretch);
@@ -111,6 +112,21 @@ TEST(ServerSettings, EveryKeyOfAConfigFile) {
   const Probe run = Probe::withConfig(kAll);
   ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
   expectAll(run.settings);
+}
+
+TEST(ServerSettings, ANameForTheLan) {
+  const auto named = [](const std::string& name) {
+    return Probe({"--source", "synthetic:still", "--announce", name});
+  };
+  if (!hasDiscovery()) {
+    named("Ball").expectErrorWith({"--announce", "this build announces and finds no servers"});
+    return;
+  }
+  EXPECT_EQ(named("Küche \xF0\x9F\x8F\x80").settings.announce, "Küche \xF0\x9F\x8F\x80");
+  for (const std::string& wrong : {std::string(), std::string(64, 'x'), std::string("\x1b[2J")}) {
+    EXPECT_EQ(named(wrong).exit_code, 2) << wrong.size();
+    named(wrong).expectErrorWith({"--announce", "1 to 63 bytes"});
+  }
 }
 
 TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
