@@ -15,6 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds kLook(2000);
 constexpr std::chrono::milliseconds kStep(50);
 constexpr Duration kLookAgain = std::chrono::seconds(1);
+constexpr Duration kAfterNews = std::chrono::seconds(5);  // chosen: the time to read a list
 
 }  // namespace
 
@@ -73,29 +74,30 @@ std::optional<std::string> ServerChoice::turn(bool connected, LocalTime now) {
   if (over_) discovery_.reset();
   if (over_ || !none_here_) return std::nullopt;
   if (!discovery_) discovery_ = std::make_unique<Discovery>();
-  if (!list_.empty() && terminal_.asked()) {
+  if (shown_ && terminal_.asked()) {
     if (const auto typed = terminal_.take()) return take(*typed);
   }
-  if (!looked_at_) looked_at_ = now;
-  if (now - *looked_at_ < kLookAgain) return std::nullopt;
-  looked_at_ = now;
-  return look(now);
+  if (!next_look_) next_look_ = now + kLookAgain;
+  if (now < *next_look_) return std::nullopt;
+  auto told = look();
+  next_look_ = now + (told ? kAfterNews : kLookAgain);
+  return told;
 }
 
-std::optional<std::string> ServerChoice::look(LocalTime now) {
+std::optional<std::string> ServerChoice::look() {
   const std::string absent = discovery_->absent();
   if (!absent.empty()) {
     if (std::exchange(told_absent_, true)) return std::nullopt;
     return "servers on the LAN are not looked for: " + absent;
   }
   if (!list_.update(discovery_->servers()) || list_.empty()) return std::nullopt;
-  return limit_.let(
-      "announced on the LAN, where any host can call itself a server:\n" + list_.inWords() +
-          (terminal_.asked() ? "\nto be touched: its number or name, and Enter; or this machine's, "
-                               "as soon as there is one"
-                             : "\nno terminal to choose one: waiting for this machine's; HOST:PORT "
-                               "or mdns:NAME takes one of these"),
-      now);
+  const bool asked = terminal_.asked();
+  if (asked && !std::exchange(shown_, true)) terminal_.forget();
+  return "announced on the LAN, where any host can call itself a server:\n" + list_.inWords() +
+         (asked ? "\nto be touched: its number or name, and Enter; or this machine's, as soon as "
+                  "there is one"
+                : "\nno terminal to choose one: waiting for this machine's; HOST:PORT or mdns:NAME "
+                  "takes one of these");
 }
 
 std::string ServerChoice::take(const std::string& typed) {

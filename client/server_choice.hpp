@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "client/line_limit.hpp"
 #include "client/net/dial.hpp"
 #include "client/net/discover.hpp"
 #include "client/settings.hpp"
@@ -35,7 +34,7 @@ class ServerChoice {
                                          Duration deadline, DialStop& stop);
   asio::awaitable<Dialled> dialChosen(asio::io_context& io, const Endpoint& server,
                                       Duration deadline, DialStop& stop);
-  [[nodiscard]] std::optional<std::string> look(LocalTime now);
+  [[nodiscard]] std::optional<std::string> look();
   [[nodiscard]] std::string take(const std::string& typed);
 
   const Endpoint server_;
@@ -47,11 +46,11 @@ class ServerChoice {
   std::optional<FoundServer> chosen_;  // mutex_
   // Main:
   bool over_ = false;
-  std::optional<LocalTime> looked_at_;
+  std::optional<LocalTime> next_look_;
   ServerList list_;
   bool told_absent_ = false;
   TerminalLines terminal_;
-  LineLimit limit_;
+  bool shown_ = false;  // on the terminal
 };
 
 /// --list: looks for two seconds and prints what was found. Whether there was any.

@@ -2,6 +2,7 @@
 #include "client/terminal_lines.hpp"
 
 #include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -11,6 +12,11 @@ namespace hapticast::client {
 bool TerminalLines::asked() const {
   return !ended_ && ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1 &&
          ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
+}
+
+void TerminalLines::forget() {
+  typed_.clear();
+  ::tcflush(STDIN_FILENO, TCIFLUSH);
 }
 
 std::optional<std::string> TerminalLines::take() {

@@ -12,6 +12,8 @@ class TerminalLines {
   /// Whether somebody reads stderr and types stdin, and this program may read what he types: one
   /// in the background would be stopped by that, with a force on.
   [[nodiscard]] bool asked() const;
+  /// What was typed so far was no answer to what is shown now. Only while asked().
+  void forget();
   /// The next whole line, if there is one. Only while asked().
   std::optional<std::string> take();
 

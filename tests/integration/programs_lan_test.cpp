@@ -76,11 +76,12 @@ class ProgramsLanTest : public ProgramsTest {
 
   [[nodiscard]] std::string busOf(const std::string& host) const { return path(host + ".bus"); }
   [[nodiscard]] std::unique_ptr<Process> startBus(const std::string& host) const {
-    const std::string file =
-        write(host + ".conf",
-              "<busconfig><listen>unix:path=" + busOf(host) +
-                  "</listen><auth>EXTERNAL</auth><policy context=\"default\"><allow user=\"*\"/>"
-                  "<allow own=\"*\"/><allow send_destination=\"*\"/></policy></busconfig>");
+    const std::string file = write(
+        host + ".conf",
+        "<busconfig><listen>unix:path=" + busOf(host) +
+            "</listen><auth>EXTERNAL</auth><policy context=\"default\"><allow user=\"*\"/>"
+            "<allow own=\"*\"/><allow send_type=\"method_call\"/><allow send_destination=\"*\"/>"
+            "<allow receive_sender=\"*\"/></policy></busconfig>");
     return start("/usr/bin/env", {"dbus-daemon", "--nofork", "--config-file=" + file});
   }
   [[nodiscard]] std::unique_ptr<Process> startDaemon(const std::string& host) const {
@@ -105,8 +106,8 @@ class ProgramsLanTest : public ProgramsTest {
   }
   [[nodiscard]] std::unique_ptr<Process> announce(const std::string& host, const std::string& name,
                                                   const std::string& plays = "clip") const {
-    return run(host, {HAPTICAST_SERVER_PROGRAM, "--source", clip_, "--loop", "--listen",
-                      "0", "--announce", name, "--name", plays});
+    return run(host, {HAPTICAST_SERVER_PROGRAM, "--source", clip_, "--loop", "--listen", "0",
+                      "--announce", name, "--name", plays});
   }
   /// What --list of the viewer's host says, as soon as it has all of these.
   std::string listed(const std::vector<std::string>& all) const {
