@@ -50,6 +50,11 @@ bool points(const Views& views) {
   return std::any_of(views.begin(), views.end(), [](const auto& view) { return view->points(); });
 }
 
+bool wantVideo(const Views& views) {
+  return std::any_of(views.begin(), views.end(),
+                     [](const auto& view) { return view->wantsVideo(); });
+}
+
 /// However its scope is left, nothing waits for the network any more.
 struct StopOnExit {
   asio::io_context& io;
@@ -82,7 +87,7 @@ App::App(Settings settings, const Clock& clock, Views views)
                   asio::post(io_, [this, frame] { prepared(frame); });
                 }),
       receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
-      connection_(io_, clock, connectionSettings(settings_, !views_.empty()), receiver_,
+      connection_(io_, clock, connectionSettings(settings_, wantVideo(views_)), receiver_,
                   connectionEvents()),
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
@@ -167,6 +172,7 @@ bool App::run() {
 
   runEvents();
   loop.stop();
+  device_.device->turn();
   takeReports();
   preparer_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
@@ -181,6 +187,7 @@ void App::runEvents() {
   while (!stop_ && !time_is_over_) {
     takeReports();
     takeFaults();
+    device_.device->turn();
     while (const auto line = device_.device->news()) spdlog::info("{}", *line);
     tellContact();
     if (!turnViews()) stop();

@@ -35,7 +35,8 @@ set(doors
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/summary\\.cpp$|tests/)"
-  "^(SDL|imgui|backends/imgui)"      "^(client/view/window|tests/)"
+  "^SDL"                             "^(client/(view/(window|sound)|device/gamepad)|tests/)"
+  "^(imgui|backends/imgui)"          "^(client/view/window|tests/)"
   "^libusb"                          "^client/device/falcon_usb\\.cpp$"
   "^common/wire/"                    "^(common/wire/|server/(stream/|[^/]*$)|client/(net/|[^/]*$)|tests/)"
 )

@@ -23,6 +23,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.falcon.gain, 3500.0);
   EXPECT_FALSE(run.settings.list_devices);
   EXPECT_FALSE(run.settings.rearm);
+  EXPECT_FALSE(run.settings.sound);
   EXPECT_EQ(run.settings.stiffness_limit_N_mm, 0.0);
   EXPECT_EQ(run.settings.fault_folder, "");
   EXPECT_EQ(run.settings.delivery.best, Way::kDatagrams);
@@ -63,6 +64,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.summary_file, "b.json");
   EXPECT_EQ(settings.screenshot_file, hasViewer() ? "c.png" : "");
   EXPECT_EQ(settings.film_file, hasViewer() ? "c.mp4" : "");
+  EXPECT_EQ(settings.sound, hasSound());
   EXPECT_EQ(settings.seconds, 2.5);
   EXPECT_EQ(settings.fault_folder, "d");
   EXPECT_TRUE(settings.rearm);
@@ -98,6 +100,7 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
     flags.emplace_back("screenshot", "c.png");
     flags.emplace_back("film", "c.mp4");
   }
+  if (hasSound()) flags.emplace_back("sound", "true");
   return flags;
 }
 const auto kAll = everyFlag();
@@ -109,7 +112,7 @@ TEST(ClientSettings, EveryFlag) {
       arguments.push_back(value);
     } else {
       arguments.push_back("--" + key);
-      if (key != "quiet" && key != "rearm" && key != "list-devices") arguments.push_back(value);
+      if (value != "true") arguments.push_back(value);
     }
   }
   const Probe run(arguments);
@@ -161,9 +164,9 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   const Probe version({"--version"});
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
-  for (const char* fact :
-       {hasViewer() ? "views: screenshot film" : "views: none", "devices: virtual",
-        "transports: multicast tcp udp", "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
+  for (const char* fact : {hasViewer() ? "views: screenshot film" : "views: none",
+                           "devices: virtual", "transports: multicast tcp udp", "libusb 1.0 (",
+                           "SDL2 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
   }
