@@ -31,12 +31,10 @@ RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile
 
 ConnectionSettings connectionSettings(const Settings& settings, ServerChoice& choice,
                                       bool wants_video) {
-  ConnectionSettings connection;
-  connection.server = settings.server;
-  connection.dial = choice.dial();
-  connection.delivery = settings.delivery;
-  connection.wants_video = wants_video;
-  return connection;
+  return {.server = settings.server,
+          .dial = choice.dial(),
+          .delivery = settings.delivery,
+          .wants_video = wants_video};
 }
 
 UserControls userControls(const Settings& settings) {
@@ -50,6 +48,11 @@ UserControls userControls(const Settings& settings) {
 
 bool points(const Views& views) {
   return std::any_of(views.begin(), views.end(), [](const auto& view) { return view->points(); });
+}
+
+bool wantVideo(const Views& views) {
+  return std::any_of(views.begin(), views.end(),
+                     [](const auto& view) { return view->wantsVideo(); });
 }
 
 /// However its scope is left, nothing waits for the network any more.
@@ -74,7 +77,7 @@ App::App(Settings settings, const Clock& clock, Views views)
                 }),
       receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
       choice_(settings_),
-      connection_(io_, clock, connectionSettings(settings_, choice_, !views_.empty()), receiver_,
+      connection_(io_, clock, connectionSettings(settings_, choice_, wantVideo(views_)), receiver_,
                   connectionEvents()),
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
@@ -160,6 +163,7 @@ bool App::run() {
 
   runEvents();
   loop.stop();
+  device_.device->turn();
   takeReports();
   preparer_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
@@ -174,6 +178,7 @@ void App::runEvents() {
   while (!stop_ && !time_is_over_) {
     takeReports();
     takeFaults();
+    device_.device->turn();
     while (const auto line = device_.device->news()) spdlog::info("{}", *line);
     tellContact();
     if (!turnViews()) stop();

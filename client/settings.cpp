@@ -56,6 +56,7 @@ std::string deviceHelp() {
 /// For --version: the kinds of views, devices and transports of this build.
 std::string builtIn() {
   std::string text = hasViewer() ? "views: screenshot film" : "views: none";
+  if (hasSound()) text += " sound";
   text += hasWindow() ? " window; devices:" : "; devices:";
   for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
   text += "; transports:";
@@ -168,6 +169,10 @@ void addViewOptions(CLI::App& app, Settings& settings) {
             "--screenshot is given), on, or off. F1 in it lists the keys");
   addChoice(app, "--forces", settings.forces, kForces,
             "Which forces are felt: both (default), static or dynamic; S and D in the window");
+  if (hasSound()) {
+    app.add_flag("--sound", settings.sound,
+                 "Let the force be heard: a hum as loud as it is, a tick where it is sudden");
+  }
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {
@@ -203,6 +208,8 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
 bool hasViewer() { return HAPTICAST_HAS_VIEWER != 0; }
 
 bool hasWindow() { return HAPTICAST_HAS_WINDOW != 0; }
+
+bool hasSound() { return HAPTICAST_HAS_SOUND != 0; }
 
 void requireWritable(const char* flag, const std::string& file) {
   if (file.empty() || std::ofstream(file, std::ios::app)) return;

@@ -37,6 +37,7 @@ struct Settings {
   bool hand_given = false;     ///< somebody has asked for a scripted hand
   ViewChoice view = ViewChoice::kAuto;
   Forces forces = Forces::kBoth;
+  bool sound = false;
   std::string screenshot_file;
   std::string film_file;
   std::string log_file;
@@ -54,6 +55,9 @@ struct Settings {
 
 /// Whether this build has a window (SDL2 and Dear ImGui were found).
 [[nodiscard]] bool hasWindow();
+
+/// Whether this build can make the touch heard (SDL2 was found).
+[[nodiscard]] bool hasSound();
 
 /// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
 /// it. Throws std::runtime_error, one line that names `flag` and `file`.

@@ -12,6 +12,8 @@ OpenDevice openVirtual;
 OpenDevice openMouse;
 OpenDevice openFalcon;
 std::vector<std::string> listFalcons();
+OpenDevice openGamepad;
+std::vector<std::string> listGamepads();
 
 std::span<const DeviceKind> deviceKinds() noexcept {
   static constexpr std::array kKinds = {
@@ -19,6 +21,11 @@ std::span<const DeviceKind> deviceKinds() noexcept {
       DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
 #ifdef HAPTICAST_FALCON
       DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
+#endif
+#ifdef HAPTICAST_GAMEPAD
+      // Many lie plugged in at a desk, and a mouse points better: only who asks for one gets it.
+      DeviceKind{"gamepad", "its sticks lead the tip, its motors rumble with the force",
+                 openGamepad, listGamepads, /*by_itself=*/false},
 #endif
   };
   return kKinds;
@@ -45,7 +52,7 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRe
 
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
   for (const DeviceKind& kind : deviceKinds()) {
-    if (kind.list == nullptr) continue;
+    if (kind.list == nullptr || !kind.by_itself) continue;
     try {
       if (!kind.list().empty()) return kind.open(request);
     } catch (const DeviceAbsent& error) {

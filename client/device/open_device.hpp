@@ -48,6 +48,7 @@ struct DeviceKind {
   OpenDevice* open;
   /// What is plugged in, a line each; may throw. Null: the kind is always there.
   std::vector<std::string> (*list)() = nullptr;
+  bool by_itself = true;  ///< `auto` takes what is plugged in
 };
 
 /// All kinds of this build: `auto` opens what findDevice() finds, else where there is a window the

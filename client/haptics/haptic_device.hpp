@@ -77,6 +77,9 @@ class HapticDevice {
   /// The force of this tick as soon as it is known, for a device that sends it before the next
   /// exchange(), which hands it over again. Non-blocking. Thread: loop.
   virtual void decided(const Vec3& /*force_N*/) noexcept {}
+  /// A share of each turn of the main thread, about every 10 ms, and one after the last tick: for
+  /// what a library wants done there. It must not wait. Thread: main.
+  virtual void turn() {}
   /// The next line for the user: what to do, what has happened. Thread: main.
   [[nodiscard]] virtual std::optional<std::string> news() { return std::nullopt; }
   /// None: nothing travels. Thread: any.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the app's event loop asks of any view: a screenshot, a film, a window. A further kind is one
+// What the app's event loop asks of any view: a screenshot, a film, a window, a sound. A further kind is one
 // file beside this one and one line in client/open_views.cpp.
 #pragma once
 
@@ -55,6 +55,8 @@ class View {
   /// Ends the view after the last tick: what it was asked to write is written. Throws
   /// std::runtime_error, one line that names the flag and the file. Thread: main.
   virtual void finish() = 0;
+  /// Whether it shows the stream's pictures, so that they have to be sent.
+  [[nodiscard]] virtual bool wantsVideo() const { return true; }
   /// Whether somebody can point at something in it, so that a mouse can be a device.
   [[nodiscard]] virtual bool points() const { return false; }
   /// How far apart in play time the picture that was shown and the frame that was felt were, each

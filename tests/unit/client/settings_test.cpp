@@ -27,6 +27,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.falcon.gain, 3500.0);
   EXPECT_FALSE(run.settings.list_devices);
   EXPECT_FALSE(run.settings.rearm);
+  EXPECT_FALSE(run.settings.sound);
   EXPECT_EQ(run.settings.stiffness_limit_N_mm, 0.0);
   EXPECT_EQ(run.settings.fault_folder, "");
   EXPECT_EQ(run.settings.delivery.best, Way::kDatagrams);
@@ -69,6 +70,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.summary_file, "b.json");
   EXPECT_EQ(settings.screenshot_file, hasViewer() ? "c.png" : "");
   EXPECT_EQ(settings.film_file, hasViewer() ? "c.mp4" : "");
+  EXPECT_EQ(settings.sound, hasSound());
   EXPECT_EQ(settings.seconds, 2.5);
   EXPECT_EQ(settings.fault_folder, "d");
   EXPECT_TRUE(settings.rearm);
@@ -105,6 +107,7 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
     flags.emplace_back("screenshot", "c.png");
     flags.emplace_back("film", "c.mp4");
   }
+  if (hasSound()) flags.emplace_back("sound", "true");
   return flags;
 }
 const auto kAll = everyFlag();
@@ -186,7 +189,7 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   for (const char* fact :
        {hasViewer() ? "views: screenshot film" : "views: none", "devices: virtual",
         "transports: multicast tcp udp", hasDiscovery() ? "discovery: Avahi" : "discovery: none",
-        "libusb 1.0 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
+        "libusb 1.0 (", "SDL2 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
   }

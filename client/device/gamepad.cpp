@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+// SDL is called by the main thread's turns alone; between them and the tick are two latest values.
+#include "client/device/gamepad.hpp"
+
+#include <SDL.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "client/device/open_device.hpp"
+#include "client/device/pointed_hand.hpp"
+#include "common/tick.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Sticks do not come back to their middle: XInput's dead zone of a left stick, 7849 of 32767.
+constexpr double kDeadZone = 0.24;
+// Chosen: over the picture in two seconds, through the relief in one; half the way of a stick is a
+// quarter of it, for fine movements.
+constexpr double kAcross_mm_s = 80.0;
+constexpr double kInto_mm_s = 30.0;
+// Chosen: a press of 2 N on the hand's spring of 0.2 N/mm, and no longer way back.
+constexpr double kMostAhead_mm = 10.0;
+constexpr double kFull_N = 2.0;
+// Chosen: ten of the main thread's turns. What has not been heard of for longer stands still, on
+// both sides, and a rumble that is not renewed ends.
+constexpr Duration kHeard = std::chrono::milliseconds(100);
+constexpr std::uint32_t kRumble_ms = 100;
+
+/// SDL's controllers, as long as somebody needs them.
+struct PadSystem {
+  PadSystem() {
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the client's
+    // The pad leads the hand, whichever window the keys go to.
+    SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
+    if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0)
+      throw DeviceAbsent(std::string("--device gamepad: ") + SDL_GetError());
+    // They are asked each turn: events would wait for a window that may not be there.
+    SDL_GameControllerEventState(SDL_IGNORE);
+    SDL_JoystickEventState(SDL_IGNORE);
+  }
+  PadSystem(const PadSystem&) = delete;
+  PadSystem& operator=(const PadSystem&) = delete;
+  ~PadSystem() { SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER); }
+};
+
+struct ClosePad {
+  void operator()(SDL_GameController* pad) const {
+    SDL_GameControllerRumble(pad, 0, 0, 0);
+    SDL_GameControllerClose(pad);
+  }
+};
+using Pad = std::unique_ptr<SDL_GameController, ClosePad>;
+
+/// The first one; null: there is none.
+Pad openPad() {
+  for (int i = 0; i < SDL_NumJoysticks(); ++i) {
+    if (SDL_IsGameController(i) != SDL_TRUE) continue;
+    if (Pad pad{SDL_GameControllerOpen(i)}) return pad;
+  }
+  return nullptr;
+}
+
+std::string nameOf(const Pad& pad) {
+  const char* const name = SDL_GameControllerName(pad.get());
+  return name == nullptr ? "gamepad" : name;
+}
+
+Vec2 stickOf(const Pad& pad, SDL_GameControllerAxis x, SDL_GameControllerAxis y) {
+  return Vec2(SDL_GameControllerGetAxis(pad.get(), x), SDL_GameControllerGetAxis(pad.get(), y)) /
+         double{SDL_JOYSTICK_AXIS_MAX};
+}
+
+/// 0 in the dead zone, 1 at the stick's end.
+Vec2 share(const Vec2& stick) noexcept {
+  const double way = stick.norm();
+  if (!(way > kDeadZone)) return Vec2::Zero();
+  const double beyond = std::min(1.0, (way - kDeadZone) / (1.0 - kDeadZone));
+  return beyond * beyond / way * stick;
+}
+
+class Gamepad final : public HapticDevice {
+ public:
+  Gamepad(const PlantProfile& profile, const DeviceRequest& request)
+      : hand_(profile, request.clock), clock_(request.clock), seen_(request.seen), pad_(openPad()) {
+    if (!pad_) throw DeviceAbsent("--device gamepad: none was found; is it plugged in?");
+    tellMotors();
+    for (const auto& button : {profile.pause_button, profile.rearm_button, profile.enable_button}) {
+      if (button) meant_buttons_ |= std::uint32_t{1} << *button;
+    }
+  }
+
+  const DeviceProfile& profile() const noexcept override { return hand_.profile(); }
+  std::string description() const override {
+    return "gamepad (" + nameOf(pad_) + "): its sticks lead a virtual device (" + profile().name +
+           ")";
+  }
+  void waitForTick(LocalTime deadline) noexcept override { hand_.waitForTick(deadline); }
+
+  DeviceState exchange(const Vec3& force_N) noexcept override {
+    const TickReport& seen = seen_.load();
+    const LocalTime now = clock_.now();
+    felt_.store({.parts = meter_.next(seen), .time = now});
+    const Held& held = held_.load();
+    const bool heard = now - held.time < kHeard;
+    lead(heard ? held.velocity_mm_s : Vec3(Vec3::Zero()), seen.mapping);
+    DeviceState state = hand_.exchange(force_N);
+    state.buttons = held.buttons;
+    if (!held.there) state.status = DeviceStatus::kLost;
+    return state;
+  }
+
+  void turn() override {
+    SDL_GameControllerUpdate();
+    if (pad_ && SDL_GameControllerGetAttached(pad_.get()) != SDL_TRUE) {
+      pad_.reset();
+      news_.emplace_back("gamepad: unplugged; plug it in again");
+    }
+    if (!pad_) {
+      pad_ = openPad();
+      if (pad_) {
+        news_.push_back("gamepad: " + nameOf(pad_) + " is there again; A brings the force back");
+        tellMotors();
+      }
+    }
+    held_.store(held());
+    rumble();
+  }
+
+  std::optional<std::string> news() override {
+    if (news_.empty()) return std::nullopt;
+    std::string line = std::move(news_.front());
+    news_.pop_front();
+    return line;
+  }
+
+ private:
+  /// What the pad does with the hand.
+  struct Held {
+    Vec3 velocity_mm_s = Vec3::Zero();  // nominal
+    std::uint32_t buttons = 0;
+    bool there = true;
+    LocalTime time{};
+  };
+  /// What the hand feels.
+  struct Felt {
+    ForceParts parts;
+    LocalTime time{};
+  };
+
+  void tellMotors() {
+    if (SDL_GameControllerHasRumble(pad_.get()) != SDL_TRUE)
+      news_.emplace_back("gamepad: this one cannot rumble: the force is not felt in it");
+  }
+
+  [[nodiscard]] Held held() const {
+    Held held{.there = pad_ != nullptr, .time = clock_.now()};
+    if (!pad_) return held;
+    held.velocity_mm_s =
+        stickVelocity_mm_s(stickOf(pad_, SDL_CONTROLLER_AXIS_LEFTX, SDL_CONTROLLER_AXIS_LEFTY),
+                           stickOf(pad_, SDL_CONTROLLER_AXIS_RIGHTX, SDL_CONTROLLER_AXIS_RIGHTY));
+    for (int i = 0; i < SDL_CONTROLLER_BUTTON_MAX; ++i) {
+      const auto button = static_cast<SDL_GameControllerButton>(i);
+      if (SDL_GameControllerGetButton(pad_.get(), button) != 0) held.buttons |= 1U << i;
+    }
+    held.buttons &= meant_buttons_;
+    return held;
+  }
+
+  void rumble() {
+    if (!pad_) return;
+    const Felt& felt = felt_.load();
+    const bool heard = clock_.now() - felt.time < kHeard;
+    const ForceParts parts = heard ? felt.parts : ForceParts{};
+    SDL_GameControllerRumble(pad_.get(), motorLevel(parts.press_N), motorLevel(parts.blow_N),
+                             kRumble_ms);
+  }
+
+  /// The sticks lead the hand's goal, within the workspace and never far from the tip: what holds
+  /// the tip must not be wound up.
+  void lead(const Vec3& velocity_mm_s, const DeviceMapping& mapping) noexcept {
+    if (!led_ && velocity_mm_s == Vec3::Zero()) return;
+    if (!std::exchange(led_, true)) goal_mm_ = hand_.tip_mm();
+    goal_mm_ += kTick_s * mapping.scale * velocity_mm_s;
+    Vec3 ahead_mm = goal_mm_ - hand_.tip_mm();
+    if (ahead_mm.norm() > kMostAhead_mm) ahead_mm *= kMostAhead_mm / ahead_mm.norm();
+    const Vec3 reach_mm = 0.5 * profile().workspace_mm;
+    goal_mm_ = (hand_.tip_mm() + ahead_mm).cwiseMax(-reach_mm).cwiseMin(reach_mm);
+    hand_.follow(goal_mm_);
+  }
+
+  // Loop:
+  PointedHand hand_;
+  const Clock& clock_;
+  LatestValue<TickReport>& seen_;
+  ForceMeter meter_;
+  bool led_ = false;
+  Vec3 goal_mm_ = Vec3::Zero();  // device frame
+  // Between both:
+  LatestValue<Held> held_;  // the main thread writes it
+  LatestValue<Felt> felt_;  // the loop writes it
+  // Main:
+  std::uint32_t meant_buttons_ = 0;
+  std::deque<std::string> news_;
+  PadSystem system_;
+  Pad pad_;
+};
+
+}  // namespace
+
+Vec3 stickVelocity_mm_s(const Vec2& left, const Vec2& right) noexcept {
+  const Vec2 across = kAcross_mm_s * share(left);
+  return {across.x(), -across.y(), kInto_mm_s * share({0.0, right.y()}).y()};
+}
+
+// What is felt of a motor grows with the square of its speed, and below about a tenth of it it does
+// not turn at all: hence the root.
+std::uint16_t motorLevel(double force_N) noexcept {
+  const double level = std::sqrt(std::clamp(force_N / kFull_N, 0.0, 1.0));
+  return static_cast<std::uint16_t>(std::lround(65535.0 * level));
+}
+
+std::unique_ptr<HapticDevice> openGamepad(const DeviceRequest& request) {
+  PlantProfile profile = loadProfile(request.profile);
+  profile.pause_button = SDL_CONTROLLER_BUTTON_START;
+  profile.rearm_button = SDL_CONTROLLER_BUTTON_A;
+  return std::make_unique<Gamepad>(profile, request);
+}
+
+std::vector<std::string> listGamepads() {
+  const PadSystem system;
+  std::vector<std::string> lines;
+  for (int i = 0; i < SDL_NumJoysticks(); ++i) {
+    const char* const name = SDL_JoystickNameForIndex(i);
+    std::string& line = lines.emplace_back(name == nullptr ? "one without a name" : name);
+    if (SDL_IsGameController(i) != SDL_TRUE)
+      line.append(", but what its buttons are is not known (SDL_GAMECONTROLLERCONFIG)");
+  }
+  return lines;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "client/device/pointed_hand.hpp"
+
+#include <utility>
+
+#include "common/tick.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: a hand follows what it sees within a tenth of a second, ...
+constexpr double kFollow_1_s = 40.0;
+// ... and is never more than this behind its goal as it sees it: 400 mm/s at most.
+constexpr double kMostBehind_mm = 20.0;
+
+}  // namespace
+
+void PointedHand::follow(const Vec3& wanted_mm) noexcept {
+  if (!std::exchange(follows_, true)) goal_mm_ = tip_mm();
+  Vec3 way_mm = wanted_mm - goal_mm_;
+  if (way_mm.norm() > kMostBehind_mm) way_mm *= kMostBehind_mm / way_mm.norm();
+  // Critically damped: it arrives without going beyond.
+  velocity_mm_s_ +=
+      kTick_s * (kFollow_1_s * kFollow_1_s * way_mm - 2.0 * kFollow_1_s * velocity_mm_s_);
+  goal_mm_ += kTick_s * velocity_mm_s_;
+  device_.setTarget(goal_mm_);
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/sound.hpp"
+
+#include <SDL.h>
+
+#include <stdexcept>
+#include <utility>
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr std::uint16_t kBuffer = 512;  // chosen: 11 ms, as often as the main thread has news
+constexpr std::uint32_t kFade_ms = 60;  // four times the hum's smoothing
+
+[[noreturn]] void noSound(const std::string& why) {
+  SDL_QuitSubSystem(SDL_INIT_AUDIO);
+  throw std::runtime_error("no sound device (" + why + ")");
+}
+
+}  // namespace
+
+SoundView::SoundView(std::function<void(const std::string& line)> tell) : tell_(std::move(tell)) {
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the client's
+  if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0)
+    throw std::runtime_error(std::string("no sound device (") + SDL_GetError() + ")");
+  // Asked first: ALSA would say in many lines that there is none.
+  if (SDL_GetNumAudioDevices(0) == 0) noSound("none was found");
+  SDL_AudioSpec wanted{};
+  wanted.freq = SoundMixer::kRate_Hz;
+  wanted.format = AUDIO_F32SYS;
+  wanted.channels = 1;
+  wanted.samples = kBuffer;
+  wanted.callback = fill;
+  wanted.userdata = this;
+  device_ = SDL_OpenAudioDevice(nullptr, 0, &wanted, nullptr, 0);
+  if (device_ == 0) noSound(SDL_GetError());
+  SDL_PauseAudioDevice(device_, 0);
+}
+
+SoundView::~SoundView() {
+  SDL_CloseAudioDevice(device_);
+  SDL_QuitSubSystem(SDL_INIT_AUDIO);
+}
+
+void SoundView::takeReport(const TickReport& report) {
+  cue_.store({.felt = meter_.next(report), .tick = report.tick});
+}
+
+bool SoundView::turn(Desk& /*desk*/) {
+  const bool lost = SDL_GetAudioDeviceStatus(device_) == SDL_AUDIO_STOPPED;
+  if (lost && tell_) std::exchange(tell_, nullptr)("the sound device is gone: going on without");
+  return true;
+}
+
+void SoundView::finish() {
+  cue_.store({});
+  SDL_Delay(kFade_ms);
+}
+
+void SoundView::fill(void* view, std::uint8_t* bytes, int size_bytes) noexcept {
+  auto& self = *static_cast<SoundView*>(view);
+  const std::size_t count = static_cast<std::size_t>(size_bytes) / sizeof(float);
+  self.mixer_.fill({reinterpret_cast<float*>(bytes), count}, self.cue_.load());
+}
+
+}  // namespace hapticast::client

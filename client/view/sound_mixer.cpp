@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/sound_mixer.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: what is hardly felt is not heard, and 2 N, a firm press, is as loud as it gets.
+constexpr double kSilent_N = 0.05;
+constexpr double kLoud_N = 2.0;
+// Chosen: a main thread that has said nothing for so long stands still.
+constexpr std::size_t kStale = SoundMixer::kRate_Hz / 10;
+
+double loudness(double force_N) noexcept {
+  return 0.5 * SoundMixer::kLoudest *
+         std::clamp((force_N - kSilent_N) / (kLoud_N - kSilent_N), 0.0, 1.0);
+}
+
+}  // namespace
+
+double SoundMixer::Voice::next(double wanted) noexcept {
+  loudness += (wanted - loudness) / (smoothing_s * kRate_Hz);
+  phase += pitch_Hz / kRate_Hz;
+  phase -= std::floor(phase);
+  return loudness * std::sin(2.0 * std::numbers::pi * phase);
+}
+
+void SoundMixer::fill(std::span<float> samples, const SoundCue& cue) noexcept {
+  age_ = cue.tick == tick_ ? age_ + samples.size() : 0;
+  tick_ = cue.tick;
+  const ForceParts heard = age_ > kStale ? ForceParts{} : cue.felt;
+  const double press = loudness(heard.press_N);
+  const double blow = loudness(heard.blow_N);
+  for (float& sample : samples) sample = static_cast<float>(press_.next(press) + blow_.next(blow));
+}
+
+}  // namespace hapticast::client
