@@ -51,11 +51,11 @@ class BandSegmenter final : public Segmenter {
   void adoptTaught(const FrameImages& images, const std::vector<TaughtMask>& masks);
   void hear(const AuthorWord& word, const FramePair& frames);
   void hearPoint(const cv::Point& point, const AuthorWord& word, const FramePair& frames);
-  void place(int number, const cv::Mat& mask, const FrameImages& images);
+  void place(int number, const cv::Mat& mask, const FrameImages& images, bool given);
   BandObject* meantBy(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void teach(BandObject& object, const FramePair& frames, bool given);
-  void teachBack(BandObject object, const FramePair& frames, std::uint64_t until, bool given);
+  void teachBack(BandObject object, const FramePair& frames, std::uint64_t until);
 
   struct Past {
     std::uint64_t index;

@@ -87,22 +87,22 @@ void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<Tau
     const BandObject* object = numbered(objects_, taught.number);
     const bool as_taught = object != nullptr && object->present() && !taught.given &&
                            overlapOf(object->mask(), mask) >= kAsTaught;
-    if (!as_taught) place(taught.number, mask, images);
+    if (!as_taught) place(taught.number, mask, images, taught.given);
   }
 }
 
 // The object of this number is where `mask` says; it may be lost, or not yet begun.
-void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& images) {
+void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& images, bool given) {
   BandObject* object = numbered(objects_, number);
   if (object == nullptr) {
     BandObject begun(next_id_++, mask, images, scene_, 0);
     begun.setNumber(number);
-    begun.knowItself(images, scene_);
+    begun.adopt(mask, images, scene_, given);
     objects_.push_back(std::move(begun));
     return;
   }
   if (!object->present()) object->rename(next_id_++);
-  object->adopt(mask, images, scene_, false);
+  object->adopt(mask, images, scene_, given);
 }
 
 void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
@@ -128,10 +128,8 @@ void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
     if (known != nullptr && known->present() && overlapOf(known->mask(), mask) < kAnother)
       spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
                    frames.index, number);
-    place(number, mask, images);
-    BandObject& object = *numbered(objects_, number);
-    object.adopt(mask, images, scene_, true);
-    teach(object, frames, true);
+    place(number, mask, images, true);
+    teach(*numbered(objects_, number), frames, true);
   }
 }
 
@@ -164,10 +162,8 @@ void BandSegmenter::hearPoint(const cv::Point& point, const AuthorWord& word,
   }
   int number = object != nullptr ? object->number() : 1;
   while (object == nullptr && numbered(objects_, number) != nullptr) ++number;
-  place(number, start.object->mask(), images);
-  object = numbered(objects_, number);
-  object->knowItself(images, scene_);
-  teach(*object, frames, false);
+  place(number, start.object->mask(), images, false);
+  teach(*numbered(objects_, number), frames, false);
 }
 
 // The frames before this one, while a later word may teach something about them.
@@ -193,19 +189,15 @@ void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool give
     return;
   }
   const auto last = last_word_.find(object.number());
-  const bool from_start =
-      last == last_word_.end() && object.number() <= int(script_.atStart().on.size());
   std::uint64_t until = 0;
   if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
-  if (from_start) until = frames.index / 2 + 1;
   last_word_[object.number()] = frames.index;
   lessons_->masks[frames.index].push_back(taughtOf(object, given));
-  teachBack(object, frames, until, given);
+  teachBack(object, frames, until);
 }
 
 // What is only carried on, and not seen again, is not taught: it may be hidden there.
-void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until,
-                              bool given) {
+void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until) {
   BandScene scene = scene_;
   const FrameImages* later = &frames.now;
   std::vector<std::pair<std::uint64_t, TaughtMask>> carried;
@@ -219,8 +211,8 @@ void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::u
     const auto before = past->masks.find(object.number());
     if (before != past->masks.end()) {
       if (overlapOf(before->second, object.mask()) >= kAsTaught) return;  // the same from here on
-      if (!given && object.likeness(past->images, scene, object.mask()) <
-                        object.likeness(past->images, scene, before->second))
+      if (object.likeness(past->images, scene, object.mask()) <
+          object.likeness(past->images, scene, before->second))
         continue;
     }
     carried.emplace_back(past->index, taughtOf(object, false));

@@ -33,6 +33,9 @@ constexpr double kLessLike = 0.8;         // of its resemblance to itself: what 
 constexpr double kMostUnlike = 1.2;       // ... and what is not it any more
 constexpr double kMostAgain = 1.6;        // of its usual area
 constexpr double kSurelyLikeSkin = 0.05;  // where the author says that there is no hand in it
+// Measured: what was left had .55 to .59 of its colours where it was another thing, else .71 or
+// more.
+constexpr double kOfOtherColors = 0.65;
 constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
 
 // The colours of the picture without an object, of every second pixel and row.
@@ -117,7 +120,7 @@ void BandObject::seenWell(const Patch& patch) {
 
 ObjectLimits BandObject::limits(const BandScene& scene) const {
   return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
-          like_skin_ ? nullptr : &scene.skin};
+          like_skin_ ? nullptr : &scene.skin, own_.empty() ? nullptr : &own_};
 }
 
 // Whether what was decided is to be believed.
@@ -221,6 +224,10 @@ void BandObject::correct(const FrameImages& images, const BandScene& scene,
   memory_.avoided = scene.avoided.histogram;
   const cv::Mat mask = corrected(scene.view(images), mask_, word);
   if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
+  // What is left of another thing, without the part pointed at, is not it either.
+  if (word.on.empty() &&
+      overlapOf(ColorHistogram::of(images.color, mask), memory_.first) < kOfOtherColors)
+    return lose();
   adopt(mask, images, scene, false);
 }
 
@@ -228,15 +235,18 @@ void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const Ban
                        bool given) {
   const Patch patch = patchAround(images, mask);
   if (patch.empty()) return;
+  const cv::Mat added = mask & ~mask_;
+  if (present() && cv::countNonZero(added) >= kSmallestObject_px)
+    own_.raise(ColorHistogram::of(images.color, added), 1.0);
   mask_ = whole_ = mask;
   lost_ = 0;
   since_look_ = 0;
-  memory_.avoided = scene.avoided.histogram;
-  memory_.evidence.release();
-  if (given) learnSkin(patch, scene, kSurelyLikeSkin);
+  forgetColors(scene);
+  learnSkin(patch, scene, given ? kSurelyLikeSkin : kLikeSkin);
   seenWell(patch);
   learn(patch, mask(patch.box), memory_);
-  if (given) knowItself(images, scene);
+  memory_.elsewhere = elsewhere(images, mask_);
+  knowItself(images, scene);
 }
 
 void BandObject::yieldTo(const BandObject& other) {
@@ -259,7 +269,7 @@ void BandObject::lose() {
 std::optional<BandObject> BandObject::search(const FrameImages& images, const BandScene& scene) {
   if (lost_++ % kSearchEvery != 0) return std::nullopt;
   const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
-                              like_skin_ ? nullptr : &scene.skin};
+                              like_skin_ ? nullptr : &scene.skin, nullptr};
   const KnownObject known{memory_, anywhere, usual_px_, {}};
   const FrameView view = scene.view(images);
   const cv::Mat found = lookedFor(view, known);

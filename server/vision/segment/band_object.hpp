@@ -46,8 +46,8 @@ class BandObject {
   /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
   /// nothing is left.
   void correct(const FrameImages& images, const BandScene& scene, const AuthorWord& word);
-  /// From now on it is where the author's word says; a mask that was `given` has no hand in it,
-  /// and it learns from it how much it looks like itself.
+  /// From now on it is where the author's word says, and looks as it does there: its colours are
+  /// learnt anew. A mask that was `given` has no hand in it.
   void adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene, bool given);
   /// The mask in the next frame, moved by `flow`, its band decided anew.
   void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
@@ -101,6 +101,7 @@ class BandObject {
   int since_look_ = 0;     // frames
   double likeness_ = 0.0;  // resemblance to itself at the start
   DepthSpan depth_;
+  ColorHistogram own_;  // of what the author added to it: no hand, although it may look like one
   bool like_skin_ = false;  // its colours are like those of hands
 };
 

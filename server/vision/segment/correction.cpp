@@ -16,6 +16,7 @@ namespace {
 // Tuned on drawn scenes of things in hands, unless marked.
 constexpr double kCorrected_px = 20000.0;  // chosen for time
 constexpr double kSays_mm = 30.0;          // so far a point says more than its colours
+constexpr double kMeant_mm = 100.0;        // so far what is joined to a point is meant by it
 constexpr double kStays = 1.0;             // of what is farther
 constexpr double kPlace = 1.5;             // of what is nearer
 constexpr double kFarColor = 0.5;
@@ -28,6 +29,7 @@ struct Correction {
   SmallView view;
   cv::Mat old;                // 255
   cv::Mat said_on;            // 255: discs
+  cv::Mat joined_on;          // 255: the discs and what is joined to them in colour and depth
   cv::Mat joined_off;         // 255: the discs and what is joined to them
   cv::Mat said_off;           // 255
   cv::Mat near_on, near_off;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
@@ -53,6 +55,23 @@ cv::Mat nearnessTo(const cv::Mat& said, double reach_px) {
   return cv::max(1.0 - distance / reach_px, 0.0);
 }
 
+// What is joined to a point of the object: of its colours, near in space, on no plane.
+cv::Mat meantAt(const SmallView& view, const cv::Point& at, double px_per_mm) {
+  const int radius = discRadius(view);
+  cv::Mat out = joinedTo(view, at, radius);
+  const auto depth_mm = double(view.depth.at<float>(at));
+  cv::Mat off = view.plane.clone();
+  if (depth_mm > 0) off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > kMeant_mm);
+  out.setTo(0, off);
+  cv::Mat within = cv::Mat::zeros(out.size(), CV_8UC1);
+  cv::circle(within, at, std::max(radius, int(kMeant_mm * px_per_mm)), cv::Scalar(255), cv::FILLED);
+  out &= within;
+  cv::circle(out, at, radius, cv::Scalar(255), cv::FILLED);
+  cv::Mat labels;
+  cv::connectedComponents(out, labels, 4, CV_32S);
+  return labels == labels.at<int>(at);
+}
+
 Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const AuthorWord& word) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
@@ -71,8 +90,14 @@ Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const Autho
       out.joined_off |= joinedTo(out.view, out.view.placeOf(point), discRadius(out.view));
   }
   const double depth_mm = medianDepth(out.view.depth, out.old, 1);
-  const double reach_px = kSays_mm * pixelsPerMm(depth_mm, picture) * out.view.shrink;
-  out.near_on = nearnessTo(out.said_on, std::max(reach_px, 3.0));
+  const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
+  const double reach_px = kSays_mm * px_per_mm;
+  out.joined_on = out.said_on.clone();
+  for (const cv::Point& point : word.on) {
+    if (out.view.box.contains(point))
+      out.joined_on |= meantAt(out.view, out.view.placeOf(point), px_per_mm);
+  }
+  out.near_on = nearnessTo(out.joined_on, std::max(reach_px, 3.0));
   out.near_off = nearnessTo(out.said_off, std::max(reach_px, 3.0));
   return out;
 }
@@ -88,10 +113,12 @@ cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) 
 }
 
 cv::Mat evidenceOf(const Correction& c) {
-  const cv::Mat object = (c.old & ~c.joined_off) | c.said_on;
+  const cv::Mat object = (c.old & ~c.joined_off) | c.joined_on;
   const cv::Mat around = (c.old == 0) & (c.near_on <= 0.0F);
   const cv::Mat not_color = rather(c.view.lab, object, c.said_off);
-  const cv::Mat own_color = rather(c.view.lab, object, around);
+  cv::Mat own_color = rather(c.view.lab, object, around);
+  if (cv::countNonZero(c.joined_on) > 0)
+    own_color = cv::max(own_color, rather(c.view.lab, c.joined_on, around));
   cv::Mat out(c.old.size(), CV_32FC1);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {

@@ -13,6 +13,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
+constexpr float kOwnColor = 0.002F;        // chosen, of a histogram: a colour that is seen there
 constexpr double kMostPast = 0.5;          // chosen, of the object
 
 // The box that `from` moves into.
@@ -61,12 +62,26 @@ void findDistance(Patch& patch) {
   }
 }
 
+// Where a hand's colours are seen that are not the object's own.
+cv::Mat handIn(const cv::Mat& color, const ObjectLimits& limits) {
+  cv::Mat out = limits.hand->in(color);
+  if (limits.own == nullptr) return out;
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* from = color.ptr<cv::Vec3b>(v);
+    auto* to = out.ptr<unsigned char>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if ((*limits.own)[ColorHistogram::binOf(from[u])] > kOwnColor) to[u] = 0;
+    }
+  }
+  return out;
+}
+
 void findHidden(Patch& patch, const ObjectLimits& limits) {
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
   if (limits.nearest_mm > 0 || limits.hand != nullptr) {
     patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
     cv::morphologyEx(patch.nearer, patch.nearer, cv::MORPH_OPEN, square);
-    if (limits.hand != nullptr) patch.nearer |= limits.hand->in(patch.color);
+    if (limits.hand != nullptr) patch.nearer |= handIn(patch.color, limits);
     patch.hidden = patch.nearer & patch.inside;
     if (cv::countNonZero(patch.hidden) > 0) patch.inside.setTo(0, patch.hidden);
   }

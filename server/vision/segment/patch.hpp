@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/vision/base/frame_images.hpp"
+#include "server/vision/segment/color.hpp"
 #include "server/vision/segment/planes.hpp"
 #include "server/vision/segment/skin.hpp"
 
@@ -42,6 +43,8 @@ struct ObjectLimits {
   double nearest_mm = 0.0;           ///< 0: not known
   double farthest_mm = 0.0;          ///< 0: not known
   const SkinColors* hand = nullptr;  ///< null: the object's own colours are like those
+  /// Colours that are the object's own, although they may be a hand's; null: none are known.
+  const ColorHistogram* own = nullptr;
 };
 /// The patch around `mask` (of the last picture, 0 / 255) moved by `similarity` (last px -> this
 /// px).
