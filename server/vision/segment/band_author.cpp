@@ -193,11 +193,12 @@ void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool give
   if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
   last_word_[object.number()] = frames.index;
   lessons_->masks[frames.index].push_back(taughtOf(object, given));
-  teachBack(object, frames, until);
+  teachBack(object, frames, until, given);
 }
 
 // What is only carried on, and not seen again, is not taught: it may be hidden there.
-void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until) {
+void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until,
+                              bool given) {
   BandScene scene = scene_;
   const FrameImages* later = &frames.now;
   std::vector<std::pair<std::uint64_t, TaughtMask>> carried;
@@ -211,8 +212,8 @@ void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::u
     const auto before = past->masks.find(object.number());
     if (before != past->masks.end()) {
       if (overlapOf(before->second, object.mask()) >= kAsTaught) return;  // the same from here on
-      if (object.likeness(past->images, scene, object.mask()) <
-          object.likeness(past->images, scene, before->second))
+      if (!given && object.likeness(past->images, scene, object.mask()) <
+                        object.likeness(past->images, scene, before->second))
         continue;
     }
     carried.emplace_back(past->index, taughtOf(object, false));
