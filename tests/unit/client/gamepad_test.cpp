@@ -62,7 +62,7 @@ class GamepadTest : public ::testing::Test {
     report.force_N = report.static_force_N = {0.0, 0.0, force_N};
     seen.store(report);
     clock.advance(kTickPeriod);
-    const DeviceState state = device->exchange({0.0, 0.0, force_N});
+    DeviceState state = device->exchange({0.0, 0.0, force_N});
     fastest_mm_s = std::max(fastest_mm_s, (state.position_mm - last_mm_).norm() / kTick_s);
     last_mm_ = state.position_mm;
     return state;
