@@ -2,6 +2,7 @@
 #include "common/text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -29,6 +30,36 @@ std::string_view unquoted(std::string_view text) {
   return in_quotes ? text.substr(1, text.size() - 2) : text;
 }
 
+/// A character at the front of a text; none of UTF-8: one byte of code kNone.
+struct Character {
+  std::uint32_t code;
+  std::size_t bytes;
+};
+constexpr std::uint32_t kNone = UINT32_MAX;
+
+Character frontOf(std::string_view text) {
+  const auto byte = [text](std::size_t i) -> std::uint32_t {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+  };
+  if (byte(0) < 0x80) return {byte(0), 1};
+  // Of 2, 3 and 4 bytes: the first one's mark, and the least code that needs so many.
+  constexpr std::array<std::array<std::uint32_t, 3>, 3> kForms{
+      {{0xE0, 0xC0, 0x80}, {0xF0, 0xE0, 0x800}, {0xF8, 0xF0, 0x10000}}};
+  for (std::size_t more = 1; more <= kForms.size(); ++more) {
+    const auto& [mask, mark, least] = kForms[more - 1];
+    if ((byte(0) & mask) != mark) continue;
+    std::uint32_t code = byte(0) & ~mask & 0xFF;
+    for (std::size_t i = 1; i <= more; ++i) {
+      if ((byte(i) & 0xC0) != 0x80) return {kNone, 1};
+      code = code << 6 | (byte(i) & 0x3F);
+    }
+    const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
+    if (code < least || code > 0x10FFFF || surrogate) return {kNone, 1};
+    return {code, more + 1};
+  }
+  return {kNone, 1};
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -40,6 +71,20 @@ std::string_view trimmed(std::string_view text) {
 std::string inQuotes(std::string_view text) {
   return "'" + std::string(text.substr(0, kMostQuoted_bytes)) +
          (text.size() > kMostQuoted_bytes ? "...'" : "'");
+}
+
+std::string cleaned(std::string_view text, std::size_t most_bytes,
+                    bool (*is_shown)(std::uint32_t code)) {
+  std::string out;
+  while (!text.empty()) {
+    const Character next = frontOf(text);
+    const bool shown = next.code != kNone && is_shown(next.code);
+    const std::string_view put = shown ? text.substr(0, next.bytes) : "?";
+    if (out.size() + put.size() > most_bytes) break;
+    out.append(put);
+    text.remove_prefix(next.bytes);
+  }
+  return out;
 }
 
 std::string join(const std::vector<std::string>& words, std::string_view separator) {

@@ -3,6 +3,8 @@
 // profiles). Limits first, typed errors. Thread: any, not the loop's (allocates).
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <istream>
 #include <optional>
 #include <string>
@@ -22,6 +24,10 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 [[nodiscard]] std::string inQuotes(std::string_view text);
 /// "a, b, c" with the separator ", ".
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
+/// `text` with '?' for each byte that is no UTF-8 and each character that `is_shown` refuses by its
+/// code; cut to `most_bytes` between two characters.
+[[nodiscard]] std::string cleaned(std::string_view text, std::size_t most_bytes,
+                                  bool (*is_shown)(std::uint32_t code));
 /// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 

@@ -2,8 +2,7 @@
 // Domain structs -> protobuf bytes (the other direction: decode.cpp).
 #include "common/wire/messages.hpp"
 
-#include <google/protobuf/stubs/common.h>
-
+#include "common/text.hpp"
 #include "common/wire/limits.hpp"
 #include "common/wire/write_frame.hpp"
 #include "hapticast.pb.h"
@@ -12,33 +11,21 @@ namespace hapticast {
 
 namespace {
 
-/// At most `limit` bytes of valid UTF-8 without control characters; what is not becomes '?'.
-std::string printable(const std::string& text, std::size_t limit) {
-  std::string clean;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-    const std::string character = text.substr(i, length);
-    const bool control = lead < 0x20 || lead == 0x7F;
-    const bool valid = google::protobuf::internal::IsStructurallyValidUTF8(character);
-    const std::string& put = valid && !control ? character : "?";
-    if (clean.size() + put.size() > limit) break;
-    clean += put;
-    i += valid ? character.size() : 1;
-  }
-  return clean;
+/// At most `limit` bytes of valid UTF-8 without control characters (C0, DEL).
+std::string plain(const std::string& text, std::size_t limit) {
+  return cleaned(text, limit, [](std::uint32_t code) { return code >= 0x20 && code != 0x7F; });
 }
 
 void write(const Hello& from, proto::Message& message) {
   auto& to = *message.mutable_hello();
   to.set_protocol_version(from.protocol_version);
-  to.set_client_name(printable(from.client_name, limits::kClientName));
+  to.set_client_name(plain(from.client_name, limits::kClientName));
   to.set_wants_video(from.wants_video);
   to.set_wants_frames_on_tcp(from.wants_frames_on_tcp);
 }
 
 void write(const StreamDescription& from, proto::StreamDescription& to) {
-  to.set_name(printable(from.name, limits::kStreamName));
+  to.set_name(plain(from.name, limits::kStreamName));
   to.set_width_px(static_cast<std::uint32_t>(from.workspace.width_px));
   to.set_height_px(static_cast<std::uint32_t>(from.workspace.height_px));
   to.set_fps(from.fps);
@@ -114,7 +101,7 @@ void write(const ReceiverReport& from, proto::Message& message) {
 
 void write(const WireError& from, proto::Message& message) {
   message.mutable_error()->set_code(static_cast<std::uint32_t>(from.code));
-  message.mutable_error()->set_message(printable(from.message, limits::kErrorText));
+  message.mutable_error()->set_message(plain(from.message, limits::kErrorText));
 }
 
 void write(const Preparing& from, proto::Message& message) {
