@@ -72,20 +72,14 @@ void addServer(CLI::App& app, Settings& settings) {
       settings.announced = serviceName("server", text.substr(kAnnounced.size()));
       return;
     }
-    const auto endpoint = parseEndpoint(text, otherwise);
-    if (!endpoint || endpoint->port == 0) {
-      throw CLI::ValidationError("server", inQuotes(text) +
-                                               " is not HOST[:PORT], PORT, [V6ADDRESS]:PORT or "
-                                               "mdns:NAME (port 1..65535)");
-    }
-    settings.server = *endpoint;
+    settings.server = endpointOf(text, otherwise, "server", 1,
+                                 "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
   };
   app.add_option_function<std::string>(
          "server", set,
          "Where hapticast-server listens, or mdns:NAME: the one that is announced by NAME. "
-         "Default: "
-         "localhost:7447; where none is there, those that are announced on the LAN are shown, to "
-         "be chosen on a terminal. One that is not there is waited for")
+         "Default: localhost:7447; where none is there, those that are announced on the LAN are "
+         "shown, to be chosen on a terminal. One that is not there is waited for")
       ->type_name("HOST[:PORT]|mdns:NAME");
   app.add_flag("--list", settings.list_servers,
                "Say which servers are announced on the LAN, and end: with exit code 0, or 1 where "

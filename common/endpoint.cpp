@@ -57,9 +57,11 @@ std::optional<Endpoint> parseEndpoint(std::string_view text, const Endpoint& oth
   return endpoint;
 }
 
+bool isV6(const Endpoint& endpoint) { return endpoint.host.find(':') != std::string::npos; }
+
 std::string toString(const Endpoint& endpoint) {
-  const bool v6 = endpoint.host.find(':') != std::string::npos;
-  return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
+  return (isV6(endpoint) ? "[" + endpoint.host + "]" : endpoint.host) + ":" +
+         std::to_string(endpoint.port);
 }
 
 }  // namespace hapticast

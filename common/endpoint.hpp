@@ -21,6 +21,8 @@ struct Endpoint {
 /// it is none of them. What is not said is taken from `otherwise`.
 [[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text,
                                                     const Endpoint& otherwise);
+/// Whether the host is a numeric address of IPv6.
+[[nodiscard]] bool isV6(const Endpoint& endpoint);
 /// HOST:PORT or [V6ADDRESS]:PORT, which parseEndpoint() reads back.
 [[nodiscard]] std::string toString(const Endpoint& endpoint);
 

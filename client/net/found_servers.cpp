@@ -12,8 +12,6 @@ namespace hapticast::client {
 
 namespace {
 
-bool isV6(const FoundServer& server) { return server.address.host.find(':') != std::string::npos; }
-
 auto identity(const FoundServer& server) {
   return std::tie(server.name, server.host, server.address.port);
 }
@@ -43,8 +41,9 @@ std::string inOneLine(std::size_t number, const FoundServer& server) {
 
 std::vector<FoundServer> eachOnce(std::vector<FoundServer> found) {
   const auto order = [](const FoundServer& server) {
-    return std::tuple_cat(identity(server), std::make_tuple(isV6(server), server.interface_name,
-                                                            server.address.host));
+    return std::tuple_cat(
+        identity(server),
+        std::make_tuple(isV6(server.address), server.interface_name, server.address.host));
   };
   std::sort(found.begin(), found.end(),
             [&](const auto& a, const auto& b) { return order(a) < order(b); });

@@ -19,16 +19,19 @@ std::optional<Vec2> parsePair(const std::string& text) {
   return Vec2(*first, *second);
 }
 
+Endpoint endpointOf(const std::string& text, const Endpoint& otherwise, const std::string& name,
+                    std::uint16_t least_port, const std::string& form) {
+  const auto endpoint = parseEndpoint(text, otherwise);
+  if (endpoint && endpoint->port >= least_port) return *endpoint;
+  throw CLI::ValidationError(name, inQuotes(text) + " is not " + form + " (port " +
+                                       std::to_string(least_port) + "..65535)");
+}
+
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help) {
   const auto set = [&value, otherwise = value, name, least_port, form](const std::string& text) {
-    const auto endpoint = parseEndpoint(text, otherwise);
-    if (!endpoint || endpoint->port < least_port) {
-      throw CLI::ValidationError(name, inQuotes(text) + " is not " + form + " (port " +
-                                           std::to_string(least_port) + "..65535)");
-    }
-    value = *endpoint;
+    value = endpointOf(text, otherwise, name, least_port, form);
   };
   return app.add_option_function<std::string>(name, set, help)
       ->type_name(form.substr(0, form.find_first_of(" ,")));

@@ -20,6 +20,12 @@ namespace hapticast {
 /// Two finite numbers "A,B"; nullopt otherwise.
 std::optional<Vec2> parsePair(const std::string& text);
 
+/// The endpoint that `text` names, as parseEndpoint() has it; throws CLI::ValidationError, which
+/// names the flag `name` and the `form`, where it is none or its port is below `least_port`.
+[[nodiscard]] Endpoint endpointOf(const std::string& text, const Endpoint& otherwise,
+                                  const std::string& name, std::uint16_t least_port,
+                                  const std::string& form);
+
 /// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
 /// px".
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
