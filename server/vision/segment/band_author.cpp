@@ -95,13 +95,11 @@ void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<Tau
 void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& images, bool given) {
   BandObject* object = numbered(objects_, number);
   if (object == nullptr) {
-    BandObject begun(next_id_++, mask, images, scene_, 0);
-    begun.setNumber(number);
-    begun.adopt(mask, images, scene_, given);
-    objects_.push_back(std::move(begun));
-    return;
+    object = &objects_.emplace_back(next_id_++, mask, images, scene_, 0);
+    object->setNumber(number);
+  } else if (!object->present()) {
+    object->rename(next_id_++);
   }
-  if (!object->present()) object->rename(next_id_++);
   object->adopt(mask, images, scene_, given);
 }
 

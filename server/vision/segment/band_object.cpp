@@ -94,18 +94,18 @@ void BandObject::settle(const FrameImages& images, const BandScene& scene, int m
     mask_ = wholePicture(mask, patch, images);
     if (changed < kSettled * area) break;
   }
-  const Patch patch = patchAround(images, mask_);
+  learnLooks(patchAround(images, mask_), images, scene, kLikeSkin);
+}
+
+void BandObject::learnLooks(const Patch& patch, const FrameImages& images, const BandScene& scene,
+                            double most_skin) {
   forgetColors(scene);
   learn(patch, mask_(patch.box), memory_);
   memory_.elsewhere = elsewhere(images, mask_);
-  learnSkin(patch, scene, kLikeSkin);
+  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
+  like_skin_ = cv::countNonZero(skin) > most_skin * cv::countNonZero(patch.inside);
   whole_ = mask_;
   seenWell(patch);
-}
-
-void BandObject::learnSkin(const Patch& patch, const BandScene& scene, double most) {
-  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
-  like_skin_ = cv::countNonZero(skin) > most * cv::countNonZero(patch.inside);
 }
 
 void BandObject::seenWell(const Patch& patch) {
@@ -238,14 +238,10 @@ void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const Ban
   const cv::Mat added = mask & ~mask_;
   if (present() && cv::countNonZero(added) >= kSmallestObject_px)
     own_.raise(ColorHistogram::of(images.color, added), 1.0);
-  mask_ = whole_ = mask;
+  mask_ = mask;
   lost_ = 0;
   since_look_ = 0;
-  forgetColors(scene);
-  learnSkin(patch, scene, given ? kSurelyLikeSkin : kLikeSkin);
-  seenWell(patch);
-  learn(patch, mask(patch.box), memory_);
-  memory_.elsewhere = elsewhere(images, mask_);
+  learnLooks(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
   knowItself(images, scene);
 }
 
@@ -269,7 +265,7 @@ void BandObject::lose() {
 std::optional<BandObject> BandObject::search(const FrameImages& images, const BandScene& scene) {
   if (lost_++ % kSearchEvery != 0) return std::nullopt;
   const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
-                              like_skin_ ? nullptr : &scene.skin, nullptr};
+                              like_skin_ ? nullptr : &scene.skin};
   const KnownObject known{memory_, anywhere, usual_px_, {}};
   const FrameView view = scene.view(images);
   const cv::Mat found = lookedFor(view, known);

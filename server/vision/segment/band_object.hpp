@@ -79,7 +79,8 @@ class BandObject {
   BandObject() = default;
   void forgetColors(const BandScene& scene);
   void settle(const FrameImages& images, const BandScene& scene, int most_rounds);
-  void learnSkin(const Patch& patch, const BandScene& scene, double most);
+  void learnLooks(const Patch& patch, const FrameImages& images, const BandScene& scene,
+                  double most_skin);
   void seenWell(const Patch& patch);
   [[nodiscard]] ObjectLimits limits(const BandScene& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
