@@ -2,7 +2,8 @@
 // A gamepad as a person uses it, on SDL's own made-up pad: a real server streams a ball, the sticks
 // lead the tip to it, its motors tell of the touch. And what the programs say of a pad or a sound
 // device that is not there, and what of a touch is heard.
-#include <cstdlib>
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,7 +16,6 @@
 namespace hapticast::testing {
 namespace {
 
-using client::Halt;
 using client::TickReport;
 
 /// Somebody with a pad in the hands, who does a step as soon as what it waits for has come.
@@ -119,7 +119,7 @@ TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack
              }},
             {"a lost device",
              [](const TickReport& r) {
-               return r.halt == Halt::kDeviceLost && r.force_N == Vec3(Vec3::Zero());
+               return r.halt == client::Halt::kDeviceLost && r.force_N == Vec3(Vec3::Zero());
              },
              [this](const TickReport&) {
                pad.motors = {};
@@ -132,7 +132,8 @@ TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack
              }},
             {"a force again, once the tip has left and come back",
              [this](const TickReport& r) {
-               if (r.halt == Halt::kNone) forward(r.contact && pad.motors.low == 0 ? -0.8 : 0.8);
+               if (r.halt == client::Halt::kNone)
+                 forward(r.contact && pad.motors.low == 0 ? -0.8 : 0.8);
                return r.contact && pad.motors.low > 20000;
              },
              [](const TickReport&) {}}},
