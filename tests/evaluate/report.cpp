@@ -9,16 +9,13 @@
 #include <map>
 #include <stdexcept>
 
+#include "tests/evaluate/report_check.hpp"
+#include "tests/evaluate/report_csv.hpp"
 #include "tests/evaluate/report_plot.hpp"
 
 namespace hapticast::evaluate {
 
 namespace {
-
-// A field of a CSV line; none of ours has quotes in it.
-std::string quoted(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : '"' + text + '"';
-}
 
 constexpr double kNothing = 1e-9;  // rounding
 
@@ -26,6 +23,18 @@ std::ofstream opened(const std::filesystem::path& path) {
   std::ofstream file(path);
   if (!file) throw std::runtime_error("--out: cannot write " + path.string());
   return file;
+}
+
+std::vector<Row> readBaseline(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) {
+    throw CheckFailed("--check: there is no baseline " + file.string() +
+                      " (--baseline names its folder)");
+  }
+  try {
+    return readRows(file);
+  } catch (const std::runtime_error& error) {
+    throw CheckFailed(std::string("--check: ") + error.what());
+  }
 }
 
 }  // namespace
@@ -61,6 +70,7 @@ Report::Report(std::string topic, Options options)
     throw std::runtime_error("--out " + options_.out.string() +
                              ": cannot be made: " + error.message());
   }
+  if (options_.check) baseline_ = readBaseline(options_.baseline / (topic_ + ".csv"));
 }
 
 void Report::add(Row row) {
@@ -79,6 +89,10 @@ void Report::add(const Goal& goal) {
   goals_.push_back(goal);
 }
 
+void Report::require(const std::string& what, bool held) {
+  claims_.push_back({what, "missed", 0.0, 0.0, held ? 0.0 : 1.0});
+}
+
 void Report::sayFirst(const std::string& text) { words_.insert(words_.begin(), text); }
 
 void Report::show(const std::string& file, const std::string& caption) {
@@ -87,20 +101,50 @@ void Report::show(const std::string& file, const std::string& caption) {
 }
 
 void Report::write() const {
-  writeCsv();
+  writeRows(options_.out / (topic_ + ".csv"), rowsAndGoals());
   writeMarkdown();
   if (!own_pictures_) plotRows(topic_, options_.out, rows_, of_ticks_);
-  const std::string missed = missedGoals();
-  if (options_.check && !missed.empty()) throw std::runtime_error(topic_ + ": missed" + missed);
+  if (!options_.check) return;
+  const std::string failures = missedGoals() + worseFigures();
+  if (!failures.empty()) throw CheckFailed(topic_ + ": --check failed" + failures);
+}
+
+// A part's goals stand for other scenes than the whole run's: they are checked, but not compared.
+std::vector<Row> Report::rowsAndGoals() const {
+  std::vector<Row> all = rows_;
+  if (!options_.only.empty()) return all;
+  for (const Goal& goal : allGoals()) all.push_back(makeRow(goal));
+  return all;
+}
+
+std::vector<Goal> Report::allGoals() const {
+  std::vector<Goal> all = goals_;
+  all.insert(all.end(), claims_.begin(), claims_.end());
+  return all;
 }
 
 std::string Report::missedGoals() const {
   std::string out;
-  for (const Goal& goal : goals_) {
-    if (!goal.met())
-      out += "\n  " + goal.what + ": " + number(goal.got) + ' ' + goal.unit + ", required " +
-             number(goal.required);
+  for (const Goal& goal : allGoals()) {
+    if (goal.met()) continue;
+    const std::string line = topic_ + "; " + goal.what + ": got " + number(goal.got) + ' ' +
+                             goal.unit + ", required " + number(goal.required);
+    if (wasMissed(goal, baseline_)) {
+      std::fprintf(stderr, "note: %s, missed in the baseline, too\n", line.c_str());
+    } else {
+      out += "\n  " + line;
+    }
   }
+  return out;
+}
+
+std::string Report::worseFigures() const {
+  const Comparison found =
+      compareRows({topic_, options_.only.empty(), absent_}, rowsAndGoals(), baseline_);
+  for (const std::string& remark : found.remarks)
+    std::fprintf(stderr, "note: %s\n", remark.c_str());
+  std::string out;
+  for (const std::string& failure : found.failures) out += "\n  " + failure;
   return out;
 }
 
@@ -116,16 +160,6 @@ void Report::writeGoals(std::ostream& file) const {
          << verdict << " | " << goal.unit << " |\n";
   }
   file << '\n';
-}
-
-void Report::writeCsv() const {
-  std::ofstream file = opened(options_.out / (topic_ + ".csv"));
-  file << "scene,stage,variant,error,unit,time_us,is_default,is_thesis\n";
-  for (const Row& row : rows_) {
-    file << quoted(row.scene) << ',' << quoted(row.stage) << ',' << quoted(row.variant) << ','
-         << number(row.error) << ',' << row.unit << ',' << number(row.time_us) << ','
-         << row.is_default << ',' << row.is_thesis << '\n';
-  }
 }
 
 void Report::writeMarkdown() const {

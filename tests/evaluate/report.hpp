@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,8 @@ struct Goal {
 struct Options {
   std::filesystem::path out = "evaluate";
   bool quick = false;
-  bool check = false;     ///< a missed requirement is an error
+  bool check = false;  ///< a missed requirement or a figure worse than its baseline is an error
+  std::filesystem::path baseline;  ///< folder of the baselines TOPIC.csv that `check` reads
   std::string only;       ///< of the scenes of `motion` or the parts of `network`, `stability` and
                           ///< `vision`, the one of this name; empty: all
   std::uint64_t set = 1;  ///< which draw of the held scenes of `vision`
@@ -52,6 +54,8 @@ struct Options {
 
 class Report {
  public:
+  /// Makes the folder `out`. Throws std::runtime_error where it cannot be made, and, if figures are
+  /// to be checked, CheckFailed where the baseline is missing or cannot be read.
   Report(std::string topic, Options options);
   /// Also says it on stderr, so that long work shows progress.
   void add(Row row);
@@ -59,6 +63,11 @@ class Report {
   void say(const std::string& text);
   /// A line of the table of requirements, and of what is checked.
   void add(const Goal& goal);
+  /// Adds a requirement that is no figure, for the check alone: a goal of 0, of which 1 is got
+  /// where it is not `held`.
+  void require(const std::string& what, bool held);
+  /// Says that the clip of this scene is not on this machine: its baseline is not asked for.
+  void leaveOut(const std::string& scene) { absent_.insert(scene); }
   /// Run times are of a tick of the client, not of a frame: told in us.
   void timesAreOfTicks() { of_ticks_ = true; }
   void sayFirst(const std::string& text);
@@ -66,22 +75,28 @@ class Report {
   /// against run time.
   void show(const std::string& file, const std::string& caption);
   /// Writes the files; plots with gnuplot where there is one, else says that there is none. Throws
-  /// std::runtime_error naming the file that cannot be written, or, if they are to be checked, the
-  /// requirements that were missed (after the files are written).
+  /// std::runtime_error naming the file that cannot be written. If figures are to be checked, then
+  /// throws CheckFailed with the requirements that were missed and the figures that got worse
+  /// (after the files are written).
   void write() const;
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
 
  private:
-  void writeCsv() const;
   void writeMarkdown() const;
   void writeGoals(std::ostream& file) const;
+  [[nodiscard]] std::vector<Row> rowsAndGoals() const;
+  [[nodiscard]] std::vector<Goal> allGoals() const;
   [[nodiscard]] std::string missedGoals() const;
+  [[nodiscard]] std::string worseFigures() const;
 
   std::string topic_;
   Options options_;
   std::vector<Row> rows_;
   std::vector<std::string> words_;
   std::vector<Goal> goals_;
+  std::vector<Goal> claims_;
+  std::vector<Row> baseline_;
+  std::set<std::string> absent_;
   bool of_ticks_ = false;
   bool own_pictures_ = false;
 };

@@ -245,22 +245,23 @@ std::vector<CodecShape> codecShapes(bool quick, Report& report) {
   };
   take(sensed(quick));
   const std::size_t count = quick ? 1 : 4;
-  const auto present = [&](const char* clip) {
-    const bool here = std::filesystem::exists(test::clipsFolder() / clip);
-    if (!here)
-      report.say("Real clip " + std::string(clip) + ": skipped, there is no " +
-                 (test::clipsFolder() / clip).string() + " (HAPTICAST_CLIPS names the folder).");
-    return here;
+  const auto present = [&](const char* clip, const std::string& shape) {
+    if (std::filesystem::exists(test::clipsFolder() / clip)) return true;
+    report.say("Real clip " + std::string(clip) + ": skipped, there is no " +
+               (test::clipsFolder() / clip).string() + " (HAPTICAST_CLIPS names the folder).");
+    report.leaveOut(shape);
+    report.leaveOut(shape + ", raw");
+    return false;
   };
   const std::filesystem::path small(HAPTICAST_SMALL_CLIP);
   for (const bool raw : {false, true})
     take({whole(raw ? "hands, raw" : "hands", small, {}, raw, count)});
-  if (present("dkvfx_typing_person")) {
+  if (present("dkvfx_typing_person", "whole person")) {
     const auto clip = test::clipsFolder() / "dkvfx_typing_person";
     take({whole("whole person", clip, {}, false, count),
           whole("whole person, raw", clip, {}, true, count)});
   }
-  if (present("tum_fr1_rpy")) {
+  if (present("tum_fr1_rpy", "desk region")) {
     const auto clip = test::clipsFolder() / "tum_fr1_rpy";
     const cv::Rect region(100, 60, 120, 110);
     take({whole("desk region", clip, region, false, count),
@@ -268,7 +269,7 @@ std::vector<CodecShape> codecShapes(bool quick, Report& report) {
   }
   if (quick) return out;
   for (const RealObject& object : kObjects) {
-    if (present(object.clip)) take(realObject(object, count));
+    if (present(object.clip, object.name)) take(realObject(object, count));
   }
   return out;
 }

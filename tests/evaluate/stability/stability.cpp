@@ -28,6 +28,10 @@ std::string Claims::table() const {
   return markdown(lines);
 }
 
+void Claims::requireIn(Report& report) const {
+  for (const Claim& c : claims_) report.require(c.claim, c.held);
+}
+
 Law bareLaw(double damping_Ns_m, double peak_N) {
   return [=](const client::SafetyInput& in) {
     client::SafetyOutput out;
@@ -70,6 +74,7 @@ void evaluateStability(const Options& options) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     std::fprintf(stderr, "-- %s: %.1f s\n", name, took.count());
   }
+  claims.requireIn(report);
   report.sayFirst(
       "The real chain, motion filters and virtual device under a virtual clock; every run begins "
       "with an impact. Units: N/mm, N·s/m, delays in ticks beyond the millisecond of hold, a count "

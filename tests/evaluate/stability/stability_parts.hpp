@@ -20,6 +20,8 @@ class Claims {
   void add(const std::string& claim, const std::string& required, const std::string& got,
            bool held);
   [[nodiscard]] std::string table() const;
+  /// Adds each claim to what the report's check requires.
+  void requireIn(Report& report) const;
 
  private:
   struct Claim {

@@ -98,6 +98,7 @@ void measureRealClips(const Options& options, Report& report) {
       report.say("Real object " + std::string(object.name) + ": skipped, there is no " +
                  (test::clipsFolder() / object.clip).string() +
                  " (HAPTICAST_CLIPS names the folder).");
+      report.leaveOut(object.name);
       continue;
     }
     const Result result = follow(object, options);
