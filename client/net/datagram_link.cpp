@@ -91,13 +91,14 @@ asio::awaitable<void> DatagramLink::watch() {
 const char* DatagramLink::flood(LocalTime now) {
   if (!path_) return nullptr;
   const DatagramCounts& counts = path_->counts();
+  if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
+  if (counts.over_budget - counted_.over_budget > kFlood)
+    return "more of them come than can be verified";
+  // Only what has been judged is forgotten.
   if (now - counted_at_ >= std::chrono::seconds(1)) {
     counted_at_ = now;
     counted_ = counts;
   }
-  if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
-  if (counts.over_budget - counted_.over_budget > kFlood)
-    return "more of them come than can be verified";
   return nullptr;
 }
 

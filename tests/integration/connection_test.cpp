@@ -51,13 +51,14 @@ TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
 }
 
 TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
-  TestServer server(io, clock);
+  const SteadyClock real;  // as the link's
+  TestServer server(io, real);
   StreamDescription quick = TestServer::description();
   quick.fps = 240;  // frames come as fast as the link lets them: the jitter decides, not the rate
   server.broadcaster.describe(quick);
   LossyLink link(io, server.port(),
                  {.delay = milliseconds(3), .jitter = milliseconds(10), .seed = 5});
-  TestClient client(io, clock, link.port(), [](auto& s) { s.ping_interval = milliseconds(10); });
+  TestClient client(io, real, link.port(), [](auto& s) { s.ping_interval = milliseconds(10); });
   ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   for (std::uint64_t id = 1; id <= 40; ++id) {
     server.publish(id);
@@ -106,6 +107,7 @@ TEST_F(ConnectionTest, IsBackWhenTheServerIs) {
   EXPECT_EQ(client.stream.load().first_epoch, client.frames[1].first);
   ASSERT_TRUE(runUntil([&] { return client.stream.load().connected; }));
   EXPECT_TRUE(client.failure.empty());
+  EXPECT_LE(client::ConnectionSettings{}.last_retry, std::chrono::seconds(1)) << "and not later";
 }
 
 TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
@@ -194,35 +196,37 @@ TEST_F(ConnectionTest, WaitsForAServerThatIsSlowToAnswer) {
 
 TEST_F(ConnectionTest, AServerThatErrsAfterEveryWelcomeIsTriedAtTheSlowestPace) {
   FakeServer server(io);
-  bool good = false;
   TestClient client(io, clock, server.port(), [](auto& s) {
     s.first_retry = milliseconds(5);
     s.last_retry = milliseconds(160);
     s.good_after = milliseconds(300);
   });
-  const auto round = [&] {
+  const SteadyClock real;  // its pauses last no less; on `clock` they last no longer
+  LocalTime left{}, left_really{};
+  const auto round = [&](Duration good_for = {}) {
     ASSERT_TRUE(runUntil([&] { return server.accept(); }));
     server.peer->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
     server.peer->send(CodedFrame{});
-    if (good) {
-      const LocalTime until = clock.now() + milliseconds(400);
-      ASSERT_TRUE(runUntil([&] { return clock.now() > until; }));
-    }
+    const std::size_t frames = client.frames.size();
+    ASSERT_TRUE(runUntil([&] {
+      client.drain();
+      return client.frames.size() > frames;
+    }));
+    const LocalTime until = clock.now() + good_for;
+    ASSERT_TRUE(runUntil([&] { return clock.now() >= until; }));
     const std::size_t before = client.lost.size();
+    left_really = real.now();
     server.peer->send(WireError{ErrorCode::kUnexpected, "go away"});
     ASSERT_TRUE(runUntil([&] { return client.lost.size() > before; }));
-  };
-  const auto pause = [&] {  // until it is there again
-    const LocalTime begin = clock.now();
-    round();
-    return clock.now() - begin;
+    left = clock.now();
   };
   for (int i = 0; i < 6; ++i) round();
-  EXPECT_GE(pause(), milliseconds(150)) << "5, 10, 20, 40, 80, 160 ms";
-  good = true;
-  round();
-  good = false;
-  EXPECT_LT(pause(), milliseconds(150)) << "after a good connection it begins anew";
+  ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+  EXPECT_GE(real.now() - left_really, milliseconds(160)) << "5, 10, 20, 40, 80, 160 ms";
+  server.peer.reset();
+  round(milliseconds(400));
+  ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+  EXPECT_LT(clock.now() - left, milliseconds(150)) << "after a good connection it begins anew";
 }
 
 TEST_F(ConnectionTest, IgnoresPongsItDidNotAskFor) {

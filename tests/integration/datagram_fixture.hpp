@@ -2,12 +2,19 @@
 // A server that sends datagrams, for tests over loopback.
 #pragma once
 
+#include <unistd.h>
+
 #include <optional>
 
 #include "server/stream/datagram_sender.hpp"
 #include "tests/integration/stream_fixture.hpp"
 
 namespace hapticast::testing {
+
+/// A group on this machine alone, and of this run of the tests alone.
+inline server::MulticastChoice loopbackGroup(const std::string& host) {
+  return {{host, static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
+}
 
 /// A server that offers datagrams, and the group, if there is one.
 struct DatagramServer : TestServer {

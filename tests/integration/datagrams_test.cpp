@@ -304,7 +304,8 @@ INSTANTIATE_TEST_SUITE_P(All, DatagramAddressesTest,
                                            Listening{"::1", "::1", "::1"}));
 
 TEST_F(DatagramsTest, TheGroupGetsEachDatagramOnce) {
-  DatagramServer server(io, clock, server::MulticastChoice{{"239.255.77.1", 7449}, "lo"});
+  const auto choice = loopbackGroup("239.255.77.1");
+  DatagramServer server(io, clock, choice);
   const auto first = viewer(server);
   const auto second = viewer(server);
   const Welcome welcome = first->all<Welcome>().at(0);
@@ -313,7 +314,8 @@ TEST_F(DatagramsTest, TheGroupGetsEachDatagramOnce) {
   EXPECT_EQ(welcome.group->token, second->all<Welcome>().at(0).group->token);
   EXPECT_NE(welcome.group->token, welcome.datagram_token);
   EXPECT_TRUE(server.broadcaster.datagramsWanted()) << "viewers may listen without a word";
-  DatagramViewer one(io, welcome, at("239.255.77.1", 7449), at("127.0.0.1", server.port()));
+  DatagramViewer one(io, welcome, at("239.255.77.1", choice.group.port),
+                     at("127.0.0.1", server.port()));
   one.join(asio::ip::make_address("127.0.0.1"));
   for (RawPeer* each : {first.get(), second.get()}) {
     each->send(Delivery{false, false, 2});

@@ -122,7 +122,7 @@ TEST_F(LossyLinkTest, DoesToDatagramsWhatItIsAskedTo) {
   link.up().profile.largest_bytes = 65535;
   link.stall(true);
   peer.send("lost");
-  (void)runUntil([&, calls = 0]() mutable { return ++calls > 3; });
+  ASSERT_TRUE(runUntil([&] { return link.up().counts.stalled == 1; }));
   link.stall(false);
   link.down().profile.loss = 1.0;
   peer.send("lost, too");

@@ -30,7 +30,7 @@ inline constexpr const char* kLogColumns =
     "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,penetration_mm,lookup";
 
 /// Whether figures of time are worth asserting: a sanitizer is several times slower.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef HAPTICAST_SANITIZED
 inline constexpr bool kFullSpeed = false;
 #else
 inline constexpr bool kFullSpeed = true;

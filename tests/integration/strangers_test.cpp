@@ -10,6 +10,7 @@
 #include "server/stream/file_limit.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/log_lines.hpp"
+#include "tests/support/manual_clock.hpp"
 #include "tests/support/memory_channel.hpp"
 
 namespace hapticast::testing {
@@ -159,7 +160,8 @@ TEST_F(StrangersTest, AStalledViewerLeavesNothingInTheKernel) {
 
 TEST_F(StrangersTest, TheLogStaysReadable) {
   const LogLines log;
-  TestServer server(io, clock);
+  const ManualClock still;  // no further line is earned meanwhile
+  TestServer server(io, still);
   for (int i = 0; i < 60; ++i) (void)viewer(server);
   RawPeer(io, server.port()).send(std::vector<std::uint8_t>(100, 0xFF));
   ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));

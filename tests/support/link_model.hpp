@@ -44,6 +44,7 @@ struct LinkCounts {
   std::uint64_t overflowed = 0;
   std::uint64_t duplicated = 0;
   std::uint64_t reordered = 0;
+  std::uint64_t stalled = 0;     ///< datagrams that came in a stall; none of the packets
   std::uint64_t deliveries = 0;  ///< datagrams that came out, or pieces of a stream
   Duration delay{0};             ///< of all deliveries, summed
 

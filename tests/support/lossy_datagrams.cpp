@@ -80,7 +80,11 @@ void LossyDatagrams::takeAll(const std::shared_ptr<Client>& client) {
         (client ? client->socket : socket_).receive_from(asio::buffer(buffer_), from, 0, ec);
     if (ec == asio::error::connection_refused) continue;  // an earlier one found nobody there
     if (ec) break;
-    if (!stalled_) send(client ? client : clientOf(from), !client, std::span(buffer_).first(size));
+    if (stalled_) {
+      ++(client ? down_ : up_).counts.stalled;
+    } else {
+      send(client ? client : clientOf(from), !client, std::span(buffer_).first(size));
+    }
   }
   deliver();
 }

@@ -30,6 +30,7 @@ std::string temporaryFile() {
 /// In the child: nothing but system calls until the program runs.
 [[noreturn]] void become(char* const* arguments, const char* output_file) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing running
+  ::signal(SIGHUP, SIG_DFL);           // which nohup leaves ignored
   const int input = ::open("/dev/null", O_RDONLY);
   // Appending, so that both streams write behind each other.
   const int output = ::open(output_file, O_WRONLY | O_APPEND);
