@@ -112,8 +112,8 @@ void Proxy::march() noexcept {
   const Vec3 way_mm = hip_mm_ - at_mm_;
   const double steps =
       std::ceil(way_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
-  const int count =
-      static_cast<int>(std::clamp(steps, 1.0, std::max(1.0, double(probe_.left() - kReserve))));
+  const double most = std::max(1.0, double(probe_.left() - kReserve));
+  const int count = steps > 1.0 ? static_cast<int>(std::min(steps, most)) : 1;  // 1 for NaN, too
   const Vec3 from_mm = at_mm_;
   Vec3 outside_mm = from_mm;
   for (int i = 1; i <= count; ++i) {
