@@ -4,11 +4,28 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
+#include "client/chosen_device.hpp"
+#include "client/connection_teller.hpp"
+#include "client/device_buttons.hpp"
+#include "client/fault_files.hpp"
+#include "client/haptics/loop_thread.hpp"
+#include "client/haptics/room.hpp"
+#include "client/log.hpp"
+#include "client/net/connection.hpp"
+#include "client/net/receiver.hpp"
+#include "client/rearm.hpp"
+#include "client/server_choice.hpp"
+#include "client/summary.hpp"
+#include "client/touch_teller.hpp"
+#include "common/wire/asio.hpp"
 #include "common/cli/hang_up.hpp"
 #include "common/fresh_file.hpp"
 
@@ -63,7 +80,66 @@ struct StopOnExit {
 
 }  // namespace
 
-App::App(Settings settings, const Clock& clock, Views views)
+class App::Impl {
+ public:
+  Impl(Settings settings, const Clock& clock, Views views);
+
+  bool run();
+  void stop() noexcept { stop_ = true; }
+
+ private:
+  [[nodiscard]] ConnectionEvents connectionEvents();
+  // On the network's thread:
+  void show(const VideoFrame& picture);
+  void prepared(const PreparedFrame& frame);
+  void tellStatus(bool connected);
+  // On the calling thread:
+  void runEvents();
+  bool turnViews();
+  void record();
+  void takeReports();
+  void takeFaults();
+  void takeButtons();
+  void tellContact();
+  [[nodiscard]] RunResult result(const LoopThread& loop) const;
+  void finish(const LoopThread& loop);
+
+  Settings settings_;
+  const Clock& clock_;
+  LatestValue<TickReport> published_;  // the device's hand reads it
+  LatestValue<PointerTarget> pointer_;
+  Views views_;
+  ChosenDevice device_;
+  RoomSettings room_settings_;
+  FramePool pool_;
+  LatestValue<StreamState> stream_;
+  LatestValue<UserControls> user_controls_;
+  LatestValue<StreamStatus> stream_status_;  // the network's thread writes it
+  Desk desk_;                                // main thread
+  Room::Log log_ring_;
+  std::unique_ptr<Room> room_;  // large: holds the flight recorder
+  asio::io_context io_;
+  Preparer preparer_;
+  Receiver receiver_;
+  ServerChoice choice_;
+  Connection connection_;
+  LogFile log_;
+  std::optional<LogFile> recording_;  // asked for by a view
+  FaultFiles fault_files_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> failed_{false};
+  std::optional<LocalTime> begin_;  // of the first tick
+  TickReport last_report_;          // of those taken from log_ring_; its time counts from begin_
+  bool told_contact_ = false;
+  Rearm rearm_;
+  DeviceButtons buttons_;
+  TouchTeller touch_teller_;
+  bool time_is_over_ = false;
+  OddityTeller oddities_;    // network thread
+  ConnectionTeller teller_;  // network thread; after it has ended the calling one
+};
+
+App::Impl::Impl(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
       views_(std::move(views)),
@@ -89,7 +165,7 @@ App::App(Settings settings, const Clock& clock, Views views)
   user_controls_.store(desk_.user);
 }
 
-ConnectionEvents App::connectionEvents() {
+ConnectionEvents App::Impl::connectionEvents() {
   return {.welcomed =
               [this](const auto& stream) {
                 tellStatus(true);
@@ -121,19 +197,19 @@ ConnectionEvents App::connectionEvents() {
               }};
 }
 
-void App::show(const VideoFrame& picture) {
+void App::Impl::show(const VideoFrame& picture) {
   const Workspace workspace = receiver_.stream().workspace;
   for (const auto& view : views_) view->takePicture(picture, workspace);
 }
 
-void App::prepared(const PreparedFrame& frame) {
+void App::Impl::prepared(const PreparedFrame& frame) {
   receiver_.prepared(frame);
   for (const auto& view : views_) view->takeFrame(frame.felt);
   tellStatus(true);
   if (const auto line = oddities_.take(receiver_.counts(), clock_.now())) spdlog::warn("{}", *line);
 }
 
-void App::tellStatus(bool connected) {
+void App::Impl::tellStatus(bool connected) {
   const ReceiverCounts& counts = receiver_.counts();
   stream_status_.store({.connected = connected,
                         .frames_received = counts.received,
@@ -144,7 +220,7 @@ void App::tellStatus(bool connected) {
                         .fps = 1.0 / toSeconds(receiver_.stream().frame_interval)});
 }
 
-bool App::run() {
+bool App::Impl::run() {
   spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", choice_.name(),
                device_.device->description());
   if (settings_.forces != Forces::kBoth)
@@ -173,7 +249,7 @@ bool App::run() {
   return !failed_;
 }
 
-void App::runEvents() {
+void App::Impl::runEvents() {
   const LocalTime begin = clock_.now();
   while (!stop_ && !time_is_over_) {
     takeReports();
@@ -191,7 +267,7 @@ void App::runEvents() {
 }
 
 /// Whether all of them go on.
-bool App::turnViews() {
+bool App::Impl::turnViews() {
   desk_.stream = stream_status_.load();
   bool go_on = true;
   for (const auto& view : views_) go_on = view->turn(desk_) && go_on;
@@ -202,7 +278,7 @@ bool App::turnViews() {
 }
 
 /// A log that is asked for while the client runs begins, or ends.
-void App::record() {
+void App::Impl::record() {
   try {
     if (desk_.record) {
       const std::string file = freshFile(".csv");
@@ -220,7 +296,7 @@ void App::record() {
   }
 }
 
-void App::takeReports() {
+void App::Impl::takeReports() {
   while (log_ring_.tryPop(last_report_)) {
     if (!begin_) begin_ = last_report_.time;
     last_report_.time = LocalTime(last_report_.time - *begin_);
@@ -236,7 +312,7 @@ void App::takeReports() {
 }
 
 /// What the user presses on the device itself.
-void App::takeButtons() {
+void App::Impl::takeButtons() {
   const DeviceButtons::Wish wish = buttons_.take(last_report_.buttons);
   if (wish.pause) desk_.user.paused = !desk_.user.paused;
   if (wish.rearm) ++desk_.user.rearm;
@@ -244,18 +320,18 @@ void App::takeButtons() {
   if (wish.other) spdlog::info("button {} of the device was pressed", *wish.other);
 }
 
-void App::takeFaults() {
+void App::Impl::takeFaults() {
   // A fault of the very first tick waits until its report has come.
   if (begin_) fault_files_.take(room_->recorder(), *begin_);
 }
 
-void App::tellContact() {
+void App::Impl::tellContact() {
   if (last_report_.contact == told_contact_) return;
   told_contact_ = last_report_.contact;
   asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
 }
 
-RunResult App::result(const LoopThread& loop) const {
+RunResult App::Impl::result(const LoopThread& loop) const {
   Histogram eye_hand;
   for (const auto& view : views_) {
     if (view->eyeHand() != nullptr) eye_hand = *view->eyeHand();
@@ -273,7 +349,7 @@ RunResult App::result(const LoopThread& loop) const {
           .realtime = loop.realtime()};
 }
 
-void App::finish(const LoopThread& loop) {
+void App::Impl::finish(const LoopThread& loop) {
   takeFaults();
   if (time_is_over_ && !failed_ && !teller_.everConnected()) {
     spdlog::error("no server came to {} in {:g} s ({})", choice_.name(), settings_.seconds,
@@ -296,5 +372,14 @@ void App::finish(const LoopThread& loop) {
   for (const auto& view : views_) view->finish();
   if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
 }
+
+App::App(Settings settings, const Clock& clock, Views views)
+    : impl_(std::make_unique<Impl>(std::move(settings), clock, std::move(views))) {}
+
+App::~App() = default;
+
+bool App::run() { return impl_->run(); }
+
+void App::stop() noexcept { impl_->stop(); }
 
 }  // namespace hapticast::client

@@ -11,9 +11,10 @@
 
 #include "client/app.hpp"
 #include "client/calibrate.hpp"
+#include "client/command_line.hpp"
+#include "client/device/open_device.hpp"
 #include "client/open_views.hpp"
 #include "client/server_choice.hpp"
-#include "client/settings.hpp"
 #include "common/cli/parse.hpp"
 
 namespace {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
-// hapticast-client's settings: defaults, flags and config keys. The command line is a contract:
-// --help tells it whole.
+// hapticast-client's settings and their defaults. command_line.hpp reads them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "client/device/falcon_settings.hpp"
@@ -62,8 +59,5 @@ struct Settings {
 /// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
 /// it. Throws std::runtime_error, one line that names `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);
-
-/// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
-std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
 }  // namespace hapticast::client

@@ -4,15 +4,31 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
+#include <memory>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "common/cli/hang_up.hpp"
+#include "common/wire/asio.hpp"
 #include "server/author_points.hpp"
 #include "server/clip_look.hpp"
+#include "server/encoder_thread.hpp"
+#include "server/plan_teller.hpp"
+#include "server/range_teller.hpp"
+#include "server/source/pacer.hpp"
 #include "server/source/playback.hpp"
+#include "server/stream/announce.hpp"
+#include "server/stream/broadcaster.hpp"
+#include "server/stream/datagram_sender.hpp"
+#include "server/stream/datagram_signer.hpp"
 #include "server/stream/file_limit.hpp"
+#include "server/stream/listener.hpp"
+#include "server/stream/multicast_group.hpp"
+#include "server/vision/vision.hpp"
 
 namespace hapticast::server {
 
@@ -38,7 +54,54 @@ SourceInfo infoOf(const RgbdSource& source, const std::string& name) {
 
 }  // namespace
 
-App::App(Settings settings, const Clock& clock)
+class App::Impl {
+ public:
+  Impl(Settings settings, const Clock& clock);
+
+  void run();
+  void stop() noexcept { stop_ = true; }
+  [[nodiscard]] bool streaming() const { return streaming_; }
+
+ private:
+  /// What sends the stream by UDP.
+  struct Datagrams {
+    Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
+              const Settings& settings);
+    DatagramSigner signer;
+    std::optional<MulticastGroup> group;
+    DatagramSender sender;
+  };
+
+  void look();
+  /// Lets viewers in, once: not before the source has shown that there is nothing to complain of.
+  void open();
+  void waitForViewer() const;
+  void play(EncoderThread& encoder);
+  [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
+  void publish(VisionResult result, EncoderThread& encoder);
+  void sayWhatWasSkipped(const Pacer& pacer);
+  void waitUntil(MediaTime due) const;
+
+  Settings settings_;
+  LocalMediaClock media_clock_;
+  std::unique_ptr<RgbdSource> source_;
+  Vision vision_;
+  asio::io_context io_;
+  Broadcaster broadcaster_;
+  Listener listener_;
+  std::optional<Datagrams> datagrams_;
+  std::optional<Announcer> announcer_;  // once it is open
+  PlanTeller plan_teller_;
+  RangeTeller range_teller_;
+  std::atomic<bool> stop_{false};
+  bool open_ = false;
+  bool streaming_ = false;
+  MediaTime last_published_{};
+  std::uint64_t told_skipped_ = 0;
+  MediaTime told_at_{};
+};
+
+App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps)),
@@ -56,12 +119,12 @@ App::App(Settings settings, const Clock& clock)
   broadcaster_.carryDatagrams(datagrams_->sender);
 }
 
-App::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
+App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
                           const Settings& settings)
     : group(groupOf(io, settings)),
       sender(io, clock, listener.endpoint(), signer, group ? &*group : nullptr) {}
 
-void App::run() {
+void App::Impl::run() {
   asio::signal_set signals(io_, SIGINT, SIGTERM);
   if (!hangUpIgnored()) signals.add(SIGHUP);
   signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
@@ -91,7 +154,7 @@ void App::run() {
   end();
 }
 
-void App::look() {
+void App::Impl::look() {
   const SourceInfo& info = source_->info();
   if (settings_.vision.fov_deg && info.camera) {
     spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
@@ -110,7 +173,7 @@ void App::look() {
   range_teller_.tell(vision_.mapped());
 }
 
-void App::open() {
+void App::Impl::open() {
   if (open_) return;
   open_ = true;
   spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
@@ -119,13 +182,13 @@ void App::open() {
     announcer_.emplace(settings_.announce, listener_.endpoint(), vision_.description().name);
 }
 
-void App::waitForViewer() const {
+void App::Impl::waitForViewer() const {
   if (broadcaster_.viewers() > 0) return;
   spdlog::info("waiting for the first viewer");
   while (!stop_ && broadcaster_.viewers() == 0) waitUntil(media_clock_.now() + kSlice);
 }
 
-void App::play(EncoderThread& encoder) {
+void App::Impl::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
   open();
   if (settings_.wait_for_viewer) waitForViewer();
@@ -150,19 +213,19 @@ void App::play(EncoderThread& encoder) {
   waitUntil(last_published_ + vision_.description().pipeline_latency + kPlayout);
 }
 
-std::optional<RgbdFrame> App::nextFrame(Pacer& pacer) {
+std::optional<RgbdFrame> App::Impl::nextFrame(Pacer& pacer) {
   if (source_->info().live) return source_->read();
   const Pacer::Plan plan = pacer.plan(media_clock_.now());
   waitUntil(plan.due);
   return readOn(*source_, plan.skip, settings_.loop && !stop_);
 }
 
-void App::publish(VisionResult result, EncoderThread& encoder) {
+void App::Impl::publish(VisionResult result, EncoderThread& encoder) {
   last_published_ = result.frame.media_time;
   encoder.push(vision_.description(), std::move(result));
 }
 
-void App::sayWhatWasSkipped(const Pacer& pacer) {
+void App::Impl::sayWhatWasSkipped(const Pacer& pacer) {
   const MediaTime now = media_clock_.now();
   // At once where it begins, then once a minute with the sum.
   const Duration pause = told_skipped_ == 0 ? std::chrono::seconds(1) : std::chrono::minutes(1);
@@ -173,12 +236,23 @@ void App::sayWhatWasSkipped(const Pacer& pacer) {
   told_at_ = now;
 }
 
-void App::waitUntil(MediaTime due) const {
+void App::Impl::waitUntil(MediaTime due) const {
   while (!stop_) {
     const Duration left = due - media_clock_.now();
     if (left <= Duration::zero()) return;
     std::this_thread::sleep_for(std::min(left, kSlice));
   }
 }
+
+App::App(Settings settings, const Clock& clock)
+    : impl_(std::make_unique<Impl>(std::move(settings), clock)) {}
+
+App::~App() = default;
+
+void App::run() { impl_->run(); }
+
+void App::stop() noexcept { impl_->stop(); }
+
+bool App::streaming() const { return impl_->streaming(); }
 
 }  // namespace hapticast::server

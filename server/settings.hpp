@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
-// hapticast-server's settings: defaults, flags and config keys. The command line is a contract:
-// --help tells it whole.
+// hapticast-server's settings and their defaults. command_line.hpp reads them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -38,8 +35,5 @@ struct Settings {
 /// By how much a height may be wrong on the wire, so that the force is by no more than the budget:
 /// the default budget at the usual stiffness gives kDefaultHeightError_mm.
 [[nodiscard]] double heightError_mm(const VisionSettings& vision);
-
-/// The command line bound to `settings`, which has to outlive it. Parse with parseCommandLine().
-std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
 }  // namespace hapticast::server

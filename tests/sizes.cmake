@@ -1,9 +1,9 @@
-# What fits on a screen can be read: no file of the product is longer than 300 lines, no function of it longer than 40.
+# What fits on a screen can be read: no file of the product is longer than 400 lines, no function of it longer than 40.
 # A lambda counts with the function that it stands in. Run: cmake -DROOT=. -DCTAGS=ctags -P tests/sizes.cmake
 # Universal Ctags knows where a function ends (Exuberant Ctags does not).
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")
-set(most_file_lines 300)
+set(most_file_lines 400)
 set(most_function_lines 40)
 set(too_long "")
 

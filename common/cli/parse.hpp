@@ -3,9 +3,12 @@
 // start-up.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace hapticast {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "common/cli/version.hpp"
 
+#include <CLI/CLI.hpp>
+
 namespace hapticast {
 
 void addVersion(CLI::App& app, const std::string& built_in) {

@@ -2,8 +2,11 @@
 // What a program says of itself: its version and what is built in. Thread: any.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace hapticast {
 

@@ -3,8 +3,6 @@
 // another. Takes bytes, wherever they come from. Thread: io, except where a function says "any".
 #pragma once
 
-#include <spdlog/common.h>
-
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -21,6 +19,10 @@
 #include "server/stream/session.hpp"
 #include "server/stream/stream_settings.hpp"
 #include "server/stream/stream_sink.hpp"
+
+namespace spdlog::level {
+enum level_enum : int;
+}
 
 namespace hapticast::server {
 

@@ -7,12 +7,12 @@
 #include <sstream>
 #include <string>
 
-#include "client/settings.hpp"
+#include "client/command_line.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 #include "common/wire/limits.hpp"
-#include "server/settings.hpp"
+#include "server/command_line.hpp"
 
 namespace {
 

@@ -29,11 +29,11 @@ struct CommandLineProbe {
     std::vector<const char*> argv{"program"};
     for (const std::string& argument : arguments) argv.push_back(argument.c_str());
     const auto app = kCommandLine(settings);
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
     exit_code = parseCommandLine(*app, static_cast<int>(argv.size()), argv.data());
-    output = testing::internal::GetCapturedStdout();
-    error = testing::internal::GetCapturedStderr();
+    output = ::testing::internal::GetCapturedStdout();
+    error = ::testing::internal::GetCapturedStderr();
   }
 
   /// A config file of these keys, and flags beside it.

@@ -11,7 +11,7 @@
 namespace hapticast::client {
 namespace {
 
-constexpr int kHead_px = 90;  // text and room for the cone, above the video
+constexpr int kPictureHead_px = 90;  // text and room for the cone, above the video
 
 TickReport touching(double time_s, double force_N) {
   TickReport report;
@@ -63,7 +63,7 @@ TEST_F(ScreenshotTest, ShowsThePictureOfTheStrongestMoment) {
   }
   const cv::Mat picture = written();
   ASSERT_FALSE(picture.empty());
-  EXPECT_NEAR(picture.at<cv::Vec3b>(kHead_px + 700, 20)[0], 100, 2);
+  EXPECT_NEAR(picture.at<cv::Vec3b>(kPictureHead_px + 700, 20)[0], 100, 2);
 }
 
 TEST_F(ScreenshotTest, APictureOfAnotherSizeThanAnnouncedIsNotShown) {
@@ -72,7 +72,7 @@ TEST_F(ScreenshotTest, APictureOfAnotherSizeThanAnnouncedIsNotShown) {
   small.height_px = 240;
   screenshot.takePicture(greyPicture(1.0, 200), small);
   screenshot.takeReport(touching(1.0, 1.0));
-  EXPECT_LT(written().at<cv::Vec3b>(kHead_px + 700, 20)[0], 100);
+  EXPECT_LT(written().at<cv::Vec3b>(kPictureHead_px + 700, 20)[0], 100);
 }
 
 TEST(Screenshot, WantsThePictureNamedAsOneAndTellsWhatItCannotWrite) {

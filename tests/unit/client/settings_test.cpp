@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/settings.hpp"
+#include "client/command_line.hpp"
 
 #include <gtest/gtest.h>
 

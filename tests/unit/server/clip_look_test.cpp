@@ -6,7 +6,7 @@
 
 #include "tests/support/manual_clock.hpp"
 #include "tests/unit/server/source_files.hpp"
-#include "tests/unit/server/vision_scenes.hpp"
+#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/settings.hpp"
+#include "server/command_line.hpp"
 
 #include <gtest/gtest.h>
 

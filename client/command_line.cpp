@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+#include "client/command_line.hpp"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+#include "client/device/open_device.hpp"
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+#include "common/cli/service_name.hpp"
+#include "common/cli/version.hpp"
+#include "common/text.hpp"
+#include "common/wire/limits.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kProxy},
+                                                       {"normal", SurfaceKind::kNormal},
+                                                       {"perturbed", SurfaceKind::kPerturbed}};
+const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
+                                             {"thesis", Method::kThesis}};
+const std::map<std::string, Way> kTransports{{wayName(Way::kDatagrams), Way::kDatagrams},
+                                             {wayName(Way::kTcp), Way::kTcp},
+                                             {wayName(Way::kGroup), Way::kGroup}};
+
+const std::map<std::string, ViewChoice> kViews{
+    {"auto", ViewChoice::kAuto}, {"on", ViewChoice::kOn}, {"off", ViewChoice::kOff}};
+const std::map<std::string, Forces> kForces{
+    {"both", Forces::kBoth}, {"static", Forces::kStatic}, {"dynamic", Forces::kDynamic}};
+
+/// What --device takes: auto, and the kinds of this build.
+const std::map<std::string, std::string>& devices() {
+  static const auto kDevices = [] {
+    std::map<std::string, std::string> names{{"auto", "auto"}};
+    for (const DeviceKind& kind : deviceKinds()) names.emplace(kind.name, kind.name);
+    return names;
+  }();
+  return kDevices;
+}
+
+std::string deviceHelp() {
+  std::string help =
+      "The haptic device; auto (default): a real one that is plugged in, else the mouse where "
+      "there is a window, else virtual";
+  for (const DeviceKind& kind : deviceKinds()) {
+    help += std::string("; ") + kind.name + ": " + kind.description;
+  }
+  return help;
+}
+
+/// For --version: the kinds of views, devices and transports of this build.
+std::string builtIn() {
+  std::string text = hasViewer() ? "views: screenshot film" : "views: none";
+  if (hasSound()) text += " sound";
+  text += hasWindow() ? " window; devices:" : "; devices:";
+  for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
+  text += "; transports:";
+  for (const auto& transport : kTransports) text += " " + transport.first;
+  return text.append(hasDiscovery() ? "; discovery: Avahi" : "; discovery: none");
+}
+
+void addServer(CLI::App& app, Settings& settings) {
+  const auto set = [&settings, otherwise = settings.server](const std::string& text) {
+    constexpr std::string_view kAnnounced = "mdns:";
+    settings.server_given = true;
+    if (text.starts_with(kAnnounced)) {
+      settings.announced = serviceName("server", text.substr(kAnnounced.size()));
+      return;
+    }
+    settings.server = endpointOf(text, otherwise, "server", 1,
+                                 "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
+  };
+  app.add_option_function<std::string>(
+         "server", set,
+         "Where hapticast-server listens, or mdns:NAME: the one that is announced by NAME. "
+         "Default: localhost:7447; where none is there, those that are announced on the LAN are "
+         "shown, to be chosen on a terminal. One that is not there is waited for")
+      ->type_name("HOST[:PORT]|mdns:NAME");
+  app.add_flag("--list", settings.list_servers,
+               "Say which servers are announced on the LAN, and end: with exit code 0, or 1 where "
+               "none was found")
+      ->each([](const std::string& /*value*/) { requireDiscovery("--list"); });
+}
+
+void addDeviceOptions(CLI::App& app, Settings& settings) {
+  addChoice(app, "--device", settings.device, devices(), deviceHelp());
+  app.add_option("--profile", settings.profile,
+                 "What the device can stand: omni (default; of a Falcon falcon), falcon, or a file "
+                 "of KEY = VALUE lines (keys: client/README.md, Profiles)")
+      ->type_name("NAME|FILE");
+  app.add_option(
+         "--hand", settings.hand,
+         "What the virtual hand does: press (default; push 1 N, hold, release, again), slide (over "
+         "the object, 1 mm "
+         "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
+      ->each([&settings](const std::string& /*name*/) { settings.hand_given = true; })
+      ->type_name("press|slide|follow|FILE.csv");
+  addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
+            "The stiffest wall that an author may ask for; default: three times the profile's "
+            "stiffness");
+  app.add_flag(
+      "--rearm", settings.rearm,
+      "After a lost device has come back, or 5 s after the trust in a stream was lost (three times "
+      "at most), the force returns by itself, faded in; without it, only at the next start");
+}
+
+bool hasDevice(std::string_view name) {
+  const auto kinds = deviceKinds();
+  return std::any_of(kinds.begin(), kinds.end(),
+                     [name](const DeviceKind& kind) { return kind.name == name; });
+}
+
+void addFalconOptions(CLI::App& app, Settings& settings) {
+  app.add_flag("--list-devices", settings.list_devices,
+               "Say which kinds of devices there are and what was found of them, and end");
+  if (!hasDevice("falcon")) return;
+  app.add_option("--falcon-firmware", settings.falcon.firmware_file,
+                 "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
+                 "hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share")
+      ->type_name("FILE");
+  app.add_option("--falcon-serial", settings.falcon.serial,
+                 "Which Falcon, by its serial number (--list-devices); default: the first")
+      ->type_name("S");
+  addNumber(app, "--falcon-gain", settings.falcon.gain, 100.0, 20000.0, "COUNTS_PER_NM",
+            "What its motors are sent for a torque of 1 N m at an arm; default: 3500");
+  addNumber(
+      app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
+      "Find the gain with a known weight, step by step, and store it in the file of --config, "
+      "else say it; then end");
+}
+
+void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
+  addChoice(
+      app, "--transport", delivery.best, kTransports,
+      "How frames travel: udp (default), tcp, or multicast where the server sends to a group. "
+      "What does not get through falls back, multicast to udp and udp to tcp, and is tried "
+      "again every 30 s");
+  const auto set = [&delivery](const std::string& text) {
+    const auto copies = numberIn<std::uint64_t>(text, 1, limits::kMostCopies);
+    if (text != "auto" && !copies)
+      throw CLI::ValidationError("--redundancy", inQuotes(text) + " is not auto or 1..4");
+    delivery.copies = static_cast<std::uint32_t>(copies.value_or(0));
+  };
+  app.add_option_function<std::string>(
+         "--redundancy", set,
+         "How often each datagram is sent, a frame apart: auto (default; as often as the network "
+         "loses some), or 1..4")
+      ->type_name("auto|N");
+  app.add_option("--interface", delivery.interface_name,
+                 "The network that joins a multicast group, by name or address; default: the one "
+                 "that leads to the server")
+      ->type_name("NAME|ADDRESS");
+}
+
+void addViewOptions(CLI::App& app, Settings& settings) {
+  addChoice(app, "--view", settings.view, kViews,
+            "The window: auto (default; where there is a display and none of --hand, --seconds, "
+            "--screenshot is given), on, or off. F1 in it lists the keys");
+  addChoice(app, "--forces", settings.forces, kForces,
+            "Which forces are felt: both (default), static or dynamic; S and D in the window");
+  if (hasSound()) {
+    app.add_flag("--sound", settings.sound,
+                 "Let the force be heard: a hum as loud as it is, a tick where it is sudden");
+  }
+}
+
+void addOutputOptions(CLI::App& app, Settings& settings) {
+  if (hasViewer()) {
+    app.add_option("--screenshot", settings.screenshot_file,
+                   "Write a picture at the end: the video with cone and force at the strongest "
+                   "moment, and the force of the last minute")
+        ->type_name("FILE.png");
+    app.add_option("--film", settings.film_file,
+                   "Write a film: the video with cone and forces, and the force of the last "
+                   "minute, at the video's rate")
+        ->type_name("FILE.mp4");
+  }
+  app.add_option("--log", settings.log_file,
+                 "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "
+                 "d (dynamic) in N, "
+                 "penetration_mm,lookup")
+      ->type_name("FILE.csv");
+  app.add_option("--summary", settings.summary_file,
+                 "Write counters, tick times and extremes at the end")
+      ->type_name("FILE.json");
+  app.add_option("--fault-dir", settings.fault_folder,
+                 "Where the ticks before a fault are written; default: hapticast in "
+                 "$XDG_STATE_HOME, else in ~/.local/state")
+      ->type_name("DIR");
+  addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
+            "Stop after S seconds; default: at Ctrl-C");
+  app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
+}
+
+}  // namespace
+
+std::unique_ptr<CLI::App> commandLine(Settings& settings) {
+  auto app = std::make_unique<CLI::App>(
+      "Lets a haptic device touch what hapticast-server streams. Ctrl-C ends it with the force at "
+      "zero.",
+      "hapticast-client");
+  addVersion(*app, builtIn());
+  addServer(*app, settings);
+  addDeviceOptions(*app, settings);
+  addFalconOptions(*app, settings);
+  addDeliveryOptions(*app, settings.delivery);
+  addChoice(
+      *app, "--surface", settings.surface, kSurfaceKinds,
+      "proxy (default): the surface point the tip is tied to, with walls and friction; normal: "
+      "distance to the tangent plane; perturbed: the thesis's Eq. 3");
+  addChoice(*app, "--method", settings.method, kMethods,
+            "hapticast, or as in the thesis: perturbed surface, zero outside the mask, forces "
+            "interpolated by cubics");
+  addViewOptions(*app, settings);
+  addOutputOptions(*app, settings);
+  addConfigFile(*app);
+  return app;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+#include "server/command_line.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "common/cli/config_file.hpp"
+#include "common/cli/options.hpp"
+#include "common/cli/service_name.hpp"
+#include "common/cli/version.hpp"
+#include "common/wire/height_codec.hpp"
+#include "common/wire/limits.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+const std::map<std::string, SegmentMode> kSegmentModes{{"auto", SegmentMode::kAuto},
+                                                       {"band", SegmentMode::kBand},
+                                                       {"edges", SegmentMode::kEdges},
+                                                       {"source", SegmentMode::kSource}};
+const std::map<std::string, MotionMode> kMotionModes{{"auto", MotionMode::kAuto},
+                                                     {"rgbd", MotionMode::kRgbd},
+                                                     {"lk", MotionMode::kLk},
+                                                     {"depth", MotionMode::kDepth},
+                                                     {"none", MotionMode::kNone}};
+
+const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
+                                             {"thesis", Method::kThesis}};
+
+const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
+
+constexpr double kMostDepth_mm = 1e6;
+constexpr double kLongestClip_s = 1e6;  // chosen: eleven days
+
+void addRange(CLI::App& app, const char* flag, std::optional<DepthRange>& range, const char* help) {
+  const auto take = [&range](const Vec2& pair) {
+    if (!(pair.x() >= 0.0 && pair.x() < pair.y() && pair.y() <= kMostDepth_mm)) return false;
+    range = DepthRange{pair.x(), pair.y()};
+    return true;
+  };
+  addPair(app, flag, take, "NEAR,FAR in mm with 0 <= NEAR < FAR <= 1000000", help)
+      ->type_name("MM,MM");
+}
+
+void addRanges(CLI::App& app, VisionSettings& vision) {
+  addRange(app, "--depth-range", vision.depth_range,
+           "What the levels 255 and 0 of 8-bit depth mean; of depth in mm the same as --map-range");
+  addRange(
+      app, "--map-range", vision.map_range,
+      "Depths that become the nearest and farthest height; default: the object's, from the clip");
+}
+
+constexpr double kMostFriction = limits::kFriction;
+
+void addFriction(CLI::App& app, Material& material) {
+  const auto take = [&material](const Vec2& pair) {
+    if (!(pair.y() >= 0.0 && pair.y() <= pair.x() && pair.x() <= kMostFriction)) return false;
+    material.static_friction = pair.x();
+    material.dynamic_friction = pair.y();
+    return true;
+  };
+  addPair(app, "--friction", take, "S,D with 0 <= D <= S <= 1.5",
+          "The surface's coefficients of static and dynamic friction; default: each viewer's own");
+}
+
+/// Reads `auto`, `everything` or `STAGE=on|off,...`; nullopt where it is none of them.
+std::optional<PlanSettings> parsePlan(std::string_view text) {
+  PlanSettings out;
+  if (text == "auto") return out;
+  if (text == "everything") {
+    out.everything = true;
+    return out;
+  }
+  while (true) {
+    const std::string_view item = text.substr(0, text.find(','));
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) return std::nullopt;
+    const auto* const name =
+        std::find(kStageNames.begin(), kStageNames.end(), item.substr(0, equals));
+    const std::string_view value = item.substr(equals + 1);
+    if (name == kStageNames.end() || (value != "on" && value != "off")) return std::nullopt;
+    out.forced[static_cast<std::size_t>(name - kStageNames.begin())] = value == "on";
+    if (item.size() == text.size()) return out;
+    text.remove_prefix(item.size() + 1);
+  }
+}
+
+/// --plan keeps the error budget, whichever comes first.
+void addPlan(CLI::App& app, PlanSettings& plan) {
+  const auto set = [&plan](const std::string& text) {
+    const std::optional<PlanSettings> parsed = parsePlan(text);
+    if (!parsed) {
+      const std::vector<std::string> stages(kStageNames.begin(), kStageNames.end());
+      throw CLI::ValidationError("--plan",
+                                 inQuotes(text) +
+                                     " is not auto, everything or STAGE=on|off,... with the "
+                                     "stages " +
+                                     join(stages, ", "));
+    }
+    plan.everything = parsed->everything;
+    plan.forced = parsed->forced;
+  };
+  app.add_option_function<std::string>(
+         "--plan", set,
+         "What a scene does not need is left out (auto), or nothing (everything), or as you say: "
+         "segment, clean, smooth, motion, grid, heights =on|off")
+      ->type_name("auto|everything|STAGE=on|off,...");
+}
+
+void addSourceOptions(CLI::App& app, Settings& settings) {
+  app.add_option("--source", settings.source,
+                 "What to show: synthetic:bounce|approach|tumble|still, a folder of RGB-D images "
+                 "(rgb/ and depth/, "
+                 "or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video files, 8-bit depth), or "
+                 "camera:N,M (colour camera, depth camera)")
+      ->required();
+  addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
+            "Frames a second; default: the source's own");
+  app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
+  app.add_flag("--wait-for-viewer", settings.wait_for_viewer,
+               "Begin to play when the first viewer has joined");
+  addNumber(app, "--frames", settings.frames, std::uint64_t{1}, std::uint64_t{1'000'000'000}, "N",
+            "Stop after N frames");
+}
+
+/// "U,V" or "U,V@SECONDS".
+std::optional<AuthorPoint> parsePoint(const std::string& text) {
+  const std::size_t at = text.find('@');
+  const auto place_px = parsePair(text.substr(0, at));
+  if (!place_px) return std::nullopt;
+  if (at == std::string::npos) return AuthorPoint{*place_px, 0.0};
+  const auto time_s = numberIn<double>(text.substr(at + 1), 0.0, kLongestClip_s);
+  if (!time_s) return std::nullopt;
+  return AuthorPoint{*place_px, *time_s};
+}
+
+void addPoints(CLI::App& app, VisionSettings& vision) {
+  addList(app, "--object", vision.object_points, parsePoint,
+          "A pixel on the object to touch, in the first frame or SECONDS after it; repeat for "
+          "several. Default: the nearest compact object",
+          "U,V[@SECONDS] in px, for example 505,330 or 505,330@1.5");
+  addList(app, "--not", vision.not_points, parsePoint,
+          "A pixel on what does not belong to the object, in the first frame or SECONDS after it; "
+          "may be repeated",
+          "U,V[@SECONDS] in px, for example 300,400 or 300,400@1.5");
+}
+
+void addVisionOptions(CLI::App& app, VisionSettings& vision) {
+  addPoints(app, vision);
+  addChoice(app, "--segment", vision.segment, kSegmentModes,
+            "How the object is found: the source's mask, followed from frame to frame in a band "
+            "around its contour, or "
+            "closed Canny edges. auto: the source's mask if there is one, else band");
+  addRanges(app, vision);
+  addNumber(
+      app, "--fov", vision.fov_deg, 10.0, 170.0, "DEG 10..170",
+      "How wide the colour camera sees, left to right; default: the clip's intrinsics, else 56");
+  app.add_flag("--stretch", vision.stretch,
+               "Stretch the picture over the whole 160 x 120 mm (the thesis's two scales)");
+  addChoice(app, "--motion", vision.motion, kMotionModes,
+            "Velocity from rigid alignment of colour and depth (rgbd), Lucas-Kanade (x, y), depth "
+            "differences (z), or none. auto: rgbd");
+  app.add_flag("--low-latency", vision.low_latency,
+               "One frame of lookahead instead of 80 to 120 ms; of a live source noisier "
+               "accelerations and no impacts");
+  app.add_flag(
+      "--compensate-pan", vision.compensate_pan,
+      "The camera pans: feel accelerations and impacts against the background, not against "
+      "the picture's frame");
+  addNumber(
+      app, "--error-budget", vision.plan.error_budget_N, 0.0, 1.0, "N 0..1",
+      "Force that leaving stages out, and rounding heights on the wire, may cost; default: 0.007, "
+      "a tenth of what a hand can tell apart at 1 N");
+  addPlan(app, vision.plan);
+  addChoice(app, "--method", vision.method, kMethods,
+            "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
+            "dense grid, stretched");
+}
+
+void addName(CLI::App& app, std::string& name) {
+  const auto set = [&name](const std::string& text) {
+    if (text.empty() || text.size() > limits::kStreamName) {
+      throw CLI::ValidationError("--name", "has " + std::to_string(text.size()) +
+                                               " bytes; allowed is a text of 1 to " +
+                                               std::to_string(limits::kStreamName));
+    }
+    name = text;
+  };
+  app.add_option_function<std::string>(
+         "--name", set, "What viewers see as the stream's name; default: the folder's or file's")
+      ->type_name("TEXT");
+}
+
+/// A picture, or a folder for several.
+void addPreview(CLI::App& app, std::string& preview) {
+  const auto set = [&preview](const std::string& text) {
+    std::error_code error;
+    const std::filesystem::path place(text);
+    const bool picture = place.extension() == ".png" && !place.stem().empty();
+    const bool folder = std::filesystem::is_directory(place, error) || !place.has_extension();
+    if (text.empty() || !(picture || folder)) {
+      throw CLI::ValidationError("--preview", inQuotes(text) + " is not FILE.png or a folder");
+    }
+    preview = text;
+  };
+  app.add_option_function<std::string>(
+         "--preview", set,
+         "Stream nothing: write what the server takes (outline, relief, advice) to a picture, or "
+         "with the whole clip's outlines into a folder")
+      ->type_name("FILE.png|FOLDER");
+}
+
+void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
+  constexpr const char* kForm = "GROUP:PORT[@INTERFACE], for example 239.1.2.3:7448";
+  const auto set = [&multicast](const std::string& text) {
+    const std::size_t at = text.find('@');
+    const auto group = parseEndpoint(text.substr(0, at), Endpoint{"", 0});
+    const bool named = at == std::string::npos || at + 1 < text.size();
+    if (!group || group->host.empty() || group->port == 0 || !named)
+      throw CLI::ValidationError("--multicast", inQuotes(text) + " is not " + kForm);
+    multicast = MulticastChoice{*group, at == std::string::npos ? "" : text.substr(at + 1)};
+  };
+  app.add_option_function<std::string>(
+         "--multicast", set,
+         "Send each datagram once for all viewers of a network who take it from this group; "
+         "INTERFACE is a name or an address of this machine")
+      ->type_name("GROUP:PORT[@INTERFACE]");
+}
+
+void addNetworkOptions(CLI::App& app, Settings& settings) {
+  addEndpoint(app, "--listen", settings.listen, 0, "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
+              "Where clients connect: an IP address of this machine and a port; default: "
+              "0.0.0.0:7447 (all addresses); port 0: any free one");
+  addChoice(app, "--transport", settings.datagrams, kTransports,
+            "udp: frames go by UDP to viewers who can take them, else by TCP; tcp: all by TCP. "
+            "Default: udp");
+  addMulticast(app, settings.multicast);
+  addNumber(app, "--multicast-ttl", settings.multicast_hops, std::uint64_t{1}, std::uint64_t{255},
+            "N 1..255", "How many networks multicast may cross; default: 1, this one");
+  addNumber(app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
+            "N", "More are turned away with a message; default: 64");
+  const auto announce = [&settings](const std::string& text) {
+    settings.announce = serviceName("--announce", text);
+  };
+  app.add_option_function<std::string>(
+         "--announce", announce,
+         "Tell the LAN of this server by NAME (mDNS), so that clients find it; default: it is not "
+         "told")
+      ->type_name("NAME");
+}
+
+/// The author's say on what is touched.
+void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
+  addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
+            "The surface's stiffness; default: each viewer's own");
+  addFriction(app, vision.material);
+  addNumber(app, "--damping", vision.material.damping_Ns_m, 0.0, 1000.0, "NS/M 0..1000",
+            "Damping beside what keeps the surface stable; each viewer's device bounds it");
+  addNumber(app, "--texture-depth", vision.material.texture_K_mm, 0.0, 1000.0, "MM 0..1000",
+            "K of the thesis's Eq. 3 (viewers with --surface perturbed); default: 30");
+  addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
+            "The object's mass for the dynamic force; default: each viewer's choice");
+}
+
+}  // namespace
+
+std::unique_ptr<CLI::App> commandLine(Settings& settings) {
+  auto app = std::make_unique<CLI::App>(
+      "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends it.",
+      "hapticast-server");
+  addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
+                               "multicast, tcp; discovery: ") +
+                       (hasDiscovery() ? "Avahi" : "none"));
+  addSourceOptions(*app, settings);
+  addNetworkOptions(*app, settings);
+  addName(*app, settings.name);
+  addVisionOptions(*app, settings.vision);
+  addMaterialOptions(*app, settings.vision);
+  addPreview(*app, settings.preview);
+  app->add_flag("--explain", settings.explain,
+                "Say what is left out of each object, why, what it saves and costs");
+  app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
+  addConfigFile(*app);
+  return app;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// What a click may mean: hands by their colour, pieces behind what passes in front, and a box that
+// an arm holds.
+#include "server/vision/segment/candidates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "server/vision/segment/choose.hpp"
+#include "server/vision/segment/graph_cut.hpp"
+#include "server/vision/segment/pieces.hpp"
+#include "server/vision/segment/skin.hpp"
+#include "tests/unit/vision/segment_runner.hpp"
+
+namespace hapticast::server {
+namespace {
+
+const cv::Size kDrawn(320, 240);
+const cv::Scalar kGrey(150, 150, 150);
+const cv::Scalar kSkin(105, 140, 205);  // BGR
+
+cv::Mat grained(const cv::Mat& picture, std::mt19937& random) {
+  cv::Mat noise(picture.size(), CV_8UC3);
+  for (int v = 0; v < noise.rows; ++v) {
+    for (int u = 0; u < noise.cols; ++u) {
+      for (int c = 0; c < 3; ++c)
+        noise.at<cv::Vec3b>(v, u)[c] = static_cast<unsigned char>(random() % 16);
+    }
+  }
+  return picture + noise;
+}
+
+FrameImages imagesWith(const cv::Mat& color, const cv::Mat& depth) {
+  cv::Mat gray;
+  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
+  return {color, gray, depth, {}, {}};
+}
+
+TEST(SkinColors, AFingerIsSkinAndSpecksAreNotWhateverTheLight) {
+  const std::array lights{cv::Scalar(1, 1, 1), cv::Scalar(0.8, 0.95, 1.1)};
+  for (const cv::Scalar& light : lights) {
+    cv::Mat color(480, 640, CV_8UC3, kGrey.mul(light));
+    cv::rectangle(color, {100, 100, 30, 200}, kSkin.mul(light), cv::FILLED);
+    for (int v = 300; v < 460; v += 9) {
+      for (int u = 300; u < 600; u += 9) cv::circle(color, {u, v}, 1, kSkin.mul(light), cv::FILLED);
+    }
+    const cv::Mat skin = SkinColors::inLightOf(color).in(color);
+    const cv::Mat finger = skin({102, 110, 26, 180});
+    EXPECT_GT(cv::countNonZero(finger), 0.9 * static_cast<double>(finger.total()));
+    EXPECT_EQ(cv::countNonZero(skin({300, 0, 340, 480})), 0);
+  }
+}
+
+// Colour and depth of a scene, and what is known of it.
+struct Drawn {
+  cv::Mat color, depth;
+  std::vector<Plane> planes;
+  DepthNoise noise;
+  SkinColors skin;
+
+  explicit Drawn(const cv::Scalar& ground)
+      : color(kDrawn, CV_8UC3, ground), depth(kDrawn, CV_32FC1, cv::Scalar(1500)) {}
+  void fill(const cv::Rect& box, const cv::Scalar& paint, double depth_mm) {
+    color(box).setTo(paint);
+    depth(box).setTo(depth_mm);
+  }
+  FrameImages finish(std::mt19937& random) {
+    color = grained(color, random);
+    noise = measureNoise(depth);
+    skin = SkinColors::inLightOf(color);
+    return imagesWith(color, depth);
+  }
+};
+
+TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
+  std::mt19937 random(3);
+  const cv::Rect box(90, 70, 120, 90);
+  Drawn drawn(kGrey);
+  drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
+  const FrameImages images = drawn.finish(random);
+  const FrameView scene{images, drawn.planes, drawn.noise, drawn.skin};
+  const SmallView view = SmallView::of(scene, {{0, 0}, kDrawn}, 1e6);
+  cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
+  cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
+  cv::rectangle(unary, {70, 50, 160, 130}, cv::Scalar(0.2), 30);  // ... and perhaps
+  unary.row(0).setTo(-5);
+  cv::Mat truth = cv::Mat::zeros(kDrawn, CV_8UC1);
+  truth(box).setTo(255);
+  const cv::Mat cut = minimumCut(unary, view, drawn.noise);
+  EXPECT_GT(test::overlap(cut, truth), 0.95);
+}
+
+TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
+  std::mt19937 random(5);
+  const cv::Rect whole(100, 80, 60, 100);
+  const cv::Rect between(100, 120, 60, 20);
+  for (const bool finger : {true, false}) {
+    Drawn drawn(kGrey);
+    drawn.fill(whole, cv::Scalar(40, 40, 200), 700.0);
+    drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
+    const FrameImages images = drawn.finish(random);
+    const FrameView scene{images, drawn.planes, drawn.noise, drawn.skin};
+    const SmallView view = SmallView::of(scene, {{0, 0}, kDrawn}, 1e6);
+    cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
+    mask(whole).setTo(255);
+    mask(between).setTo(0);
+    cv::Mat main = mask.clone();
+    main.rowRange(between.br().y, mask.rows).setTo(0);
+    const double px_per_mm = pixelsPerMm(700.0, kDrawn);
+    const cv::Mat joined = joinedPieces(view, mask, main, px_per_mm);
+    EXPECT_EQ(cv::countNonZero(joined), cv::countNonZero(finger ? mask : main));
+  }
+}
+
+TEST(ChooseAt, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
+  std::mt19937 random(7);
+  for (int trial = 0; trial < 6; ++trial) {
+    const cv::Rect box(110 + static_cast<int>(random() % 20), 60 + static_cast<int>(random() % 20),
+                       60, 70);
+    Drawn drawn(kGrey);
+    drawn.fill({box.x + 20, box.br().y - 10, 35, kDrawn.height - box.br().y + 10}, kSkin, 705.0);
+    drawn.fill(box, cv::Scalar(170, 60, 40), 700.0);
+    const FrameImages images = drawn.finish(random);
+    const BandScene scene{drawn.noise, drawn.planes, drawn.skin, {}};
+    const cv::Point click(box.x + 10 + static_cast<int>(random() % 40),
+                          box.y + 10 + static_cast<int>(random() % 50));
+    const ChosenStart start = chooseAt(images, scene, click, {});
+    ASSERT_TRUE(start.object) << trial;
+    cv::Mat truth = cv::Mat::zeros(kDrawn, CV_8UC1);
+    truth(box).setTo(255);
+    EXPECT_GT(test::overlap(start.object->mask(), truth), 0.9) << trial << " at " << click;
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::server
