@@ -17,7 +17,6 @@ namespace {
 const CameraModel kCamera{1200, 1200, 160, 120};
 const cv::Size kPicture_px(320, 240);
 
-
 using DepthAt = std::function<std::optional<double>(const Vec2& image_px)>;
 
 Surface surfaceOf(const DepthAt& depth_mm) {

@@ -1,0 +1,64 @@
+# What deploy/demo and deploy/test share: checks of the machine, and the build. To be sourced from the project's folder.
+
+# Measured: the largest batch of sources needs 1.1 GB (deploy/test asan), and a job leaves room for its linker.
+memory_per_job_MB=1300
+# Measured: CPU seconds of an average step of the preset release.
+step_s=5
+
+endWith() {  # message: ends the script with one line
+  echo "$0: $1" >&2
+  exit 1
+}
+
+checkMachine() {  # free megabytes that the build needs
+  command -v g++ >/dev/null || endWith "g++ is missing: run deploy/install-deps"
+  compiler=$(g++ -dumpversion | cut -d. -f1)
+  [ "$compiler" -ge 12 ] || endWith "g++ $compiler is too old: C++20 with coroutines needs g++ 12 or newer (Debian 12)"
+  free_MB=$(df -Pm . | awk 'NR == 2 { print $4 }')
+  [ "$free_MB" -ge "$1" ] || endWith "$free_MB MB are free in $PWD, the build needs $1 MB: free some, or build elsewhere"
+}
+
+countJobs() {  # prints how many compilers fit into the processors and the memory
+  awk -v cores="$(nproc)" -v each="$memory_per_job_MB" '
+    /^MemAvailable/ { fit = int($2 / 1024 / each) }
+    END { jobs = fit < cores ? fit : cores; print jobs < 1 ? 1 : jobs }' /proc/meminfo
+}
+
+# One cache for all work trees: paths are stored relative to the tree, and a precompiled header counts by its content.
+useCache() {
+  command -v ccache >/dev/null || return 0
+  export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+  export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  CCACHE_STATSLOG=$(mktemp)
+  export CCACHE_STATSLOG
+}
+
+printHitRate() {
+  [ -s "${CCACHE_STATSLOG:-}" ] || return 0
+  ccache --show-log-stats | sed -n 's/^ *Hits: */ccache hits: /p' | head -n 1
+  rm -f "$CCACHE_STATSLOG"
+}
+
+configure() {  # preset
+  mkdir -p build
+  cmake --preset "$1" >"build/$1.configure.log" 2>&1 || {
+    grep -A3 -E 'CMake Error|not found|Could not find' "build/$1.configure.log" >&2
+    endWith "cmake --preset $1 failed (build/$1.configure.log); deploy/install-deps installs what is missing"
+  }
+}
+
+build() {  # preset, targets ...
+  preset=$1
+  shift
+  configure "$preset"
+  jobs=$(countJobs)
+  [ "$jobs" -eq "$(nproc)" ] || echo "$jobs of $(nproc) processors are used: each compiler may need $memory_per_job_MB MB"
+  steps=$(ninja -C "build/$preset" -n "$@" | grep -c '^\[.*\(Building\|Linking\)') || true
+  [ "$steps" -eq 0 ] ||
+    echo "Building $steps steps (preset $preset), about $(((steps * step_s / jobs + 59) / 60)) minutes, less with a warm ccache"
+  quiet=""
+  [ -t 1 ] || quiet="--quiet"  # on a terminal ninja shows its progress in one line
+  # shellcheck disable=SC2086
+  NINJA_STATUS="[%f of %t, %es] " ninja -C "build/$preset" $quiet -j "$jobs" "$@"
+}
