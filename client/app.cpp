@@ -25,9 +25,9 @@
 #include "client/server_choice.hpp"
 #include "client/summary.hpp"
 #include "client/touch_teller.hpp"
-#include "common/wire/asio.hpp"
 #include "common/cli/hang_up.hpp"
 #include "common/fresh_file.hpp"
+#include "common/wire/asio.hpp"
 
 namespace hapticast::client {
 

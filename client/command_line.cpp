@@ -8,6 +8,7 @@
 #include "client/device/open_device.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/parse.hpp"
 #include "common/cli/service_name.hpp"
 #include "common/cli/version.hpp"
 #include "common/text.hpp"
@@ -218,6 +219,13 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addOutputOptions(*app, settings);
   addConfigFile(*app);
   return app;
+}
+
+std::optional<int> readCommandLine(Settings& settings, int argc, const char* const* argv) {
+  const auto app = commandLine(settings);
+  const auto exit_code = parseCommandLine(*app, argc, argv);
+  if (!exit_code) settings.config_file = app->get_config_ptr()->as<std::string>();
+  return exit_code;
 }
 
 }  // namespace hapticast::client

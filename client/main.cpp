@@ -23,8 +23,8 @@ enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
 std::atomic<bool> stop_calibration{false};
 
-/// --falcon-calibrate; `config_file` may be empty.
-int calibrateFalcon(const hapticast::client::Settings& settings, const std::string& config_file) {
+/// --falcon-calibrate.
+int calibrateFalcon(const hapticast::client::Settings& settings) {
   using namespace hapticast::client;
   const auto tell = [](const std::string& line) { spdlog::info("{}", line); };
   const hapticast::SteadyClock clock;
@@ -40,11 +40,11 @@ int calibrateFalcon(const hapticast::client::Settings& settings, const std::stri
   const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
                               stop_calibration, tell);
   if (!gain) return kDone;
-  if (config_file.empty()) {
+  if (settings.config_file.empty()) {
     spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);
   } else {
-    storeGain(config_file, *gain);
-    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, config_file);
+    storeGain(settings.config_file, *gain);
+    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, settings.config_file);
   }
   return kDone;
 }
@@ -69,8 +69,7 @@ int touch(const hapticast::client::Settings& settings) {
 
 int main(int argc, char** argv) {
   hapticast::client::Settings settings;
-  const auto command_line = hapticast::client::commandLine(settings);
-  if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
+  if (const auto exit_code = hapticast::client::readCommandLine(settings, argc, argv))
     return *exit_code;
   if (settings.list_devices) {
     std::fputs(hapticast::client::listDevices().c_str(), stdout);
@@ -81,8 +80,7 @@ int main(int argc, char** argv) {
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   if (settings.quiet) spdlog::set_level(spdlog::level::warn);
   try {
-    if (settings.calibration_g > 0.0)
-      return calibrateFalcon(settings, command_line->get_config_ptr()->as<std::string>());
+    if (settings.calibration_g > 0.0) return calibrateFalcon(settings);
     return touch(settings);
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::oneLine(error.what()));

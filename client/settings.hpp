@@ -44,6 +44,7 @@ struct Settings {
   bool rearm = false;                 ///< after a lost device or trust the force returns by itself
   double seconds = 0.0;               ///< 0: until Ctrl-C
   Method method = Method::kHapticast;
+  std::string config_file;  ///< that --config named; empty: none
   bool quiet = false;
 };
 

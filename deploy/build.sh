@@ -2,7 +2,7 @@
 
 # Measured: the largest batch of sources needs 1.1 GB (deploy/test asan), and a job leaves room for its linker.
 memory_per_job_MB=1300
-# Measured: CPU seconds of an average step of the preset release.
+# Measured: CPU seconds of an average batch of the preset release.
 step_s=5
 
 endWith() {  # message: ends the script with one line
@@ -54,9 +54,12 @@ build() {  # preset, targets ...
   configure "$preset"
   jobs=$(countJobs)
   [ "$jobs" -eq "$(nproc)" ] || echo "$jobs of $(nproc) processors are used: each compiler may need $memory_per_job_MB MB"
-  steps=$(ninja -C "build/$preset" -n "$@" | grep -c '^\[.*\(Building\|Linking\)') || true
+  steps=$(ninja -C "build/$preset" -t inputs "${@:-all}" 2>/dev/null | grep '\.o$' | (
+    cd "build/$preset"
+    while read -r object; do [ -e "$object" ] || echo missing; done
+  ) | wc -l)
   [ "$steps" -eq 0 ] ||
-    echo "Building $steps steps (preset $preset), about $(((steps * step_s / jobs + 59) / 60)) minutes, less with a warm ccache"
+    echo "Compiling $steps batches (preset $preset): about $(((steps * step_s / jobs + 59) / 60)) minutes, less with a warm cache"
   quiet=""
   [ -t 1 ] || quiet="--quiet"  # on a terminal ninja shows its progress in one line
   # shellcheck disable=SC2086

@@ -120,7 +120,7 @@ App::Impl::Impl(Settings settings, const Clock& clock)
 }
 
 App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-                          const Settings& settings)
+                                const Settings& settings)
     : group(groupOf(io, settings)),
       sender(io, clock, listener.endpoint(), signer, group ? &*group : nullptr) {}
 

@@ -8,6 +8,7 @@
 
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/parse.hpp"
 #include "common/cli/service_name.hpp"
 #include "common/cli/version.hpp"
 #include "common/wire/height_codec.hpp"
@@ -285,6 +286,11 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   return app;
+}
+
+std::optional<int> readCommandLine(Settings& settings, int argc, const char* const* argv) {
+  const auto app = commandLine(settings);
+  return parseCommandLine(*app, argc, argv);
 }
 
 }  // namespace hapticast::server

@@ -2,15 +2,24 @@
 // hapticast-server's command line: flags, config keys and their help. Thread: main, at start-up.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
 #include "server/settings.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapticast::server {
 
 /// Returns the command line that fills `settings`, which outlives it. Parse with
 /// parseCommandLine().
 [[nodiscard]] std::unique_ptr<CLI::App> commandLine(Settings& settings);
+
+/// Fills `settings` from the program's arguments. Returns nullopt to go on, else the exit code:
+/// 2 after one line on stderr, 0 after the help.
+[[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
+                                                 const char* const* argv);
 
 }  // namespace hapticast::server

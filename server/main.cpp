@@ -43,8 +43,7 @@ int serve(const hapticast::server::Settings& settings) {
 
 int main(int argc, char** argv) {
   hapticast::server::Settings settings;
-  const auto command_line = hapticast::server::commandLine(settings);
-  if (const auto exit_code = hapticast::parseCommandLine(*command_line, argc, argv))
+  if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
     return *exit_code;
   spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
