@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/broadcaster.hpp"
 
+#include <spdlog/common.h>
+
 #include <algorithm>
 #include <map>
 #include <utility>

@@ -21,7 +21,7 @@
 #include "server/stream/stream_sink.hpp"
 
 namespace spdlog::level {
-enum level_enum : int;
+enum level_enum : int;  // NOLINT(readability-identifier-naming): the name of spdlog
 }
 
 namespace hapticast::server {
