@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/listener.hpp"
 
+#include <spdlog/common.h>
+
 #include <stdexcept>
 #include <utility>
 
