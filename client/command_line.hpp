@@ -6,10 +6,7 @@
 #include <optional>
 
 #include "client/settings.hpp"
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the name of CLI11
-class App;
-}
+#include "common/cli/cli11.hpp"
 
 namespace hapticast::client {
 

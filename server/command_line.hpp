@@ -5,11 +5,8 @@
 #include <memory>
 #include <optional>
 
+#include "common/cli/cli11.hpp"
 #include "server/settings.hpp"
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the name of CLI11
-class App;
-}
 
 namespace hapticast::server {
 

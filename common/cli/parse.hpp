@@ -6,9 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the name of CLI11
-class App;
-}
+#include "common/cli/cli11.hpp"
 
 namespace hapticast {
 

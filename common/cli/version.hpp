@@ -4,9 +4,7 @@
 
 #include <string>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the name of CLI11
-class App;
-}
+#include "common/cli/cli11.hpp"
 
 namespace hapticast {
 

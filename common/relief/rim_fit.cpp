@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "common/relief/rim_fit.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+
+#include "common/least_squares.hpp"
 
 namespace hapticast {
 
@@ -85,7 +87,7 @@ RimFit::RimFit(const std::vector<float>& height_mm, const std::vector<std::uint8
   }
   const double weight = normal(0, 0);
   for (int i = 1; i < 6; ++i) normal(i, i) += weight * (i < 3 ? kSlopeRidge : kBendRidge);
-  const Eigen::Matrix<double, 6, 1> fit = normal.ldlt().solve(right);
+  const Eigen::Matrix<double, 6, 1> fit = solveNormal(normal, right);
   mean_mm_ = right(0) / weight;
   constant_ = fit(0);
   slope_u_ = fit(1) / kSigma_px;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/motion/reference_point.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
 
+#include "common/least_squares.hpp"
 #include "server/vision/base/masks.hpp"
 
 namespace hapticast::server {
@@ -93,7 +94,7 @@ SphereFit fitSphere(const std::vector<Vector3d>& points) {
     matrix += row * row.transpose();
     right += row * (p - mean).squaredNorm();
   }
-  const Eigen::Vector4d c = matrix.ldlt().solve(right);
+  const Eigen::Vector4d c = solveNormal(matrix, right);
   SphereFit out;
   out.centre = c.head<3>() + mean;
   out.radius_mm = std::sqrt(std::max(0.0, c[3] + c.head<3>().squaredNorm()));
@@ -121,7 +122,7 @@ std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
     matrix += rows.back() * rows.back().transpose();
     right += rows.back() / p.z();
   }
-  const Eigen::Vector4d fit = matrix.ldlt().solve(right);
+  const Eigen::Vector4d fit = solveNormal(matrix, right);
   const Vector3d plane = fit.head<3>();
   const double dome = fit[3];
   if (!fit.allFinite() || !(dome > 0)) return std::nullopt;
@@ -134,7 +135,7 @@ std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
   body.topLeftCorner<2, 2>() += dome * dome * shape;
   body(2, 2) -= dome * dome;
   if (!(body.determinant() > 0)) return std::nullopt;
-  const Vector3d centre = body.ldlt().solve(plane);
+  const Vector3d centre = solveNormal(body, plane);
   const Vec2 seen =
       Vec2(outline.u_px, outline.v_px) + outline.radius_px / centre.z() * centre.head<2>();
   return centre.z() * camera.ray(seen.x(), seen.y());

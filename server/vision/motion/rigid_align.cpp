@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/motion/rigid_align.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/least_squares.hpp"
 #include "server/vision/base/masks.hpp"
 
 namespace hapticast::server {
@@ -235,7 +236,7 @@ cv::Matx23d RigidTemplate::similarityOf(const Vector3d& pivot_mm, const RigidSte
     matrix += ru * ru.transpose() + rv * rv.transpose();
     right += ru * to.x() + rv * to.y();
   }
-  const Eigen::Vector4d s = matrix.ldlt().solve(right);
+  const Eigen::Vector4d s = solveNormal(matrix, right);
   return s.allFinite() ? cv::Matx23d(s[0], -s[1], s[2], s[1], s[0], s[3]) : step.similarity;
 }
 

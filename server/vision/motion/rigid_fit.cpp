@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/motion/rigid_fit.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "common/least_squares.hpp"
 #include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
@@ -161,7 +161,7 @@ bool RigidFit::improve(RigidStep& step) {
     removeBias();
     step.inliers = inliers();
     const Normal normal = equations(step);
-    const Vector6d change = normal.matrix.ldlt().solve(normal.right);
+    const Vector6d change = solveNormal(normal.matrix, normal.right);
     if (!change.allFinite()) return false;
     const double depth_mm = std::max(1.0, pivot_mm_.z() + step.shift_mm.z());
     step.shift_mm += change.head<3>();

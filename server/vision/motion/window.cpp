@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/motion/window.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "common/least_squares.hpp"
 
 namespace hapticast::server {
 
@@ -46,7 +48,7 @@ Polynomial fit(const std::vector<Sample>& samples, std::size_t first, std::size_
     for (int k = 0; k <= order; ++k) powers(i, k) = std::pow(tau, k);
     right[i] = value(sample) - base;
   }
-  out.c = powers.colPivHouseholderQr().solve(right);
+  out.c = solveLeastSquares(powers, right);
   out.square_sum = (powers * out.c - right).squaredNorm();
   out.freedom = count - order - 1;
   out.c[0] += base;

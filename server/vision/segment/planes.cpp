@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/segment/planes.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "common/least_squares.hpp"
 #include "server/vision/base/frame_images.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
@@ -70,7 +71,7 @@ int fitOnce(const std::vector<LatticePoint>& points, double width, Plane& plane)
     residuals.push_back(std::abs(p.z * p.z * (1 / p.z - plane.inverse(p.u, p.v))));
   }
   if (residuals.size() < 10) return 0;
-  const Eigen::Vector3d abc = normal.ldlt().solve(right);
+  const Eigen::Vector3d abc = solveNormal(normal, right);
   if (!abc.allFinite()) return 0;
   plane.a = abc[0];
   plane.b = abc[1];
