@@ -12,22 +12,22 @@
 #include <thread>
 #include <utility>
 
-#include "client/chosen_device.hpp"
-#include "client/connection_teller.hpp"
-#include "client/device_buttons.hpp"
-#include "client/fault_files.hpp"
+#include "client/device/buttons.hpp"
 #include "client/haptics/loop_thread.hpp"
-#include "client/haptics/room.hpp"
-#include "client/log.hpp"
+#include "client/haptics/rearm_policy.hpp"
+#include "client/haptics/renderer.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
-#include "client/rearm.hpp"
-#include "client/server_choice.hpp"
-#include "client/summary.hpp"
-#include "client/touch_teller.hpp"
-#include "common/cli/hang_up.hpp"
-#include "common/fresh_file.hpp"
-#include "common/wire/asio.hpp"
+#include "client/report/connection_log.hpp"
+#include "client/report/fault_log.hpp"
+#include "client/report/haptic_status_log.hpp"
+#include "client/report/summary.hpp"
+#include "client/report/tick_log.hpp"
+#include "client/select_device.hpp"
+#include "client/server_selector.hpp"
+#include "common/cli/signals.hpp"
+#include "common/transport/asio.hpp"
+#include "common/unique_filename.hpp"
 
 namespace hapticast::client {
 

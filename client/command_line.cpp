@@ -12,7 +12,7 @@
 #include "common/cli/service_name.hpp"
 #include "common/cli/version.hpp"
 #include "common/text.hpp"
-#include "common/wire/limits.hpp"
+#include "common/wire_limits.hpp"
 
 namespace hapticast::client {
 

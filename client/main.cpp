@@ -10,11 +10,11 @@
 #include <string>
 
 #include "client/app.hpp"
-#include "client/calibrate.hpp"
 #include "client/command_line.hpp"
+#include "client/device/calibrate.hpp"
 #include "client/device/open_device.hpp"
 #include "client/open_views.hpp"
-#include "client/server_choice.hpp"
+#include "client/server_selector.hpp"
 #include "common/cli/parse.hpp"
 
 namespace {

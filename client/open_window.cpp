@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "client/open_views.hpp"
-#include "client/view/window.hpp"
+#include "client/view/window/window.hpp"
 
 namespace hapticast::client {
 

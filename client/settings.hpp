@@ -6,8 +6,8 @@
 #include <string>
 
 #include "client/device/falcon_settings.hpp"
-#include "client/haptics/surface/surface_model.hpp"
-#include "client/net/delivery_choice.hpp"
+#include "client/haptics/contact/surface_model.hpp"
+#include "client/net/udp/transport_selector.hpp"
 #include "common/endpoint.hpp"
 
 namespace hapticast::client {

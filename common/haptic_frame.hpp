@@ -78,7 +78,7 @@ struct Impact {
 };
 
 /// What the author says of the surface, none of it negative. What is absent is the viewer's choice
-/// (client/haptics/surface/surface_model.hpp).
+/// (client/haptics/contact/surface_model.hpp).
 struct Material {
   std::optional<double> stiffness_N_mm;
   std::optional<double> damping_Ns_m;
@@ -89,7 +89,7 @@ struct Material {
 };
 
 /// One object of a frame, whose heights are a `Shape`: Relief where they are made and felt,
-/// CodedRelief (common/wire/coded_frame.hpp) where they travel.
+/// CodedRelief (common/codec/coded_frame.hpp) where they travel.
 template <class Shape>
 struct ObjectOf {
   std::uint32_t id = 0;                 ///< a re-found object gets a new one

@@ -12,13 +12,13 @@
 #include <thread>
 #include <utility>
 
-#include "common/cli/hang_up.hpp"
-#include "common/wire/asio.hpp"
-#include "server/author_points.hpp"
-#include "server/clip_look.hpp"
-#include "server/encoder_thread.hpp"
-#include "server/plan_teller.hpp"
-#include "server/range_teller.hpp"
+#include "common/cli/signals.hpp"
+#include "common/transport/asio.hpp"
+#include "server/pipeline/check_points.hpp"
+#include "server/pipeline/clip_scan.hpp"
+#include "server/pipeline/depth_range_log.hpp"
+#include "server/pipeline/encoder_thread.hpp"
+#include "server/pipeline/plan_log.hpp"
 #include "server/source/pacer.hpp"
 #include "server/source/playback.hpp"
 #include "server/stream/announce.hpp"

@@ -11,8 +11,8 @@
 #include "common/cli/parse.hpp"
 #include "common/cli/service_name.hpp"
 #include "common/cli/version.hpp"
-#include "common/wire/height_codec.hpp"
-#include "common/wire/limits.hpp"
+#include "common/codec/height_codec.hpp"
+#include "common/wire_limits.hpp"
 
 namespace hapticast::server {
 

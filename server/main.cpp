@@ -8,7 +8,7 @@
 #include "common/cli/parse.hpp"
 #include "server/app.hpp"
 #include "server/command_line.hpp"
-#include "server/preview.hpp"
+#include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/address_error.hpp"
 

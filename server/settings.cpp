@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/wire/height_codec.hpp"
+#include "common/codec/height_codec.hpp"
 
 namespace hapticast::server {
 

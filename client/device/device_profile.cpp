@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "common/suggest.hpp"
+#include "common/spelling.hpp"
 #include "common/text.hpp"
 
 namespace hapticast::client {

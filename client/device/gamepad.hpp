@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "client/haptics/force_parts.hpp"
+#include "client/haptics/force_components.hpp"
 #include "common/geometry.hpp"
 
 namespace hapticast::client {

@@ -15,7 +15,7 @@
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/pointer.hpp"
 #include "client/haptics/tick_report.hpp"
-#include "common/latest_value.hpp"
+#include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
 

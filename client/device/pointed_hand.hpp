@@ -3,7 +3,7 @@
 // a stick. Thread: the loop's.
 #pragma once
 
-#include "client/device/virtual_device.hpp"
+#include "client/device/virtual/virtual_device.hpp"
 
 namespace hapticast::client {
 

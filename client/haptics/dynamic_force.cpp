@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "client/haptics/surface/surface_model.hpp"
-#include "client/haptics/time/pose.hpp"
+#include "client/haptics/contact/surface_model.hpp"
+#include "client/haptics/playback/pose.hpp"
 
 namespace hapticast::client {
 

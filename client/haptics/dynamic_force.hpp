@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/stream_state.hpp"
-#include "client/haptics/time/scene.hpp"
+#include "client/haptics/playback/scene.hpp"
+#include "client/haptics/stream_timing.hpp"
 
 namespace hapticast::client {
 

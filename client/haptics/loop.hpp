@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "client/haptics/room.hpp"
+#include "client/haptics/renderer.hpp"
 #include "common/histogram.hpp"
 
 namespace hapticast::client {

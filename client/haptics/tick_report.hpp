@@ -6,9 +6,9 @@
 #include <cstdint>
 
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/safety/energy_ports.hpp"
-#include "client/haptics/safety/interference.hpp"
-#include "client/haptics/time/scene.hpp"
+#include "client/haptics/playback/scene.hpp"
+#include "client/haptics/safety/passivity_observer.hpp"
+#include "client/haptics/safety/safety_action.hpp"
 #include "common/geometry.hpp"
 #include "common/time.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/haptics/surface/surface_kind.hpp"
+#include "client/haptics/contact/surface_kind.hpp"
 #include "common/haptic_frame.hpp"
 
 namespace hapticast::client {

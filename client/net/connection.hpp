@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "client/net/datagram_link.hpp"
 #include "client/net/dial.hpp"
 #include "client/net/receiver.hpp"
-#include "common/wire/asio.hpp"
-#include "common/wire/messages.hpp"
+#include "client/net/udp/udp_receiver.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/asio.hpp"
 
 namespace hapticast::client {
 

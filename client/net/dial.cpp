@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "common/wire/tcp_channel.hpp"
+#include "common/transport/tcp_channel.hpp"
 
 namespace hapticast::client {
 

@@ -9,7 +9,7 @@
 
 #include "common/endpoint.hpp"
 #include "common/time.hpp"
-#include "common/wire/channel.hpp"
+#include "common/transport/channel.hpp"
 
 namespace hapticast::client {
 

@@ -12,10 +12,10 @@
 #include <set>
 #include <span>
 
+#include "common/codec/coded_frame.hpp"
+#include "common/protocol/fragment.hpp"
 #include "common/time.hpp"
-#include "common/wire/coded_frame.hpp"
-#include "common/wire/datagram.hpp"
-#include "common/wire/frame_pieces.hpp"
+#include "common/transport/datagram.hpp"
 
 namespace hapticast::client {
 

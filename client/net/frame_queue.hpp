@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/haptics/time/frame_pool.hpp"
+#include "client/haptics/playback/frame_pool.hpp"
 #include "client/net/frame_assembler.hpp"
 #include "client/net/relief_cache.hpp"
 

@@ -8,13 +8,13 @@
 #include <optional>
 #include <span>
 
-#include "client/haptics/stream_state.hpp"
+#include "client/haptics/stream_timing.hpp"
+#include "client/net/decode_thread.hpp"
 #include "client/net/frame_assembler.hpp"
 #include "client/net/jitter_estimator.hpp"
-#include "client/net/preparer.hpp"
-#include "common/latest_value.hpp"
-#include "common/wire/clock_sync.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/sync/latest_value.hpp"
+#include "common/transport/clock_sync.hpp"
 
 namespace hapticast::client {
 

@@ -11,9 +11,9 @@
 #include <memory>
 #include <utility>
 
-#include "client/net/carry_over.hpp"
+#include "client/net/error_concealment.hpp"
+#include "common/codec/coded_frame.hpp"
 #include "common/relief/height_field.hpp"
-#include "common/wire/coded_frame.hpp"
 
 namespace hapticast::client {
 

@@ -9,7 +9,7 @@
 
 #include "client/view/sound_mixer.hpp"
 #include "client/view/view.hpp"
-#include "common/latest_value.hpp"
+#include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "client/haptics/force_parts.hpp"
+#include "client/haptics/force_components.hpp"
 
 namespace hapticast::client {
 

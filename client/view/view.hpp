@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/haptics/felt_frame.hpp"
+#include "client/haptics/playback/playable_reliefs.hpp"
 #include "client/haptics/pointer.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "client/haptics/user_controls.hpp"

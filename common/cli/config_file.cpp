@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/suggest.hpp"
+#include "common/spelling.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {

@@ -12,7 +12,7 @@
 
 #include "common/endpoint.hpp"
 #include "common/geometry.hpp"
-#include "common/suggest.hpp"
+#include "common/spelling.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/cli/config_file.hpp"
-#include "common/suggest.hpp"
+#include "common/spelling.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {

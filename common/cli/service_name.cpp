@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/service.hpp"
+#include "common/mdns.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {

@@ -10,10 +10,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/service.hpp"
-#include "common/wire/avahi_session.hpp"
-#include "common/wire/messages.hpp"
-#include "common/wire/network_interfaces.hpp"
+#include "common/mdns.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/mdns_session.hpp"
+#include "common/transport/network_interfaces.hpp"
 #include "server/stream/address_error.hpp"
 #include "server/stream/log_limit.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "common/wire/asio.hpp"
+#include "common/transport/asio.hpp"
 
 namespace hapticast::server {
 

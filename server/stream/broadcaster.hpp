@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/wire/asio.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/asio.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/log_limit.hpp"

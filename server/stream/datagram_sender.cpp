@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/wire/limits.hpp"
+#include "common/wire_limits.hpp"
 
 namespace hapticast::server {
 

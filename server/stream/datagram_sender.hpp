@@ -12,12 +12,12 @@
 #include <optional>
 #include <vector>
 
-#include "common/wire/channel.hpp"
-#include "common/wire/messages.hpp"
-#include "server/stream/address_book.hpp"
-#include "server/stream/datagram_out.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/channel.hpp"
 #include "server/stream/datagram_signer.hpp"
 #include "server/stream/multicast_group.hpp"
+#include "server/stream/udp_fanout.hpp"
+#include "server/stream/udp_subscribers.hpp"
 
 namespace hapticast::server {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/wire/datagram.hpp"
-#include "common/wire/frame_pieces.hpp"
+#include "common/protocol/fragment.hpp"
+#include "common/transport/datagram.hpp"
 #include "server/stream/encoded.hpp"
 
 namespace hapticast::server {

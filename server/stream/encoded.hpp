@@ -11,10 +11,10 @@
 #include <optional>
 #include <vector>
 
+#include "common/codec/coded_frame.hpp"
 #include "common/haptic_frame.hpp"
-#include "common/wire/coded_frame.hpp"
-#include "common/wire/framing.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/framing.hpp"
 
 namespace hapticast::server {
 

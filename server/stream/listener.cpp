@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/wire/tcp_channel.hpp"
+#include "common/transport/tcp_channel.hpp"
 
 namespace hapticast::server {
 

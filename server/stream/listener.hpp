@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/endpoint.hpp"
-#include "common/wire/asio.hpp"
+#include "common/transport/asio.hpp"
 #include "server/stream/address_error.hpp"
 #include "server/stream/broadcaster.hpp"
 

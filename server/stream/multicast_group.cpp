@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/text.hpp"
-#include "common/wire/network_interfaces.hpp"
+#include "common/transport/network_interfaces.hpp"
 #include "server/stream/address_error.hpp"
 
 namespace hapticast::server {

@@ -3,7 +3,7 @@
 // Thread: main, at start-up.
 #pragma once
 
-#include "common/wire/asio.hpp"
+#include "common/transport/asio.hpp"
 #include "server/stream/multicast_choice.hpp"
 
 namespace hapticast::server {

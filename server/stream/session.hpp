@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-#include "common/wire/channel.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/channel.hpp"
 #include "server/stream/send_queue.hpp"
 #include "server/stream/stream_settings.hpp"
 

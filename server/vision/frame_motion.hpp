@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "server/source/rgbd_source.hpp"
-#include "server/vision/motion/clip.hpp"
-#include "server/vision/motion/history.hpp"
+#include "server/vision/motion/clip_smoother.hpp"
 #include "server/vision/motion/impact.hpp"
+#include "server/vision/motion/pose_history.hpp"
 #include "server/vision/tracked_object.hpp"
 
 namespace hapticast::server {

@@ -9,8 +9,8 @@
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/motion/pose_tracker.hpp"
-#include "server/vision/segment/segment.hpp"
-#include "server/vision/surface/hold.hpp"
+#include "server/vision/segment/segmenter.hpp"
+#include "server/vision/surface/static_region_filter.hpp"
 #include "server/vision/tracked_object.hpp"
 #include "server/vision/vision_settings.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/motion/background.hpp"
-#include "server/vision/segment/segment.hpp"
+#include "server/vision/segment/segmenter.hpp"
 #include "server/vision/track.hpp"
 
 namespace hapticast::server {

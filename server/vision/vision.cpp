@@ -8,8 +8,8 @@
 
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
+#include "server/vision/loop_seam.hpp"
 #include "server/vision/tracker.hpp"
-#include "server/vision/wrap.hpp"
 
 namespace hapticast::server {
 

@@ -3,7 +3,7 @@
 // (see its --help); quote ratios from one run, medians over --benchmark_repetitions.
 #include <benchmark/benchmark.h>
 
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/stream/datagram_signer.hpp"
 #include "server/stream/encoded.hpp"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "client/device/falcon_kinematics.hpp"
+#include "client/device/falcon/kinematics.hpp"
 #include "tests/falcon/falcon_fixture.hpp"
 
 namespace hapticast::testing {

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "client/device/falcon_link.hpp"
+#include "client/device/falcon/falcon_link.hpp"
 #include "client/device/open_device.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "tests/falcon/usb_port.hpp"

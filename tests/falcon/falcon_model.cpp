@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/device/falcon_kinematics.hpp"
+#include "client/device/falcon/kinematics.hpp"
 #include "tests/support/falcon_bytes.hpp"
 
 namespace hapticast::testing {

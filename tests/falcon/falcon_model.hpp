@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "client/device/falcon_protocol.hpp"
+#include "client/device/falcon/protocol.hpp"
 #include "common/geometry.hpp"
 #include "common/time.hpp"
 

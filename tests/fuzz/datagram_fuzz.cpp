@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire/frame_pieces.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/fragment.hpp"
+#include "common/protocol/messages.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "client/device/device_profile.hpp"
-#include "client/device/hand_script.hpp"
+#include "client/device/virtual/hand_script.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "client/device/falcon_kinematics.hpp"
+#include "client/device/falcon/kinematics.hpp"
 #include "tests/support/falcon_bytes.hpp"
 
 namespace {

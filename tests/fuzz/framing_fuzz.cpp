@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/wire/framing.hpp"
+#include "common/transport/framing.hpp"
 
 namespace {
 

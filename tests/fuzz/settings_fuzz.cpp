@@ -11,7 +11,7 @@
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
-#include "common/wire/limits.hpp"
+#include "common/wire_limits.hpp"
 #include "server/command_line.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "common/wire/height_codec.hpp"
+#include "common/codec/height_codec.hpp"
 
 namespace {
 

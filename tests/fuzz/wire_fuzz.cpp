@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto message = hapticast::decode(std::span(data, size));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The window as a person uses it, on SDL's display for machines without one: a real server streams
 // a ball, pointer and keys come as SDL's events, the force is felt through the mouse.
-#include "client/view/window.hpp"
+#include "client/view/window/window.hpp"
 
 #include <cstdlib>
 #include <functional>

@@ -6,7 +6,7 @@
 #include <array>
 #include <set>
 
-#include "common/wire/tcp_channel.hpp"
+#include "common/transport/tcp_channel.hpp"
 #include "server/stream/file_limit.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/log_lines.hpp"

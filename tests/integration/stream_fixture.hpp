@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "client/net/connection.hpp"
-#include "common/wire/asio.hpp"
+#include "common/transport/asio.hpp"
 #include "server/stream/listener.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/framed.hpp"

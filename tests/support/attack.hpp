@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "client/device/device_profile.hpp"
-#include "client/haptics/room.hpp"
+#include "client/haptics/renderer.hpp"
 #include "tests/support/frame_builder.hpp"
 #include "tests/support/rig.hpp"
 

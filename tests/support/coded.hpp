@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "common/wire/coded_frame.hpp"
+#include "common/codec/coded_frame.hpp"
 
 namespace hapticast::testing {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/wire/datagram.hpp"
+#include "common/transport/datagram.hpp"
 
 namespace hapticast::testing {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire/asio.hpp"
-#include "common/wire/frame_pieces.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/fragment.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/asio.hpp"
 
 namespace hapticast::testing {
 

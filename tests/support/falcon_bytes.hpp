@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "client/device/falcon_protocol.hpp"
+#include "client/device/falcon/protocol.hpp"
 
 namespace hapticast::testing {
 

@@ -6,8 +6,8 @@
 #include <functional>
 #include <memory>
 
-#include "client/haptics/time/frame_pool.hpp"
-#include "client/haptics/time/lookup.hpp"
+#include "client/haptics/playback/frame_pool.hpp"
+#include "client/haptics/playback/scene_interpolator.hpp"
 
 namespace hapticast::client {
 

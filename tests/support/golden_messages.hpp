@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 
 namespace hapticast::testing {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "common/wire/asio.hpp"
+#include "common/transport/asio.hpp"
 #include "tests/support/link_model.hpp"
 
 namespace hapticast::testing {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/wire/asio.hpp"
+#include "common/transport/asio.hpp"
 #include "tests/support/link_model.hpp"
 #include "tests/support/lossy_datagrams.hpp"
 

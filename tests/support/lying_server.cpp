@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "common/wire/frame_pieces.hpp"
+#include "common/protocol/fragment.hpp"
 #include "tests/support/flat_relief.hpp"
 
 namespace hapticast::testing {

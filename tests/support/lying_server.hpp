@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "common/wire/datagram.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/datagram.hpp"
 #include "tests/support/coded.hpp"
 
 namespace hapticast::testing {

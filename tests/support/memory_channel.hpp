@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/wire/channel.hpp"
+#include "common/transport/channel.hpp"
 
 namespace hapticast::testing {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "client/device/virtual_device.hpp"
-#include "client/haptics/hip_motion.hpp"
+#include "client/device/virtual/virtual_device.hpp"
+#include "client/haptics/estimation/hip_estimator.hpp"
 #include "client/haptics/safety/chain.hpp"
 #include "tests/support/manual_clock.hpp"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/haptics/room.hpp"
+#include "client/haptics/renderer.hpp"
 #include "common/tick.hpp"
 #include "tests/support/rig.hpp"
 

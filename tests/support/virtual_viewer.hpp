@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/haptics/room.hpp"
-#include "client/net/datagram_inbox.hpp"
+#include "client/haptics/renderer.hpp"
 #include "client/net/receiver.hpp"
+#include "client/net/udp/datagram_verifier.hpp"
+#include "common/protocol/messages.hpp"
 #include "common/tick.hpp"
-#include "common/wire/messages.hpp"
 #include "tests/support/rig.hpp"
 
 namespace hapticast::client {

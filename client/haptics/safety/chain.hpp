@@ -6,15 +6,15 @@
 
 #include <cstdint>
 
+#include "client/haptics/estimation/hip_observer.hpp"
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/safety/energy_ports.hpp"
-#include "client/haptics/safety/interference.hpp"
-#include "client/haptics/safety/latency_watch.hpp"
+#include "client/haptics/safety/oscillation_detector.hpp"
+#include "client/haptics/safety/passivity_observer.hpp"
+#include "client/haptics/safety/safety_action.hpp"
 #include "client/haptics/safety/step_limit.hpp"
 #include "client/haptics/safety/thermal_budget.hpp"
 #include "client/haptics/safety/trust.hpp"
 #include "client/haptics/safety/wall_law.hpp"
-#include "client/haptics/tip_observer.hpp"
 
 namespace hapticast::client {
 

@@ -3,8 +3,8 @@
 // behind all of it. Real-time room.
 #pragma once
 
+#include "client/haptics/estimation/hip_observer.hpp"
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/tip_observer.hpp"
 
 namespace hapticast::client {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "client/haptics/safety/interference.hpp"
+#include "client/haptics/safety/safety_action.hpp"
 
 namespace hapticast::client {
 

@@ -4,8 +4,8 @@
 // Thread: the one that runs Vision.
 #pragma once
 
-#include "server/vision/base/depth_flicker.hpp"
 #include "server/vision/base/depth_noise.hpp"
+#include "server/vision/base/depth_scale_alignment.hpp"
 #include "server/vision/base/frame_images.hpp"
 #include "server/vision/base/scene_cut.hpp"
 

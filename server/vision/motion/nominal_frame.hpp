@@ -5,7 +5,7 @@
 #include "common/geometry.hpp"
 #include "server/source/camera_model.hpp"
 #include "server/vision/motion/object_pose.hpp"
-#include "server/vision/motion/window.hpp"
+#include "server/vision/motion/savitzky_golay.hpp"
 
 namespace hapticast::server {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "server/vision/motion/rigid_crop.hpp"
+#include "server/vision/motion/rigid_roi.hpp"
 
 namespace hapticast::server {
 

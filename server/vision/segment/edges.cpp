@@ -7,8 +7,8 @@
 #include <set>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/segment/segment.hpp"
-#include "server/vision/segment/start.hpp"
+#include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/time.hpp"
-#include "common/wire/asio.hpp"
-#include "common/wire/datagram.hpp"
+#include "common/transport/asio.hpp"
+#include "common/transport/datagram.hpp"
 
 namespace hapticast::testing {
 

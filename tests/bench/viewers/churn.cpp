@@ -13,10 +13,10 @@
 #include <thread>
 #include <utility>
 
-#include "common/wire/asio.hpp"
-#include "common/wire/datagram.hpp"
-#include "common/wire/framing.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/asio.hpp"
+#include "common/transport/datagram.hpp"
+#include "common/transport/framing.hpp"
 #include "tests/bench/viewers/trials.hpp"
 #include "tests/support/framed.hpp"
 

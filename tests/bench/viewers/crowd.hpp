@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "common/histogram.hpp"
-#include "common/wire/clock_sync.hpp"
-#include "common/wire/datagram.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/clock_sync.hpp"
+#include "common/transport/datagram.hpp"
 #include "tests/bench/viewers/dialect.hpp"
 
 namespace hapticast::testing {

@@ -7,7 +7,7 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/haptics/dynamic_force.hpp"
-#include "client/haptics/hip_motion.hpp"
+#include "client/haptics/estimation/hip_estimator.hpp"
 #include "common/tick.hpp"
 #include "tests/evaluate/accuracy/accuracy_parts.hpp"
 #include "tests/evaluate/thread_time.hpp"

@@ -6,8 +6,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "common/wire/height_codec.hpp"
-#include "common/wire/messages.hpp"
+#include "common/codec/height_codec.hpp"
+#include "common/protocol/messages.hpp"
 #include "tests/evaluate/accuracy/accuracy_parts.hpp"
 #include "tests/evaluate/codec/codec_rivals.hpp"
 #include "tests/evaluate/codec/codec_shapes.hpp"

@@ -18,7 +18,7 @@
 
 #include "server/source/image_sequence.hpp"
 #include "server/source/synthetic_scene.hpp"
-#include "server/vision/motion/window.hpp"
+#include "server/vision/motion/savitzky_golay.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/motion/motion_clips.hpp"
 #include "tests/support/clips.hpp"

@@ -4,9 +4,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "server/vision/motion/clip.hpp"
+#include "server/vision/motion/clip_smoother.hpp"
 #include "server/vision/motion/nominal_frame.hpp"
-#include "server/vision/motion/window.hpp"
+#include "server/vision/motion/savitzky_golay.hpp"
 #include "server/vision/tracker.hpp"
 #include "tests/evaluate/thread_time.hpp"
 

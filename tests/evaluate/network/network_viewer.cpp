@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "client/haptics/time/playout.hpp"
+#include "client/haptics/playback/playout.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/support/manual_clock.hpp"
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 
-#include "client/net/loss_meter.hpp"
+#include "client/net/udp/loss_estimator.hpp"
 #include "common/tick.hpp"
-#include "common/wire/clock_sync.hpp"
+#include "common/transport/clock_sync.hpp"
 #include "tests/evaluate/network/network_wire.hpp"
 #include "tests/evaluate/touch/touch_player.hpp"
 

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/net/loss_meter.hpp"
-#include "common/wire/frame_pieces.hpp"
-#include "common/wire/limits.hpp"
+#include "client/net/udp/loss_estimator.hpp"
+#include "common/protocol/fragment.hpp"
+#include "common/wire_limits.hpp"
 
 namespace hapticast::evaluate {
 

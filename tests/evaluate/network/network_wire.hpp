@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "common/wire/datagram.hpp"
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/transport/datagram.hpp"
 #include "tests/evaluate/touch/touch_stream.hpp"
 #include "tests/support/link_model.hpp"
 

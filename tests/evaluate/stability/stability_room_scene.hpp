@@ -9,7 +9,7 @@
 #include <memory>
 #include <tuple>
 
-#include "client/haptics/room.hpp"
+#include "client/haptics/renderer.hpp"
 #include "tests/evaluate/stability/stability_cases.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
 #include "tests/support/frame_builder.hpp"

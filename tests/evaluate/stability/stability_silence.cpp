@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-#include "client/haptics/room.hpp"
+#include "client/haptics/renderer.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
 #include "tests/support/frame_builder.hpp"
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "client/haptics/contact/proxy_surface.hpp"
 #include "client/haptics/safety/chain.hpp"
-#include "client/haptics/surface/proxy_surface.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/support/manual_clock.hpp"

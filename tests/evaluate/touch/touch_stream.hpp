@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "common/wire/framing.hpp"
-#include "common/wire/height_codec.hpp"
+#include "common/codec/height_codec.hpp"
+#include "common/transport/framing.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/touch/touch_scene.hpp"
 

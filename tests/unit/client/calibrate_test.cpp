@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/calibrate.hpp"
+#include "client/device/calibrate.hpp"
 
 #include <gtest/gtest.h>
 

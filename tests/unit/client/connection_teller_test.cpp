@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/connection_teller.hpp"
+#include "client/report/connection_log.hpp"
 
 #include <gtest/gtest.h>
 

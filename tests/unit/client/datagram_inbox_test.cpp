@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/datagram_inbox.hpp"
+#include "client/net/udp/datagram_verifier.hpp"
 
 #include <gtest/gtest.h>
 

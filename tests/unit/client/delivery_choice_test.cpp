@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/delivery_choice.hpp"
+#include "client/net/udp/transport_selector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device_buttons.hpp"
+#include "client/device/buttons.hpp"
 
 #include <gtest/gtest.h>
 

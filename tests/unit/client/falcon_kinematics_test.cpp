@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/falcon_kinematics.hpp"
+#include "client/device/falcon/kinematics.hpp"
 
 #include <gtest/gtest.h>
 

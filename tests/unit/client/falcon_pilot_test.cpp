@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/falcon_pilot.hpp"
+#include "client/device/falcon/pilot.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "client/device/falcon_kinematics.hpp"
+#include "client/device/falcon/kinematics.hpp"
 #include "common/tick.hpp"
 
 namespace hapticast::client {

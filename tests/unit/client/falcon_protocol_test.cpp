@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/falcon_protocol.hpp"
+#include "client/device/falcon/protocol.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/found_servers.hpp"
+#include "client/discovery/server_list.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 
 namespace hapticast::client {
 namespace {

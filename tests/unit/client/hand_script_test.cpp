@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/hand_script.hpp"
+#include "client/device/virtual/hand_script.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/loss_meter.hpp"
+#include "client/net/udp/loss_estimator.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The preparer by hand, and once with its thread between a network and a loop.
-#include "client/net/preparer.hpp"
+#include "client/net/decode_thread.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "common/wire/frame_pieces.hpp"
+#include "common/protocol/fragment.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/summary.hpp"
+#include "client/report/summary.hpp"
 
 #include <gtest/gtest.h>
 

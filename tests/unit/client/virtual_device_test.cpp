@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/virtual_device.hpp"
+#include "client/device/virtual/virtual_device.hpp"
 
 #include <gtest/gtest.h>
 

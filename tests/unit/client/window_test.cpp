@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The window itself on SDL's display for machines without one: what it draws, what it hears.
-#include "client/view/window.hpp"
+#include "client/view/window/window.hpp"
 
 #include <gtest/gtest.h>
 

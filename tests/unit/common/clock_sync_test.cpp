@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Simulated networks: the media clock is offset + (1 + drift) x local; every way has a fixed part
 // and a random queue.
-#include "common/wire/clock_sync.hpp"
+#include "common/transport/clock_sync.hpp"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <sstream>
 #include <string>
 
-#include "common/wire/frame_pieces.hpp"
+#include "common/protocol/fragment.hpp"
 #include "tests/support/datagram_bytes.hpp"
 
 namespace hapticast {

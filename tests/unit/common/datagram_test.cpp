@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/wire/datagram.hpp"
+#include "common/transport/datagram.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/wire/frame_pieces.hpp"
+#include "common/protocol/fragment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"

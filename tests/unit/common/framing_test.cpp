@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/wire/framing.hpp"
+#include "common/transport/framing.hpp"
 
 #include <gtest/gtest.h>
 

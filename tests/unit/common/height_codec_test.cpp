@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Golden slices: HAPTICAST_UPDATE_GOLDEN=1 unit_common --gtest_filter='HeightCodecGolden.*' writes
 // golden/*.slices and the fuzzer's seeds anew; the decoder in proto/examples reads them, too.
-#include "common/wire/height_codec.hpp"
+#include "common/codec/height_codec.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/latest_value.hpp"
+#include "common/sync/latest_value.hpp"
 
 #include <gtest/gtest.h>
 

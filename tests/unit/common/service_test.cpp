@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/service.hpp"
+#include "common/mdns.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/wire/signature.hpp"
+#include "common/transport/signature.hpp"
 
 #include <gtest/gtest.h>
 

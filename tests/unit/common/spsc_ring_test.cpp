@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/spsc_ring.hpp"
+#include "common/sync/spsc_ring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/wire/tcp_channel.hpp"
+#include "common/transport/tcp_channel.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 #include "tests/support/coded.hpp"
 
 namespace hapticast::testing {

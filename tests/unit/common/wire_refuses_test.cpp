@@ -4,9 +4,9 @@
 #include <limits>
 #include <random>
 
-#include "common/wire/framing.hpp"
-#include "common/wire/limits.hpp"
-#include "common/wire/scan.hpp"
+#include "common/protocol/scan.hpp"
+#include "common/transport/framing.hpp"
+#include "common/wire_limits.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"
 

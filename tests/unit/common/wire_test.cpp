@@ -2,7 +2,7 @@
 // Golden bytes: HAPTICAST_UPDATE_GOLDEN=1 unit_common --gtest_filter='WireGolden.*' writes
 // golden/*.hex and the fuzzers' seeds anew; look at the difference before you commit it, and bump
 // kProtocolVersion if it is one.
-#include "common/wire/messages.hpp"
+#include "common/protocol/messages.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/wire/framing.hpp"
+#include "common/transport/framing.hpp"
 #include "tests/support/framed.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How far a stream is believed: what frames bear out, and what only one of them says.
-#include "client/haptics/time/belief.hpp"
+#include "client/haptics/playback/plausibility_bounds.hpp"
 
 #include <gtest/gtest.h>
 

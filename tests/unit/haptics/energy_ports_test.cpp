@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The meters at the ports, the observer, its insurance and the tank, by hand-made ticks.
-#include "client/haptics/safety/energy_ports.hpp"
+#include "client/haptics/safety/passivity_observer.hpp"
 
 #include <gtest/gtest.h>
 

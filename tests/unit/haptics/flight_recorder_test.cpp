@@ -12,8 +12,8 @@
 #include <set>
 #include <sstream>
 
-#include "client/fault_files.hpp"
-#include "client/log.hpp"
+#include "client/report/fault_log.hpp"
+#include "client/report/tick_log.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What of a force is a press, what a blow.
-#include "client/haptics/force_parts.hpp"
+#include "client/haptics/force_components.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/time/frame_pool.hpp"
+#include "client/haptics/playback/frame_pool.hpp"
 
 #include <gtest/gtest.h>
 

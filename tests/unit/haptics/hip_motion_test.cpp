@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/hip_motion.hpp"
+#include "client/haptics/estimation/hip_estimator.hpp"
 
 #include <gtest/gtest.h>
 

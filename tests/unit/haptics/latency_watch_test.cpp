@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the latency watch takes for a loop that swings, and what for a hand or a surface.
-#include "client/haptics/safety/latency_watch.hpp"
+#include "client/haptics/safety/oscillation_detector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "client/haptics/time/lookup.hpp"
+#include "client/haptics/playback/scene_interpolator.hpp"
 #include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A material changes under the hand within 0.3 s, out of contact at once; an author's stiffness has
 // a limit that is the user's.
-#include "client/haptics/material_ramp.hpp"
+#include "client/haptics/parameter_rate_limiter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/time/playout.hpp"
+#include "client/haptics/playback/playout.hpp"
 
 #include <gtest/gtest.h>
 

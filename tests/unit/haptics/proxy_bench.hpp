@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/haptics/surface/proxy_surface.hpp"
+#include "client/haptics/contact/proxy_surface.hpp"
 #include "tests/support/frame_builder.hpp"
 
 namespace hapticast::client {

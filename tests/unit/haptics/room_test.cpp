@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/room.hpp"
+#include "client/haptics/renderer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/surface/surface_model.hpp"
+#include "client/haptics/contact/surface_model.hpp"
 
 #include <gtest/gtest.h>
 

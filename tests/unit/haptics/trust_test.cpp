@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "client/rearm.hpp"
-#include "client/touch_teller.hpp"
+#include "client/haptics/rearm_policy.hpp"
+#include "client/report/haptic_status_log.hpp"
 #include "tests/support/rig.hpp"
 
 namespace hapticast::client {

@@ -5,10 +5,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "server/vision/segment/author_script.hpp"
-#include "server/vision/segment/band_object.hpp"
-#include "server/vision/segment/contour.hpp"
-#include "server/vision/segment/correction.hpp"
+#include "server/vision/segment/annotate/annotation_track.hpp"
+#include "server/vision/segment/annotate/refine_clicks.hpp"
+#include "server/vision/segment/appearance/contour.hpp"
+#include "server/vision/segment/follow/tracked_mask.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"

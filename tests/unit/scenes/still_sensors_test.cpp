@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/surface/hold.hpp"
+#include "server/vision/surface/static_region_filter.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/stream/address_book.hpp"
+#include "server/stream/udp_subscribers.hpp"
 
 #include <gtest/gtest.h>
 

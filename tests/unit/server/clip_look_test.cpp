@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/clip_look.hpp"
+#include "server/pipeline/clip_scan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/stream/datagram_out.hpp"
+#include "server/stream/udp_fanout.hpp"
 
 #include <gtest/gtest.h>
 

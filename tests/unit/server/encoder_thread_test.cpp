@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/encoder_thread.hpp"
+#include "server/pipeline/encoder_thread.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/plan_teller.hpp"
+#include "server/pipeline/plan_log.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // --preview: the pictures are there and show what was taken; places that cannot be written to; the
 // author's points after the end of a clip.
-#include "server/preview.hpp"
+#include "server/preview/preview.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "server/author_points.hpp"
-#include "server/preview_advice.hpp"
+#include "server/pipeline/check_points.hpp"
+#include "server/preview/correction_hint.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/vision/base/masks.hpp"
 #include "tests/unit/server/source_files.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a click may mean: hands by their colour, pieces behind what passes in front, and a box that
 // an arm holds.
-#include "server/vision/segment/candidates.hpp"
+#include "server/vision/segment/initialise/candidates.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "server/vision/segment/choose.hpp"
-#include "server/vision/segment/graph_cut.hpp"
-#include "server/vision/segment/pieces.hpp"
-#include "server/vision/segment/skin.hpp"
+#include "server/vision/segment/appearance/graph_cut.hpp"
+#include "server/vision/segment/appearance/skin.hpp"
+#include "server/vision/segment/follow/select_initial_mask.hpp"
+#include "server/vision/segment/initialise/depth_components.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
 
 namespace hapticast::server {

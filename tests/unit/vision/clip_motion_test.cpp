@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/motion/clip.hpp"
+#include "server/vision/motion/clip_smoother.hpp"
 
 #include <gtest/gtest.h>
 

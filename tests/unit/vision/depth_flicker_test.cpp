@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/base/depth_flicker.hpp"
+#include "server/vision/base/depth_scale_alignment.hpp"
 
 #include <gtest/gtest.h>
 

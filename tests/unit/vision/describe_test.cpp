@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/vision/motion/history.hpp"
+#include "server/vision/motion/pose_history.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/surface/hold.hpp"
+#include "server/vision/surface/static_region_filter.hpp"
 
 #include <gtest/gtest.h>
 

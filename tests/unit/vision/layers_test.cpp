@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/wire/limits.hpp"
+#include "common/wire_limits.hpp"
 #include "server/vision/surface/layer_cutter.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"

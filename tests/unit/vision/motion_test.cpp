@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "server/vision/motion/window.hpp"
+#include "server/vision/motion/savitzky_golay.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {

@@ -9,7 +9,7 @@
 
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/frame_pair.hpp"
-#include "server/vision/segment/segment.hpp"
+#include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server::test {
 

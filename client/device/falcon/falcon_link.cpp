@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "client/device/falcon/falcon_link.hpp"
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <chrono>
+#include <utility>
+
+#include "client/device/falcon/firmware.hpp"
+#include "client/device/sleep_until.hpp"
+#include "common/tick.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+// Chosen:
+constexpr int kLoads = 6;  // in the field it often takes several
+constexpr milliseconds kTurn{10};
+constexpr milliseconds kMute{1000};    // so long without a reply it is as good as gone
+constexpr milliseconds kHungLoop{20};  // after it the motors are told zero
+constexpr milliseconds kBetweenTries{500};
+constexpr int kZeros = 4;
+constexpr milliseconds kZeroAnswer{20};
+
+const FalconRequest kNoTorque{.lights = FalconLight::kRed};
+
+}  // namespace
+
+FalconLink::FalconLink(FalconSettings settings, const Clock& clock, const Tell& tell)
+    : settings_(std::move(settings)), clock_(clock) {
+  if (settings_.firmware_file.empty()) settings_.firmware_file = usualFalconFirmware();
+  if (!settings_.firmware_file.empty()) (void)readFalconFirmware(settings_.firmware_file);
+  auto usb = open(tell);
+  sem_init(&replied_, 0, 0);
+  thread_ = std::thread([this, first = std::move(usb)]() mutable { keep(std::move(first)); });
+}
+
+FalconLink::~FalconLink() {
+  stop_ = true;
+  thread_.join();
+  sem_destroy(&replied_);
+}
+
+std::unique_ptr<FalconUsb> FalconLink::open(const Tell& tell) {
+  auto usb = std::make_unique<FalconUsb>(settings_.serial);
+  if (!falconRuns(*usb, settings_.event_character)) bringToLife(usb, tell);
+  return usb;
+}
+
+/// Loads the firmware, each time with the device opened anew.
+void FalconLink::bringToLife(std::unique_ptr<FalconUsb>& usb, const Tell& tell) {
+  if (settings_.firmware_file.empty())
+    throw FalconError(
+        "its firmware is not loaded, as after every power-up: give the file with "
+        "--falcon-firmware FILE");
+  const auto image = readFalconFirmware(settings_.firmware_file);
+  std::string trouble;
+  for (int load = 1; load <= kLoads && !stop_; ++load) {
+    if (load > 1) {
+      tell(fmt::format("Falcon: {}; try {} of {}", trouble, load, kLoads));
+      usb.reset();
+      usb = std::make_unique<FalconUsb>(settings_.serial);
+    }
+    tell(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
+    try {
+      int told_tenths = 0;
+      loadFalconFirmware(*usb, image, [&](double share) {
+        if (10.0 * share < told_tenths + 5) return;
+        told_tenths += 5;
+        tell(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
+      });
+      if (falconRuns(*usb, settings_.event_character)) return;
+      trouble = "it does not run with this firmware: is it the right file?";
+    } catch (const FalconError& error) {
+      trouble = error.what();
+    }
+  }
+  throw FalconError(fmt::format("its firmware could not be loaded from {}: {}",
+                                settings_.firmware_file, trouble));
+}
+
+void FalconLink::keep(std::unique_ptr<FalconUsb> usb) {
+  while (usb) {
+    serve(*usb);
+    usb.reset();
+    if (stop_) return;
+    say("Falcon: it is gone; no force. It is taken again when it is back");
+    usb = openAgain();
+    if (usb) say("Falcon: it is back");
+  }
+}
+
+/// Waits until it answers again; null: the end.
+std::unique_ptr<FalconUsb> FalconLink::openAgain() {
+  std::string told;
+  while (!stop_) {
+    std::this_thread::sleep_for(kBetweenTries);
+    try {
+      return open([this](const std::string& line) { say(line); });
+    } catch (const std::runtime_error& error) {
+      if (told == error.what()) continue;
+      told = error.what();
+      say("Falcon: " + told);
+    }
+  }
+  return nullptr;
+}
+
+/// From the first transfer to the last, whoever ends it.
+void FalconLink::serve(FalconUsb& usb) {
+  parser_.restart();
+  ++life_;
+  last_reply_ = clock_.now();
+  torque_sent_ = false;
+  bool good = true;
+  try {
+    usb.start([this](std::span<const std::uint8_t> data) { heard(data); });
+  } catch (const FalconError&) {
+    good = false;
+  }
+  if (good) {
+    const std::lock_guard lock(usb_mutex_);
+    usb_ = &usb;
+    there_.store(true, std::memory_order_release);
+  }
+  while (good && !stop_) {
+    good = usb.handleEvents(kTurn) && clock_.now() - last_reply_ < kMute;
+    watchLoop(usb);
+  }
+  {
+    const std::lock_guard lock(usb_mutex_);
+    usb_ = nullptr;
+    there_.store(false, std::memory_order_release);
+  }
+  endWithZero(usb);
+  usb.finish();
+}
+
+void FalconLink::heard(std::span<const std::uint8_t> data) {
+  const std::uint64_t before = parser_.resyncs();
+  for (const std::uint8_t byte : data) {
+    const auto reply = parser_.take(byte);
+    if (!reply) continue;
+    last_reply_ = clock_.now();
+    round_trips_.fetch_add(1, std::memory_order_relaxed);
+    // A loop that takes none has fallen behind, and wants the newest of later ones.
+    (void)ring_.tryPush({*reply, last_reply_, life_});
+    sem_post(&replied_);
+  }
+  resyncs_.fetch_add(parser_.resyncs() - before, std::memory_order_relaxed);
+}
+
+/// Nothing says that the device lets its motors go by itself where nobody talks to it.
+void FalconLink::watchLoop(FalconUsb& usb) {
+  const std::int64_t now_ns = clock_.now().time_since_epoch().count();
+  if (now_ns - last_sent_ns_ < std::chrono::nanoseconds(kHungLoop).count()) return;
+  const std::lock_guard lock(usb_mutex_);
+  if (!torque_sent_) return;
+  if (usb.submit(encode(kNoTorque), true)) torque_sent_ = false;
+}
+
+/// Several times, and answered: a request may be lost on its way.
+void FalconLink::endWithZero(FalconUsb& usb) {
+  int answered = 0;
+  for (int i = 0; i < 2 * kZeros && answered < kZeros; ++i) {
+    const std::uint64_t before = round_trips_;
+    if (!usb.submit(encode(kNoTorque), true) && !usb.handleEvents(milliseconds(1))) return;
+    const LocalTime until = clock_.now() + kZeroAnswer;
+    while (round_trips_ == before && clock_.now() < until) {
+      if (!usb.handleEvents(milliseconds(1))) return;  // nobody hears it any more
+    }
+    if (round_trips_ != before) ++answered;
+  }
+  if (answered == 0) say("Falcon: it does not answer at the end: switch its power off");
+}
+
+void FalconLink::send(const FalconRequest& request) noexcept {
+  const std::unique_lock lock(usb_mutex_, std::try_to_lock);
+  if (!lock || usb_ == nullptr) return;
+  while (sem_trywait(&replied_) == 0) {  // what came late is taken with the next one
+  }
+  const bool zero = request.motors == std::array<int, 3>{};
+  // Before it goes: whoever ends meanwhile has to end with zero.
+  if (!zero) torque_sent_ = true;
+  const bool sent = usb_->submit(encode(request), zero);
+  if (zero && sent) torque_sent_ = false;
+  last_sent_ns_ = clock_.now().time_since_epoch().count();
+}
+
+bool FalconLink::waitForReply(LocalTime deadline) noexcept {
+  const timespec until = timespecOf(deadline);
+  int result = 0;
+  do {
+    result = sem_clockwait(&replied_, CLOCK_MONOTONIC, &until);
+  } while (result != 0 && errno == EINTR);
+  if (result != 0) misses_.fetch_add(1, std::memory_order_relaxed);
+  return result == 0;
+}
+
+DeviceTraffic FalconLink::traffic() const noexcept {
+  return {.round_trips = round_trips_, .misses = misses_, .resyncs = resyncs_};
+}
+
+void FalconLink::say(const std::string& line) {
+  const std::lock_guard lock(news_mutex_);
+  news_.push_back(line);
+}
+
+std::optional<std::string> FalconLink::news() {
+  const std::lock_guard lock(news_mutex_);
+  if (news_.empty()) return std::nullopt;
+  std::string line = std::move(news_.front());
+  news_.pop_front();
+  return line;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "client/discovery/mdns_browser.hpp"
+
+#include <avahi-client/lookup.h>
+#include <avahi-common/error.h>
+#include <net/if.h>
+
+#include <array>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <tuple>
+
+#include "common/mdns.hpp"
+#include "common/text.hpp"
+#include "common/transport/mdns_session.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: a server comes once for each network and version of IP, and a stranger may announce any
+// number of them.
+constexpr std::size_t kMostEntries = 128;
+
+/// What a TXT record has under this key; empty without it.
+std::string valueOf(AvahiStringList* record, const std::string& key) {
+  const AvahiStringList* const item = avahi_string_list_find(record, key.c_str());
+  if (item == nullptr) return "";
+  const auto* const bytes = reinterpret_cast<const char*>(item->text);
+  const std::string text(bytes, item->size);
+  return text.size() > key.size() ? text.substr(key.size() + 1) : "";
+}
+
+std::string nameOf(AvahiIfIndex network) {
+  std::array<char, IF_NAMESIZE> name{};
+  const bool known = ::if_indextoname(static_cast<unsigned>(network), name.data()) != nullptr;
+  return known ? name.data() : std::to_string(network);
+}
+
+Endpoint endpointOf(const AvahiAddress& address, std::uint16_t port, const std::string& network) {
+  std::array<char, AVAHI_ADDRESS_STR_MAX> text{};
+  avahi_address_snprint(text.data(), text.size(), &address);
+  std::string host = text.data();
+  // Such an address means something on its own network only.
+  if (address.proto == AVAHI_PROTO_INET6 && host.starts_with("fe80:")) host.append("%" + network);
+  return {host, port};
+}
+
+}  // namespace
+
+/// On the library's thread, but for what the mutex guards.
+struct Discovery::Browser {
+  /// A service on one network by one version of IP.
+  using Key = std::tuple<AvahiIfIndex, AvahiProtocol, std::string, std::string>;
+
+  void look(AvahiClient* client) {
+    const auto came = [](AvahiServiceBrowser*, AvahiIfIndex network, AvahiProtocol protocol,
+                         AvahiBrowserEvent event, const char* name, const char*, const char* domain,
+                         AvahiLookupResultFlags, void* self) {
+      auto& browser = *static_cast<Browser*>(self);
+      if (event == AVAHI_BROWSER_NEW) browser.add({network, protocol, name, domain});
+      if (event == AVAHI_BROWSER_REMOVE) browser.remove({network, protocol, name, domain});
+    };
+    {
+      const std::lock_guard lock(mutex);
+      absent.clear();
+    }
+    avahi = client;
+    services = avahi_service_browser_new(client, AVAHI_IF_UNSPEC, AVAHI_PROTO_UNSPEC, kServiceType,
+                                         nullptr, static_cast<AvahiLookupFlags>(0), came, this);
+    if (services == nullptr) gone(avahi_strerror(avahi_client_errno(client)));
+  }
+
+  void add(const Key& key) {
+    if (resolvers.size() >= kMostEntries || resolvers.contains(key)) return;
+    const auto& [network, protocol, name, domain] = key;
+    const auto resolved = [](AvahiServiceResolver* resolver, AvahiIfIndex on, AvahiProtocol,
+                             AvahiResolverEvent event, const char* service, const char*,
+                             const char*, const char* host, const AvahiAddress* address,
+                             std::uint16_t port, AvahiStringList* record, AvahiLookupResultFlags,
+                             void* self) {
+      std::optional<FoundServer> server;
+      if (event == AVAHI_RESOLVER_FOUND && address != nullptr && port != 0) {
+        const std::string where = nameOf(on);
+        server = {service,
+                  host,
+                  endpointOf(*address, port, where),
+                  where,
+                  valueOf(record, kServicePlaysKey),
+                  static_cast<std::uint32_t>(
+                      numberIn<std::uint16_t>(valueOf(record, kServiceVersionKey), 0, UINT16_MAX)
+                          .value_or(0))};
+      }
+      static_cast<Browser*>(self)->know(resolver, std::move(server));
+    };
+    AvahiServiceResolver* const resolver = avahi_service_resolver_new(
+        avahi, network, protocol, name.c_str(), kServiceType, domain.c_str(), protocol,
+        static_cast<AvahiLookupFlags>(0), resolved, this);
+    if (resolver != nullptr) resolvers.emplace(key, resolver);
+  }
+
+  void know(AvahiServiceResolver* resolver, std::optional<FoundServer> server) {
+    const std::lock_guard lock(mutex);
+    if (server) {
+      found[resolver] = std::move(*server);
+    } else {
+      found.erase(resolver);
+    }
+  }
+
+  void remove(const Key& key) {
+    const auto entry = resolvers.find(key);
+    if (entry == resolvers.end()) return;
+    know(entry->second, std::nullopt);
+    avahi_service_resolver_free(entry->second);
+    resolvers.erase(entry);
+  }
+
+  void forget() {
+    while (!resolvers.empty()) remove(Key(resolvers.begin()->first));
+    if (services != nullptr) avahi_service_browser_free(services);
+    services = nullptr;
+  }
+
+  void gone(const std::string& why) {
+    const std::lock_guard lock(mutex);
+    absent = why;
+  }
+
+  AvahiClient* avahi = nullptr;
+  AvahiServiceBrowser* services = nullptr;
+  std::map<Key, AvahiServiceResolver*> resolvers;
+  mutable std::mutex mutex;
+  std::map<AvahiServiceResolver*, FoundServer> found;  // mutex
+  std::string absent;                                  // mutex
+  AvahiSession session{{.runs = [this](AvahiClient* client) { look(client); },
+                        .over = [this] { forget(); },
+                        .absent = [this](const std::string& why) { gone(why); }}};
+};
+
+Discovery::Discovery() : browser_(std::make_unique<Browser>()) {}
+Discovery::~Discovery() = default;
+
+std::vector<FoundServer> Discovery::servers() const {
+  std::vector<FoundServer> all;
+  {
+    const std::lock_guard lock(browser_->mutex);
+    all.reserve(browser_->found.size());
+    for (const auto& each : browser_->found) all.push_back(each.second);
+  }
+  return eachOnce(std::move(all));
+}
+
+std::string Discovery::absent() const {
+  const std::lock_guard lock(browser_->mutex);
+  return browser_->absent;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/contact/height_sampler.hpp"
+
+namespace hapticast::client {
+
+namespace {
+// The edge's distance is blurred and splined from pixels: it may change a little faster than a
+// point moves (1 for the exact distance; 1.2 is chosen above the steepest seen).
+constexpr double kSteepestEdge = 1.2;
+}  // namespace
+
+void ReliefProbe::begin(const MovingRelief& relief, int samples) noexcept {
+  relief_ = &relief;
+  left_ = samples;
+  used_ = 0;
+}
+
+ReliefProbe::Height ReliefProbe::height(const Vec2& q_mm) noexcept {
+  if (height_known_ && q_mm == height_q_mm_) return {height_, relief_->now(height_)};
+  --left_;
+  ++used_;
+  const MovingRelief::Heights frames = relief_->heights(q_mm);
+  return {frames, relief_->now(frames)};
+}
+
+EdgeSample ReliefProbe::edge(const Vec2& q_mm) noexcept {
+  if (!edge_known_ || q_mm != edge_q_mm_) {
+    edge_ = relief_->edges(q_mm);
+    edge_q_mm_ = q_mm;
+    edge_known_ = true;
+  }
+  return relief_->now(edge_);
+}
+
+bool ReliefProbe::masked(const Vec2& q_mm) noexcept {
+  if (edge_known_) {
+    // Where the kept sample is farther from the edge than the point is from it, nothing is read.
+    const double known_mm = relief_->now(edge_).distance_mm;
+    const double reach_mm = known_mm / kSteepestEdge;
+    if ((q_mm - edge_q_mm_).squaredNorm() < reach_mm * reach_mm) return known_mm > 0.0;
+  }
+  return edge(q_mm).distance_mm > 0.0;
+}
+
+void ReliefProbe::keep(const Vec2& q_mm, const Height& height) noexcept {
+  height_ = height.frames;
+  height_q_mm_ = q_mm;
+  height_known_ = true;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// The tick, what it reads and what comes of it; flight is in proxy_flight.cpp, contact in
+// proxy_slide.cpp.
+#include "client/haptics/contact/proxy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapticast::client {
+
+namespace {
+
+// At rest for so long it sticks again. A slow hand on a wall whose normal wavers by a degree or two
+// rests for single ticks: sticking in each of them would saw.
+constexpr int kStuck_ticks = 20;
+constexpr int kPhases = 64;           // of one tick: each reads a height or is the last but two
+constexpr double kFade = 1.0 / 40.0;  // of the offset per tick
+constexpr double kForgotten_mm = 1e-6;
+
+}  // namespace
+
+void Proxy::restart(bool faded) noexcept {
+  *this = Proxy();
+  faded_ = faded;
+}
+
+bool Proxy::clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept {
+  if (!valid_ || kind_ != Kind::kFree) return false;
+  if (std::min(at_mm_.z(), hip_mm.z()) <= relief.highest_mm() &&
+      !relief.aside(at_mm_.head<2>(), hip_mm.head<2>())) {
+    return false;
+  }
+  at_mm_ = hip_mm;
+  probe_.begin(relief, 0);
+  return true;
+}
+
+ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexcept {
+  probe_.begin(relief, tick.samples);
+  hip_mm_ = tick.hip_mm;
+  friction_ = tick.friction;
+  deepest_mm_ = tick.deepest_mm;
+  jumped_ = tick.jumped;
+  moved_ = done_ = false;
+  // A jump through the air is no way that the tip has gone; how deep it is now counts anew.
+  if (jumped_ && kind_ == Kind::kBuried) kind_ = Kind::kFree;
+  if (!valid_ || (jumped_ && kind_ == Kind::kFree)) at_mm_ = hip_mm_;
+  valid_ = true;
+  settle();
+  for (int phase = 0; phase < kPhases && probe_.left() > 0 && !done_; ++phase) {
+    switch (kind_) {
+      case Kind::kFree:
+        march();
+        break;
+      case Kind::kTop:
+        slideOnTop();
+        break;
+      case Kind::kWall:
+        slideOnWall();
+        break;
+      case Kind::kBuried:
+        done_ = true;
+        break;
+    }
+  }
+  // The samples ended on the way: what it has not met it is not tied to.
+  if (kind_ == Kind::kFree && !done_ && !solidAt(hip_mm_)) at_mm_ = hip_mm_;
+  return finish();
+}
+
+// --- places
+// --------------------------------------------------------------------------------------
+
+bool Proxy::solidAt(const Vec3& point_mm) noexcept {
+  if (point_mm.z() > probe_.relief().highest_mm() || !probe_.masked(point_mm.head<2>()))
+    return false;
+  const Vec2 q_mm = point_mm.head<2>();
+  const Height height = probe_.height(q_mm);
+  if (kind_ == Kind::kFree) probe_.keep(q_mm, height);
+  return point_mm.z() < height.now.height_mm;
+}
+
+void Proxy::standAt(const Vec2& q_mm, const Height& height) noexcept {
+  kind_ = Kind::kTop;
+  at_mm_ = {q_mm.x(), q_mm.y(), height.now.height_mm};
+  probe_.keep(q_mm, height);
+}
+
+// --- what came of the tick
+// ------------------------------------------------------------------------------------
+
+Vec3 Proxy::normalHere() noexcept {
+  if (kind_ == Kind::kWall) {
+    const Vec2 outwards = -probe_.edge(at_mm_.head<2>()).gradient;
+    const double length = outwards.norm();
+    return length > 0.0 ? Vec3(outwards.x() / length, outwards.y() / length, 0.0)
+                        : Vec3(Vec3::UnitZ());
+  }
+  const Vec2 gradient = probe_.height(at_mm_.head<2>()).now.gradient;
+  return Vec3(-gradient.x(), -gradient.y(), 1.0) / std::sqrt(1.0 + gradient.squaredNorm());
+}
+
+ProxyTouch Proxy::finish() noexcept {
+  rested_ticks_ = moved_ ? 0 : std::min(rested_ticks_ + 1, kStuck_ticks);
+  if (rested_ticks_ >= kStuck_ticks) slipping_ = false;
+  const Vec3 way_mm = at_mm_ - hip_mm_;
+  if (jumped_ && way_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kBuried;
+  const bool faded = faded_;
+  faded_ = true;
+  if (kind_ == Kind::kFree || kind_ == Kind::kBuried) {
+    offset_mm_ = displacement_mm_ = Vec3::Zero();
+    return {};
+  }
+  if (jumped_ && faded) {
+    offset_mm_ = way_mm - displacement_mm_;
+  } else {
+    offset_mm_ *= 1.0 - kFade;
+  }
+  if (offset_mm_.squaredNorm() < kForgotten_mm * kForgotten_mm) offset_mm_ = Vec3::Zero();
+  ProxyTouch touch{.contact = true, .normal = normalHere()};
+  // A hand that retreats faster than the offset fades is let go, not pulled.
+  const double pull_mm = std::min(0.0, (way_mm - offset_mm_).dot(touch.normal));
+  offset_mm_ += pull_mm * touch.normal;
+  displacement_mm_ = touch.displacement_mm = way_mm - offset_mm_;
+  touch.shape_velocity_mm_s =
+      kind_ == Kind::kWall
+          ? Vec3(touch.normal * probe_.edgeRate_mm_s())
+          : Vec3(0.0, 0.0, probe_.relief().rate_mm_s(probe_.height(at_mm_.head<2>()).frames));
+  return touch;
+}
+
+}  // namespace hapticast::client

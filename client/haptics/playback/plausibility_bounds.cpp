@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/playback/plausibility_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/haptics/playback/pose.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Measured on honest streams (evaluate stability, part `honest`): a server smooths what it says
+// over more frames than are looked at here, so that twice the largest change is believed.
+constexpr double kFactor = 2.0;
+constexpr double kAccelerationFactor = 3.0;  // the whole of it where frames are lost
+constexpr double kImpactFactor = 1.5;
+// What a surface that changes its shape does beyond its body: chosen, a hand's fingers.
+constexpr double kDeforming_mm_s2 = 2000.0;
+// Half of the shortest interval that the wire's 240 frames a second leave; the other half is for
+// capture times that jitter. Over a microsecond the smallest step would bear out anything.
+constexpr double kShortest_s = 0.5 / 240.0;
+
+constexpr std::size_t kSteps = Sightings::kFrames - 1;
+
+double sizeOf(double value) noexcept { return std::abs(value); }
+double sizeOf(const Vec3& value) noexcept { return value.norm(); }
+
+/// The largest speed, change of speed and its rate in the frames seen.
+struct Largest {
+  double speed = 0.0;
+  double change = 0.0;
+  double rate = 0.0;
+};
+
+/// `step(i)`: what was moved from frame i to i+1; `rate(i)`: the speed that frame i tells, believed
+/// up to twice the fastest step. Both for frames that are there.
+template <class Value, class Step, class Rate>
+Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
+  Largest most;
+  const auto known = [&](std::size_t i) noexcept {
+    return seen.object[i] != nullptr && seen.object[i + 1] != nullptr &&
+           seen.interval_s[i] >= kShortest_s;
+  };
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    if (known(i)) most.speed = std::max(most.speed, sizeOf(step(i)) / seen.interval_s[i]);
+  }
+  const auto believed = [&](std::size_t i) noexcept -> Value {
+    const Value told = rate(i);
+    const double size = sizeOf(told);
+    const double limit = kFactor * most.speed;
+    return size > limit ? Value(told * (limit / size)) : told;
+  };
+  const auto take = [&](double change, double time_s) noexcept {
+    most.change = std::max(most.change, change);
+    most.rate = std::max(most.rate, change / time_s);
+  };
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    if (!known(i)) continue;
+    const Value changed = believed(i + 1) - believed(i);
+    take(sizeOf(changed), seen.interval_s[i]);
+    if (i + 1 == kSteps || !known(i + 1)) continue;
+    const Value turned = step(i + 1) / seen.interval_s[i + 1] - step(i) / seen.interval_s[i];
+    take(sizeOf(turned), 0.5 * (seen.interval_s[i] + seen.interval_s[i + 1]));
+  }
+  return most;
+}
+
+}  // namespace
+
+Belief beliefIn(const Sightings& seen) noexcept {
+  // A relief that is told to be unchanged lies where it lay, whatever the position says.
+  const auto moved = [&](std::size_t i) noexcept {
+    return seen.object[i]->field != seen.object[i + 1]->field;
+  };
+  const auto motion = [&](std::size_t i) noexcept -> const Motion& {
+    return seen.object[i]->motion;
+  };
+  const Largest path = largestOf<Vec3>(
+      seen,
+      [&](std::size_t i) noexcept -> Vec3 {
+        if (!moved(i)) return Vec3::Zero();
+        return motion(i + 1).position_mm - motion(i).position_mm;
+      },
+      [&](std::size_t i) noexcept -> Vec3 { return motion(i).velocity_mm_s; });
+  const Largest turning = largestOf<double>(
+      seen, [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
+      [&](std::size_t i) noexcept { return motion(i).angular_velocity_rad_s; });
+  constexpr std::size_t kNow = Sightings::kNow;
+  const bool deforms =
+      seen.object[kNow] != nullptr && seen.object[kNow + 1] != nullptr && moved(kNow);
+  Belief belief;
+  belief.acceleration_mm_s2 = kAccelerationFactor * path.rate;
+  belief.grid_mm_s2 = deforms ? belief.acceleration_mm_s2 + kDeforming_mm_s2 : 0.0;
+  belief.impact_mm_s = kImpactFactor * path.change;
+  belief.turn_rad_s = kFactor * turning.speed;
+  belief.turn_rate_rad_s2 = kFactor * turning.rate;
+  return belief;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/playback/playout.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace hapticast::client {
+
+namespace {
+constexpr std::int64_t kRateDivisor = 50;  // 2 %
+constexpr Duration kLongestDelay{10'000'000'000};
+// Keeps sums of three times within 64 bits whatever a server's clock says.
+constexpr Duration kLargestOffset{std::int64_t{1} << 61};
+
+Duration bounded(Duration value, Duration limit) noexcept {
+  return std::clamp(value, -limit, limit);
+}
+
+/// Moves `value` towards `target` by at most what is left of `budget`.
+void approach(Duration& value, Duration target, Duration& budget) noexcept {
+  const Duration step = bounded(target - value, budget);
+  value += step;
+  budget -= std::max(step, -step);
+}
+}  // namespace
+
+MediaTime Playout::advance(LocalTime now, const StreamState& stream, bool in_contact,
+                           const UserControls& user) noexcept {
+  const Duration local = bounded(now.time_since_epoch(), kLargestOffset);
+  const bool restart =
+      stream.connected && (!running_ || rejoin_ || stream.first_epoch != first_epoch_);
+  if (!restart && !running_) return last_play_;
+  const Duration elapsed =
+      restart ? Duration{0} : std::max(local - last_.time_since_epoch(), Duration{0});
+  last_ = LocalTime(restart ? local : std::max(local, last_.time_since_epoch()));
+  if (stream.connected) {
+    running_ = true;
+    rejoin_ = false;
+    first_epoch_ = stream.first_epoch;
+    const Duration offset = bounded(stream.clock_offset, kLargestOffset / 2) -
+                            bounded(stream.pipeline_latency, kLongestDelay);
+    const Duration delay = std::clamp(stream.playout_delay_target, Duration{0}, kLongestDelay);
+    // Far more than any distance between two offsets when nothing has to be slewed.
+    Duration budget = in_contact && !restart ? elapsed / kRateDivisor : Duration::max();
+    approach(offset_, offset, budget);
+    approach(delay_, delay, budget);
+  }
+  MediaTime play(last_.time_since_epoch() + offset_ - delay_);
+  if (!restart && (user.paused || play < last_play_)) {
+    // Stand still; from here the delay is what it takes to be where we are, and is slewed from
+    // there.
+    delay_ = last_.time_since_epoch() + offset_ - last_play_.time_since_epoch();
+    play = last_play_;
+  }
+  last_play_ = play;
+  return play;
+}
+
+}  // namespace hapticast::client

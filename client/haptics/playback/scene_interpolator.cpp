@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/playback/scene_interpolator.hpp"
+
+#include <algorithm>
+
+#include "client/haptics/playback/pose.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kLongestExtrapolation_s = 0.080;
+constexpr double kLongestHold_s = 0.300;
+// Of an interval: from here on a late frame is blended in, however late it is. Faster, its change
+// of shape would be felt as a blow.
+constexpr double kLatestBlend = 0.75;
+// Frames farther apart than this and three intervals are not one motion: what lies between is
+// unknown, and a frame from a far future must not keep an old one alive.
+constexpr double kWidestGap_s = 1.0;
+constexpr double kWidestGap_intervals = 3.0;
+// Frames before the one that is played: what the cubic and the belief look back to.
+constexpr std::size_t kKept = 2;
+// Slots that are always left to the receiver.
+constexpr std::size_t kSpareSlots = 4;
+
+bool earlier(const PlayFrame& a, const PlayFrame& b) noexcept {
+  return a.epoch != b.epoch ? a.epoch < b.epoch : a.media_time < b.media_time;
+}
+
+std::size_t objectCount(const PlayFrame& frame) noexcept {
+  return std::min(frame.object_count, kMaxObjects);
+}
+
+void setPose(ObjectNow& object, const Pose& pose) noexcept {
+  object.position_mm = pose.position_mm;
+  object.velocity_mm_s = pose.velocity_mm_s;
+  object.acceleration_mm_s2 = pose.acceleration_mm_s2;
+  object.angle_rad = pose.angle_rad;
+  object.angular_velocity_rad_s = pose.angular_velocity_rad_s;
+}
+
+struct Blend {
+  double value;
+  double rate_1_s;
+};
+
+/// `rate_1_s`: 1 / interval. A frame that came late is blended in from there.
+Blend blendAt(double time_s, double interval_s, double rate_1_s, double alone_s) noexcept {
+  const double from_s = std::min(alone_s, kLatestBlend * interval_s);
+  if (from_s > 0.0) rate_1_s = 1.0 / (interval_s - from_s);
+  return {std::clamp((time_s - from_s) * rate_1_s, 0.0, 1.0), rate_1_s};
+}
+
+void standStill(ObjectNow& object) noexcept {
+  object.velocity_mm_s.setZero();
+  object.acceleration_mm_s2.setZero();
+  object.angular_velocity_rad_s = 0.0;
+  object.blend_rate_1_s = 0.0;
+}
+
+double extrapolationLimit_s(const StreamState& stream) noexcept {
+  return std::clamp(2.0 * toSeconds(stream.frame_interval), 0.0, kLongestExtrapolation_s);
+}
+
+Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
+  if (time_s <= limit_s) return Lookup::kExtrapolated;
+  return time_s <= kLongestHold_s ? Lookup::kHeld : Lookup::kFaded;
+}
+
+}  // namespace
+
+FrameLookup::FrameLookup(FramePool& pool, Interpolation interpolation) noexcept
+    : pool_(pool), interpolation_(interpolation) {}
+
+const Scene& FrameLookup::at(MediaTime play_time, const StreamState& stream,
+                             const UserControls& user) noexcept {
+  takeArrived(play_time, stream.first_epoch);
+  const std::size_t before = releaseUnneeded(play_time);
+  scene_.play_time = play_time;
+  scene_.jumped = false;
+  scene_.object_count = 0;
+  scene_.kind = Lookup::kNone;
+  if (before != kNone) fillScene(before, play_time, stream, user);
+  return scene_;
+}
+
+void FrameLookup::rejoin() noexcept {
+  while (held_count_ > 0) release(held_count_ - 1);
+  FramePool::Index index = 0;
+  for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) pool_.giveBack(index);
+  played_ = false;
+}
+
+std::array<const PlayFrame*, 4> FrameLookup::neighbours(MediaTime play_time) const noexcept {
+  std::array<const PlayFrame*, 4> around{};
+  const std::size_t before = beforeIndex(play_time);
+  if (before == kNone) return around;
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    const std::size_t i = before + k;  // one too many: the first neighbour is before - 1
+    if (i == 0 || i > held_count_) continue;
+    if (frame(i - 1).epoch == frame(before).epoch) around[k] = &frame(i - 1);
+  }
+  return around;
+}
+
+std::size_t FrameLookup::beforeIndex(MediaTime play_time) const noexcept {
+  for (std::size_t i = held_count_; i-- > 0;) {
+    if (frame(i).media_time <= play_time) return i;
+  }
+  return kNone;
+}
+
+void FrameLookup::takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept {
+  while (held_count_ > 0 && frame(0).epoch < first_epoch) release(0);
+  FramePool::Index index = 0;
+  for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) {
+    if (pool_.frame(index).epoch < first_epoch) {
+      pool_.giveBack(index);
+    } else {
+      insert(index, play_time);
+    }
+  }
+}
+
+void FrameLookup::insert(FramePool::Index index, MediaTime play_time) noexcept {
+  const PlayFrame& arrived = pool_.frame(index);
+  std::size_t position = held_count_;
+  for (std::size_t i = 0; i < held_count_; ++i) {
+    const PlayFrame& held = frame(i);
+    if (held.epoch == arrived.epoch &&
+        (held.media_time == arrived.media_time || held.id == arrived.id)) {
+      pool_.giveBack(index);
+      return;
+    }
+    if (position == held_count_ && earlier(arrived, held)) position = i;
+  }
+  if (played_ && arrived.epoch == scene_.epoch && arrived.media_time < play_time) ++late_frames_;
+  for (std::size_t i = held_count_; i > position; --i) held_[i] = held_[i - 1];
+  held_[position] = index;
+  ++held_count_;
+  pair_.now = nullptr;
+}
+
+void FrameLookup::release(std::size_t i) noexcept {
+  pool_.giveBack(held_[i]);
+  --held_count_;
+  pair_.now = nullptr;
+  for (; i < held_count_; ++i) held_[i] = held_[i + 1];
+}
+
+std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
+  std::size_t before = beforeIndex(play_time);
+  for (; before != kNone && before > kKept; --before) release(0);
+  // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
+  // and the newest, so that what is left still spans the whole time evenly.
+  const std::size_t first = before == kNone ? 2 : before + 3;
+  while (held_count_ > FramePool::kSlots - kSpareSlots) {
+    std::size_t densest = first;
+    double smallest_s = secondsBetween(frame(first - 1).media_time, frame(first + 1).media_time);
+    for (std::size_t i = first + 1; i + 1 < held_count_; ++i) {
+      const double gap_s = secondsBetween(frame(i - 1).media_time, frame(i + 1).media_time);
+      if (gap_s < smallest_s) {
+        smallest_s = gap_s;
+        densest = i;
+      }
+    }
+    release(densest);
+  }
+  return before;
+}
+
+const PlayFrame* FrameLookup::nextOf(std::size_t before, const StreamState& stream) const noexcept {
+  if (before + 1 >= held_count_) return nullptr;
+  const PlayFrame& now = frame(before);
+  const PlayFrame& next = frame(before + 1);
+  const double widest_s =
+      std::max(kWidestGap_s, kWidestGap_intervals * toSeconds(stream.frame_interval));
+  const bool connected =
+      next.epoch == now.epoch && secondsBetween(now.media_time, next.media_time) <= widest_s;
+  return connected ? &next : nullptr;
+}
+
+void FrameLookup::pairUp(std::size_t before, const PlayFrame* next, double interval_s) noexcept {
+  const PlayFrame& now = frame(before);
+  if (pair_.now == &now && pair_.next == next && pair_.interval_s == interval_s) return;
+  pair_.now = &now;
+  pair_.next = next;
+  pair_.interval_s = interval_s;
+  pair_.rate_1_s = next != nullptr ? 1.0 / interval_s : 0.0;
+  for (std::size_t i = 0; i < objectCount(now); ++i) {
+    const PlayObject& object = now.objects[i];
+    pair_.after[i] = findObject(next, keyOf(object));
+    if (pair_.after[i] == nullptr) continue;
+    pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
+  }
+  believe(before, next);
+}
+
+void FrameLookup::believe(std::size_t before, const PlayFrame* next) noexcept {
+  const std::uint32_t epoch = frame(before).epoch;
+  const auto ofEpoch = [&](std::size_t i) noexcept {
+    return i < held_count_ && frame(i).epoch == epoch ? &frame(i) : nullptr;
+  };
+  const std::array<const PlayFrame*, Sightings::kFrames> frames = {
+      before > 1 ? ofEpoch(before - 2) : nullptr, before > 0 ? ofEpoch(before - 1) : nullptr,
+      &frame(before), next, next != nullptr ? ofEpoch(before + 2) : nullptr};
+  Sightings seen;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
+    if (frames[k] == nullptr || frames[k + 1] == nullptr) continue;
+    seen.interval_s[k] = secondsBetween(frames[k]->media_time, frames[k + 1]->media_time);
+  }
+  for (std::size_t i = 0; i < objectCount(frame(before)); ++i) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      seen.object[k] = findObject(frames[k], keyOf(frame(before).objects[i]));
+    }
+    pair_.belief[i] = beliefIn(seen);
+  }
+}
+
+void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const StreamState& stream,
+                            const UserControls& user) noexcept {
+  const PlayFrame& now = frame(before);
+  const PlayFrame* const next = nextOf(before, stream);
+  const bool has_next = next != nullptr;
+  const double time_s = secondsBetween(now.media_time, play_time);
+  // Times beyond 2^53 ns are rounded: the interval must not become zero.
+  const double interval_s =
+      has_next ? std::max({secondsBetween(now.media_time, next->media_time), time_s, 1e-9}) : 0.0;
+  const double limit_s = extrapolationLimit_s(stream);
+  if (now.epoch != scene_.epoch || now.id != alone_id_) alone_s_ = 0.0;
+  alone_id_ = now.id;
+  if (!has_next) alone_s_ = std::max(time_s, 0.0);
+
+  scene_.kind = has_next ? Lookup::kInterpolated : kindWithoutNext(time_s, limit_s);
+  scene_.jumped = !played_ || now.epoch != scene_.epoch;
+  scene_.epoch = now.epoch;
+  scene_.object_count = objectCount(now);
+  played_ = true;
+  pairUp(before, next, interval_s);
+  const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
+  const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
+  for (std::size_t i = 0; i < scene_.object_count; ++i) {
+    placeObject(i, now.objects[i], moment);
+    if (user.paused) standStill(scene_.objects[i]);
+    scene_.objects[i].appeared = scene_.jumped || !wasThere(now.objects[i]);
+  }
+  known_count_ = scene_.object_count;
+  for (std::size_t i = 0; i < known_count_; ++i) known_[i] = keyOf(now.objects[i]);
+}
+
+void FrameLookup::placeObject(std::size_t i, const PlayObject& object,
+                              const Moment& moment) noexcept {
+  ObjectNow& out = scene_.objects[i];
+  out.before = &object;
+  out.after = nullptr;
+  out.blend = out.blend_rate_1_s = 0.0;
+  out.belief = pair_.belief[i];
+  const PlayObject* const after = pair_.after[i];
+  if (interpolation_ == Interpolation::kHold) {
+    setPose(out, standingPose(object.motion));
+  } else if (after == nullptr) {
+    setPose(out, carriedPose(object, moment.begin, moment.limit_s, moment.time_s));
+  } else {
+    out.after = after;
+    out.blend = moment.blend;
+    out.blend_rate_1_s = moment.blend_rate_1_s;
+    setPose(out, interpolation_ == Interpolation::kLinear
+                     ? linearPose(object.motion, after->motion, moment.interval_s, moment.time_s)
+                     : pair_.path[i].at(moment.time_s));
+  }
+}
+
+bool FrameLookup::wasThere(const PlayObject& object) const noexcept {
+  const std::uint64_t* const last = known_.data() + known_count_;
+  return std::find(known_.data(), last, keyOf(object)) != last;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+#include "client/haptics/renderer.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "client/haptics/playback/pose.hpp"
+
+namespace hapticast::client {
+
+namespace {
+// Without a word from the device for this long its last position says nothing any more (chosen:
+// the longest gap that HipMotion bridges).
+constexpr int kSilentTicks = 20;
+// Of the profile's stiffness: an author may ask for this much unless the user allows more (chosen).
+constexpr double kStiffnessShare = 3.0;
+
+/// A point of the frame `before` (nominal mm) carried to where the object is now.
+Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
+  const Motion& then = object.before->motion;
+  const Eigen::Rotation2Dd turn(object.angle_rad - then.angle_rad);
+  return object.position_mm.head<2>() + turn * Vec2(point_mm - then.position_mm.head<2>());
+}
+
+Vec2 centreOf(const ObjectNow& object, const Workspace& workspace) noexcept {
+  return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
+}
+
+/// The height there; between two frames that of one turns into that of the other.
+double centreHeight_mm(const ObjectNow& object) noexcept {
+  const auto above = [](const PlayObject& frame) noexcept {
+    return frame.field->deepestPointHeight_mm() - frame.motion.position_mm.z();
+  };
+  const double before_mm = above(*object.before);
+  const bool blended = shows(object.after);
+  const double change_mm = blended ? object.blend * (above(*object.after) - before_mm) : 0.0;
+  return object.position_mm.z() + before_mm + change_mm;
+}
+
+const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
+                               const Workspace& workspace) noexcept {
+  const ObjectNow* nearest = nullptr;
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < scene.object_count; ++i) {
+    const ObjectNow& object = scene.objects[i];
+    if (!shows(object.before)) continue;
+    const double distance_mm = (centreOf(object, workspace) - hip_mm.head<2>()).norm();
+    if (distance_mm >= nearest_mm) continue;
+    nearest_mm = distance_mm;
+    nearest = &object;
+  }
+  return nearest;
+}
+
+bool standsStill(Lookup kind) noexcept { return kind == Lookup::kHeld || kind == Lookup::kFaded; }
+
+void takeDevice(const DeviceProfile& profile, const DeviceState& state,
+                TickReport& report) noexcept {
+  report.device = state.status;
+  report.buttons = state.status == DeviceStatus::kLost ? 0 : state.buttons;
+  if (state.status == DeviceStatus::kOk) report.enabled = enabled(profile, state);
+}
+
+bool fresh(Lookup kind) noexcept {
+  return kind == Lookup::kInterpolated || kind == Lookup::kExtrapolated || kind == Lookup::kHeld;
+}
+}  // namespace
+
+Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamState>& stream,
+           LatestValue<UserControls>& user, LatestValue<TickReport>& published, Log* log) noexcept
+    : settings_(settings),
+      stream_(stream),
+      user_(user),
+      published_(published),
+      log_(log),
+      motion_(settings.profile),
+      lookup_(pool, settings.interpolation),
+      dynamic_(settings.profile),
+      feel_(settings.method, settings.surface),
+      safety_(settings.profile),
+      mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
+  if (settings.unconfirmed) safety_.awaitConfirmation();
+  report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
+}
+
+const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
+  const StreamState& stream = stream_.load();
+  const UserControls& user = user_.load();
+  const bool world_changed = follow(stream, user);
+  motion_.setDelay(safety_.delayTicks());
+  motion_.sent(report_.force_N, safety_.wall_N_mm());
+  const HipEstimate& hip = motion_.update(state);
+  const MediaTime play_time = playout_.advance(now, stream, safety_.acts(), user);
+  const Scene& scene = lookup_.at(play_time, stream, user);
+
+  report_.hip_mm = mapping_.toNominal(hip.position_mm);
+  takeDevice(settings_.profile, state, report_);
+  if (world_changed || hip.restarted) proxies_.restart();
+  const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
+  const Contact contact = contactAt(scene, ahead_mm);
+  SafetyInput input = safetyInput(hip, contact, scene);
+  input.scene_step_s = secondsBetween(report_.play_time, play_time);
+  input.world_jumped = world_changed || scene.jumped || contact.jump;
+  input.device_lost = state.status == DeviceStatus::kLost;
+  const Vec3 contact_mm = ahead_mm + contact.displacement_mm;
+  report_.contact_mm = contact_mm;
+  if (!paused_) {
+    input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
+                                        play_time, stream, mapping_.scale, &contact_mm);
+    input.inertia_N = dynamic_.inertia_N();
+    input.doubted = dynamic_.doubted();
+  }
+  followMaterial(input);
+  const SafetyOutput out = safety_.step(input);
+
+  reportTick(now, play_time, scene, out);
+  if (out.contact && softened(contact.object)) {
+    report_.interferences |= bit(Interference::kStiffness);
+  }
+  report_.fault = faultOf(out, hip, input.device_lost);
+  reportObject(contact, scene);
+  publish();
+  return report_;
+}
+
+void Room::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
+                      const SafetyOutput& out) noexcept {
+  ++report_.tick;
+  report_.time = now;
+  report_.play_time = play_time;
+  report_.playout_delay = playout_.delay();
+  report_.force_N = out.force_N;
+  report_.static_force_N = out.static_force_N;
+  report_.dynamic_force_N = out.dynamic_force_N;
+  report_.penetration_mm = out.penetration_mm / mapping_.scale;
+  report_.contact = out.contact;
+  report_.lookup = scene.kind;
+  report_.halt = safety_.halt();
+  report_.distrusted = safety_.distrusted();
+  report_.step_excess_N = out.step_excess_N;
+  report_.interferences = out.interferences;
+  report_.work = safety_.work();
+  report_.mapping = mapping_;
+}
+
+/// Takes over what changed in stream and wishes; returns whether the world is another one.
+bool Room::follow(const StreamState& stream, const UserControls& user) noexcept {
+  bool changed = stream.connected != connected_ && stream.connected;
+  if (changed) safety_.newConnection();
+  changed = feel_.follow(user) || changed;
+  proxies_.setFriction(feel_.friction());
+  connected_ = stream.connected;
+  if (paused_ && !user.paused) {  // the stream has gone on meanwhile: it is joined like a new one
+    playout_.rejoin();
+    lookup_.rejoin();
+    changed = true;
+  }
+  changed = changed || (user.paused && !paused_ && feel_.method() == Method::kThesis);
+  paused_ = user.paused;
+  if (!(stream.workspace == workspace_)) {
+    workspace_ = stream.workspace;
+    mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
+    changed = true;
+  }
+  if (user.rearm != rearmed_) {
+    rearmed_ = user.rearm;
+    safety_.rearm();
+  }
+  return changed;
+}
+
+Contact Room::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
+  if (feel_.method() == Method::kThesis) {
+    // It waits for the next frame to see where the hand has gone, and none comes while time stands.
+    return paused_ ? findContact(SurfaceKind::kPerturbed, scene, hip_mm, workspace_)
+                   : thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
+  }
+  if (feel_.surface() == SurfaceKind::kProxy) {
+    return proxies_.touch(scene, hip_mm, workspace_, deepest_mm(scene));
+  }
+  return findContact(feel_.surface(), scene, hip_mm, workspace_);
+}
+
+/// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
+SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
+                              const Scene& scene) const noexcept {
+  SafetyInput input;
+  input.position_mm = hip.finite ? hip.position_mm : Vec3::Constant(std::nan(""));
+  input.velocity_mm_s = hip.velocity_mm_s;
+  input.ahead = hip.ahead;
+  input.measurement_jumped = hip.restarted;
+  input.contact = contact.contact;
+  input.displacement_mm = contact.displacement_mm * mapping_.scale;
+  input.normal = contact.normal;
+  if (!paused_ && !standsStill(scene.kind)) {
+    input.surface_velocity_mm_s = contact.surface_velocity_mm_s * mapping_.scale;
+  }
+  input.stiffness_factor = contact.stiffness_factor;
+  input.stiffness_N_mm = stiffness_N_mm(contact.object);
+  if (contact.object != nullptr) {
+    input.damping_Ns_m =
+        contact.object->before->material.damping_Ns_m.value_or(kDefaultDamping_Ns_m);
+  }
+  input.touchable =
+      connected_ && report_.enabled && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
+  input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;
+  return input;
+}
+
+double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
+  if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
+  const double usual_N_mm = settings_.profile.stiffness_N_mm;
+  if (object == nullptr) return usual_N_mm;
+  const double limit_N_mm = stiffnessLimit_N_mm();
+  const double asked_N_mm = object->before->material.stiffness_N_mm.value_or(usual_N_mm);
+  return asked_N_mm > limit_N_mm ? limit_N_mm : asked_N_mm;  // a NaN is the chain's to judge
+}
+
+double Room::stiffnessLimit_N_mm() const noexcept {
+  return settings_.stiffness_limit_N_mm > 0.0 ? settings_.stiffness_limit_N_mm
+                                              : kStiffnessShare * settings_.profile.stiffness_N_mm;
+}
+
+/// The author asked for more than the user allows.
+bool Room::softened(const ObjectNow* object) const noexcept {
+  return object != nullptr && settings_.stiffness_N_mm == 0.0 &&
+         object->before->material.stiffness_N_mm.value_or(0.0) > stiffness_N_mm(object);
+}
+
+/// After a jump the force begins at zero, with the material that is there.
+void Room::followMaterial(SafetyInput& input) noexcept {
+  const bool in_contact = report_.contact && input.contact && !input.world_jumped;
+  const double asked_N_mm = input.stiffness_N_mm * feel_.stiffness();
+  const double most_N_mm = std::max(input.stiffness_N_mm, stiffnessLimit_N_mm());
+  const double wall_N_mm = asked_N_mm > most_N_mm ? most_N_mm : asked_N_mm;
+  input.stiffness_N_mm = stiffness_.step(wall_N_mm * feel_.wall(), in_contact);
+  input.damping_Ns_m = damping_.step(input.damping_Ns_m * feel_.wall(), in_contact);
+  const double dynamic = feel_.dynamic(in_contact);
+  input.dynamic_N *= dynamic;
+  input.inertia_N *= dynamic;
+}
+
+/// What the chain arms at most, by the stiffest object of the scene, in nominal mm.
+double Room::deepest_mm(const Scene& scene) const noexcept {
+  double stiffest_N_mm = 0.0;
+  for (std::size_t i = 0; i < scene.object_count; ++i) {
+    stiffest_N_mm = std::max(stiffest_N_mm, stiffness_N_mm(&scene.objects[i]));
+  }
+  return armDepth_mm(stiffest_N_mm, settings_.profile.peak_N) / mapping_.scale;
+}
+
+void Room::reportObject(const Contact& contact, const Scene& scene) noexcept {
+  const ObjectNow* object =
+      contact.object != nullptr ? contact.object : nearestObject(scene, report_.hip_mm, workspace_);
+  report_.object_present =
+      object != nullptr && shows(object->before) && connected_ && fresh(scene.kind);
+  report_.over_object = false;
+  report_.height_at_hip_mm = 0.0;
+  if (!report_.object_present) return;
+  report_.object_id = object->before->id;
+  report_.object_position_mm = object->position_mm;
+  report_.object_velocity_mm_s = object->velocity_mm_s;
+  report_.object_centre_mm = centreOf(*object, workspace_);
+  report_.object_centre_height_mm = centreHeight_mm(*object);
+  const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), workspace_);
+  report_.over_object = below.inside;
+  if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
+}
+
+Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept {
+  if (out.latency_alarm) return Fault::kLatency;
+  if (out.trust_lost) return Fault::kTrustLost;
+  const Fault fault = device_lost                     ? Fault::kDeviceLost
+                      : out.too_far                   ? Fault::kTooFar
+                      : out.not_finite || !hip.finite ? Fault::kNotFinite
+                                                      : Fault::kNone;
+  const bool lasting = faulty_ && fault != Fault::kNone;
+  faulty_ = fault != Fault::kNone;
+  return lasting ? Fault::kNone : fault;
+}
+
+void Room::publish() noexcept {
+  published_.store(report_);
+  recorder_.record(report_);
+  if (log_ != nullptr && !log_->tryPush(report_)) ++dropped_reports_;
+}
+
+}  // namespace hapticast::client

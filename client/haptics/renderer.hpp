@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// The real-time room: one tick from the device's position to the force it gets. No heap, locks,
+// system calls or exceptions; time is an argument; all state belongs to the loop's thread and has a
+// fixed size.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "client/haptics/contact/proxy_surface.hpp"
+#include "client/haptics/contact/surface_model.hpp"
+#include "client/haptics/dynamic_force.hpp"
+#include "client/haptics/estimation/hip_estimator.hpp"
+#include "client/haptics/flight_recorder.hpp"
+#include "client/haptics/parameter_rate_limiter.hpp"
+#include "client/haptics/playback/playout.hpp"
+#include "client/haptics/playback/scene_interpolator.hpp"
+#include "client/haptics/playback/thesis_interpolation.hpp"
+#include "client/haptics/safety/chain.hpp"
+#include "client/haptics/user_force_mix.hpp"
+#include "common/sync/latest_value.hpp"
+
+namespace hapticast::client {
+
+struct RoomSettings {
+  DeviceProfile profile;
+  SurfaceKind surface = SurfaceKind::kProxy;
+  Interpolation interpolation = Interpolation::kHermite;
+  Method method = Method::kHapticast;  ///< kThesis: forces interpolated by cubics between frames
+  bool unconfirmed = false;     ///< nobody has asked for this device: no force until it is re-armed
+  double stiffness_N_mm = 0.0;  ///< > 0: instead of the material's and the profile's
+  double stiffness_limit_N_mm =
+      0.0;  ///< of what an author may ask for; 0: three times the profile's
+};
+
+/// Holds about 1 MB (the flight recorder): not for the stack.
+class Room {
+ public:
+  using Log = SpscRing<TickReport, 4096>;
+  /// All arguments outlive the room. `log` may be null; it is never waited for.
+  Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamState>& stream,
+       LatestValue<UserControls>& user, LatestValue<TickReport>& published, Log* log) noexcept;
+
+  /// One tick; report().force_N is for the device. Thread: loop.
+  const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
+  /// How long the last tick has taken, for the next one's report. Thread: loop.
+  void took(Duration last) noexcept { report_.took = last; }
+  /// From now on the force ramps to zero and stays there. Thread: loop.
+  void stop() noexcept { safety_.stop(); }
+
+  [[nodiscard]] const TickReport& report() const noexcept { return report_; }
+  /// Reports that found the log full. Thread: loop, or any after the loop has ended.
+  [[nodiscard]] std::uint64_t droppedReports() const noexcept { return dropped_reports_; }
+  /// Frames that arrived after they were due. Thread: as droppedReports().
+  [[nodiscard]] std::uint64_t lateFrames() const noexcept { return lookup_.lateFrames(); }
+  [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
+
+ private:
+  bool follow(const StreamState& stream, const UserControls& user) noexcept;
+  Contact contactAt(const Scene& scene, const Vec3& hip_mm) noexcept;
+  SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
+                          const Scene& scene) const noexcept;
+  double stiffness_N_mm(const ObjectNow* object) const noexcept;
+  double stiffnessLimit_N_mm() const noexcept;
+  bool softened(const ObjectNow* object) const noexcept;
+  void followMaterial(SafetyInput& input) noexcept;
+  double deepest_mm(const Scene& scene) const noexcept;
+  void reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
+                  const SafetyOutput& out) noexcept;
+  void reportObject(const Contact& contact, const Scene& scene) noexcept;
+  Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
+  void publish() noexcept;
+
+  const RoomSettings& settings_;
+  LatestValue<StreamState>& stream_;
+  LatestValue<UserControls>& user_;
+  LatestValue<TickReport>& published_;
+  Log* log_;
+  HipMotion motion_;
+  Playout playout_;
+  FrameLookup lookup_;
+  ThesisInterpolation thesis_;
+  ProxySurface proxies_;
+  DynamicForce dynamic_;
+  UserFeel feel_;
+  MaterialRamp stiffness_;
+  MaterialRamp damping_;
+  SafetyChain safety_;
+  Workspace workspace_;
+  DeviceMapping mapping_;
+  bool connected_ = false;
+  bool paused_ = false;
+  bool faulty_ = false;  // a lasting fault is raised once
+  std::uint32_t rearmed_ = 0;
+  std::uint64_t dropped_reports_ = 0;
+  TickReport report_;
+  FlightRecorder recorder_;
+};
+
+}  // namespace hapticast::client

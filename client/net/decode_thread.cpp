@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/decode_thread.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hapticast::client {
+
+namespace {
+
+// Nothing is known of its motion: what is left is a shape that stands where it was.
+void forgetMotion(PlayObject& object) {
+  object.motion.velocity_mm_s.setZero();
+  object.motion.acceleration_mm_s2.setZero();
+  object.motion.angular_velocity_rad_s = 0.0;
+  object.impact_count = 0;
+}
+
+/// Whether the grid's cells are those of this rectangle.
+bool covers(const MotionGrid& grid, const PixelRect& rect) {
+  return grid.columns == gridCells(rect.width) && grid.rows == gridCells(rect.height);
+}
+
+/// What the loop sees of an object, except its field and grid.
+PlayObject playObject(const CodedObject& object) {
+  PlayObject play;
+  play.id = object.id;
+  play.layer = object.layer;
+  play.changed_in_frame = object.changed_in_frame;
+  play.motion = object.motion;
+  play.material = object.material;
+  play.impact_count = std::min(object.impacts.size(), kMaxImpacts);
+  std::copy_n(object.impacts.begin(), play.impact_count, play.impacts.begin());
+  return play;
+}
+
+}  // namespace
+
+Preparer::Preparer(FramePool& pool, const Clock& clock, Method method,
+                   std::function<void(const PreparedFrame&)> done)
+    : pool_(pool), clock_(clock), method_(method), done_(std::move(done)) {}
+
+void Preparer::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+void Preparer::stop() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+void Preparer::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    if (step()) continue;
+    std::unique_lock lock(mutex_);
+    something_waits_.wait(lock, stop, [this] { return !queue_.empty(); });
+  }
+}
+
+void Preparer::reset(const Workspace& workspace) {
+  const std::lock_guard lock(mutex_);
+  queue_.clear();
+  begins_ = workspace;
+}
+
+std::size_t Preparer::push(AssembledFrame assembled) {
+  std::size_t left_out = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    left_out = queue_.push(std::move(assembled));
+  }
+  something_waits_.notify_one();
+  return left_out;
+}
+
+std::optional<AssembledFrame> Preparer::next() {
+  std::optional<FrameQueue::Taken> taken;
+  std::optional<Workspace> begins;
+  {
+    const std::lock_guard lock(mutex_);
+    taken = queue_.pop();
+    begins = std::exchange(begins_, std::nullopt);
+  }
+  if (begins) reliefs_.reset(*begins, method_);
+  if (!taken) return std::nullopt;
+  const std::uint32_t epoch = taken->assembled.place.epoch;
+  if (std::exchange(epoch_, epoch) != epoch) reliefs_.forget();
+  for (const CodedObject& object : taken->left_out) {
+    reliefs_.remember(object, taken->assembled.frame.id);
+  }
+  return std::move(taken->assembled);
+}
+
+bool Preparer::step() {
+  const auto assembled = next();
+  if (!assembled) return false;
+  PreparedFrame result;
+  result.place = assembled->place;
+  FramePool::Index index = 0;
+  result.handed_on = pool_.acquire(index);
+  if (result.handed_on) {
+    fill(pool_.slot(index), *assembled, result);
+  } else {
+    // The next frames may say "unchanged" of what this one brings.
+    for (const CodedObject& object : assembled->frame.objects) {
+      reliefs_.remember(object, assembled->frame.id);
+    }
+  }
+  result.ready = clock_.now();
+  if (result.handed_on) pool_.publish(index);
+  done_(result);
+  return true;
+}
+
+void Preparer::fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result) {
+  const CodedFrame& frame = assembled.frame;
+  slot.frame.epoch = assembled.place.epoch;
+  slot.frame.id = frame.id;
+  slot.frame.media_time = frame.media_time;
+  slot.frame.object_count = std::min(frame.objects.size(), kMaxObjects);
+  const auto shown = static_cast<std::ptrdiff_t>(slot.frame.object_count);
+  for (std::size_t i = 0; i < slot.frame.object_count; ++i) {
+    fillObject(slot, i, frame.objects[i], frame.id, result);
+  }
+  result.felt = {frame.media_time, {slot.fields.begin(), slot.fields.begin() + shown}};
+  for (std::size_t i = slot.frame.object_count; i < kMaxObjects; ++i) {
+    slot.fields[i].reset();
+    slot.grids[i].reset();
+  }
+}
+
+void Preparer::fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
+                          std::uint64_t frame_id, PreparedFrame& result) {
+  ReliefCache::Resolved relief = reliefs_.resolve(object, frame_id);
+  if (relief.rejected) ++result.reliefs_rejected;
+  if (!relief.field && !relief.rejected) ++result.reliefs_missing;
+  result.slices_lost += relief.slices_lost;
+  result.slices_refused += relief.slices_refused;
+
+  PlayObject& play = slot.frame.objects[index];
+  play = playObject(object);
+  slot.fields[index] = std::move(relief.field);
+  play.field = slot.fields[index].get();
+  slot.grids[index].reset();
+  if (object.motion.quality <= 0.0) {
+    forgetMotion(play);
+    return;
+  }
+  if (play.field == nullptr || !object.grid || !covers(*object.grid, play.field->rect())) return;
+  slot.grids[index] = object.grid;
+  play.grid = object.grid.get();
+  play.grid_rect = play.field->rect();
+}
+
+}  // namespace hapticast::client

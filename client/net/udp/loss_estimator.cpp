@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/udp/loss_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/net/frame_assembler.hpp"
+
+namespace hapticast::client {
+
+namespace {
+// Fewer frames say nothing: one lost of twenty would be 5 %.
+constexpr std::size_t kLeastFrames = 20;
+// Chosen: of a frame of more parts the first say enough, and nobody fills the memory.
+constexpr std::size_t kMostParts = 256;
+// Chosen: duplicates that the network makes are rarer than that, and of copies that are sent more
+// arrive up to a loss of half of them.
+constexpr double kCopiesAreSent = 0.05;
+constexpr double kForgets = 0.5;  // of what was lost before, at each judgement; chosen
+
+void takeIn(double& share, double now) {
+  share = std::max(now, kForgets * share + (1.0 - kForgets) * now);
+}
+}  // namespace
+
+void LossMeter::add(const DatagramHeader& header) {
+  const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
+  if (FrameAssembler::jump(newest, header.frame)) {  // another numbering, or the first frame
+    frames_.clear();
+    judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
+  }
+  if (header.frame <= judged_ && judged_ > 0) return;
+  Came& came = frames_[header.frame];
+  if (came.empty()) came.resize(std::min<std::size_t>(header.parts, kMostParts));
+  count(came, header.part);
+}
+
+void LossMeter::again(const DatagramHeader& header) {
+  if (const auto found = frames_.find(header.frame); found != frames_.end())
+    count(found->second, header.part);
+}
+
+void LossMeter::count(Came& came, std::size_t part) {
+  if (part < came.size() && came[part] < limits::kMostCopies) ++came[part];
+}
+
+std::uint32_t LossMeter::copies(LocalTime now) {
+  if (now - judged_at_ < kJudgeEvery || frames_.size() < kLeastFrames + kSettled) return copies_;
+  judged_at_ = now;
+  judge();
+  if (fixed_) return copies_;
+  if (needed_ >= copies_ || !needed_at_) needed_at_ = now;
+  if (needed_ == copies_ || (needed_ < copies_ && now - *needed_at_ < kPatience)) return copies_;
+  copies_ = needed_;
+  needed_at_ = now;
+  lost_ = lost_fewer_ = 0.0;
+  // What is under way was sent in the other number.
+  ignored_ = frames_.empty() ? judged_ : frames_.rbegin()->first + kSettled;
+  return copies_;
+}
+
+LossMeter::Tally LossMeter::takeSettled() {
+  const std::uint64_t newest = frames_.rbegin()->first;
+  const std::uint64_t until = newest > kSettled ? newest - kSettled : 0;
+  Tally tally;
+  std::uint64_t first = 0, seen = 0;
+  for (auto each = frames_.begin(); each != frames_.end() && each->first <= until;) {
+    if (each->first > ignored_) {
+      if (first == 0) first = judged_ > ignored_ ? judged_ + 1 : each->first;
+      for (const std::uint8_t times : each->second) {
+        for (std::size_t k = 0; k <= times; ++k) ++tally.parts[k];
+      }
+      ++seen;
+    }
+    each = frames_.erase(each);
+  }
+  judged_ = std::max(judged_, until);
+  // Of frames of which nothing came it is not known how many parts they had.
+  if (seen > 0)
+    tally.parts[0] *=
+        static_cast<double>(std::max(until - first + 1, seen)) / static_cast<double>(seen);
+  return tally;
+}
+
+void LossMeter::judge() {
+  const Tally tally = takeSettled();
+  const double sent = tally.parts[0];
+  if (sent == 0.0) return;
+  std::uint32_t copies = 1;
+  double came = tally.parts[1];
+  while (copies < limits::kMostCopies && tally.parts[copies + 1] > kCopiesAreSent * sent)
+    came += tally.parts[++copies];
+  takeIn(loss_, 1.0 - came / (sent * copies));
+  takeIn(lost_, 1.0 - tally.parts[1] / sent);
+  // Of what came once only, the copy left out would have been that one in one case of so many.
+  takeIn(lost_fewer_,
+         1.0 - tally.parts[1] / sent + (tally.parts[1] - tally.parts[2]) / sent / copies);
+  needed_ = copies;
+  if (lost_ > kTolerated) {
+    // As independent losses ask for; where these would be rarer, they come together, and the more
+    // copies there are, the farther the last one is from the first.
+    while (needed_ < limits::kMostCopies && std::pow(loss_, needed_) > kTolerated) ++needed_;
+    if (needed_ == copies) needed_ = limits::kMostCopies;
+  } else if (lost_fewer_ <= kTolerated) {
+    needed_ = std::max(copies - 1, 1U);
+  }
+}
+
+}  // namespace hapticast::client

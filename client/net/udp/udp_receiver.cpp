@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/udp/udp_receiver.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: a lost echo or probe delays the first datagram by no more than this.
+constexpr Duration kEchoUntilProbed = std::chrono::milliseconds(200);
+constexpr Duration kEchoEvery = std::chrono::seconds(10);  // keeps firewalls and NAT open
+constexpr Duration kTurn = std::chrono::milliseconds(20);
+// Chosen: so many in a second that are not looked at are a flood, in which the server's own drown.
+constexpr std::uint64_t kFlood = 400;
+// Chosen: no network forges, and to see that so many are costs 10 ms of a second. On a busy machine
+// to verify is what drowns the server's own.
+constexpr std::uint64_t kForgedFlood = 100;
+
+std::vector<Way> waysOf(const DeliverySettings& settings, const Welcome& welcome) {
+  std::vector<Way> ways;
+  if (settings.best == Way::kGroup && welcome.group) ways.push_back(Way::kGroup);
+  if (settings.best != Way::kTcp) ways.push_back(Way::kDatagrams);
+  ways.push_back(Way::kTcp);
+  return ways;
+}
+
+}  // namespace
+
+std::shared_ptr<DatagramLink> DatagramLink::open(asio::io_context& io, const Clock& clock,
+                                                 Receiver& receiver,
+                                                 const DeliverySettings& settings,
+                                                 const Welcome& welcome, const Endpoint& server,
+                                                 Events events) {
+  if (settings.best == Way::kTcp) return nullptr;
+  if (welcome.datagram_token == 0 || !welcome.verifying_key) {
+    events.news("this server sends no datagrams: taking frames over TCP");
+    return nullptr;
+  }
+  if (settings.best == Way::kGroup && !welcome.group)
+    events.news("this server sends to no multicast group: taking frames by UDP");
+  std::shared_ptr<DatagramLink> link(
+      new DatagramLink(io, clock, receiver, settings, welcome, server, std::move(events)));
+  link->start();
+  return link;
+}
+
+DatagramLink::DatagramLink(asio::io_context& io, const Clock& clock, Receiver& receiver,
+                           const DeliverySettings& settings, const Welcome& welcome,
+                           const Endpoint& server, Events events)
+    : io_(io),
+      clock_(clock),
+      receiver_(receiver),
+      settings_(settings),
+      welcome_(welcome),
+      server_(server),
+      events_(std::move(events)),
+      timer_(io),
+      choice_(waysOf(settings, welcome)),
+      copies_(settings.copies > 0 ? settings.copies : LossMeter::kFirstCopies),
+      meter_(copies_, settings.copies > 0) {
+  if (welcome_.datagram_port != 0) server_.port = welcome_.datagram_port;
+}
+
+void DatagramLink::start() {
+  turn(clock_.now());
+  asio::co_spawn(
+      io_, [self = shared_from_this()] { return self->watch(); }, asio::detached);
+}
+
+void DatagramLink::close() {
+  closed_ = true;
+  timer_.cancel();
+  if (path_) path_->close();
+}
+
+asio::awaitable<void> DatagramLink::watch() {
+  while (!closed_) {
+    const LocalTime now = clock_.now();
+    const LocalTime due = receiver_.nextDue().value_or(now + kTurn);
+    boost::system::error_code ec;
+    timer_.expires_after(std::clamp<Duration>(due - now, Duration{0}, kTurn));
+    co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+    if (closed_) co_return;
+    receiver_.release(clock_.now());
+    turn(clock_.now());
+  }
+}
+
+const char* DatagramLink::flood(LocalTime now) {
+  if (!path_) return nullptr;
+  const DatagramCounts& counts = path_->counts();
+  if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
+  if (counts.over_budget - counted_.over_budget > kFlood)
+    return "more of them come than can be verified";
+  // Only what has been judged is forgotten.
+  if (now - counted_at_ >= std::chrono::seconds(1)) {
+    counted_at_ = now;
+    counted_ = counts;
+  }
+  return nullptr;
+}
+
+void DatagramLink::turn(LocalTime now) {
+  if (const char* const why = flood(now)) choice_.impossible(why, now);
+  copies_ = meter_.copies(now);
+  choice_.turn(now, copies_);
+  receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
+  followChoice(now);
+  const Duration pause = choice_.wasProbed() ? kEchoEvery : kEchoUntilProbed;
+  if (opened_ == Way::kDatagrams && path_ && (!echoed_at_ || now - *echoed_at_ >= pause)) {
+    echoed_at_ = now;
+    path_->send(echoBytes({welcome_.datagram_token, welcome_.stream}));
+  }
+  if (const auto order = choice_.order()) events_.order(*order);
+  if (const auto news = choice_.news()) events_.news(*news);
+}
+
+void DatagramLink::followChoice(LocalTime now) {
+  while (opened_ != choice_.way()) {
+    if (path_) {
+      counts_ = counts();
+      bytes_ = bytesReceived();
+      path_->close();
+      path_.reset();
+    }
+    const Way way = choice_.way();
+    opened_ = way;
+    echoed_at_.reset();
+    if (way == Way::kTcp) return;
+    auto key = VerifyingKey::from(*welcome_.verifying_key);
+    if (!key.ok()) return choice_.impossible(key.error().message, now);
+    const bool group = way == Way::kGroup;
+    DatagramInbox inbox(group ? welcome_.group->token : welcome_.datagram_token, welcome_.stream,
+                        std::move(key).value());
+    auto path =
+        group ? DatagramPath::ofGroup(io_, clock_, {welcome_.group->address, welcome_.group->port},
+                                      settings_.interface_name, server_, std::move(inbox))
+              : DatagramPath::toServer(io_, clock_, server_, std::move(inbox));
+    if (!path.ok()) {
+      choice_.impossible(path.error().message, now);
+      continue;
+    }
+    path_ = std::move(path).value();
+    counted_ = {};
+    path_->start(
+        [this](const DatagramHeader& header) {
+          const FrameAssembler::Want want = receiver_.want(header);
+          if (want == FrameAssembler::Want::kHad) meter_.again(header);
+          return want;
+        },
+        [this, way](const Datagram& datagram, LocalTime at) { take(way, datagram, at); });
+  }
+}
+
+void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
+  if (closed_ || way != choice_.way()) return;
+  if (datagram.header.probe()) return choice_.probed();
+  meter_.add(datagram.header);
+  if (receiver_.part(datagram.header, datagram.payload, now)) {
+    choice_.wholeFrame(datagram.header.frame, now);
+  }
+}
+
+void DatagramLink::tcpFrame(std::uint64_t id) { choice_.tcpFrame(id, clock_.now()); }
+
+DatagramCounts DatagramLink::counts() const { return path_ ? counts_ + path_->counts() : counts_; }
+
+DeliveryState DatagramLink::state() const {
+  return {choice_.works() ? choice_.way() : Way::kTcp, meter_.loss(), copies_};
+}
+
+std::uint64_t DatagramLink::bytesReceived() const {
+  return bytes_ + (path_ ? path_->bytesReceived() : 0);
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "client/net/udp/udp_socket.hpp"
+
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "common/transport/network_interfaces.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+using asio::ip::udp;
+
+// Chosen: half a second of a large frame in 60 frames/s, so that a late thread loses nothing.
+constexpr int kReceiveBufferBytes = 2 << 20;
+// Chosen: then others on this thread have their turn.
+constexpr int kMostAtOnce = 64;
+
+Result<udp::endpoint> endpointOf(const Endpoint& endpoint) {
+  boost::system::error_code ec;
+  const auto address = asio::ip::make_address(endpoint.host, ec);
+  if (ec) return Error{"'" + endpoint.host + "' is no address"};
+  return udp::endpoint(address, endpoint.port);
+}
+
+void enlargeBuffer(udp::socket& socket) {
+  boost::system::error_code ignored;  // a smaller one loses more in a burst, no worse
+  socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
+}
+
+/// The system's error for a person.
+Error failed(const boost::system::error_code& ec) { return Error{ec.message()}; }
+
+/// The index of the interface that is called so; where nothing is said, of the one to the server.
+Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
+                              const Endpoint& server) {
+  std::string name = called;
+  if (name.empty()) {
+    const auto to = endpointOf(server);
+    if (!to.ok()) return to.error();
+    udp::socket probe(io, to.value().protocol());
+    boost::system::error_code ec;
+    probe.connect(to.value(), ec);  // asks the system for its route and sends nothing
+    if (!ec) name = probe.local_endpoint(ec).address().to_string();
+    if (ec) return failed(ec);
+  }
+  const auto all = networkInterfaces();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.called(name); });
+  if (found == all.end()) return Error{"no network here is '" + name + "'"};
+  return found->index;
+}
+
+}  // namespace
+
+DatagramPath::DatagramPath(udp::socket socket, const Clock& clock, DatagramInbox inbox)
+    : socket_(std::move(socket)), clock_(clock), inbox_(std::move(inbox)) {}
+
+Result<std::shared_ptr<DatagramPath>> DatagramPath::toServer(asio::io_context& io,
+                                                             const Clock& clock,
+                                                             const Endpoint& server,
+                                                             DatagramInbox inbox) {
+  const auto to = endpointOf(server);
+  if (!to.ok()) return to.error();
+  udp::socket socket(io);
+  boost::system::error_code ec;
+  socket.open(to.value().protocol(), ec);
+  if (!ec) socket.connect(to.value(), ec);
+  if (!ec) socket.non_blocking(true, ec);
+  if (ec) return failed(ec);
+  enlargeBuffer(socket);
+  return std::shared_ptr<DatagramPath>(
+      new DatagramPath(std::move(socket), clock, std::move(inbox)));
+}
+
+Result<std::shared_ptr<DatagramPath>> DatagramPath::ofGroup(
+    asio::io_context& io, const Clock& clock, const Endpoint& group, const std::string& interface,
+    const Endpoint& server, DatagramInbox inbox) {
+  auto at = endpointOf(group);
+  if (!at.ok()) return at.error();
+  const auto index = interfaceFor(io, interface, server);
+  if (!index.ok()) return index.error();
+  if (at.value().address().is_v6()) {  // a group of the link alone is bound with its link
+    auto address = at.value().address().to_v6();
+    address.scope_id(index.value());
+    at = udp::endpoint(address, group.port);
+  }
+  udp::socket socket(io);
+  boost::system::error_code ec;
+  socket.open(at.value().protocol(), ec);
+  if (!ec) socket.set_option(asio::socket_base::reuse_address(true), ec);
+  // Bound to the group's address, so that nothing else that comes to the port is read.
+  if (!ec) socket.bind(at.value(), ec);
+  if (!ec) socket.non_blocking(true, ec);
+  if (ec) return failed(ec);
+  group_req join{};
+  join.gr_interface = index.value();
+  std::memcpy(&join.gr_group, at.value().data(), at.value().size());
+  const int level = at.value().address().is_v6() ? IPPROTO_IPV6 : IPPROTO_IP;
+  if (::setsockopt(socket.native_handle(), level, MCAST_JOIN_GROUP, &join, sizeof join) != 0)
+    return failed({errno, boost::system::system_category()});
+  enlargeBuffer(socket);
+  return std::shared_ptr<DatagramPath>(
+      new DatagramPath(std::move(socket), clock, std::move(inbox)));
+}
+
+void DatagramPath::start(Look look, Take take) {
+  look_ = std::move(look);
+  take_ = std::move(take);
+  asio::co_spawn(
+      socket_.get_executor(), [self = shared_from_this()] { return self->readAll(); },
+      asio::detached);
+}
+
+void DatagramPath::close() {
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+}
+
+void DatagramPath::send(std::span<const std::uint8_t> bytes) {
+  boost::system::error_code ignored;
+  socket_.send(asio::buffer(bytes.data(), bytes.size()), 0, ignored);
+}
+
+asio::awaitable<void> DatagramPath::readAll() {
+  while (socket_.is_open()) {
+    boost::system::error_code ec;
+    co_await socket_.async_wait(udp::socket::wait_read,
+                                asio::redirect_error(asio::use_awaitable, ec));
+    if (ec || !readSome()) continue;
+    co_await asio::post(socket_.get_executor(), asio::use_awaitable);
+  }
+}
+
+bool DatagramPath::readSome() {
+  for (int i = 0; i < kMostAtOnce && socket_.is_open(); ++i) {
+    boost::system::error_code ec;
+    const std::size_t size = socket_.receive(asio::buffer(buffer_), 0, ec);
+    if (ec == asio::error::would_block) return false;
+    if (ec) continue;  // that nobody listens there, say: what goes on is the choice's to judge
+    bytes_ += size;
+    const LocalTime now = clock_.now();
+    const auto datagram = inbox_.take(std::span(buffer_).first(size), now, look_);
+    if (datagram) take_(*datagram, now);
+  }
+  return true;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// A socket that datagrams of a stream come in on: connected to the server, so that the system drops
+// what others send, or a member of a group. Thread: network.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/net/udp/datagram_verifier.hpp"
+#include "common/endpoint.hpp"
+#include "common/result.hpp"
+#include "common/transport/asio.hpp"
+
+namespace hapticast::client {
+
+class DatagramPath : public std::enable_shared_from_this<DatagramPath> {
+ public:
+  using Take = std::function<void(const Datagram&, LocalTime)>;
+  using Look = DatagramInbox::Look;
+
+  /// `server`: an address, no name. An error is one line for a person.
+  static Result<std::shared_ptr<DatagramPath>> toServer(asio::io_context& io, const Clock& clock,
+                                                        const Endpoint& server,
+                                                        DatagramInbox inbox);
+  /// Joins a group on an interface, by name or address; empty: the one that leads to `server`.
+  static Result<std::shared_ptr<DatagramPath>> ofGroup(asio::io_context& io, const Clock& clock,
+                                                       const Endpoint& group,
+                                                       const std::string& interface,
+                                                       const Endpoint& server, DatagramInbox inbox);
+
+  /// Begins to read; `look` and `take` are called until close().
+  void start(Look look, Take take);
+  void close();
+  /// To the server, as it is; what is lost is lost.
+  void send(std::span<const std::uint8_t> bytes);
+
+  [[nodiscard]] const DatagramCounts& counts() const { return inbox_.counts(); }
+  [[nodiscard]] std::uint64_t bytesReceived() const { return bytes_; }
+
+ private:
+  DatagramPath(asio::ip::udp::socket socket, const Clock& clock, DatagramInbox inbox);
+  asio::awaitable<void> readAll();
+  /// Reads what is there, a bounded number; true where there may be more.
+  bool readSome();
+
+  asio::ip::udp::socket socket_;
+  const Clock& clock_;
+  DatagramInbox inbox_;
+  Look look_;
+  Take take_;
+  std::uint64_t bytes_ = 0;
+  std::array<std::uint8_t, kMostDatagramBytes + 1> buffer_{};  // a longer one is seen to be
+};
+
+}  // namespace hapticast::client

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "client/report/haptic_status_log.hpp"
+
+#include <fmt/core.h>
+
+namespace hapticast::client {
+
+namespace {
+
+bool acted(const TickReport& report, Interference which) {
+  return (report.interferences & bit(which)) != 0;
+}
+
+/// New, or the last time is a while ago.
+bool due(std::optional<LocalTime>& told, LocalTime now) {
+  if (told && now - *told < LineLimit::kWhile) return false;
+  told = now;
+  return true;
+}
+
+std::string comesBack(const Rearm& rearm) {
+  if (rearm.left() > 0)
+    return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
+                       rearm.left() == 1 ? "time" : "times");
+  if (rearm.byKey()) return "until R is pressed in the window";
+  return rearm.byItself() ? "from now on; start again to touch it"
+                          : "from now on; start again, or with --rearm, to touch it";
+}
+
+std::string halted(const TickReport& report, const Rearm& rearm) {
+  if (report.halt == Halt::kDeviceLost) {
+    const char* const until = rearm.byItself() ? "until it is back"
+                              : rearm.byKey()  ? "until it is back and R is pressed in the window"
+                                               : "from now on (--rearm brings it back)";
+    return fmt::format("the device does not answer: no force {}", until);
+  }
+  if (report.halt == Halt::kUnconfirmed)
+    return fmt::format(
+        "this device was found, not asked for: no force until {}its re-arming "
+        "button is pressed, or with --rearm or --device",
+        rearm.byKey() ? "R in the window or " : "");
+  return fmt::format(
+      "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
+      "force {}",
+      inWords(report.distrusted), comesBack(rearm));
+}
+
+}  // namespace
+
+std::optional<std::string> TouchTeller::take(const TickReport& report, const Rearm& rearm) {
+  if (report.halt != halt_) {
+    halt_ = report.halt;
+    if (halt_ == Halt::kStopped) return std::nullopt;
+    return halt_limit_.let(
+        halt_ == Halt::kNone ? "re-armed: the force comes back" : halted(report, rearm),
+        report.time);
+  }
+  std::string line = news(report);
+  if (line.empty()) return std::nullopt;
+  return limit_.let(std::move(line), report.time);
+}
+
+std::string TouchTeller::news(const TickReport& report) {
+  if (!report.enabled && !told_enable_) {
+    told_enable_ = true;
+    return "the device's enabling button is not held: no force until it is, and whenever it is let "
+           "go";
+  }
+  const bool stale = report.lookup == Lookup::kFaded;
+  const bool fresh = report.lookup == Lookup::kInterpolated;
+  if (stale && !stale_) {
+    stale_ = true;
+    return "no new frames come: the force has faded";
+  }
+  if (fresh && stale_) {
+    stale_ = false;
+    return "frames come again";
+  }
+  if (acted(report, Interference::kStiffness) && due(told_softer_, report.time))
+    return "a wall is softer than its author asks for (--stiffness-limit, and what the device "
+           "stands)";
+  if (acted(report, Interference::kLatency) && due(told_later_, report.time))
+    return "the device answers later than its profile says: walls are softer";
+  return "";
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "client/report/summary.hpp"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "client/report/haptic_status_log.hpp"
+#include "client/report/tick_log.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Keys stand in the file in the order in which they are written here.
+using Json = nlohmann::ordered_json;
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// {"name": count, ...} of an array of counters.
+template <std::size_t N, class Name>
+Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
+  Json object;
+  for (std::size_t i = 0; i < N; ++i) object[name(i)] = counts[i];
+  return object;
+}
+
+/// What the safety chain did, for a person: in how many ticks it did what. Empty: nothing that a
+/// hand notices (fades and the wall law's own limits are no news).
+std::string chainInWords(const LoopStats& loop) {
+  std::string text;
+  for (std::size_t i = 0; i < loop.interferences.size(); ++i) {
+    const std::string what = inWords(static_cast<Interference>(i));
+    const std::uint64_t ticks = loop.interferences[i];
+    if (what.empty() || ticks == 0) continue;
+    text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
+                        ticks == 1 ? "tick" : "ticks");
+  }
+  return text.empty() ? text : "The safety chain worked: " + text + ".\n";
+}
+
+/// The names of the faults that were raised.
+Json faultNames(const std::array<std::uint64_t, kFaultKinds>& faults) {
+  Json names = Json::array();
+  for (std::size_t i = 1; i < faults.size(); ++i) {
+    if (faults[i] > 0) names.push_back(faultName(static_cast<Fault>(i)));
+  }
+  return names;
+}
+
+Json framesOf(const ReceiverCounts& frames) {
+  return {{"received", frames.received},  {"lost", frames.lost},
+          {"late", frames.late},          {"concealed", frames.concealed},
+          {"resyncs", frames.resyncs},    {"reliefs_refused", frames.reliefs_rejected},
+          {"malformed", frames.malformed}};
+}
+
+Json datagramsOf(const DatagramCounts& datagrams) {
+  return {{"received", datagrams.received}, {"repeated", datagrams.repeated},
+          {"foreign", datagrams.foreign},   {"astray", datagrams.astray},
+          {"forged", datagrams.forged},     {"over_budget", datagrams.over_budget}};
+}
+
+/// null where no window was.
+Json eyeHandOf(const Histogram& offset_ns) {
+  if (offset_ns.count() == 0) return nullptr;
+  const auto milliseconds = [&](double quantile) {
+    return static_cast<double>(offset_ns.quantile_ns(quantile)) * 1e-6;
+  };
+  return {{"p50", milliseconds(0.5)}, {"p95", milliseconds(0.95)}};
+}
+
+/// null where nothing travels.
+Json deviceOf(const std::optional<DeviceTraffic>& device) {
+  if (!device) return nullptr;
+  return {{"round_trips", device->round_trips},
+          {"misses", device->misses},
+          {"resyncs", device->resyncs}};
+}
+
+Json summary(const RunResult& result) {
+  const LoopStats& loop = result.loop;
+  const auto lookupKey = [](std::size_t i) { return lookupName(static_cast<Lookup>(i)); };
+  return {
+      {"ticks", loop.ticks},
+      {"late_ticks", loop.late_ticks},
+      {"tick_ns",
+       {{"p50", loop.tick_ns.quantile_ns(0.5)},
+        {"p99", loop.tick_ns.quantile_ns(0.99)},
+        {"p999", loop.tick_ns.quantile_ns(0.999)},
+        {"max", loop.tick_ns.max_ns()}}},
+      {"frames", framesOf(result.frames)},
+      {"slices", {{"lost", result.frames.slices_lost}, {"refused", result.frames.slices_refused}}},
+      {"datagrams", datagramsOf(result.datagrams)},
+      {"delivery",
+       {{"way", wayName(result.delivery.way)},
+        {"loss", result.delivery.loss},
+        {"copies", result.delivery.copies}}},
+      {"bytes_received", result.bytes_received},
+      {"lookup", counters(loop.lookup, lookupKey)},
+      {"contact_lookup", counters(loop.contact_lookup, lookupKey)},
+      {"max_force_N", loop.max_force_N},
+      {"max_force_step_N", loop.max_force_step_N},
+      {"step_excess_max_N", loop.step_excess_max_N},
+      {"work_mJ",
+       {{"relative", loop.work.relative_mJ},
+        {"surface", loop.work.surface_mJ},
+        {"object", loop.work.object_mJ},
+        {"user", loop.work.user_mJ()}}},
+      {"contact_ticks", loop.contact_ticks},
+      {"playout_delay_ms", result.playout_delay_ms},
+      {"clock_offset_us", result.clock_offset_us},
+      {"clock_error_us", result.clock_error_us},
+      {"eye_hand_ms", eyeHandOf(result.eye_hand_ns)},
+      {"interferences",
+       counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
+      {"device", deviceOf(result.device)},
+      {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
+      {"faults", faultNames(loop.faults)}};
+}
+
+}  // namespace
+
+void writeSummary(const std::string& file, const RunResult& result) {
+  std::ofstream out(file);
+  // JSON has no infinity: the library writes null for a number that is not finite.
+  out << summary(result).dump(2) << '\n';
+  out.close();
+  if (!out)
+    throw std::runtime_error("--summary " + file +
+                             ": cannot be written; is its folder there and writable?");
+}
+
+std::string inWords(const RunResult& result) {
+  const LoopStats& loop = result.loop;
+  const auto microseconds = [&](double quantile) {
+    return static_cast<double>(loop.tick_ns.quantile_ns(quantile)) * 1e-3;
+  };
+  std::string text = fmt::format(
+      "{:.1f} s at 1 kHz, {} ticks late; a tick takes {:.1f} us (median), {:.1f} us (99.9 %).\n",
+      static_cast<double>(loop.ticks) * 1e-3, loop.late_ticks, microseconds(0.5),
+      microseconds(0.999));
+  if (loop.contact_ticks == 0) {
+    text += "Nothing was touched.\n";
+  } else {
+    const auto interpolated = loop.contact_lookup[static_cast<std::size_t>(Lookup::kInterpolated)];
+    text += fmt::format(
+        "In contact for {:.0f} % of the time, {:.1f} % of it between two received frames; "
+        "strongest force {:.2f} N.\n",
+        100.0 * share(loop.contact_ticks, loop.ticks),
+        100.0 * share(interpolated, loop.contact_ticks), loop.max_force_N);
+  }
+  text += fmt::format(
+      "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's "
+      "clock.\n",
+      result.frames.received, wayName(result.delivery.way), result.frames.lost, result.frames.late,
+      result.playout_delay_ms);
+  if (result.device)
+    text += fmt::format("The device answered {} times; {} ticks began without, {} damaged.\n",
+                        result.device->round_trips, result.device->misses, result.device->resyncs);
+  const std::string chain = chainInWords(loop);
+  if (loop.step_excess_max_N != 0.0) {
+    text += fmt::format("WARNING: a force step exceeded its limit by {:.3f} N.\n",
+                        loop.step_excess_max_N);
+  } else if (chain.empty()) {
+    text += "No force step that the hand's own motion does not explain.\n";
+  }
+  text += chain;
+  const Json faults = faultNames(loop.faults);
+  if (!faults.empty()) text += "Faults: " + faults.dump() + "\n";
+  return text;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "client/select_device.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+namespace hapticast::client {
+
+ChosenDevice chooseDevice(const Settings& settings, const Clock& clock,
+                          LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer) {
+  const DeviceRequest request{.profile = settings.profile,
+                              .hand = settings.hand,
+                              .clock = clock,
+                              .seen = seen,
+                              .pointer = pointer,
+                              .falcon = settings.falcon,
+                              .tell = [](const std::string& line) { spdlog::info("{}", line); }};
+  const bool scripted = settings.device == "auto" && settings.hand_given;
+  if (settings.device == "auto" && !scripted) {
+    if (auto device = findDevice(request)) return {.device = std::move(device), .found = true};
+  }
+  return {.device = openDevice(scripted ? "virtual" : settings.device, request)};
+}
+
+}  // namespace hapticast::client

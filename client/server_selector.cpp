@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "client/server_selector.hpp"
+
+#include <cstdio>
+#include <thread>
+#include <utility>
+
+#include "common/mdns.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: twice as long as a first question that got lost takes to be asked again.
+constexpr std::chrono::milliseconds kLook(2000);
+constexpr std::chrono::milliseconds kStep(50);
+constexpr Duration kLookAgain = std::chrono::seconds(1);
+constexpr Duration kAfterNews = std::chrono::seconds(5);  // chosen: the time to read a list
+
+}  // namespace
+
+ServerChoice::ServerChoice(const Settings& settings)
+    : server_(settings.server), announced_(settings.announced), asks_(!settings.server_given) {
+  if (!announced_.empty()) discovery_ = std::make_unique<Discovery>();
+}
+
+Dial ServerChoice::dial() {
+  if (!asks_ && announced_.empty()) return dialTcp;
+  const auto how = asks_ ? &ServerChoice::dialChosen : &ServerChoice::dialAnnounced;
+  return [this, how](asio::io_context& io, const Endpoint& server, Duration deadline,
+                     DialStop& stop) { return (this->*how)(io, server, deadline, stop); };
+}
+
+asio::awaitable<Dialled> ServerChoice::dialChosen(asio::io_context& io, const Endpoint& server,
+                                                  Duration deadline, DialStop& stop) {
+  Endpoint endpoint = server;
+  {
+    const std::lock_guard lock(mutex_);
+    if (chosen_) endpoint = chosen_->address;
+  }
+  Dialled dialled = co_await dialTcp(io, endpoint, deadline, stop);
+  if (!dialled.ok()) none_here_ = true;
+  co_return dialled;
+}
+
+asio::awaitable<Dialled> ServerChoice::dialAnnounced(asio::io_context& io, const Endpoint& /*none*/,
+                                                     Duration deadline, DialStop& stop) {
+  asio::steady_timer timer(io);
+  std::string why;
+  for (auto looked = Duration::zero(); looked < Duration(kLook); looked += kStep) {
+    const auto found = only(discovery_->servers(), announced_, why);
+    if (found) co_return co_await dialTcp(io, found->address, deadline, stop);
+    stop.onStop([&timer] { timer.cancel(); });
+    boost::system::error_code ignored;
+    timer.expires_after(kStep);
+    co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    stop.onStop({});
+    if (stop.stopped()) co_return DialError{"stopped"};
+  }
+  const std::string absent = discovery_->absent();
+  co_return DialError{absent.empty() ? why : absent};
+}
+
+std::string ServerChoice::name() const {
+  if (!announced_.empty()) return "mdns:" + announced_;
+  const std::lock_guard lock(mutex_);
+  if (!chosen_) return toString(server_);
+  return printable(chosen_->name, kMaxServiceName_bytes) + " at " + toString(chosen_->address);
+}
+
+std::optional<std::string> ServerChoice::turn(bool connected, LocalTime now) {
+  if (!asks_ || over_) return std::nullopt;
+  over_ = connected;
+  if (over_) discovery_.reset();
+  if (over_ || !none_here_) return std::nullopt;
+  if (!discovery_) discovery_ = std::make_unique<Discovery>();
+  if (shown_ && terminal_.asked()) {
+    if (const auto typed = terminal_.take()) return take(*typed);
+  }
+  if (!next_look_) next_look_ = now + kLookAgain;
+  if (now < *next_look_) return std::nullopt;
+  auto told = look();
+  next_look_ = now + (told ? kAfterNews : kLookAgain);
+  return told;
+}
+
+std::optional<std::string> ServerChoice::look() {
+  const std::string absent = discovery_->absent();
+  if (!absent.empty()) {
+    if (std::exchange(told_absent_, true)) return std::nullopt;
+    return "servers on the LAN are not looked for: " + absent;
+  }
+  if (!list_.update(discovery_->servers()) || list_.empty()) return std::nullopt;
+  const bool asked = terminal_.asked();
+  if (asked && !std::exchange(shown_, true)) terminal_.forget();
+  return "announced on the LAN, where any host can call itself a server:\n" + list_.inWords() +
+         (asked ? "\nto be touched: its number or name, and Enter; or this machine's, as soon as "
+                  "there is one"
+                : "\nno terminal to choose one: waiting for this machine's; HOST:PORT or mdns:NAME "
+                  "takes one of these");
+}
+
+std::string ServerChoice::take(const std::string& typed) {
+  std::string why;
+  auto server = list_.choose(typed, why);
+  if (!server) return why;
+  {
+    const std::lock_guard lock(mutex_);
+    chosen_ = std::move(server);
+  }
+  return "taking " + name();
+}
+
+bool listServers() {
+  const Discovery discovery;
+  std::this_thread::sleep_for(kLook);
+  ServerList list;
+  list.update(discovery.servers());
+  if (!list.empty()) {
+    std::puts(list.inWords().c_str());
+    return true;
+  }
+  const std::string absent = discovery.absent();
+  std::fprintf(stderr, "hapticast-client: %s\n",
+               absent.empty() ? "no server is announced on the LAN"
+                              : ("servers cannot be looked for: " + absent).c_str());
+  return false;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// What the user does in the window.
+#include <backends/imgui_impl_sdl.h>
+
+#include <algorithm>
+
+#include "client/view/window/display.hpp"
+#include "client/view/window/window.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr std::uint64_t kFrame_ms = 16;  // chosen: as screens do
+constexpr double kWheel_mm = 1.0;        // chosen: a notch of the wheel
+constexpr double kDrag_mm_per_px = 0.1;  // chosen: half a hand's way is a press
+// As far as the tip goes before and behind the picture.
+constexpr double kNearest_mm = 35.0;
+constexpr double kFarthest_mm = -5.0;
+
+bool within(const ImVec4& box, const ImVec2& point) {
+  return point.x >= box.x && point.y >= box.y && point.x < box.z && point.y < box.w;
+}
+
+}  // namespace
+
+bool ViewerWindow::turn(Desk& desk) {
+  if (displayIsLost()) return false;
+  SDL_Event event;
+  while (SDL_PollEvent(&event) != 0) hear(event, desk);
+  const std::uint64_t now_ms = SDL_GetTicks64();
+  if (now_ms - drawn_ms_ >= kFrame_ms && !displayIsLost()) {
+    drawn_ms_ = now_ms;
+    draw(desk);
+  }
+  return !closed_ && !displayIsLost();
+}
+
+void ViewerWindow::hear(const SDL_Event& event, Desk& desk) {
+  hearDisplay(event);
+  ImGui_ImplSDL2_ProcessEvent(&event);
+  const ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 cursor(static_cast<float>(event.button.x), static_cast<float>(event.button.y));
+  switch (event.type) {
+    case SDL_QUIT:
+      closed_ = true;
+      break;
+    case SDL_KEYDOWN:
+      if (io.WantTextInput || event.key.repeat != 0) break;
+      if (event.key.keysym.sym == SDLK_p) save_ = true;
+      (void)pressKey(event.key.keysym.sym, desk, state_);
+      break;
+    case SDL_MOUSEMOTION:
+      point(event.motion, desk);
+      break;
+    case SDL_MOUSEWHEEL:
+      if (!io.WantCaptureMouse) press(-kWheel_mm * double{event.wheel.preciseY}, desk);
+      break;
+    case SDL_MOUSEBUTTONDOWN:
+      if (event.button.button == SDL_BUTTON_LEFT && place_.contains(cursor) && !io.WantCaptureMouse)
+        drag(turnsRelief(cursor) ? Drag::kTurns : Drag::kPresses);
+      break;
+    case SDL_MOUSEBUTTONUP:
+      if (event.button.button == SDL_BUTTON_LEFT) drag(Drag::kNone);
+      break;
+    default:
+      break;
+  }
+}
+
+void ViewerWindow::point(const SDL_MouseMotionEvent& motion, Desk& desk) {
+  if (drag_ == Drag::kPresses) press(kDrag_mm_per_px * motion.yrel, desk);
+  if (drag_ == Drag::kTurns)
+    relief_.turn(static_cast<float>(motion.xrel), static_cast<float>(motion.yrel));
+  if (drag_ != Drag::kNone) return;
+  const ImVec2 at(static_cast<float>(motion.x), static_cast<float>(motion.y));
+  if (!place_.contains(at) || turnsRelief(at) || ImGui::GetIO().WantCaptureMouse) return;
+  if (!desk.pointer.known) {  // in depth it begins where the tip is
+    desk.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
+    press(0.0, desk);
+  }
+  desk.pointer.position_mm.head<2>() = place_.toNominal(at);
+}
+
+/// Into the picture.
+void ViewerWindow::press(double by_mm, Desk& desk) const {
+  double& z_mm = desk.pointer.position_mm.z();
+  z_mm = std::clamp(z_mm - by_mm, kFarthest_mm, kNearest_mm);
+}
+
+/// While a drag lasts the pointer stays where it was and has no edge to stop at.
+void ViewerWindow::drag(Drag what) {
+  drag_ = what;
+  SDL_SetRelativeMouseMode(what == Drag::kNone ? SDL_FALSE : SDL_TRUE);
+}
+
+bool ViewerWindow::turnsRelief(const ImVec2& point) const {
+  return state_.relief == ReliefLook::kInSpace && within(WindowRelief::box(place_), point);
+}
+
+}  // namespace hapticast::client

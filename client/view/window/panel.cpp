@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/window/panel.hpp"
+
+#include <SDL_keycode.h>
+#include <fmt/core.h>
+
+#include <array>
+#include <utility>
+
+#include "client/view/window/plot.hpp"
+#include "client/view/window/scene.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr std::array kForces{Curve{&ForcePoint::force_N, kTotalColor},
+                             Curve{&ForcePoint::static_force_N, kStaticColor},
+                             Curve{&ForcePoint::dynamic_force_N, kDynamicColor}};
+constexpr std::array kDepth{Curve{&ForcePoint::penetration_mm, IM_COL32(90, 255, 120, 255)}};
+
+constexpr std::array<std::pair<const char*, const char*>, 12> kKeys{
+    {{"pointer", "moves the tip over the picture"},
+     {"wheel, drag", "presses it in, lets it out"},
+     {"space", "pauses time and lets it go on"},
+     {"S, D", "static, dynamic force on and off"},
+     {"M", "the thesis's method, and back"},
+     {"R", "re-arms the force"},
+     {"O", "outlines what can be touched"},
+     {"V", "shades its relief, then shows it from aside"},
+     {"L", "records a log: hapticast-1.csv ..."},
+     {"P", "saves a picture: hapticast-1.png ..."},
+     {"F1", "this help"},
+     {"Ctrl-C", "ends, as closing the window does"}}};
+
+void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+
+void heading(const char* name) {
+  ImGui::Spacing();
+  ImGui::TextColored(ImVec4(0.55F, 0.8F, 1.0F, 1.0F), "%s", name);
+}
+
+void showForce(const TickReport& report, const ForceHistory& history, float plot_height) {
+  heading("Force");
+  const Vec3& force_N = report.force_N;
+  text(fmt::format("{:.2f} N  ({:.2f}, {:.2f}, {:.2f})", force_N.norm(), force_N.x(), force_N.y(),
+                   force_N.z()));
+  const auto share = [](ImU32 color, const char* name, double value_N) {
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s %.2f N", name, value_N);
+  };
+  share(kStaticColor, "static", report.static_force_N.norm());
+  ImGui::SameLine();
+  share(kDynamicColor, "dynamic", report.dynamic_force_N.norm());
+  plot(history, ceilingOf(history, &ForcePoint::force_N, 1.0), "N", plot_height, kForces);
+  text(fmt::format("penetration {:.2f} mm, tip z {:.1f} mm", report.penetration_mm,
+                   report.hip_mm.z()));
+  plot(history, ceilingOf(history, &ForcePoint::penetration_mm, 1.0), "mm", 0.6F * plot_height,
+       kDepth);
+}
+
+void showNetwork(const TickWatch& ticks, const Desk& desk, double picture_off_ms) {
+  heading("Stream");
+  const StreamStatus& stream = desk.stream;
+  // Play time that stands still falls behind by as much as the pause lasts, which says nothing.
+  const double behind_ms = toSeconds(ticks.last().playout_delay) * 1e3;
+  text((desk.user.paused ? "paused" : fmt::format("behind by {:.0f} ms", behind_ms)) +
+       fmt::format(", clock ± {:.2f} ms", stream.clock_error_us * 1e-3));
+  text(fmt::format("{} frames, {} lost, {} late", stream.frames_received, stream.frames_lost,
+                   stream.frames_late));
+  text(fmt::format("{} parts lost; eye - hand {:.0f} ms", stream.slices_lost, picture_off_ms));
+  heading("Loop and safety");
+  text(fmt::format("{} ticks, {} late; {:.0f} µs, {:.0f} at most", ticks.ticks(), ticks.lateTicks(),
+                   ticks.mean_us(), ticks.longest_us()));
+  const PortWork& work = ticks.last().work;
+  text(fmt::format("energy {:.1f} mJ: contact {:.1f},", work.user_mJ(), work.relative_mJ));
+  text(fmt::format("  surface {:.1f}, object {:.1f}", work.surface_mJ, work.object_mJ));
+  ImGui::TextWrapped("chain: %s", ticks.chain().c_str());
+}
+
+void slider(const char* name, double& value, float low, float high) {
+  auto shown = static_cast<float>(value);
+  if (ImGui::SliderFloat(name, &shown, low, high, "%.2f", ImGuiSliderFlags_AlwaysClamp))
+    value = double{shown};
+}
+
+/// The thesis's method has a surface of its own.
+void chooseSurface(UserControls& user, bool thesis) {
+  constexpr const char* kNames = "perturbed\0normal\0proxy\0";  // in the order of SurfaceKind
+  const SurfaceKind felt =
+      thesis ? SurfaceKind::kPerturbed : user.surface.value_or(SurfaceKind::kProxy);
+  auto shown = static_cast<int>(felt);
+  ImGui::BeginDisabled(thesis);
+  if (ImGui::Combo("surface", &shown, kNames)) user.surface = static_cast<SurfaceKind>(shown);
+  ImGui::EndDisabled();
+}
+
+void chooseFriction(UserControls& user, PanelState& state) {
+  bool authors = !user.friction;
+  ImGui::BeginDisabled(authors);
+  slider("friction", state.friction, 0.0F, 1.0F);
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  ImGui::Checkbox("author's", &authors);
+  user.friction.reset();
+  if (!authors) user.friction = state.friction;
+}
+
+void showControls(Desk& desk, PanelState& state) {
+  heading("Feel");
+  UserControls& user = desk.user;
+  ImGui::Checkbox("pause (space)", &user.paused);
+  ImGui::SameLine();
+  bool thesis = user.method == Method::kThesis;
+  if (ImGui::Checkbox("thesis (M)", &thesis))
+    user.method = thesis ? Method::kThesis : Method::kHapticast;
+  ImGui::Checkbox("static (S)", &user.static_on);
+  ImGui::SameLine();
+  ImGui::Checkbox("dynamic (D)", &user.dynamic_on);
+  ImGui::PushItemWidth(0.4F * ImGui::GetContentRegionAvail().x);
+  chooseSurface(user, thesis);
+  slider("stiffness x", user.stiffness_factor, 0.1F, 3.0F);
+  chooseFriction(user, state);
+  slider("force x", user.force_factor, 0.0F, 1.0F);
+  ImGui::PopItemWidth();
+  if (ImGui::Button("re-arm (R)")) ++user.rearm;
+  ImGui::SameLine();
+  ImGui::Checkbox("record (L)", &desk.record);
+  ImGui::SameLine();
+  if (ImGui::Button("help (F1)")) state.help = !state.help;
+}
+
+}  // namespace
+
+bool pressKey(int sdl_key, Desk& desk, PanelState& state) {
+  UserControls& user = desk.user;
+  const auto flip = [](bool& value) { value = !value; };
+  switch (sdl_key) {
+    case SDLK_SPACE:
+      flip(user.paused);
+      return true;
+    case SDLK_s:
+      flip(user.static_on);
+      return true;
+    case SDLK_d:
+      flip(user.dynamic_on);
+      return true;
+    case SDLK_m:
+      user.method = user.method == Method::kThesis ? Method::kHapticast : Method::kThesis;
+      return true;
+    case SDLK_r:
+      ++user.rearm;
+      return true;
+    case SDLK_l:
+      flip(desk.record);
+      return true;
+    case SDLK_o:
+      flip(state.outline);
+      return true;
+    case SDLK_v:
+      state.relief = static_cast<ReliefLook>((static_cast<int>(state.relief) + 1) % 3);
+      return true;
+    case SDLK_F1:
+      flip(state.help);
+      return true;
+    default:
+      return false;
+  }
+}
+
+void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
+               const ForceHistory& history, Desk& desk, PanelState& state) {
+  ImGui::SetNextWindowPos(corner);
+  ImGui::SetNextWindowSize(size);
+  constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration & ~ImGuiWindowFlags_NoScrollbar;
+  ImGui::Begin("panel", nullptr,
+               kFixed | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(6.0F, 2.0F));
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4.0F, 2.0F));
+  showForce(ticks.last(), history, (size.y < 600.0F ? 0.09F : 0.13F) * size.y);
+  showControls(desk, state);
+  showNetwork(ticks, desk, state.picture_off_ms);
+  if (!desk.recording.empty()) ImGui::TextWrapped("%s", desk.recording.c_str());
+  if (!state.note.empty()) ImGui::TextWrapped("%s", state.note.c_str());
+  ImGui::PopStyleVar(2);
+  ImGui::End();
+}
+
+void showHelp(const ImVec2& room, bool& open) {
+  if (!open) return;
+  ImGui::SetNextWindowPos({0.5F * room.x, 0.5F * room.y}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::Begin("Keys", &open,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoCollapse);
+  for (const auto& [key, does] : kKeys) {
+    ImGui::TextUnformatted(key);
+    ImGui::SameLine(7.0F * ImGui::GetFontSize());
+    ImGui::TextUnformatted(does);
+  }
+  ImGui::End();
+}
+
+}  // namespace hapticast::client

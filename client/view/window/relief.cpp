@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/window/relief.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kTurn_rad_per_px = 0.01;  // chosen: across the box is about a half turn
+// The software renderer leaves holes between smaller triangles (tried), px of the window.
+constexpr float kCell_px = 4.0F;
+constexpr double kArrow_mm_per_N = 12.0;
+constexpr double kStylus_mm = 25.0;
+constexpr ImU32 kOutlineColor = IM_COL32(255, 255, 255, 220);
+constexpr ImU32 kProxyColor = IM_COL32(90, 255, 120, 255);
+
+ImU32 lit(float light, int opacity) {
+  const auto part = [light](float most) { return static_cast<int>(most * std::min(light, 1.0F)); };
+  return IM_COL32(part(255.0F), part(225.0F), part(185.0F), opacity);
+}
+
+/// Draws cells in this order; `at` says where a corner is seen.
+template <class At>
+void drawCells(ImDrawList& list, const ReliefMesh& mesh, const std::vector<std::size_t>& order,
+               int opacity, At at) {
+  if (order.empty()) return;
+  const ImVec2 white = ImGui::GetFontTexUvWhitePixel();
+  list.PrimReserve(static_cast<int>(6 * order.size()), static_cast<int>(mesh.corners.size()));
+  const unsigned first = list._VtxCurrentIdx;
+  for (const ReliefMesh::Corner& corner : mesh.corners)
+    list.PrimWriteVtx(at(corner.position_mm), white, lit(corner.light, opacity));
+  for (const std::size_t cell : order) {
+    for (const std::size_t corner : {0U, 1U, 2U, 0U, 2U, 3U}) {
+      list.PrimWriteIdx(
+          static_cast<ImDrawIdx>(first + static_cast<unsigned>(mesh.cells[cell][corner])));
+    }
+  }
+}
+
+std::vector<std::size_t> allOf(const ReliefMesh& mesh) {
+  std::vector<std::size_t> order(mesh.cells.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  return order;
+}
+
+/// A look at the workspace from aside, without perspective.
+class Aside {
+ public:
+  Aside(const ReliefMesh& mesh, const ImVec4& box, double yaw_rad, double pitch_rad)
+      : turn_((Eigen::AngleAxisd(pitch_rad, Vec3::UnitX()) *
+               Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ()))
+                  .toRotationMatrix()),
+        middle_(0.5F * (box.x + box.z), 0.5F * (box.y + box.w)) {
+    Vec3 low = Vec3::Constant(1e9);
+    Vec3 high = Vec3::Constant(-1e9);
+    for (const ReliefMesh::Corner& corner : mesh.corners) {
+      low = low.cwiseMin(corner.position_mm);
+      high = high.cwiseMax(corner.position_mm);
+    }
+    if (mesh.corners.empty()) low = high = Vec3::Zero();
+    centre_mm_ = 0.5 * (low + high);
+    // Around it room for a stylus.
+    const double across_mm = (high - low).head<2>().norm() + kStylus_mm;
+    px_per_mm_ = static_cast<double>(std::min(box.z - box.x, box.w - box.y)) / across_mm;
+  }
+  [[nodiscard]] Vec3 turned(const Vec3& nominal_mm) const {
+    return turn_ * (nominal_mm - centre_mm_);
+  }
+  [[nodiscard]] ImVec2 operator()(const Vec3& nominal_mm) const {
+    const Vec3 seen = px_per_mm_ * turned(nominal_mm);
+    return {middle_.x + bounded(seen.x()), middle_.y - bounded(seen.y())};
+  }
+
+ private:
+  Eigen::Matrix3d turn_;
+  ImVec2 middle_;
+  Vec3 centre_mm_;
+  double px_per_mm_;
+};
+
+/// The nearer ones cover the farther ones.
+std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) {
+  std::vector<double> near(mesh.cells.size());
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    for (const int corner : mesh.cells[i])
+      near[i] += aside.turned(mesh.corners[static_cast<std::size_t>(corner)].position_mm).z();
+  }
+  std::vector<std::size_t> order = allOf(mesh);
+  std::sort(order.begin(), order.end(),
+            [&near](std::size_t a, std::size_t b) { return near[a] < near[b]; });
+  return order;
+}
+
+/// Stylus, tip, where the tip is held and the force.
+void drawTouch(ImDrawList& list, const Aside& aside, const TickReport& report) {
+  const Vec3& tip_mm = report.hip_mm;
+  const ImVec2 tip = aside(tip_mm);
+  if (report.contact) {
+    const ImVec2 held = aside(report.contact_mm);
+    list.AddLine(tip, held, kProxyColor, 1.5F);
+    list.AddCircle(held, 5.0F, kProxyColor, 0, 2.0F);
+  }
+  list.AddLine(tip, aside(tip_mm + Vec3(0.0, 0.0, kStylus_mm)), IM_COL32(70, 205, 190, 255), 3.0F);
+  list.AddCircleFilled(tip, 4.0F, IM_COL32(255, 255, 255, 255));
+  const ImVec2 end = aside(tip_mm + kArrow_mm_per_N * report.force_N);
+  drawArrow(list, tip, {end.x - tip.x, end.y - tip.y}, 4.0F, kTotalColor);
+}
+
+}  // namespace
+
+void WindowRelief::takeFrame(const FeltFrame& frame) {
+  const std::lock_guard lock(mutex_);
+  // An older one than the newest belongs to a server that has started anew.
+  if (!frames_.empty() && frame.media_time < frames_.back().media_time) frames_.clear();
+  frames_.push_back(frame);
+  if (frames_.size() > kMostFrames) frames_.pop_front();
+}
+
+void WindowRelief::follow(MediaTime play_time, const Workspace& workspace) {
+  const auto off = [play_time](MediaTime time) { return std::abs((time - play_time).count()); };
+  const std::lock_guard lock(mutex_);
+  const auto nearest = std::min_element(frames_.begin(), frames_.end(),
+                                        [&off](const FeltFrame& a, const FeltFrame& b) {
+                                          return off(a.media_time) < off(b.media_time);
+                                        });
+  if (nearest == frames_.end()) return;
+  // While time is paused frames go on, and the one that stands is forgotten here.
+  if (shown_ && off(*shown_) <= off(nearest->media_time)) return;
+  shown_ = nearest->media_time;
+  workspace_ = workspace;
+  Reliefs reliefs;
+  reliefs.reserve(nearest->reliefs.size());
+  for (const auto& weak : nearest->reliefs) {
+    if (auto relief = weak.lock()) reliefs.push_back(std::move(relief));
+  }
+  if (reliefs == reliefs_) return;
+  reliefs_ = std::move(reliefs);
+  mesh_.reset();
+  outlines_.reset();
+}
+
+void WindowRelief::turn(float right_px, float down_px) {
+  yaw_rad_ = std::remainder(yaw_rad_ + kTurn_rad_per_px * double{right_px}, 6.283185307179586);
+  pitch_rad_ = std::clamp(pitch_rad_ + kTurn_rad_per_px * double{down_px}, -1.5708, 0.0);
+}
+
+const ReliefMesh& WindowRelief::mesh(const ScenePlace& place) {
+  const float px = place.pixelsPerMm() / static_cast<float>(workspace_.pixelsPerMm().x());
+  const int least_px = std::max(1, static_cast<int>(std::ceil(kCell_px / px)));
+  if (!mesh_ || least_px != cell_px_) mesh_ = meshOf(reliefs_, workspace_, least_px);
+  cell_px_ = least_px;
+  return *mesh_;
+}
+
+void WindowRelief::drawOutline(ImDrawList& list, const ScenePlace& place) {
+  if (!outlines_) {
+    outlines_.emplace();
+    for (const auto& relief : reliefs_) {
+      for (auto& line : outlineOf(*relief)) outlines_->push_back(std::move(line));
+    }
+  }
+  for (const auto& line : *outlines_) {
+    for (const cv::Point2f& point : line)
+      list.PathLineTo(place.fromImage(Vec2(double{point.x}, double{point.y})));
+    list.PathStroke(kOutlineColor, ImDrawFlags_Closed, 2.0F);
+  }
+}
+
+void WindowRelief::drawShaded(ImDrawList& list, const ScenePlace& place) {
+  drawCells(list, mesh(place), allOf(mesh(place)), 215,
+            [&place](const Vec3& position_mm) { return place.toWindow(position_mm.head<2>()); });
+}
+
+ImVec4 WindowRelief::box(const ScenePlace& place) {
+  constexpr float kShare = 0.45F;  // chosen: the middle of the picture stays free
+  const ImVec2 end = place.end();
+  return {place.corner().x, end.y - kShare * (end.y - place.corner().y),
+          place.corner().x + kShare * (end.x - place.corner().x), end.y};
+}
+
+void WindowRelief::drawInSpace(ImDrawList& list, const ScenePlace& place,
+                               const TickReport& report) {
+  const ImVec4 room = box(place);
+  const ImVec2 corner(room.x, room.y);
+  const ImVec2 end(room.z, room.w);
+  list.PushClipRect(corner, end, true);
+  list.AddRectFilled(corner, end, IM_COL32(18, 20, 24, 225));
+  const Aside aside(mesh(place), room, yaw_rad_, pitch_rad_);
+  drawCells(list, mesh(place), fromBehind(mesh(place), aside), 255, aside);
+  drawTouch(list, aside, report);
+  list.AddText({room.x + 5.0F, room.y + 3.0F}, IM_COL32(170, 170, 170, 255),
+               "drag here to turn it");
+  list.AddRect(corner, end, IM_COL32(120, 120, 120, 255));
+  list.PopClipRect();
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/window/window.hpp"
+
+#include <backends/imgui_impl_sdl.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "client/view/picture.hpp"
+#include "client/view/window/display.hpp"
+#include "common/unique_filename.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+[[noreturn]] void failed(const char* what) {
+  throw std::runtime_error(fmt::format("{} ({})", what, SDL_GetError()));
+}
+
+/// Where no display can be opened SDL may draw in memory, which only who names its driver wants.
+bool drawsForNobody() {
+  const std::string driver = SDL_GetCurrentVideoDriver();
+  return (driver == "offscreen" || driver == "dummy") && SDL_getenv("SDL_VIDEODRIVER") == nullptr;
+}
+
+/// The share of the window that is the panel's.
+float panelWidth(const ImVec2& window) { return std::clamp(0.3F * window.x, 250.0F, 460.0F); }
+
+int textHeight(const ImVec2& window) {
+  return window.y < 600.0F ? 13 : window.y < 1000.0F ? 15 : 19;
+}
+
+}  // namespace
+
+struct ViewerWindow::Gui {
+  Gui(int width_px, int height_px) {
+    // Ctrl-C ends the client as it does without a window.
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+    if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) failed("no display");
+    if (drawsForNobody()) {
+      SDL_SetError("the one that is named cannot be opened");
+      end("no display");
+    }
+    constexpr std::uint32_t kFlags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
+    window = SDL_CreateWindow("hapticast", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width_px,
+                              height_px, kFlags);
+    if (window == nullptr) end("no window");
+    SDL_SetWindowMinimumSize(window, 640, 480);
+    renderer = SDL_CreateRenderer(window, -1, 0);
+    if (renderer == nullptr) renderer = SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
+    if (renderer == nullptr) end("nothing can be drawn");
+    surviveDisplay(*window);  // now: for a renderer SDL makes a window anew
+    context = ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::StyleColorsDark();
+    ImGui_ImplSDL2_InitForSDLRenderer(window);
+    painter = std::make_unique<WindowPainter>(*renderer);
+  }
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+  ~Gui() {
+    if (displayIsLost()) {
+      (void)painter.release();  // its textures are the display's
+      return;
+    }
+    painter.reset();
+    ImGui_ImplSDL2_Shutdown();
+    ImGui::DestroyContext(context);
+    close();
+  }
+  [[noreturn]] void end(const char* what) const {
+    const std::string why = SDL_GetError();
+    close();
+    SDL_SetError("%s", why.c_str());
+    failed(what);
+  }
+  void close() const {
+    if (renderer != nullptr) SDL_DestroyRenderer(renderer);
+    if (window != nullptr) SDL_DestroyWindow(window);
+    SDL_QuitSubSystem(SDL_INIT_VIDEO);
+  }
+
+  SDL_Window* window = nullptr;
+  SDL_Renderer* renderer = nullptr;
+  ImGuiContext* context = nullptr;
+  std::unique_ptr<WindowPainter> painter;
+};
+
+ViewerWindow::ViewerWindow(int width_px, int height_px)
+    : gui_(std::make_unique<Gui>(width_px, height_px)), place_(workspace_, {0, 0}, {640, 480}) {}
+
+ViewerWindow::~ViewerWindow() {
+  if (displayIsLost()) (void)texture_.release();
+}
+
+void ViewerWindow::takePicture(VideoFrame picture, const Workspace& workspace) {
+  pictures_.add(std::move(picture), workspace);
+}
+
+void ViewerWindow::takeReport(const TickReport& report) {
+  ticks_.add(report);
+  history_.add(report);
+}
+
+void ViewerWindow::finish() {
+  if (displayIsLost()) throw std::runtime_error("the window is gone: its display took it away");
+}
+
+void ViewerWindow::draw(Desk& desk) {
+  const ImGuiIO& io = ImGui::GetIO();
+  int width = 0;
+  int height = 0;
+  SDL_GetWindowSize(gui_->window, &width, &height);
+  gui_->painter->setTextHeight(
+      textHeight(ImVec2(static_cast<float>(width), static_cast<float>(height))));
+  showPicture();
+  ImGui_ImplSDL2_NewFrame();
+  ImGui::NewFrame();
+  const float panel = panelWidth(io.DisplaySize);
+  showScene(desk);
+  showPanel({io.DisplaySize.x - panel, 0.0F}, {panel, io.DisplaySize.y}, ticks_, history_, desk,
+            state_);
+  showHelp({io.DisplaySize.x - panel, io.DisplaySize.y}, state_.help);
+  ImGui::Render();
+  SDL_SetRenderDrawColor(gui_->renderer, 24, 26, 28, 255);
+  SDL_RenderClear(gui_->renderer);
+  gui_->painter->paint(*ImGui::GetDrawData());
+  if (save_) savePicture();
+  SDL_RenderPresent(gui_->renderer);
+}
+
+/// Takes the picture of the frame that is felt to the screen, if it is another one.
+void ViewerWindow::showPicture() {
+  const MediaTime play_time = ticks_.last().play_time;
+  const auto off = [play_time](const StreamPicture& picture) {
+    return std::abs((picture.video.media_time - play_time).count());
+  };
+  auto nearest = pictures_.nearest(play_time);
+  // While time is paused the buffer goes on, and forgets the picture of the frame that stands.
+  const bool nearer = nearest && (!shown_ || off(*nearest) < off(*shown_));
+  if (nearer) show(std::move(nearest));
+  if (!shown_) return;
+  const Duration apart = shown_->video.media_time - play_time;
+  state_.picture_off_ms = toSeconds(apart) * 1e3;
+  if (ticks_.last().lookup == Lookup::kInterpolated && play_time != last_play_time_)
+    eye_hand_ns_.add(std::abs(apart.count()));
+  last_play_time_ = play_time;
+}
+
+/// Takes a picture to the screen.
+void ViewerWindow::show(std::shared_ptr<const StreamPicture> picture_of_stream) {
+  shown_ = std::move(picture_of_stream);
+  workspace_ = shown_->workspace;
+  const cv::Size size(workspace_.width_px, workspace_.height_px);
+  const cv::Mat picture = decodeJpeg(shown_->video.jpeg, size);
+  if (picture.empty()) return;
+  if (!texture_ || texture_size_ != size) {
+    texture_.reset(SDL_CreateTexture(gui_->renderer, SDL_PIXELFORMAT_BGR24,
+                                     SDL_TEXTUREACCESS_STREAMING, size.width, size.height));
+    texture_size_ = size;
+    SDL_SetTextureScaleMode(texture_.get(), SDL_ScaleModeLinear);
+  }
+  SDL_UpdateTexture(texture_.get(), nullptr, picture.data, static_cast<int>(picture.step));
+}
+
+void ViewerWindow::showScene(Desk& desk) {
+  const ImVec2& window = ImGui::GetIO().DisplaySize;
+  const float head = 1.8F * ImGui::GetFontSize();
+  place_ = ScenePlace(workspace_, {0.0F, head},
+                      {window.x - panelWidth(window), std::max(window.y - head, 1.0F)});
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  if (texture_) {
+    list.AddImage(texture_.get(), place_.corner(), place_.end());
+  } else {
+    list.AddRectFilled(place_.corner(), place_.end(), IM_COL32(40, 43, 46, 255));
+  }
+  relief_.follow(ticks_.last().play_time, workspace_);
+  list.PushClipRect(place_.corner(), place_.end(), true);
+  if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(list, place_);
+  if (state_.outline) relief_.drawOutline(list, place_);
+  list.PopClipRect();
+  drawScene(list, place_, ticks_.last(), desk.pointer);
+  if (state_.relief == ReliefLook::kInSpace) relief_.drawInSpace(list, place_, ticks_.last());
+  const std::string status = statusLine(ticks_.last(), desk);
+  list.AddText({0.5F * ImGui::GetFontSize(), 0.4F * ImGui::GetFontSize()},
+               IM_COL32(235, 235, 235, 255), status.c_str());
+}
+
+cv::Mat ViewerWindow::pixels() const {
+  cv::Size size;
+  SDL_GetRendererOutputSize(gui_->renderer, &size.width, &size.height);
+  cv::Mat picture(size, CV_8UC3);
+  const bool read = SDL_RenderReadPixels(gui_->renderer, nullptr, SDL_PIXELFORMAT_BGR24,
+                                         picture.data, static_cast<int>(picture.step)) == 0;
+  return read ? picture : cv::Mat();
+}
+
+void ViewerWindow::savePicture() {
+  save_ = false;
+  const std::string file = freshFile(".png");
+  bool written = false;
+  try {
+    written = cv::imwrite(file, pixels());
+  } catch (const cv::Exception&) {
+    written = false;
+  }
+  state_.note = written ? "saved " + file : file + " cannot be written here";
+}
+
+}  // namespace hapticast::client

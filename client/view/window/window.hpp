@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// The window: the video at play time with what is felt in it, the controls beside it, and a pointer
+// that can be a device. Thread: takePicture() any, everything else main.
+#pragma once
+
+#include <SDL.h>
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "client/view/picture_buffer.hpp"
+#include "client/view/window/painter.hpp"
+#include "client/view/window/panel.hpp"
+#include "client/view/window/relief.hpp"
+#include "client/view/window/scene.hpp"
+
+namespace hapticast::client {
+
+class ViewerWindow final : public View {
+ public:
+  static constexpr int kWidth_px = 1280;
+  static constexpr int kHeight_px = 720;
+
+  /// Opens it on SDL's display. Throws std::runtime_error, one line, where there is none.
+  explicit ViewerWindow(int width_px = kWidth_px, int height_px = kHeight_px);
+  ViewerWindow(const ViewerWindow&) = delete;
+  ViewerWindow& operator=(const ViewerWindow&) = delete;
+  ~ViewerWindow() override;
+
+  void takePicture(VideoFrame picture, const Workspace& workspace) override;
+  void takeFrame(const FeltFrame& frame) override { relief_.takeFrame(frame); }
+  void takeReport(const TickReport& report) override;
+  /// Hears what the user does; draws when it is time to. False when the window was closed.
+  [[nodiscard]] bool turn(Desk& desk) override;
+  /// Throws where the display took it away.
+  void finish() override;
+  [[nodiscard]] bool points() const override { return true; }
+  [[nodiscard]] const Histogram* eyeHand() const override { return &eye_hand_ns_; }
+
+  /// Draws now, whatever time it is.
+  void draw(Desk& desk);
+  /// What was drawn last, CV_8UC3.
+  [[nodiscard]] cv::Mat pixels() const;
+  /// Where the picture was drawn last.
+  [[nodiscard]] const ScenePlace& place() const { return place_; }
+
+ private:
+  void hear(const SDL_Event& event, Desk& desk);
+  void point(const SDL_MouseMotionEvent& motion, Desk& desk);
+  void press(double by_mm, Desk& desk) const;
+  enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
+  void drag(Drag what);
+  /// Whether a drag there turns the relief, and does not move the tip.
+  [[nodiscard]] bool turnsRelief(const ImVec2& point) const;
+  void showPicture();
+  void show(std::shared_ptr<const StreamPicture> picture_of_stream);
+  void showScene(Desk& desk);
+  void savePicture();
+
+  struct Gui;  // SDL, ImGui and what they own, in the order of their ends
+  std::unique_ptr<Gui> gui_;
+  PictureBuffer pictures_;
+  std::shared_ptr<const StreamPicture> shown_;
+  Texture texture_;  // of shown_
+  cv::Size texture_size_;
+  Workspace workspace_;
+  ForceHistory history_;
+  TickWatch ticks_;
+  PanelState state_;
+  ScenePlace place_;
+  Drag drag_ = Drag::kNone;
+  WindowRelief relief_;
+  Histogram eye_hand_ns_;
+  MediaTime last_play_time_{};
+  bool closed_ = false;
+  bool save_ = false;
+  std::uint64_t drawn_ms_ = 0;
+};
+
+}  // namespace hapticast::client

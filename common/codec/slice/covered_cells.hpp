@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The cells of a relief that slices have claimed so far: no two slices may cover the same one.
+// Thread: any, one per object.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "common/codec/slice/header.hpp"
+#include "common/geometry.hpp"
+
+namespace hapticast::codec {
+
+class CoveredCells {
+ public:
+  explicit CoveredCells(const PixelRect& rect)
+      : columns_(cellsOver(rect.width)),
+        covered_(static_cast<std::size_t>(columns_) *
+                 static_cast<std::size_t>(cellsOver(rect.height))) {}
+
+  /// False where one of them was claimed before. Requires a slice of this rectangle.
+  bool claim(const Header& slice) {
+    bool free = true;
+    for (int y = slice.y; y < slice.y + slice.rows; ++y) {
+      for (int x = slice.x; x < slice.x + slice.columns; ++x) {
+        std::vector<bool>::reference cell = covered_[static_cast<std::size_t>(y * columns_ + x)];
+        free = free && !cell;
+        cell = true;
+      }
+    }
+    return free;
+  }
+
+ private:
+  int columns_;
+  std::vector<bool> covered_;
+};
+
+}  // namespace hapticast::codec

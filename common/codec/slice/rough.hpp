@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// Heights that are not smooth (a sensor's own steps and noise): every pixel by itself, as the
+// number of a level. Which heights are levels is told first: evenly spaced ones, or those that
+// occur. Written once for both directions (range_coder.hpp). Thread: any.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "common/codec/slice/field.hpp"
+#include "common/codec/slice/range_coder.hpp"
+
+namespace hapticast::codec {
+
+/// Heights in units, rising.
+using Levels = std::vector<std::int32_t>;
+
+inline constexpr std::size_t kMostLevels = 65536;
+
+/// Codes the levels; false: they are more than are allowed, or leave the heights that are.
+template <class Coder>
+bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
+  NumberModel first;
+  NumberModel count;
+  NumberModel change;
+  const std::int32_t lowest = Coder::kDecodes ? 0 : levels.front();
+  std::int32_t height = codeNumber(coder, first, lowest);
+  const auto wanted = static_cast<int>(Coder::kDecodes ? 0 : levels.size());
+  const auto size = static_cast<std::size_t>(codeMagnitude(coder, count, nullptr, wanted));
+  if (size > kMostLevels || std::abs(height) > kHighest) return false;
+  if constexpr (Coder::kDecodes) levels.assign(1, height);
+  std::int32_t gap = usual_gap;
+  for (std::size_t i = 1; i < size; ++i) {
+    const std::int32_t next = Coder::kDecodes ? 0 : levels[i] - levels[i - 1];
+    gap += codeNumber(coder, change, next - gap);
+    height += gap;
+    if (gap < 1 || height > kHighest) return false;
+    if constexpr (Coder::kDecodes) levels.push_back(height);
+  }
+  return true;
+}
+
+struct RoughModels {
+  std::array<std::array<NumberModel, 3>, 7> rest;  ///< by what the neighbours differ, and missed by
+  std::array<BitModel, 9> sign;                    ///< by which way they fall
+};
+
+/// Numbers of the levels around a pixel.
+struct Around {
+  std::int32_t left, up, up_left, up_right;
+
+  [[nodiscard]] std::int32_t guess() const {
+    if (up_left >= std::max(left, up)) return std::min(left, up);
+    if (up_left <= std::min(left, up)) return std::max(left, up);
+    return left + up - up_left;
+  }
+  [[nodiscard]] std::size_t unrest() const {
+    const int sum = std::abs(up_right - up) + std::abs(up - up_left) + std::abs(up_left - left);
+    if (sum < 3) return static_cast<std::size_t>(sum);
+    return sum < 5 ? 3 : sum < 9 ? 4 : sum < 17 ? 5 : 6;
+  }
+  [[nodiscard]] std::size_t fall() const {
+    const auto sign = [](int value) { return (value > 0 ? 2 : 0) + (value == 0 ? 1 : 0); };
+    return static_cast<std::size_t>(3 * sign(up - up_left) + sign(left - up_left));
+  }
+};
+
+/// The level of each pixel, and by how much its guess was off. There is one more to the left and
+/// right of each row, and a row above.
+struct Numbers {
+  std::ptrdiff_t stride = 0;
+  std::vector<std::int32_t> level;
+  std::vector<std::uint8_t> rest;
+
+  void reset(const Shape& shape) {
+    stride = shape.width + 2;
+    level.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(shape.height + 1), 0);
+    rest.assign(level.size(), 0);
+  }
+  [[nodiscard]] std::ptrdiff_t at(int x, int y) const { return (y + 1) * stride + x + 1; }
+};
+
+/// So few levels that no pixel inside is farther from one than `farthest`, and the pixels' numbers.
+Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
+                  Numbers& numbers);
+
+inline Around aroundOf(const std::int32_t* level, std::ptrdiff_t stride, const std::uint8_t* inside,
+                       std::ptrdiff_t mask_stride, bool top, bool at_left, bool at_right,
+                       std::int32_t last) {
+  const bool left = !at_left && inside[-1] != 0;
+  const bool up = !top && inside[-mask_stride] != 0;
+  const bool up_left = !top && !at_left && inside[-mask_stride - 1] != 0;
+  const bool up_right = !top && !at_right && inside[-mask_stride + 1] != 0;
+  Around out{};
+  out.left = left ? level[-1] : up ? level[-stride] : last;
+  out.up = up ? level[-stride] : out.left;
+  out.up_left = up_left ? level[-stride - 1] : out.up;
+  out.up_right = up_right ? level[-stride + 1] : out.up;
+  return out;
+}
+
+/// Codes the numbers of all pixels inside, 0..most.
+template <class Coder>
+void codeNumbers(Coder& coder, RoughModels& models, Numbers& numbers, const Shape& shape,
+                 const Mask& mask, std::int32_t most) {
+  std::int32_t last = 0;
+  for (int y = 0; y < shape.height; ++y) {
+    for (int x = 0; x < shape.width; ++x) {
+      const std::uint8_t* inside = mask.data + y * mask.stride + x;
+      if (*inside == 0) continue;
+      std::int32_t* level = numbers.level.data() + numbers.at(x, y);
+      std::uint8_t* rest = numbers.rest.data() + numbers.at(x, y);
+      const Around around = aroundOf(level, numbers.stride, inside, mask.stride, y == 0, x == 0,
+                                     x + 1 == shape.width, last);
+      const std::int32_t guess = around.guess();
+      const int missed = rest[-1] + rest[-numbers.stride];
+      NumberModel& model = models.rest[around.unrest()][missed == 0 ? 0 : missed < 3 ? 1 : 2];
+      std::int32_t off = 0;
+      if (coder.bit(model.zero, *level != guess)) {
+        const bool minus = coder.bit(models.sign[around.fall()], *level < guess);
+        const std::int32_t size = codeMagnitude(coder, model, nullptr, std::abs(*level - guess));
+        off = minus ? -size : size;
+      }
+      if constexpr (Coder::kDecodes) *level = std::clamp(guess + off, 0, most);
+      *rest = static_cast<std::uint8_t>(std::min(std::abs(off), kMostSize));
+      last = *level;
+    }
+  }
+}
+
+}  // namespace hapticast::codec

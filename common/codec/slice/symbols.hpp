@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// The order and the models of a slice's numbers, written once for both directions
+// (range_coder.hpp): base nodes, then the details of the levels. Thread: any.
+#pragma once
+
+#include <array>
+#include <cstdlib>
+
+#include "common/codec/slice/field.hpp"
+#include "common/codec/slice/range_coder.hpp"
+
+namespace hapticast::codec {
+
+/// Which of five models a point has, by the sum of the sizes around it.
+inline constexpr auto kDetailClass = [] {
+  std::array<std::uint8_t, 6 * kMostSize + 1> out{};
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = static_cast<std::uint8_t>(i < 3 ? i : i < 7 ? 3 : 4);
+  return out;
+}();
+
+struct SymbolModels {
+  std::array<NumberModel, 4> base;
+  /// Of a level, by odd or even row.
+  struct Details {
+    std::array<std::array<NumberModel, 5>, 2> number;  ///< by class
+    std::array<std::array<PlaceModel, 12>, 2> place;   ///< by placeOf()
+    std::array<std::array<BitModel, 9>, 2> sign;       ///< by the signs to the left and above
+  };
+  std::array<Details, 3> detail;
+  std::array<std::array<std::array<BitModel, 3>, 2>, 3> flag;
+};
+
+template <class Coder>
+void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
+  constexpr int kMostResidual = 64;
+  const std::int32_t most = kHighest / steps.base + 1;
+  std::vector<std::int32_t> residuals(field.base.size(), 0);
+  for (int y = 0; y <= field.shape.rows; ++y) {
+    for (int x = 0; x <= field.shape.columns; ++x) {
+      const std::ptrdiff_t at = field.node(x, y);
+      const std::ptrdiff_t up = at - field.node_stride;
+      const std::uint8_t* need = field.needed.data();
+      std::int32_t* value = field.base.data();
+      if (need[at] == 0) continue;
+      std::int32_t guess = 0;
+      if (need[at - 1] != 0 && need[up] != 0 && need[up - 1] != 0)
+        guess = value[at - 1] + value[up] - value[up - 1];
+      else if (need[at - 1] != 0)
+        guess = value[at - 1];
+      else if (need[up] != 0)
+        guess = value[up];
+      else if (need[up + 1] != 0)
+        guess = value[up + 1];
+      std::int32_t* residual = residuals.data();
+      const int around = residual[at - 1] + residual[up];
+      NumberModel& model = models.base[around < 2 ? 0 : around < 8 ? 1 : around < 32 ? 2 : 3];
+      const std::int32_t rest = codeNumber(coder, model, value[at] - guess);
+      residual[at] = std::min(std::abs(rest), kMostResidual);
+      if constexpr (Coder::kDecodes) value[at] = std::clamp(guess + rest, -most, most);
+    }
+  }
+}
+
+/// What stands around a point of level I: the mask's edge, a corner of the coarser points' square,
+/// details of the coarser level.
+template <std::size_t I>
+std::size_t placeOf(const Field& field, const std::uint8_t* mask, int x, int y) {
+  constexpr std::ptrdiff_t kPx = 4 >> I;
+  const std::ptrdiff_t down = kPx * field.mask.stride;
+  const bool inner = (mask[-kPx] & mask[kPx] & mask[-down] & mask[down]) != 0;
+  std::size_t busy = 0;
+  if constexpr (I > 0) {
+    const Level& level = field.levels[I - 1];
+    const std::uint8_t* size = level.size.data() + level.at(x / 2, y / 2);
+    const int sum = size[0] + size[1] + size[level.stride] + size[level.stride + 1];
+    busy = sum == 0 ? 0 : sum < 3 ? 1 : 2;
+  }
+  return (inner ? 0U : 6U) + ((x & y & 1) != 0 ? 3U : 0U) + busy;
+}
+
+/// Which of nine models a sign has: those of the nearest details to the left and above.
+inline std::size_t signClass(const std::uint8_t* sign, std::ptrdiff_t stride) {
+  const unsigned left = sign[-1] != 0 ? sign[-1] : sign[-2];
+  const unsigned up = sign[-stride] != 0 ? sign[-stride] : sign[-2 * stride];
+  return left * 3 + up;
+}
+
+/// A point of level I, whose pixel `mask` is.
+template <std::size_t I, class Coder>
+void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const std::uint8_t* mask,
+               int x, int y, int step) {
+  Level& level = field.levels[I];
+  const std::ptrdiff_t stride = level.stride;
+  const std::ptrdiff_t at = level.at(x, y);
+  std::uint8_t* size = level.size.data() + at;
+  const int around = size[-1] + size[-2] + size[-stride] + size[-2 * stride] + size[-stride - 1] +
+                     size[-stride + 1];
+  const auto row = static_cast<std::size_t>(y & 1);
+  NumberModel& number = models.number[row][kDetailClass[static_cast<std::size_t>(around)]];
+  PlaceModel& place = models.place[row][placeOf<I>(field, mask, x, y)];
+  const std::int32_t wanted = Coder::kDecodes ? 0 : level.detail[static_cast<std::size_t>(at)];
+  if (!coder.bit(number.zero, place.zero, wanted != 0)) return;
+  std::uint8_t* sign = level.sign.data() + at;
+  const bool minus = coder.bit(models.sign[row][signClass(sign, stride)], wanted < 0);
+  const std::int32_t value = codeMagnitude(coder, number, &place, std::abs(wanted));
+  *size = static_cast<std::uint8_t>(std::min(value, kMostSize));
+  *sign = minus ? 1 : 2;
+  if constexpr (Coder::kDecodes) {
+    const std::int32_t change = std::min(value, (1 << 25) / step) * step;
+    auto& patches = row == 0 ? level.even : level.odd;
+    patches.push_back(
+        {static_cast<std::uint32_t>(y * level.columns + x), minus ? -change : change});
+  }
+}
+
+/// The points of a cell inside the mask, but for the coarser level's, in even rows and columns.
+template <std::size_t I, class Coder>
+void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int cell_y, int step) {
+  constexpr int kPx = 4 >> I;
+  constexpr int kPoints = kCell_px / kPx;
+  const std::uint8_t* mask = field.mask.data +
+                             std::ptrdiff_t{cell_y} * kCell_px * field.mask.stride +
+                             std::ptrdiff_t{cell_x} * kCell_px;
+  for (int y = 0; y < kPoints; ++y) {
+    for (int x = (y & 1) ^ 1; x < kPoints; x += 2 - (y & 1)) {
+      const std::uint8_t* inside =
+          mask + std::ptrdiff_t{y} * kPx * field.mask.stride + std::ptrdiff_t{x} * kPx;
+      if (*inside == 0) continue;
+      codePoint<I>(coder, models.detail[I], field, inside, cell_x * kPoints + x,
+                   cell_y * kPoints + y, step);
+    }
+  }
+}
+
+template <std::size_t I, class Coder>
+void codeLevel(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
+  Level& level = field.levels[I];
+  for (int y = 0; y < field.shape.rows; ++y) {
+    for (int x = 0; x < field.shape.columns; ++x) {
+      const auto at = static_cast<std::size_t>(field.cell(x, y));
+      if (field.occupied[at] == 0) continue;
+      if constexpr (I > 0) {
+        const std::size_t before = I == 2 ? field.levels[1].flags[at] : 0;
+        std::uint8_t* flag = level.flags.data() + at;
+        const int around = flag[-1] + flag[-field.cell_stride];
+        BitModel& model = models.flag[I][before][static_cast<std::size_t>(around)];
+        *flag = coder.bit(model, *flag != 0) ? 1 : 0;
+        if (*flag == 0) continue;
+      }
+      codeCell<I>(coder, models, field, x, y, steps.level[I]);
+    }
+  }
+}
+
+template <class Coder>
+void codeHeights(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
+  codeBase(coder, models, field, steps);
+  codeLevel<0>(coder, models, field, steps);
+  codeLevel<1>(coder, models, field, steps);
+  codeLevel<2>(coder, models, field, steps);
+}
+
+}  // namespace hapticast::codec

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// What decode() checks numbers with. Thread: any, one object per message.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "common/time.hpp"
+#include "common/wire_error.hpp"
+#include "common/wire_limits.hpp"
+
+namespace hapticast {
+
+/// Remembers the first thing that is wrong, so that reading stays straight.
+class Check {
+ public:
+  /// False for NaN as well.
+  double number(double value, double low, double high, const char* what) {
+    require(value >= low && value <= high, what);
+    return value;
+  }
+  double magnitude(double value, double limit, const char* what) {
+    return number(value, -limit, limit, what);
+  }
+  Duration time(std::int64_t ns) {
+    require(ns >= -limits::kTime_ns && ns <= limits::kTime_ns, "a time is out of range");
+    return Duration(ns);
+  }
+  void require(bool holds, const char* what) {
+    if (!holds && !error_) error_ = malformed(what);
+  }
+  void bound(std::size_t size, std::size_t limit, const char* what) {
+    if (size > limit && !error_) error_ = WireError{ErrorCode::kTooLarge, what};
+  }
+  void take(const WireError& error) {
+    if (!error_) error_ = error;
+  }
+  [[nodiscard]] const std::optional<WireError>& error() const { return error_; }
+
+ private:
+  std::optional<WireError> error_;
+};
+
+}  // namespace hapticast

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "common/protocol/fragment.hpp"
+
+#include <algorithm>
+
+#include "common/protocol/read_frame.hpp"
+#include "common/protocol/write_frame.hpp"
+#include "common/transport/framing.hpp"
+
+namespace hapticast {
+
+namespace {
+
+/// Chosen: 960 bytes, beside which the rest of the message has room.
+constexpr std::size_t kCellsInPiece = 40;
+
+class Packer {
+ public:
+  explicit Packer(std::size_t object_count)
+      : object_count_(static_cast<std::uint32_t>(object_count)) {}
+
+  void head(const CodedObject& object) {
+    add(object, [&object](proto::Object& to) {
+      to.set_rest(false);
+      writeHead(object, to);
+      if (!object.relief) return;
+      writeRect(object.relief->rect, *to.mutable_relief());
+      to.mutable_relief()->set_slice_count(
+          static_cast<std::uint32_t>(object.relief->slices.size()));
+    });
+  }
+  void slice(const CodedObject& object, const SliceBytes& slice) {
+    add(object, [&](proto::Object& to) {
+      writeRect(object.relief->rect, *to.mutable_relief());
+      to.mutable_relief()->add_slices(slice.data(), slice.size());
+    });
+  }
+  void cells(const CodedObject& object, std::size_t first) {
+    add(object, [&](proto::Object& to) {
+      writeCells(*object.grid, first, kCellsInPiece, *to.mutable_motion()->mutable_grid());
+    });
+  }
+  /// The payloads: at least one, which may be empty.
+  std::vector<std::vector<std::uint8_t>> finish() {
+    flush();
+    const bool small = pieces_.size() <= kMostParts && bytes_ <= kMaxMessageBytes;
+    return small ? std::move(pieces_) : std::vector<std::vector<std::uint8_t>>();
+  }
+
+ private:
+  /// Into the piece that is being filled, or into a new one where it does not fit.
+  template <class Put>
+  void add(const CodedObject& object, const Put& put) {
+    proto::HapticFrame grown = piece_;
+    into(grown, object, put);
+    if (grown.ByteSizeLong() > kMostPieceBytes) {
+      flush();
+      grown.Clear();
+      into(grown, object, put);
+    }
+    piece_ = std::move(grown);
+  }
+  template <class Put>
+  void into(proto::HapticFrame& piece, const CodedObject& object, const Put& put) const {
+    proto::Object& to = objectIn(piece, object);
+    put(to);
+    if (!to.rest()) piece.set_object_count(object_count_);
+  }
+  static proto::Object& objectIn(proto::HapticFrame& piece, const CodedObject& object) {
+    for (proto::Object& each : *piece.mutable_objects()) {
+      if (each.id() == object.id && each.layer() == object.layer) return each;
+    }
+    proto::Object& added = *piece.add_objects();
+    added.set_id(object.id);
+    added.set_layer(object.layer);
+    added.set_rest(true);
+    return added;
+  }
+  void flush() {
+    std::vector<std::uint8_t> payload(piece_.ByteSizeLong());
+    piece_.SerializeWithCachedSizesToArray(payload.data());
+    bytes_ += payload.size();
+    pieces_.push_back(std::move(payload));
+    piece_.Clear();
+  }
+
+  std::uint32_t object_count_;
+  proto::HapticFrame piece_;
+  std::vector<std::vector<std::uint8_t>> pieces_;
+  std::size_t bytes_ = 0;
+};
+
+/// What of the header is the same in all parts of a frame.
+bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
+  a.part = b.part;
+  return a == b;
+}
+
+/// Whichever order its slices came in, the same relief is the same bytes.
+std::shared_ptr<const CodedRelief> inOrder(CodedRelief relief) {
+  std::sort(relief.slices.begin(), relief.slices.end());
+  return std::make_shared<const CodedRelief>(std::move(relief));
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame) {
+  Packer packer(frame.objects.size());
+  for (const CodedObject& object : frame.objects) packer.head(object);
+  for (const CodedObject& object : frame.objects) {
+    const std::size_t cells = object.grid ? object.grid->velocity_mm_s.size() : 0;
+    for (std::size_t i = 0; i < cells; i += kCellsInPiece) packer.cells(object, i);
+    if (!object.relief) continue;
+    for (const SliceBytes& slice : object.relief->slices) packer.slice(object, slice);
+  }
+  return packer.finish();
+}
+
+Result<FramePiece, WireError> readPiece(std::span<const std::uint8_t> payload,
+                                        std::uint64_t frame) {
+  Check check;
+  check.bound(payload.size(), kMostPieceBytes, "a piece is too long");
+  if (!check.error()) boundCountsOfFrame(payload, check);
+  proto::HapticFrame parsed;
+  if (!check.error()) {
+    check.require(parsed.ParseFromArray(payload.data(), static_cast<int>(payload.size())),
+                  "bytes that are not a piece");
+  }
+  if (check.error()) return *check.error();
+  FramePiece piece = readFramePiece(parsed, frame, check);
+  if (check.error()) return *check.error();
+  return piece;
+}
+
+JoinedFrame::JoinedFrame(const DatagramHeader& any_part)
+    : header_(any_part), had_(any_part.parts) {}
+
+bool JoinedFrame::lacks(const DatagramHeader& part) const {
+  return sameFrame(part, header_) && part.part < had_.size() && !had_[part.part];
+}
+
+std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
+                                          std::span<const std::uint8_t> payload) {
+  if (!lacks(part)) return malformed("a part that was had before, or of another frame");
+  if (bytes_ + payload.size() > kMaxMessageBytes)
+    return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
+  auto piece = readPiece(payload, header_.frame);
+  if (!piece.ok()) return piece.error();
+  if (const auto count = piece.value().object_count) {
+    if (object_count_.value_or(*count) != *count) return malformed("pieces of two frames");
+    object_count_ = count;
+  }
+  for (const ObjectPiece& each : piece.value().objects) {
+    if (auto error = join(each)) return error;
+  }
+  bytes_ += payload.size();
+  had_[part.part] = true;
+  ++had_count_;
+  return std::nullopt;
+}
+
+std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
+  const CodedObject& from = piece.object;
+  const ObjectKey key = keyOf(from);
+  if (!objects_.contains(key) && objects_.size() == kMaxObjects)
+    return WireError{ErrorCode::kTooLarge, "too many objects"};
+  Joined& to = objects_[key];
+  if (piece.head && to.head) return malformed("an object appears twice");
+  if (from.relief && to.relief.rect.empty()) pixels_ += from.relief->rect.pixels();
+  if (pixels_ > kMaxReliefPixels)
+    return WireError{ErrorCode::kTooLarge, "the reliefs of a frame cover too many pixels"};
+  if (from.relief && !joinRelief(*from.relief, piece.head, to))
+    return malformed("parts of a relief that contradict each other");
+  if (from.grid && !joinGrid(*from.grid, piece.first_cell, to))
+    return malformed("parts of a grid that contradict each other");
+  if (!to.covers()) return malformed("a grid that does not cover its relief");
+  if (piece.head) {
+    to.object = piece.object;
+    to.head = true;
+  }
+  return std::nullopt;
+}
+
+bool JoinedFrame::Joined::covers() const {
+  return cells.empty() || relief.rect.empty() ||
+         (grid.columns == gridCells(relief.rect.width) &&
+          grid.rows == gridCells(relief.rect.height));
+}
+
+bool JoinedFrame::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
+  if (!to.covered) {
+    to.relief.rect = piece.rect;
+    to.covered.emplace(piece.rect);
+  }
+  if (to.relief.rect != piece.rect) return false;
+  to.in_order.reset();
+  if (head) to.relief.slice_count = piece.slice_count;
+  for (const SliceBytes& slice : piece.slices) {
+    const auto header = codec::Header::read(slice, piece.rect);
+    if (!header.ok() || !to.covered->claim(header.value())) return false;
+    to.relief.slices.push_back(slice);
+  }
+  const bool known = to.head || head;
+  return !known || to.relief.slices.size() <= to.relief.slice_count;
+}
+
+bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
+  const auto cells = static_cast<std::size_t>(piece.columns) * static_cast<std::size_t>(piece.rows);
+  if (to.cells.empty()) {
+    to.grid = {piece.columns, piece.rows, {}, {}};
+    to.grid.velocity_mm_s.resize(cells);
+    to.grid.acceleration_mm_s2.resize(cells);
+    to.cells.resize(cells);
+  }
+  if (to.grid.columns != piece.columns || to.grid.rows != piece.rows) return false;
+  for (std::size_t i = 0; i < piece.velocity_mm_s.size(); ++i) {
+    if (to.cells[first_cell + i]) return false;
+    to.cells[first_cell + i] = true;
+    to.grid.velocity_mm_s[first_cell + i] = piece.velocity_mm_s[i];
+    to.grid.acceleration_mm_s2[first_cell + i] = piece.acceleration_mm_s2[i];
+  }
+  return true;
+}
+
+bool JoinedFrame::headed() const {
+  const auto heads = std::count_if(objects_.begin(), objects_.end(),
+                                   [](const auto& each) { return each.second.head; });
+  return object_count_ == static_cast<std::size_t>(heads);
+}
+
+std::shared_ptr<const CodedRelief> JoinedFrame::relief(const ObjectKey& object) {
+  const auto found = objects_.find(object);
+  if (found == objects_.end() || !found->second.head || !found->second.object.relief)
+    return nullptr;
+  Joined& from = found->second;
+  if (!from.in_order) from.in_order = inOrder(from.relief);
+  return from.in_order;
+}
+
+CodedFrame JoinedFrame::frame() const {
+  CodedFrame frame{header_.epoch, header_.frame, header_.media_time, {}};
+  frame.objects.reserve(objects_.size());
+  for (const auto& [key, each] : objects_) {
+    if (!each.head) continue;
+    CodedObject& object = frame.objects.emplace_back(each.object);
+    if (object.relief) object.relief = inOrder(each.relief);
+    object.grid = nullptr;
+    if (!each.cells.empty() &&
+        std::all_of(each.cells.begin(), each.cells.end(), [](bool had) { return had; }))
+      object.grid = std::make_shared<const MotionGrid>(each.grid);
+  }
+  return frame;
+}
+
+}  // namespace hapticast

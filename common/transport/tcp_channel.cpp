@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "common/transport/tcp_channel.hpp"
+
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/endpoint.hpp"
+
+namespace hapticast {
+
+namespace {
+
+// Chosen: a video frame of 50 KB arrives in few reads, and a thousand sessions take 16 MB.
+constexpr std::size_t kChunkBytes = 16U << 10U;
+constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
+
+std::string nameOf(const asio::ip::tcp::endpoint& peer) {
+  if (peer.port() == 0) return "?";
+  return toString(Endpoint{unmapped(peer.address()).to_string(), peer.port()});
+}
+
+asio::ip::tcp::endpoint peerOf(const asio::ip::tcp::socket& socket) {
+  boost::system::error_code ended;
+  return socket.remote_endpoint(ended);
+}
+
+}  // namespace
+
+TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes)
+    : Channel(nameOf(peerOf(socket)), read_limit_bytes),
+      socket_(std::move(socket)),
+      chunk_(kChunkBytes),
+      reader_(read_limit_bytes) {
+  boost::system::error_code ignored;  // without it messages only come later
+  socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
+  socket_.non_blocking(true, ignored);  // for writeNow()
+  hosts_.peer = unmapped(peerOf(socket_).address());
+  hosts_.local = unmapped(socket_.local_endpoint(ignored).address());
+}
+
+asio::awaitable<Result<std::optional<Payload>, WireError>> TcpChannel::read() {
+  for (;;) {
+    reader_.setLimit(read_limit_bytes_);
+    auto payload = reader_.next();
+    if (!payload.ok() || payload.value()) co_return payload;
+    const std::size_t size = co_await readSome();
+    if (size == 0) co_return std::optional<Payload>();
+    reader_.feed(std::span(chunk_).first(size));
+  }
+}
+
+asio::awaitable<std::size_t> TcpChannel::readSome() {
+  boost::system::error_code ec;
+  const std::size_t size = co_await socket_.async_read_some(
+      asio::buffer(chunk_), asio::redirect_error(asio::use_awaitable, ec));
+  bytes_read_ += size;
+  if (ec) why_ended_ = ec.message();
+  co_return ec ? 0 : size;
+}
+
+bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
+  prefix_ = lengthPrefix(payload->size());
+  const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_), asio::buffer(*payload)};
+  boost::system::error_code ec;
+  written_ = socket_.write_some(buffers, ec);
+  bytes_written_ += written_;
+  if (written_ < kPrefixBytes + payload->size()) return false;
+  written_ = 0;
+  return true;
+}
+
+asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
+  prefix_ = lengthPrefix(payload->size());
+  const std::size_t done = std::exchange(written_, 0);
+  const std::array<asio::const_buffer, 2> buffers{
+      asio::buffer(prefix_) + std::min(done, kPrefixBytes),
+      asio::buffer(*payload) + (done - std::min(done, kPrefixBytes))};
+  const std::uint64_t before = bytes_written_;
+  boost::system::error_code ec;
+  const std::size_t all = co_await asio::async_write(
+      socket_, buffers,
+      [this, before](const boost::system::error_code& error, std::size_t written) {
+        bytes_written_ = before + written;
+        return error ? 0 : kWriteAtOnceBytes;
+      },
+      asio::redirect_error(asio::use_awaitable, ec));
+  bytes_written_ = before + all;
+  if (ec) why_ended_ = ec.message();
+  co_return !ec;
+}
+
+asio::awaitable<void> TcpChannel::drain(std::size_t most_bytes) {
+  for (std::size_t drained = 0; drained <= most_bytes;) {
+    const std::size_t size = co_await readSome();
+    if (size == 0) co_return;
+    drained += size;
+  }
+}
+
+void TcpChannel::finishWriting() noexcept {
+  boost::system::error_code ignored;  // the connection has ended already
+  socket_.shutdown(asio::socket_base::shutdown_send, ignored);
+}
+
+bool TcpChannel::delivered() noexcept {
+  int unacknowledged = 0;
+  return ::ioctl(socket_.native_handle(), SIOCOUTQ, &unacknowledged) != 0 || unacknowledged == 0;
+}
+
+void TcpChannel::close() noexcept {
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+}
+
+void TcpChannel::abort() noexcept {
+  boost::system::error_code ignored;
+  socket_.set_option(asio::socket_base::linger(true, 0), ignored);
+  close();
+}
+
+}  // namespace hapticast

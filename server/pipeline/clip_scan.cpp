@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#include "server/pipeline/clip_scan.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace hapticast::server {
+
+namespace {
+constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: what one waits for gladly
+}  // namespace
+
+bool lookThrough(Vision& vision, RgbdSource& source, const MediaClock& clock,
+                 const std::atomic<bool>& stop, const LookProgress& progress) {
+  MediaTime told = clock.now();
+  return vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
+    const double share = static_cast<double>(done) / static_cast<double>(total);
+    if (progress) progress(share);
+    if (stop || clock.now() - told < kTellEvery) return !stop;
+    told = clock.now();
+    spdlog::info("looking through the clip: {:.0f} %", 100.0 * share);
+    return true;
+  });
+}
+
+}  // namespace hapticast::server

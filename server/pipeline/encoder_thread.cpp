@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "server/pipeline/encoder_thread.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/vision/picture.hpp"
+
+namespace hapticast::server {
+
+namespace {
+constexpr int kJpegQuality = 80;      // chosen: a 640 x 480 picture is some 30 KB
+constexpr std::size_t kMostJobs = 2;  // then vision waits, so that latency does not grow
+}  // namespace
+
+EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer,
+                             SliceSettings slices)
+    : sinks_(std::move(sinks)), signer_(signer), slices_(slices), thread_([this] { run(); }) {}
+
+EncoderThread::~EncoderThread() { stop(); }
+
+void EncoderThread::push(StreamDescription description, VisionResult result) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return jobs_.size() < kMostJobs || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
+  jobs_.push_back({std::move(description), std::move(result)});
+  changed_.notify_all();
+}
+
+void EncoderThread::finish() {
+  stop();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+ReliefBytes EncoderThread::reliefBytes() const {
+  const std::lock_guard lock(mutex_);
+  return relief_bytes_;
+}
+
+void EncoderThread::stop() noexcept {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void EncoderThread::run() {
+  while (true) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !jobs_.empty() || ended_; });
+    if (jobs_.empty()) return;
+    Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    changed_.notify_all();
+    lock.unlock();
+    try {
+      encode(std::move(job));
+    } catch (...) {
+      lock.lock();
+      failure_ = std::current_exception();
+      changed_.notify_all();
+      return;
+    }
+  }
+}
+
+void EncoderThread::encode(Job job) {
+  if (described_ != job.description) {
+    described_ = std::move(job.description);
+    for (StreamSink* sink : sinks_) sink->describe(*described_);
+  }
+  VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
+  const bool datagrams =
+      std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
+  const EncodedFrame frame =
+      encoder_.encode(job.result.frame, slices_, datagrams ? signer_ : nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    relief_bytes_ = encoder_.reliefBytes();
+  }
+  for (StreamSink* sink : sinks_) sink->publish(frame);
+  if (std::none_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->videoWanted(); }))
+    return;
+  picture.jpeg = encodePicture(job.result.color, kJpegQuality);
+  const EncodedVideo video = encodeVideo(std::move(picture));
+  for (StreamSink* sink : sinks_) sink->publish(video);
+}
+
+}  // namespace hapticast::server

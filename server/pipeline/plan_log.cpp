@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "server/pipeline/plan_log.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace hapticast::server {
+
+namespace {
+
+// Chosen: more than the objects of a loop's round have.
+constexpr std::size_t kMostBuried = 256;
+constexpr Duration kSameAgain = std::chrono::minutes(1);
+
+std::string withoutFigures(std::string text) {
+  std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  return text;
+}
+
+/// Another figure in a reason is no other decision.
+bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const PlanLine& x, const PlanLine& y) {
+                      return x.on == y.on && withoutFigures(x.why) == withoutFigures(y.why);
+                    });
+}
+
+void tellLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
+  const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
+  if (line.on) {
+    spdlog::info("object {}: {:<8} on   {}; takes {:.1f} ms a frame", id, stage, line.why,
+                 line.saves_ms);
+  } else {
+    const std::size_t bytes = line.stage == Stage::kHeights ? relief_bytes : 0;
+    spdlog::info("object {}: {:<8} off  {}; saves {:.1f} ms and {} bytes a frame, costs {:.4f} N",
+                 id, stage, line.why, line.saves_ms, bytes, line.costs_N);
+  }
+}
+
+}  // namespace
+
+void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
+                      const ReliefBytes& relief_bytes, MediaTime now) {
+  for (auto each = told_.begin(); each != told_.end();) {
+    if (plans.contains(each->first)) {
+      ++each;
+    } else {
+      bury(std::move(each->second));
+      each = told_.erase(each);
+    }
+  }
+  for (const auto& [id, lines] : plans) {
+    ToldPlan& told = told_[id];
+    const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
+    if (too_soon || sameDecisions(lines, told.lines)) continue;
+    told.lines = lines;
+    if (!isNews(told, now)) continue;
+    told.at = now;
+    const auto bytes = relief_bytes.find(id);
+    for (const PlanLine& line : lines)
+      tellLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
+  }
+}
+
+bool PlanTeller::isNews(ToldPlan& told, MediaTime now) const {
+  const auto same = [&told](const Lines& lines) { return sameDecisions(told.lines, lines); };
+  if (std::any_of(buried_.begin(), buried_.end(), same)) return false;
+  const auto before = std::find_if(told.all.begin(), told.all.end(),
+                                   [&](const Told& each) { return same(each.lines); });
+  if (before == told.all.end()) {
+    told.all.push_back({told.lines, now});
+    return true;
+  }
+  if (now - before->at < kSameAgain) return false;
+  before->at = now;
+  return true;
+}
+
+void PlanTeller::bury(ToldPlan plan) {
+  for (Told& each : plan.all) buried_.push_back(std::move(each.lines));
+  while (buried_.size() > kMostBuried) buried_.pop_front();
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "server/preview/contact_sheet.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kText_px = 22;         // a line of text; chosen
+constexpr int kLeastWidth_px = 960;  // of both halves: as wide as the lines of text; chosen
+constexpr int kColumns = 6;          // of a sheet
+constexpr int kThumbnail_px = 240;   // width of a frame in a sheet; chosen
+constexpr int kAround_px = 8;        // of the picture that the relief is shown with; chosen
+constexpr double kLetters = 0.45;    // size of the font that goes with kText_px
+
+// BGR, told apart on most pictures and by most eyes (Okabe and Ito 2008).
+const std::array<cv::Scalar, 4> kColors{cv::Scalar(66, 228, 240), cv::Scalar(233, 180, 86),
+                                        cv::Scalar(167, 121, 204), cv::Scalar(115, 158, 0)};
+
+void write(cv::Mat& picture, const std::string& text, const cv::Point& at, const cv::Scalar& color,
+           double size = kLetters) {
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 3, cv::LINE_AA);
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
+}
+
+// Breaks a line where it would leave the picture.
+std::vector<std::string> broken(const std::string& line, int width_px) {
+  std::vector<std::string> out;
+  std::string now;
+  for (std::size_t at = 0; at < line.size();) {
+    const std::size_t end = std::min(line.find(' ', at), line.size());
+    const std::string word = line.substr(at, end - at);
+    std::string longer = now.empty() ? word : fmt::format("{} {}", now, word);
+    int base_px = 0;
+    const int long_px =
+        cv::getTextSize(longer, cv::FONT_HERSHEY_SIMPLEX, kLetters, 1, &base_px).width;
+    if (long_px > width_px && !now.empty()) {
+      out.push_back(now);
+      longer = word;
+    }
+    now = longer;
+    at = end + 1;
+  }
+  out.push_back(now);
+  return out;
+}
+
+// The slope of the heights along one axis in mm/mm; where one side is not felt, towards the other.
+float slopeAt(const cv::Mat& heights, const cv::Point& at, const cv::Point& step, float px_mm) {
+  const cv::Rect all({0, 0}, heights.size());
+  const float here = heights.at<float>(at);
+  const auto heightAt = [&](const cv::Point& there) {
+    if (!all.contains(there)) return here;
+    const float height = heights.at<float>(there);
+    return std::isnan(height) ? here : height;
+  };
+  return (heightAt(at + step) - heightAt(at - step)) / (2.0F * px_mm);
+}
+
+// A part of a picture, as large as fits into one of the same size.
+cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
+  cv::Mat out = cv::Mat::zeros(picture.size(), picture.type());
+  if (part.empty()) return out;
+  const double scale =
+      std::min(double(picture.cols) / part.width, double(picture.rows) / part.height);
+  const cv::Size size(std::min(picture.cols, static_cast<int>(scale * part.width)),
+                      std::min(picture.rows, static_cast<int>(scale * part.height)));
+  const cv::Rect place({(picture.cols - size.width) / 2, (picture.rows - size.height) / 2}, size);
+  cv::Mat into = out(place);
+  cv::resize(picture(part), into, size, 0, 0, cv::INTER_LINEAR);
+  return out;
+}
+
+}  // namespace
+
+cv::Mat drawOutlined(const WatchedFrame& frame, const cv::Size& size) {
+  cv::Mat picture;
+  cv::resize(frame.color, picture, size, 0, 0, cv::INTER_AREA);
+  const int width_px = std::max(1, size.width / 400);
+  for (const std::uint32_t id : idsOf(frame.haptic)) {
+    cv::Mat mask;
+    cv::resize(maskOf(frame.haptic, id, frame.color.size()), mask, size, 0, 0, cv::INTER_NEAREST);
+    std::vector<std::vector<cv::Point>> outline;
+    cv::findContours(mask, outline, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+    if (size.width > kThumbnail_px)
+      cv::drawContours(picture, outline, -1, {0, 0, 0}, width_px + 2, cv::LINE_8);
+    cv::drawContours(picture, outline, -1, kColors[id % kColors.size()], width_px, cv::LINE_8);
+    const cv::Moments moments = cv::moments(mask, true);
+    if (moments.m00 <= 0.0 || size.width <= kThumbnail_px) continue;
+    const cv::Point middle(static_cast<int>(moments.m10 / moments.m00),
+                           static_cast<int>(moments.m01 / moments.m00));
+    write(picture, std::to_string(id), middle, kColors[id % kColors.size()], size.width / 640.0);
+  }
+  return picture;
+}
+
+cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace) {
+  const cv::Mat heights = heightsOf(frame.haptic, frame.color.size());
+  const Vec2 px_mm = workspace.mmPerPixel();
+  const cv::Vec3f light = cv::normalize(cv::Vec3f(-0.5F, -0.6F, 0.8F));  // u right, v down
+  cv::Mat picture = cv::Mat::zeros(heights.size(), CV_8UC3);
+  for (int v = 0; v < heights.rows; ++v) {
+    for (int u = 0; u < heights.cols; ++u) {
+      const cv::Point at(u, v);
+      if (std::isnan(heights.at<float>(at))) continue;
+      const float du = slopeAt(heights, at, {1, 0}, static_cast<float>(px_mm.x()));
+      const float dv = slopeAt(heights, at, {0, 1}, static_cast<float>(px_mm.y()));
+      const float lit = cv::normalize(cv::Vec3f(-du, -dv, 1.0F)).dot(light);
+      picture.at<cv::Vec3b>(at) =
+          cv::Vec3b::all(cv::saturate_cast<unsigned char>(30.0F + 225.0F * std::max(0.0F, lit)));
+    }
+  }
+  return enlarged(picture, boxAround(heights >= 0.0, kAround_px));  // which no NaN is
+}
+
+cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,
+                  const std::vector<std::string>& lines) {
+  cv::Mat both;
+  cv::hconcat(drawOutlined(frame, frame.color.size()), drawRelief(frame, workspace), both);
+  if (both.cols < kLeastWidth_px) {
+    const double scale = double(kLeastWidth_px) / both.cols;
+    cv::resize(both, both, {}, scale, scale, cv::INTER_LINEAR);
+  }
+  std::vector<std::string> text;
+  for (const std::string& line : lines) {
+    for (std::string& part : broken(line, both.cols - 16)) text.push_back(std::move(part));
+  }
+  const int below_px = kText_px * static_cast<int>(text.size()) + 10;
+  cv::Mat picture;
+  cv::copyMakeBorder(both, picture, 0, below_px, 0, 0, cv::BORDER_CONSTANT, {40, 40, 40});
+  for (std::size_t i = 0; i < text.size(); ++i)
+    write(picture, text[i], {8, both.rows + kText_px * static_cast<int>(i + 1)}, {255, 255, 255});
+  return picture;
+}
+
+cv::Mat drawSheet(const std::vector<WatchedFrame>& frames) {
+  const cv::Size of = frames.front().color.size();
+  const cv::Size each(kThumbnail_px, std::max(1, kThumbnail_px * of.height / of.width));
+  const int columns = std::min(kColumns, static_cast<int>(frames.size()));
+  const int rows = (static_cast<int>(frames.size()) + columns - 1) / columns;
+  cv::Mat sheet(rows * each.height, columns * each.width, CV_8UC3, cv::Scalar::all(40));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int n = static_cast<int>(i);
+    cv::Mat part = sheet(cv::Rect({n % columns * each.width, n / columns * each.height}, each));
+    drawOutlined(frames[i], each).copyTo(part);
+    const bool lost = frames[i].haptic.objects.empty();
+    write(part, fmt::format("{:.2f} s{}", frames[i].time_s, lost ? " lost" : ""), {6, 16},
+          lost ? cv::Scalar(80, 80, 255) : cv::Scalar(255, 255, 255));
+  }
+  return sheet;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "server/preview/correction_hint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::server {
+
+namespace {
+
+// Chosen, of the object's area: a smaller part is not worth a word, a larger one is the object.
+constexpr double kLeastPart = 0.06;
+constexpr double kMostPart = 0.6;
+// Chosen: what is so near to the picture's edge, as part of its width, comes in from there.
+constexpr double kEdge = 0.02;
+// Chosen, CIELAB: so far apart nobody calls two colours one.
+constexpr double kOtherColor = 40.0;
+// Chosen: as fine as the part that is pointed at has to be.
+constexpr int kLargestClustered_px = 20'000;
+
+// The place farthest from all edges of `part`; the picture's edge is one of them.
+cv::Point deepestIn(const cv::Mat& part) {
+  cv::Mat framed;
+  cv::copyMakeBorder(part, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat distance;
+  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
+  cv::Point deepest;
+  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &deepest);
+  return deepest - cv::Point(1, 1);
+}
+
+// The place deepest inside the largest piece of `part`, where that is a part worth a word.
+std::optional<cv::Point> middleOf(const cv::Mat& part, double object_px) {
+  cv::Mat opened;
+  cv::morphologyEx(part, opened, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
+  cv::Mat labels;
+  cv::Mat stats;
+  cv::Mat centres;
+  const int count = cv::connectedComponentsWithStats(opened, labels, stats, centres, 4);
+  int largest = 0;
+  int area_px = 0;
+  for (int label = 1; label < count; ++label) {
+    if (stats.at<int>(label, cv::CC_STAT_AREA) <= area_px) continue;
+    area_px = stats.at<int>(label, cv::CC_STAT_AREA);
+    largest = label;
+  }
+  if (area_px < kLeastPart * object_px || area_px > kMostPart * object_px) return std::nullopt;
+  return deepestIn(labels == largest);
+}
+
+std::optional<Doubt> atTheEdge(const cv::Mat& mask) {
+  const int rim_px = std::max(2, static_cast<int>(kEdge * mask.cols));
+  if (std::min(mask.cols, mask.rows) <= 2 * rim_px) return std::nullopt;
+  cv::Mat inner = cv::Mat::zeros(mask.size(), CV_8UC1);
+  inner(cv::Rect(rim_px, rim_px, mask.cols - 2 * rim_px, mask.rows - 2 * rim_px)).setTo(255);
+  const cv::Mat rim = mask & ~inner;
+  const int edge_px = cv::countNonZero(rim) / rim_px;
+  if (edge_px < rim_px) return std::nullopt;
+  const cv::Rect deeper(2 * rim_px, 2 * rim_px, mask.cols - 4 * rim_px, mask.rows - 4 * rim_px);
+  if (deeper.empty()) return std::nullopt;
+  cv::Mat near = mask.clone();
+  near(deeper).setTo(0);
+  return Doubt{deepestIn(near), "it reaches the picture's edge there, as an arm does"};
+}
+
+// Skin in YCrCb (Chai and Ngan 1999, face segmentation using skin-color map in videophones).
+std::optional<Doubt> skin(const cv::Mat& color, const cv::Mat& mask) {
+  cv::Mat ycrcb;
+  cv::cvtColor(color, ycrcb, cv::COLOR_BGR2YCrCb);
+  cv::Mat part;
+  cv::inRange(ycrcb, cv::Scalar(0, 133, 77), cv::Scalar(255, 173, 127), part);
+  const auto at = middleOf(part & mask, cv::countNonZero(mask));
+  if (!at) return std::nullopt;
+  return Doubt{*at, "it has the colours of skin there, as a hand does"};
+}
+
+std::optional<Doubt> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
+  cv::Mat smooth;
+  cv::GaussianBlur(color, smooth, {}, 3.0);
+  smooth.convertTo(smooth, CV_32F, 1.0 / 255.0);
+  cv::Mat lab;
+  cv::cvtColor(smooth, lab, cv::COLOR_BGR2Lab);
+  std::vector<cv::Point> inside;
+  cv::findNonZero(mask, inside);
+  const auto step = std::max(std::size_t{1}, inside.size() / kLargestClustered_px);
+  std::vector<cv::Vec3f> samples;
+  samples.reserve(inside.size() / step + 1);
+  for (std::size_t i = 0; i < inside.size(); i += step)
+    samples.push_back(lab.at<cv::Vec3f>(inside[i]));
+  if (samples.size() < 16) return std::nullopt;
+  cv::Mat labels;
+  cv::Mat middles;
+  cv::theRNG().state = 1;  // the same advice for the same picture
+  const cv::Mat rows(static_cast<int>(samples.size()), 3, CV_32F, samples.data());
+  cv::kmeans(rows, 2, labels, {cv::TermCriteria::COUNT, 20, 0}, 2, cv::KMEANS_PP_CENTERS, middles);
+  if (cv::norm(middles.row(0), middles.row(1)) < kOtherColor) return std::nullopt;
+  const auto second = cv::countNonZero(labels);
+  const int fewer = 2 * second < static_cast<int>(samples.size()) ? 1 : 0;
+  const cv::Vec3f own = middles.at<cv::Vec3f>(1 - fewer);
+  const cv::Vec3f other = middles.at<cv::Vec3f>(fewer);
+  cv::Mat part = cv::Mat::zeros(mask.size(), CV_8UC1);
+  for (const cv::Point& at : inside) {
+    const cv::Vec3f& here = lab.at<cv::Vec3f>(at);
+    if (cv::norm(here, other) < cv::norm(here, own)) part.at<unsigned char>(at) = 255;
+  }
+  const auto at = middleOf(part, static_cast<double>(inside.size()));
+  if (!at) return std::nullopt;
+  return Doubt{*at, "it has other colours there than elsewhere"};
+}
+
+}  // namespace
+
+std::optional<Doubt> doubtOf(const cv::Mat& color, const cv::Mat& mask) {
+  if (cv::countNonZero(mask) == 0) return std::nullopt;
+  if (auto doubt = atTheEdge(mask)) return doubt;
+  if (auto doubt = skin(color, mask)) return doubt;
+  return anotherColor(color, mask);
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "server/preview/preview.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "server/pipeline/check_points.hpp"
+#include "server/pipeline/clip_scan.hpp"
+#include "server/preview/contact_sheet.hpp"
+#include "server/preview/correction_hint.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLive_s = 3.0;     // chosen: of a live source, enough to see it
+constexpr std::size_t kSheet = 24;  // frames of a contact sheet
+constexpr double kFewLost = 0.05;   // chosen, of the frames: not worth advice
+constexpr double kSeen = 0.5;       // quality below which an object is only carried on; chosen
+
+/// What was seen of the whole clip.
+struct Watched {
+  std::vector<WatchedFrame> kept;  // about kSheet, evenly over the clip, the first one first
+  std::uint64_t frames = 0;
+  std::uint64_t lost = 0;  // in which nothing is seen
+  std::optional<double> first_lost_s;
+};
+
+[[noreturn]] void throwCannotWrite(const std::string& place, const std::string& what) {
+  throw SourceError(fmt::format("--preview {}: {}", place, what));
+}
+
+bool isPicture(const fs::path& place) { return place.extension() == ".png"; }
+
+// Before minutes are spent on a clip: whether its pictures can be written at all.
+void checkPlace(const fs::path& place) {
+  std::error_code error;
+  if (!isPicture(place)) {
+    fs::create_directory(place, error);
+    if (!fs::is_directory(place, error))
+      throwCannotWrite(place.string(), "is no folder and none can be made there");
+  }
+  const fs::path probe = isPicture(place) ? place : place / "first.png";
+  const bool is_new = !fs::exists(probe, error);
+  if (!std::ofstream(probe, std::ios::app))
+    throwCannotWrite(place.string(), "cannot be written; give a file in a folder of yours");
+  if (is_new) fs::remove(probe, error);
+}
+
+void write(const fs::path& file, const cv::Mat& picture) {
+  bool written = false;
+  try {
+    written = cv::imwrite(file.string(), picture);
+  } catch (const cv::Exception&) {
+    written = false;
+  }
+  if (!written) throwCannotWrite(file.string(), "cannot be written");
+  fmt::print("written: {}\n", file.string());
+}
+
+bool seesAny(const HapticFrame& frame) {
+  return std::any_of(frame.objects.begin(), frame.objects.end(),
+                     [](const HapticObject& object) { return object.motion.quality >= kSeen; });
+}
+
+// Keeps every n-th frame; when there are twice too many, every second of them goes.
+class Keeper {
+ public:
+  void take(WatchedFrame frame) {
+    const std::uint64_t index = out_.frames++;
+    if (!seesAny(frame.haptic)) {
+      ++out_.lost;
+      if (!out_.first_lost_s) out_.first_lost_s = frame.time_s;
+    }
+    if (index % every_ != 0) return;
+    out_.kept.push_back(std::move(frame));
+    if (out_.kept.size() < 2 * kSheet) return;
+    std::vector<WatchedFrame> half;
+    half.reserve(kSheet);
+    for (std::size_t i = 0; i < out_.kept.size(); i += 2) half.push_back(std::move(out_.kept[i]));
+    out_.kept = std::move(half);
+    every_ *= 2;
+  }
+  Watched finish() {
+    // Between kSheet and twice as many are left: an even choice of them.
+    if (out_.kept.size() <= kSheet) return std::move(out_);
+    std::vector<WatchedFrame> chosen;
+    chosen.reserve(kSheet);
+    for (std::size_t i = 0; i < kSheet; ++i)
+      chosen.push_back(out_.kept[i * (out_.kept.size() - 1) / (kSheet - 1)]);
+    out_.kept = std::move(chosen);
+    return std::move(out_);
+  }
+
+ private:
+  Watched out_;
+  std::uint64_t every_ = 1;
+};
+
+Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
+  const SourceInfo& info = source.info();
+  if (info.live) {
+    const auto live = static_cast<std::uint64_t>(kLive_s * info.fps);
+    most_frames = most_frames == 0 ? live : std::min(most_frames, live);
+  }
+  Keeper keeper;
+  std::deque<std::pair<double, cv::Mat>> pending;  // time and depth of frames inside vision
+  const auto take = [&](VisionResult& result) {
+    keeper.take(
+        {pending.front().first, result.color, pending.front().second, std::move(result.frame)});
+    pending.pop_front();
+  };
+  for (std::uint64_t n = 0; most_frames == 0 || n < most_frames; ++n) {
+    const std::optional<RgbdFrame> frame = source.read();
+    if (!frame) break;
+    pending.emplace_back(frame->clip_time_s, frame->depth);
+    const MediaTime time = MediaTime{} + fromSeconds(static_cast<double>(n) / info.fps);
+    if (auto result = vision.push(*frame, time)) take(*result);
+  }
+  for (VisionResult& result : vision.flush()) take(result);
+  return keeper.finish();
+}
+
+std::string adviceOf(const Settings& settings, const Watched& watched) {
+  const WatchedFrame& first = watched.kept.front();
+  const std::vector<std::uint32_t> ids = idsOf(first.haptic);
+  if (ids.empty())
+    return "try --object U,V with a pixel on what is to be touched: nothing was taken by itself";
+  for (const std::uint32_t id : ids) {
+    const cv::Size size = first.color.size();
+    if (const auto doubt = doubtOf(first.color, maskOf(first.haptic, id, size))) {
+      return fmt::format("if object {} should not hold what is at {},{}, try --not {},{}: {}", id,
+                         doubt->at_px.x, doubt->at_px.y, doubt->at_px.x, doubt->at_px.y,
+                         doubt->why);
+    }
+  }
+  if (double(watched.lost) > kFewLost * double(watched.frames)) {
+    return fmt::format("it is lost at {:.2f} s: look there, and try --object U,V@{:.2f}",
+                       *watched.first_lost_s, *watched.first_lost_s);
+  }
+  if (settings.vision.object_points.empty())
+    return "chosen without a click; where it should be something else, give --object U,V";
+  return "nothing looks wrong; a pixel on what should not be in the outline goes to --not U,V";
+}
+
+std::vector<std::string> linesOf(const Settings& settings, const Watched& watched,
+                                 const SourceInfo& info, const Workspace& workspace) {
+  const WatchedFrame& first = watched.kept.front();
+  std::vector<std::string> lines;
+  for (const std::uint32_t id : idsOf(first.haptic))
+    lines.push_back(textOf(factsOf(first, id, workspace), info.depth_kind));
+  lines.push_back(fmt::format("nothing seen in {} of {} frames ({:.1f} %)", watched.lost,
+                              watched.frames,
+                              100.0 * double(watched.lost) / double(watched.frames)));
+  lines.push_back(adviceOf(settings, watched));
+  return lines;
+}
+
+}  // namespace
+
+void writePreview(const Settings& settings, const Clock& clock) {
+  const fs::path place = settings.preview;
+  const std::unique_ptr<RgbdSource> source = openSource(settings.source, settings.fps);
+  checkPlace(place);
+  Vision vision(source->info(), withinClip(settings.vision, source->info()));
+  const LocalMediaClock media_clock(clock);
+  const std::atomic<bool> stop{false};
+  lookThrough(vision, *source, media_clock, stop, nullptr);
+  const Watched watched = watch(*source, vision, settings.frames);
+  if (watched.kept.empty()) throw SourceError(settings.source + ": has no frame");
+  const Workspace& workspace = vision.description().workspace;
+  const std::vector<std::string> lines = linesOf(settings, watched, source->info(), workspace);
+  const cv::Mat first = drawFirst(watched.kept.front(), workspace, lines);
+  for (const std::string& line : lines) fmt::print("{}\n", line);
+  if (isPicture(place)) {
+    write(place, first);
+  } else {
+    write(place / "first.png", first);
+    write(place / "clip.png", drawSheet(watched.kept));
+  }
+}
+
+}  // namespace hapticast::server

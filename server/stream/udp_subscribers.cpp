@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "server/stream/udp_subscribers.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace hapticast::server {
+
+std::uint64_t AddressBook::add(const asio::ip::address& peer, const asio::ip::address& local) {
+  std::uint64_t token = unguessable();
+  while (viewers_.contains(token)) token = unguessable();
+  Viewer& viewer = viewers_[token];
+  viewer.peer = unmapped(peer);
+  viewer.local = unmapped(local);
+  return token;
+}
+
+DatagramCounts AddressBook::remove(std::uint64_t token) {
+  const auto found = viewers_.find(token);
+  if (found == viewers_.end()) return {};
+  const DatagramCounts counts = *found->second.counts;
+  viewers_.erase(found);
+  return counts;
+}
+
+AddressBook::Viewer* AddressBook::find(std::uint64_t token) {
+  const auto found = viewers_.find(token);
+  return found == viewers_.end() ? nullptr : &found->second;
+}
+
+void AddressBook::deliver(std::uint64_t token, const Delivery& delivery) {
+  Viewer* const viewer = find(token);
+  if (viewer == nullptr) return;
+  viewer->wanted = delivery.datagrams;
+  viewer->copies = delivery.copies;
+  viewer->by_group = !delivery.datagrams && !delivery.on_tcp;
+}
+
+EchoVerdict AddressBook::take(std::span<const std::uint8_t> bytes,
+                              const asio::ip::udp::endpoint& from, LocalTime now) {
+  const auto echo = readEcho(bytes);
+  if (!echo) return EchoVerdict::kMalformed;
+  if (echo->stream != stream_) return EchoVerdict::kOtherStream;
+  Viewer* const viewer = find(echo->token);
+  if (viewer == nullptr) return EchoVerdict::kUnknownToken;
+  if (unmapped(from.address()) != viewer->peer) return EchoVerdict::kForeign;
+  if (viewer->at && now - viewer->heard < kLeastPause) return EchoVerdict::kTooSoon;
+  viewer->at = from;
+  viewer->heard = now;
+  return EchoVerdict::kBelieved;
+}
+
+void AddressBook::forget(LocalTime now) {
+  for (auto& each : viewers_) {
+    Viewer& viewer = each.second;
+    if (viewer.at && now - viewer.heard >= kForgetAfter) viewer.at.reset();
+  }
+}
+
+bool AddressBook::anyTaker() const {
+  return std::any_of(viewers_.begin(), viewers_.end(),
+                     [](const auto& each) { return each.second.at && each.second.wanted; });
+}
+
+DatagramCounts AddressBook::counts() const {
+  DatagramCounts sum;
+  for (const auto& each : viewers_) sum += *each.second.counts;
+  return sum;
+}
+
+std::uint32_t AddressBook::groupCopies() const {
+  std::vector<std::uint32_t> wanted;
+  wanted.reserve(viewers_.size());
+  for (const auto& each : viewers_) {
+    if (each.second.by_group) wanted.push_back(each.second.copies);
+  }
+  if (wanted.empty()) return 1;
+  std::sort(wanted.begin(), wanted.end());
+  return wanted[(wanted.size() * 9 + 9) / 10 - 1];
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/base/depth_scale_alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kEvery_px = 4;               // chosen: 19200 places of a usual picture are plenty
+constexpr float kSameGray = 9.0F;          // chosen, levels: above a camera's noise over 4 x 4 px
+constexpr double kRestingShare = 0.7;      // chosen, of the places: with less the camera moves
+constexpr std::size_t kFewestPairs = 300;  // chosen
+constexpr int kAsWide_px = 12;             // chosen: around objects depth is mixed
+// Chosen: an estimator's scale trembles by 1 to 5 %, a sensor's not by a thousandth.
+constexpr double kHop = 0.004;
+constexpr double kLargeHop = 0.015;  // of all at once, while the picture rests: nothing else does
+constexpr int kEnoughHops = 3;       // to and fro
+constexpr double kExplains = 0.5;    // chosen: so much of what is off has to go
+constexpr float kLongest = 16.0F;    // frames that what rests is averaged over
+constexpr int kFirstLook = 25;       // frames in which all are looked at, and then every eighth
+constexpr int kLookEvery = 8;
+constexpr int kTries = 60;            // of two places each: 1e-4 that none is of the background
+constexpr std::size_t kJudges = 400;  // places that judge a try
+constexpr int kRounds = 5;            // of reweighting; measured: it rests by then
+constexpr double kNearlyNone = 0.05;  // of 1/z: what would lie behind the farthest
+constexpr double kTukey = 4.685;      // Beaton and Tukey 1974
+
+DepthHop through(const auto& a, const auto& b) {
+  const double along = b.now - a.now;
+  if (std::abs(along) < 1e-9) return {};
+  const double scale = (b.before - a.before) / along;
+  return {scale, a.before - scale * a.now};
+}
+
+double medianOff(const auto& pairs, std::size_t step, const DepthHop& hop) {
+  std::vector<double> offs;
+  offs.reserve(pairs.size() / step + 1);
+  for (std::size_t i = 0; i < pairs.size(); i += step)
+    offs.push_back(std::abs(hop.scale * pairs[i].now + hop.shift - pairs[i].before));
+  return medianOf(offs);
+}
+
+// Weighted least squares; what is far off counts nothing.
+DepthHop refined(const auto& pairs, DepthHop hop) {
+  for (int round = 0; round < kRounds; ++round) {
+    const double limit = kTukey * 1.48 * medianOff(pairs, 1, hop) + 1e-9;
+    double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (const auto& pair : pairs) {
+      const double off = (hop.scale * pair.now + hop.shift - pair.before) / limit;
+      if (std::abs(off) >= 1.0) continue;
+      const double weight = (1 - off * off) * (1 - off * off);
+      w += weight;
+      x += weight * pair.now;
+      y += weight * pair.before;
+      xx += weight * pair.now * pair.now;
+      xy += weight * pair.now * pair.before;
+    }
+    const double spread = w * xx - x * x;
+    // Where all is as deep only a shift can be told.
+    if (w <= 0) return hop;
+    hop.scale = spread > 1e-6 * xx * w ? (w * xy - x * y) / spread : 1.0;
+    hop.shift = (y - hop.scale * x) / w;
+  }
+  return hop;
+}
+
+// The hop that most agree on (least median of squares, Rousseeuw 1984), then refined.
+DepthHop hopOf(const auto& pairs) {
+  const std::size_t step = pairs.size() / kJudges + 1;
+  DepthHop best;
+  double least = medianOff(pairs, step, best);
+  std::minstd_rand random(1);
+  for (int i = 0; i < kTries; ++i) {
+    const DepthHop hop = through(pairs[random() % pairs.size()], pairs[random() % pairs.size()]);
+    if (!(hop.scale > 0.5 && hop.scale < 2.0)) continue;
+    const double off = medianOff(pairs, step, hop);
+    if (off >= least) continue;
+    least = off;
+    best = hop;
+  }
+  return refined(pairs, best);
+}
+
+// Every kEvery_px: brightness over the places, depth in their middle.
+cv::Mat sparseGray(const cv::Mat& gray) {
+  cv::Mat out;
+  cv::resize(gray, out, {gray.cols / kEvery_px, gray.rows / kEvery_px}, 0, 0, cv::INTER_AREA);
+  out.convertTo(out, CV_32F);
+  return out;
+}
+
+cv::Mat sparse(const cv::Mat& image) {
+  cv::Mat out;
+  cv::resize(image, out, {image.cols / kEvery_px, image.rows / kEvery_px}, 0, 0, cv::INTER_NEAREST);
+  return out;
+}
+
+// A change of exposure, as most places show it.
+float gainOf(const cv::Mat& now, const cv::Mat& before) {
+  std::vector<float> gains;
+  gains.reserve(now.total());
+  for (int v = 0; v < now.rows; ++v) {
+    for (int u = 0; u < now.cols; ++u) {
+      const float was = before.at<float>(v, u);
+      if (was > 8.0F) gains.push_back(now.at<float>(v, u) / was);
+    }
+  }
+  return gains.empty() ? 1.0F : static_cast<float>(std::clamp(medianOf(gains), 0.5, 2.0));
+}
+
+}  // namespace
+
+// Places of the background that look as they did: their depth now and as it was.
+std::vector<DepthFlicker::Pair> DepthFlicker::restingPairs(const cv::Mat& depth,
+                                                           const cv::Mat& gray,
+                                                           const cv::Mat& objects) {
+  const float gain = gainOf(gray, gray_);
+  std::vector<Pair> pairs;
+  pairs.reserve(depth.total());
+  std::size_t background = 0;
+  std::size_t resting = 0;
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      if (!objects.empty() && objects.at<uchar>(v, u) != 0) continue;
+      ++background;
+      const bool rests = std::abs(gray.at<float>(v, u) - gain * gray_.at<float>(v, u)) <= kSameGray;
+      if (!rests) {
+        age_.at<float>(v, u) = 0.0F;
+        continue;
+      }
+      ++resting;
+      const float now = depth.at<float>(v, u);
+      const float before = depth_.at<float>(v, u);
+      if (now > 0 && before > 0) pairs.push_back({valueOf(now), valueOf(before)});
+    }
+  }
+  camera_rests_ = static_cast<double>(resting) >= kRestingShare * static_cast<double>(background);
+  return pairs;
+}
+
+// Whether the source hops: all that rests to and fro, or far at once.
+void DepthFlicker::judge(const std::vector<Pair>& pairs, const DepthHop& hop) {
+  std::vector<double> values;
+  values.reserve(pairs.size());
+  for (const Pair& pair : pairs) values.push_back(pair.now);
+  const double usual = medianOf(values);
+  const double by = (hop.scale - 1.0) + hop.shift / usual;
+  const bool explains = medianOff(pairs, 1, hop) < kExplains * medianOff(pairs, 1, {});
+  const bool hops = explains && std::abs(by) > kHop;
+  if (hops && by * last_hop_ <= 0) ++hops_;
+  if (hops) last_hop_ = by;
+  shown_ = shown_ || hops_ >= kEnoughHops || (hops && std::abs(by) > kLargeHop);
+}
+
+// What rests is averaged, what has changed begins anew.
+void DepthFlicker::remember(const cv::Mat& depth, const cv::Mat& gray, const DepthHop& hop) {
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      if (depth.at<float>(v, u) <= 0) continue;
+      float& age = age_.at<float>(v, u);
+      age = camera_rests_ ? std::min(age + 1.0F, kLongest) : 1.0F;
+      const double value = hop.scale * valueOf(depth.at<float>(v, u)) + hop.shift;
+      const double now = inverse_ ? 1e3 / std::max(1e-3, value) : value;
+      float& kept = depth_.at<float>(v, u);
+      if (kept <= 0) age = 1.0F;
+      kept += (static_cast<float>(now) - kept) / age;
+      gray_.at<float>(v, u) += (gray.at<float>(v, u) - gray_.at<float>(v, u)) / age;
+    }
+  }
+}
+
+cv::Mat DepthFlicker::steady(const cv::Mat& depth, const cv::Mat& gray, const cv::Mat& objects) {
+  ++frame_;
+  if (!shown_ && frame_ > kFirstLook && frame_ % kLookEvery != 0) return depth;
+  const cv::Mat small_depth = sparse(depth);
+  const cv::Mat small_gray = sparseGray(gray);
+  if (depth_.empty()) {
+    depth_ = small_depth.clone();
+    gray_ = small_gray.clone();
+    age_ = cv::Mat::ones(depth_.size(), CV_32FC1);
+    return depth;
+  }
+  const cv::Mat around = objects.empty() ? cv::Mat() : sparse(dilatedBy(objects, kAsWide_px));
+  const std::vector<Pair> pairs = restingPairs(small_depth, small_gray, around);
+  DepthHop hop;
+  if (camera_rests_ && pairs.size() >= kFewestPairs) {
+    hop = hopOf(pairs);
+    judge(pairs, hop);
+    if (!shown_) hop = {};
+  }
+  remember(small_depth, small_gray, hop);
+  if (hop.none()) return depth;
+  cv::Mat out;
+  if (inverse_) {
+    // 1 / (scale / z + shift), both in 1/m, is z / (scale + shift z).
+    cv::divide(depth, cv::max(depth * (1e-3 * hop.shift) + hop.scale, kNearlyNone), out);
+  } else {
+    out = depth * hop.scale + hop.shift;
+    out.setTo(0, (depth <= 0) | (out < 0));
+  }
+  return out;
+}
+
+}  // namespace hapticast::server

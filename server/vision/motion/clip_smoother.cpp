@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/motion/clip_smoother.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/vision/motion/impact.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr std::size_t kFewest = 8;          // samples: of a shorter track the window is as good
+constexpr double kSameOne_mm = 0.25;        // chosen: poses of one frame in two runs are the same
+constexpr double kAlways_s = 1e9;           // longer than any clip
+constexpr double kLeastSquare_mm2 = 1e-12;  // what rounding leaves
+// log10 of process over measurement noise, time in frames. Chosen: from a polynomial to every
+// wiggle.
+constexpr double kSmoothest = -9.0;
+constexpr double kRoughest = 4.0;
+constexpr double kRatioStep = 0.25;  // chosen: the likelihood is flat over so much
+
+constexpr double kUnknown =
+    1e10;                      // chosen: variance of a first state, and of what an impact changes,
+constexpr double kKick = 1e8;  // in those of a measurement
+
+constexpr int kStates = 5;  // p, v, a, jerk, snap in mm and frames
+using State = Eigen::Matrix<double, kStates, 1>;
+using Square = Eigen::Matrix<double, kStates, kStates>;
+
+/// From one sample to the next.
+struct Interval {
+  Square transition = Square::Identity();
+  Square noise = Square::Zero();  ///< covariance, per unit of process noise
+  Square kick = Square::Zero();   ///< covariance of an impact on the way
+};
+
+Square transitionOver(double frames) {
+  Square out = Square::Identity();
+  for (int row = 0; row < kStates; ++row) {
+    double term = 1.0;
+    for (int column = row + 1; column < kStates; ++column) {
+      term *= frames / (column - row);
+      out(row, column) = term;
+    }
+  }
+  return out;
+}
+
+// The integral of F g gᵀ Fᵀ for white noise on the derivative of the last state.
+Square noiseOver(double frames) {
+  Square out;
+  constexpr double kFactorial[] = {1, 1, 2, 6, 24};
+  for (int i = 0; i < kStates; ++i) {
+    for (int j = 0; j < kStates; ++j) {
+      const int power = 2 * kStates - 1 - i - j;
+      out(i, j) = std::pow(frames, power) /
+                  (power * kFactorial[kStates - 1 - i] * kFactorial[kStates - 1 - j]);
+    }
+  }
+  return out;
+}
+
+/// One coordinate of a track.
+struct Series {
+  std::vector<double> value;   // about the first
+  std::vector<bool> measured;  // same length
+};
+
+/// What the filter leaves behind of a sample.
+struct Filtered {
+  State state;        // predicted
+  Square covariance;  // of it
+  Square carry;       // of an error in it to the next sample
+  double surprise = 0.0;
+  double variance = 1.0;
+};
+
+// What the filter makes of a series, and how likely that is.
+struct Forward {
+  std::vector<Filtered> filtered;
+  double log_likelihood = 0.0;
+};
+
+// Kalman filter; the noise's size is profiled out of the likelihood.
+Forward filtered(double ratio, const Series& series, const std::vector<Interval>& intervals) {
+  const std::size_t count = series.value.size();
+  Forward out;
+  out.filtered.resize(count);
+  State state = State::Zero();
+  Square covariance = kUnknown * Square::Identity();
+  double log_variances = 0.0;
+  double squares = 0.0;
+  int measurements = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    Filtered& now = out.filtered[i];
+    now = {state, covariance, Square::Identity(), 0.0, covariance(0, 0) + 1.0};
+    State gain = State::Zero();
+    if (series.measured[i]) {
+      now.surprise = series.value[i] - state[0];
+      gain = covariance.col(0) / now.variance;
+      // The first measurements only tell where it is.
+      if (++measurements > kStates) {
+        log_variances += std::log(now.variance);
+        squares += now.surprise * now.surprise / now.variance;
+      }
+    }
+    now.carry.col(0) -= gain;
+    if (i + 1 == count) break;
+    now.carry = intervals[i].transition * now.carry;
+    state = intervals[i].transition * (state + gain * now.surprise);
+    covariance = intervals[i].transition * covariance * now.carry.transpose() +
+                 ratio * intervals[i].noise + intervals[i].kick;
+    covariance = (0.5 * (covariance + covariance.transpose())).eval();
+  }
+  const int freedom = std::max(1, measurements - kStates);
+  out.log_likelihood = -0.5 * (log_variances + freedom * std::log(squares + kLeastSquare_mm2));
+  return out;
+}
+
+// Rauch-Tung-Striebel smoother in the form of de Jong (1989), which inverts no covariance.
+std::vector<State> backward(const std::vector<Filtered>& filtered, const Series& series) {
+  std::vector<State> out(filtered.size());
+  State back = State::Zero();
+  for (std::size_t i = filtered.size(); i-- > 0;) {
+    const Filtered& now = filtered[i];
+    back = (now.carry.transpose() * back).eval();
+    if (series.measured[i]) back[0] += now.surprise / now.variance;
+    out[i] = now.state + now.covariance * back;
+  }
+  return out;
+}
+
+std::vector<State> smoothed(const Series& series, const std::vector<Interval>& intervals) {
+  Forward best;
+  best.log_likelihood = -std::numeric_limits<double>::infinity();
+  for (double exponent = kSmoothest; exponent <= kRoughest; exponent += kRatioStep) {
+    Forward now = filtered(std::pow(10.0, exponent), series, intervals);
+    if (now.log_likelihood > best.log_likelihood) best = std::move(now);
+  }
+  return backward(best.filtered, series);
+}
+
+template <class Value>
+Series seriesOf(const std::vector<Sample>& samples, bool depth, Value value) {
+  Series out;
+  const double base = value(samples.front());
+  for (const Sample& sample : samples) {
+    out.value.push_back(value(sample) - base);
+    out.measured.push_back(sample.seen && (!depth || sample.depth_seen));
+  }
+  return out;
+}
+
+std::vector<Interval> intervalsOf(const std::vector<Sample>& samples,
+                                  const std::vector<Impact>& impacts, double interval_s) {
+  std::vector<Interval> out;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const double from_s = samples[i].time_s;
+    const double frames = std::max(1e-3, (samples[i + 1].time_s - from_s) / interval_s);
+    out.push_back({transitionOver(frames), noiseOver(frames), Square::Zero()});
+    for (const Impact& impact : impacts) {
+      const double at = (toSeconds(impact.time) - from_s) / interval_s;
+      if (!(at >= 0 && at < frames)) continue;
+      const State kick = transitionOver(frames - at).col(1);
+      out.back().kick = kKick * kick * kick.transpose();
+    }
+  }
+  return out;
+}
+
+std::vector<Impact> impactsOf(const std::vector<Sample>& samples) {
+  std::vector<Impact> out;
+  ImpactFinder finder;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    finder.test(samples, i);
+    for (const Impact& impact : finder.around(samples[i].time_s, kAlways_s)) {
+      if (out.empty() || impact.time > out.back().time) out.push_back(impact);
+    }
+  }
+  return out;
+}
+
+bool standsStill(const std::vector<Sample>& samples, std::size_t at, std::size_t reach) {
+  const std::size_t first = at > reach ? at - reach : 0;
+  const std::size_t last = std::min(samples.size() - 1, at + reach);
+  for (std::size_t i = first; i <= last; ++i) {
+    if (samples[i].position_mm != samples[at].position_mm ||
+        samples[i].angle_rad != samples[at].angle_rad)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
+                                  const std::vector<Impact>& impacts, int lookahead) {
+  std::vector<Motion> out(samples.size());
+  if (samples.size() < kFewest) {
+    for (std::size_t i = 0; i < samples.size(); ++i) out[i] = motionFrom(samples, i, lookahead);
+    return out;
+  }
+  const double interval_s =
+      (samples.back().time_s - samples.front().time_s) / double(samples.size() - 1);
+  const std::vector<Interval> intervals = intervalsOf(samples, impacts, interval_s);
+  const auto each = [&](const Series& series, const auto& take) {
+    const std::vector<State> states = smoothed(series, intervals);
+    for (std::size_t i = 0; i < states.size(); ++i) take(out[i], states[i]);
+  };
+  const bool pans = !steadied(samples).empty();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto value = [axis](const Sample& s) { return s.position_mm[axis]; };
+    each(seriesOf(samples, axis == 2, value), [&](Motion& motion, const State& x) {
+      motion.position_mm[axis] = value(samples.front()) + x[0];
+      motion.velocity_mm_s[axis] = x[1] / interval_s;
+      motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
+    });
+    if (!pans || axis == 2) continue;
+    each(seriesOf(samples, false, [axis](const Sample& s) { return s.steady_mm()[axis]; }),
+         [&](Motion& motion, const State& x) {
+           motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
+         });
+  }
+  each(seriesOf(samples, false, [](const Sample& s) { return s.angle_rad; }),
+       [&](Motion& motion, const State& x) {
+         motion.angle_rad = samples.front().angle_rad + x[0];
+         motion.angular_velocity_rad_s = x[1] / interval_s;
+       });
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (standsStill(samples, i, std::size_t(lookahead))) out[i] = motionFrom(samples, i, lookahead);
+  }
+  return out;
+}
+
+void ClipMotion::add(std::uint32_t id, std::uint64_t frame, double time_s, const ObjectPose& pose,
+                     bool well) {
+  entries_[id].push_back({frame, time_s, pose, well});
+}
+
+void ClipMotion::smooth(const NominalFrame& nominal, int lookahead, bool ended) {
+  for (const auto& [id, entries] : entries_) {
+    Track& track = tracks_[id];
+    std::vector<Sample> samples;
+    for (const Entry& entry : entries) {
+      samples.push_back(nominal.sample(entry.pose, entry.time_s));
+      samples.back().seen = samples.back().seen && entry.well;
+    }
+    track.impacts = impactsOf(samples);
+    const std::vector<Motion> motions = smoothedTrack(samples, track.impacts, lookahead);
+    const std::size_t open = ended ? 0 : std::min(samples.size(), std::size_t(lookahead));
+    for (std::size_t i = 0; i + open < samples.size(); ++i) {
+      if (entries[i].well)
+        track.moments[entries[i].frame] = {motions[i], samples[i].position_mm, samples[i].time_s};
+    }
+  }
+  entries_.clear();
+}
+
+const ClipMotion::Moment* ClipMotion::at(std::uint32_t object, std::uint64_t frame,
+                                         const Vec3& measured_mm) const {
+  const auto track = tracks_.find(object);
+  if (track == tracks_.end()) return nullptr;
+  const auto moment = track->second.moments.find(frame);
+  if (moment == track->second.moments.end()) return nullptr;
+  const bool same = (moment->second.measured_mm - measured_mm).norm() < kSameOne_mm;
+  return same ? &moment->second : nullptr;
+}
+
+std::vector<Impact> ClipMotion::impactsAround(std::uint32_t object, double time_s,
+                                              double reach_s) const {
+  const auto track = tracks_.find(object);
+  if (track == tracks_.end()) return {};
+  std::vector<Impact> out = track->second.impacts;
+  std::erase_if(out, [&](const Impact& impact) {
+    return std::abs(toSeconds(impact.time) - time_s) > reach_s;
+  });
+  return out;
+}
+
+std::vector<double> ClipMotion::accelerations_mm_s2(double reach_s) const {
+  std::vector<double> out;
+  for (const auto& [object, track] : tracks_) {
+    for (const auto& [frame, moment] : track.moments) {
+      if (impactsAround(object, moment.time_s, reach_s).empty())
+        out.push_back(moment.motion.acceleration_mm_s2.norm());
+    }
+  }
+  return out;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/annotate/annotation_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/segment/appearance/graph_cut.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kJoined_mm = 60;       // chosen: a hand is larger, a finger and its shadow are not
+constexpr double kLeastPatch_mm = 25;   // chosen: a rim or a shadow must not teach its colours
+constexpr float kLikeThePoint = -7.0F;  // chosen, log of a density: two spreads of the camera off
+
+cv::Point pixelOf(const AuthorPoint& point) {
+  return {static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y())};
+}
+
+// Times up to this one speak of the frame or of an earlier one.
+double endOf(double clip_time_s, const FramePair& frames) {
+  return clip_time_s < 0.0 ? -1.0 : clip_time_s + 0.5 * frames.frame_s;
+}
+
+void addDue(const std::vector<AuthorPoint>& points, const FramePair& frames,
+            std::vector<cv::Point>& out) {
+  const double begin_s = endOf(frames.last_clip_time_s, frames);
+  const double end_s = endOf(frames.clip_time_s, frames);
+  for (const AuthorPoint& point : points) {
+    if (point.time_s > begin_s && point.time_s <= end_s) out.push_back(pixelOf(point));
+  }
+}
+
+}  // namespace
+
+cv::Mat joinedTo(const SmallView& view, const cv::Point& at, int radius_px) {
+  cv::Mat disc = cv::Mat::zeros(view.size(), CV_8UC1);
+  cv::circle(disc, at, radius_px, cv::Scalar(255), cv::FILLED);
+  const ColorMixture mixture(view.lab, disc);
+  if (mixture.empty()) return disc;
+  const cv::Mat alike = (logDensities(mixture, view.lab) > kLikeThePoint) | disc;
+  cv::Mat labels;
+  cv::connectedComponents(alike, labels, 4, CV_32S);
+  return labels == labels.at<int>(at);
+}
+
+AuthorScript::AuthorScript(const VisionSettings& settings) {
+  const auto sort = [](const std::vector<AuthorPoint>& points, std::vector<cv::Point>& start,
+                       std::vector<AuthorPoint>& later) {
+    for (const AuthorPoint& point : points) {
+      if (point.time_s == 0.0) {
+        start.push_back(pixelOf(point));
+      } else {
+        later.push_back(point);
+      }
+    }
+  };
+  sort(settings.object_points, start_.on, on_);
+  sort(settings.not_points, start_.off, off_);
+}
+
+AuthorWord AuthorScript::wordOn(const FramePair& frames) const {
+  AuthorWord out;
+  addDue(on_, frames, out.on);
+  addDue(off_, frames, out.off);
+  out.masks = frames.now.key_mask;
+  return out;
+}
+
+bool AuthorScript::speaksAfter(const FramePair& frames) const {
+  const double end_s = endOf(frames.clip_time_s, frames);
+  const auto later = [end_s](const AuthorPoint& point) { return point.time_s > end_s; };
+  return std::any_of(on_.begin(), on_.end(), later) || std::any_of(off_.begin(), off_.end(), later);
+}
+
+void avoid(const FrameView& scene, const cv::Point& point, AvoidedColors& colors) {
+  const cv::Size picture = scene.images.color.size();
+  const float depth_mm = scene.images.depth.at<float>(point);
+  const int reach_px =
+      depth_mm > 0
+          ? std::max(2 * kPoint_px, int(kJoined_mm * pixelsPerMm(double(depth_mm), picture)))
+          : 4 * kPoint_px;
+  const cv::Rect box =
+      cv::Rect(point.x - reach_px, point.y - reach_px, 2 * reach_px, 2 * reach_px) &
+      cv::Rect({0, 0}, picture);
+  const SmallView view = SmallView::of(scene, box, 1e9);
+  const cv::Mat region = joinedTo(view, view.placeOf(point), kPoint_px);
+  const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
+  if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;
+  const ColorHistogram said = ColorHistogram::of(view.color, region);
+  cv::Mat samples(0, 1, CV_32FC3);
+  for (int v = 0; v < region.rows; ++v) {
+    for (int u = 0; u < region.cols; ++u) {
+      if (region.at<unsigned char>(v, u) != 0) samples.push_back(view.lab.at<cv::Vec3f>(v, u));
+    }
+  }
+  if (colors.samples.empty()) {
+    colors = {said, samples};
+    return;
+  }
+  const double share = double(samples.rows) / (samples.rows + colors.samples.rows);
+  colors.histogram.adapt(said, share);
+  cv::vconcat(colors.samples, samples, colors.samples);
+}
+
+}  // namespace hapticast::server

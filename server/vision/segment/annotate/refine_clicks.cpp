@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/annotate/refine_clicks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/segment/appearance/graph_cut.hpp"
+#include "server/vision/segment/initialise/initial_mask.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// Tuned on drawn scenes of things in hands, unless marked.
+constexpr double kCorrected_px = 20000.0;  // chosen for time
+constexpr double kSays_mm = 30.0;          // so far a point says more than its colours
+constexpr double kMeant_mm = 100.0;        // so far what is joined to a point is meant by it
+constexpr double kStays = 1.0;             // of what is farther
+constexpr double kPlace = 1.5;             // of what is nearer
+constexpr double kFarColor = 0.5;
+constexpr float kMostRather = 4.0F;
+constexpr int kWordMargin_px = 30;
+constexpr double kCertain = 1e3;
+
+// Everything about a correction in one small view.
+struct Correction {
+  SmallView view;
+  cv::Mat old;                // 255
+  cv::Mat said_on;            // 255: discs
+  cv::Mat joined_on;          // 255: the discs and what is joined to them in colour and depth
+  cv::Mat joined_off;         // 255: the discs and what is joined to them
+  cv::Mat said_off;           // 255
+  cv::Mat near_on, near_off;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
+};
+
+int discRadius(const SmallView& view) {
+  return std::max(1, int(std::lround(kPoint_px * view.shrink)));
+}
+
+cv::Mat discsAt(const SmallView& view, const std::vector<cv::Point>& points) {
+  cv::Mat out = cv::Mat::zeros(view.size(), CV_8UC1);
+  for (const cv::Point& point : points) {
+    if (view.box.contains(point))
+      cv::circle(out, view.placeOf(point), discRadius(view), cv::Scalar(255), cv::FILLED);
+  }
+  return out;
+}
+
+cv::Mat nearnessTo(const cv::Mat& said, double reach_px) {
+  if (cv::countNonZero(said) == 0) return cv::Mat::zeros(said.size(), CV_32FC1);
+  cv::Mat distance;
+  cv::distanceTransform(said == 0, distance, cv::DIST_L2, 5);
+  return cv::max(1.0 - distance / reach_px, 0.0);
+}
+
+// What is joined to a point of the object: of its colours, near in space, on no plane.
+cv::Mat meantAt(const SmallView& view, const cv::Point& at, double px_per_mm) {
+  const int radius = discRadius(view);
+  cv::Mat out = joinedTo(view, at, radius);
+  const auto depth_mm = double(view.depth.at<float>(at));
+  cv::Mat off = view.plane.clone();
+  if (depth_mm > 0) off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > kMeant_mm);
+  out.setTo(0, off);
+  cv::Mat within = cv::Mat::zeros(out.size(), CV_8UC1);
+  cv::circle(within, at, std::max(radius, int(kMeant_mm * px_per_mm)), cv::Scalar(255), cv::FILLED);
+  out &= within;
+  cv::circle(out, at, radius, cv::Scalar(255), cv::FILLED);
+  cv::Mat labels;
+  cv::connectedComponents(out, labels, 4, CV_32S);
+  return labels == labels.at<int>(at);
+}
+
+Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const AuthorWord& word) {
+  const cv::Size picture = mask.size();
+  cv::Rect box = boxAround(mask, kWordMargin_px);
+  for (const cv::Point& point : word.on) {
+    box |= cv::Rect(point.x - kWordMargin_px, point.y - kWordMargin_px, 2 * kWordMargin_px,
+                    2 * kWordMargin_px);
+  }
+  Correction out;
+  out.view = SmallView::of(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
+  out.old = out.view.shrunk(mask);
+  out.said_on = discsAt(out.view, word.on);
+  out.said_off = discsAt(out.view, word.off);
+  out.joined_off = out.said_off.clone();
+  for (const cv::Point& point : word.off) {
+    if (out.view.box.contains(point))
+      out.joined_off |= joinedTo(out.view, out.view.placeOf(point), discRadius(out.view));
+  }
+  const double depth_mm = medianDepth(out.view.depth, out.old, 1);
+  const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
+  const double reach_px = kSays_mm * px_per_mm;
+  out.joined_on = out.said_on.clone();
+  for (const cv::Point& point : word.on) {
+    if (out.view.box.contains(point))
+      out.joined_on |= meantAt(out.view, out.view.placeOf(point), px_per_mm);
+  }
+  out.near_on = nearnessTo(out.joined_on, std::max(reach_px, 3.0));
+  out.near_off = nearnessTo(out.said_off, std::max(reach_px, 3.0));
+  return out;
+}
+
+// How much more like the first colours than like the second each pixel is; 0 where either is
+// unknown.
+cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) {
+  const ColorMixture a(lab, first);
+  const ColorMixture b(lab, second);
+  if (a.empty() || b.empty()) return cv::Mat::zeros(lab.size(), CV_32FC1);
+  const cv::Mat out = logDensities(a, lab) - logDensities(b, lab);
+  return cv::min(cv::max(out, -kMostRather), kMostRather);
+}
+
+cv::Mat evidenceOf(const Correction& c) {
+  const cv::Mat object = (c.old & ~c.joined_off) | c.joined_on;
+  const cv::Mat around = (c.old == 0) & (c.near_on <= 0.0F);
+  const cv::Mat not_color = rather(c.view.lab, object, c.said_off);
+  cv::Mat own_color = rather(c.view.lab, object, around);
+  if (cv::countNonZero(c.joined_on) > 0)
+    own_color = cv::max(own_color, rather(c.view.lab, c.joined_on, around));
+  cv::Mat out(c.old.size(), CV_32FC1);
+  for (int v = 0; v < out.rows; ++v) {
+    for (int u = 0; u < out.cols; ++u) {
+      const auto on = double(c.near_on.at<float>(v, u));
+      const auto off = double(c.near_off.at<float>(v, u));
+      const bool inside = c.old.at<unsigned char>(v, u) != 0;
+      double sum = (inside ? kStays : -kStays) * (1.0 - std::max(on, off));
+      sum += kPlace * (on - off);
+      sum += std::max(off, inside ? kFarColor : 0.0) * double(not_color.at<float>(v, u));
+      sum += on * double(own_color.at<float>(v, u));
+      out.at<float>(v, u) = static_cast<float>(sum);
+    }
+  }
+  out.setTo(kCertain, c.said_on);
+  out.setTo(-kCertain, c.said_off);
+  return out;
+}
+
+// The pieces with a point that is the object, else the largest one; and what of the others was the
+// object's before and is no crumb.
+cv::Mat piecesOf(const Correction& c, const cv::Mat& cut) {
+  cv::Mat labels;
+  cv::Mat stats;
+  cv::Mat centroids;
+  const int count = cv::connectedComponentsWithStats(cut, labels, stats, centroids, 4, CV_32S);
+  int largest_px = 0;
+  for (int i = 1; i < count; ++i)
+    largest_px = std::max(largest_px, stats.at<int>(i, cv::CC_STAT_AREA));
+  cv::Mat out = cv::Mat::zeros(cut.size(), CV_8UC1);
+  for (int i = 1; i < count; ++i) {
+    const cv::Mat piece = labels == i;
+    const bool is_said = cv::countNonZero(piece & c.said_on) > 0;
+    if (is_said || stats.at<int>(i, cv::CC_STAT_AREA) > largest_px / 10) out |= piece;
+  }
+  return out;
+}
+
+}  // namespace
+
+cv::Mat corrected(const FrameView& scene, const cv::Mat& mask, const AuthorWord& word) {
+  const Correction c = correctionOf(scene, mask, word);
+  const cv::Mat cut = minimumCut(evidenceOf(c), c.view, scene.noise);
+  return c.view.inPicture(piecesOf(c, cut), mask.size());
+}
+
+}  // namespace hapticast::server

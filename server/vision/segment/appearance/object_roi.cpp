@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/appearance/object_roi.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/flow.hpp"
+#include "server/vision/base/masks.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
+constexpr float kOwnColor = 0.002F;        // chosen, of a histogram: a colour that is seen there
+constexpr double kMostPast = 0.5;          // chosen, of the object
+
+// The box that `from` moves into.
+cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
+  std::vector<cv::Point2f> corners;
+  for (const cv::Point& at :
+       {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
+    const cv::Vec2d to = similarity * cv::Vec3d(at.x, at.y, 1.0);
+    if (!(cv::norm(to) < 1e5)) return {};
+    corners.emplace_back(static_cast<float>(to[0]), static_cast<float>(to[1]));
+  }
+  return cv::boundingRect(corners) & cv::Rect({0, 0}, picture);
+}
+
+int factorFor(const cv::Rect& object, const cv::Size& picture) {
+  const int largest = std::max(1, picture.width / kUsualWidth_px);
+  for (int factor = 1; factor < largest; ++factor) {
+    const int margin = 2 * (kBand_px + kRing_px);
+    const double width = double(object.width) / factor + margin;
+    const double height = double(object.height) / factor + margin;
+    if (width * height <= kLargestPatch_px) return factor;
+  }
+  return largest;
+}
+
+// Cut to multiples of the factor, from the side that is not the picture's border.
+cv::Rect wholePixels(cv::Rect box, int factor) {
+  const int extra_u = box.width % factor;
+  const int extra_v = box.height % factor;
+  if (box.x > 0) box.x += extra_u;
+  if (box.y > 0) box.y += extra_v;
+  box.width -= extra_u;
+  box.height -= extra_v;
+  return box;
+}
+
+void findDistance(Patch& patch) {
+  // One transform for both sides: the distance to the outermost pixels inside.
+  cv::Mat inner;
+  cv::erode(patch.inside, inner, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
+  cv::distanceTransform((patch.inside == 0) | inner, patch.distance, cv::DIST_L2, 3);
+  for (int v = 0; v < patch.inside.rows; ++v) {
+    const auto* in = patch.inside.ptr<unsigned char>(v);
+    auto* d = patch.distance.ptr<float>(v);
+    for (int u = 0; u < patch.inside.cols; ++u) d[u] = in[u] != 0 ? d[u] + 1.0F : -d[u];
+  }
+}
+
+// Where a hand's colours are seen that are not the object's own.
+cv::Mat handIn(const cv::Mat& color, const ObjectLimits& limits) {
+  cv::Mat out = limits.hand->in(color);
+  if (limits.own == nullptr) return out;
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* from = color.ptr<cv::Vec3b>(v);
+    auto* to = out.ptr<unsigned char>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if ((*limits.own)[ColorHistogram::binOf(from[u])] > kOwnColor) to[u] = 0;
+    }
+  }
+  return out;
+}
+
+void findHidden(Patch& patch, const ObjectLimits& limits) {
+  const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
+  if (limits.nearest_mm > 0 || limits.hand != nullptr) {
+    patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
+    cv::morphologyEx(patch.nearer, patch.nearer, cv::MORPH_OPEN, square);
+    if (limits.hand != nullptr) patch.nearer |= handIn(patch.color, limits);
+    patch.hidden = patch.nearer & patch.inside;
+    if (cv::countNonZero(patch.hidden) > 0) patch.inside.setTo(0, patch.hidden);
+  }
+  if (limits.farthest_mm > 0) {
+    patch.farther = patch.depth > limits.farthest_mm;
+    cv::morphologyEx(patch.farther, patch.farther, cv::MORPH_OPEN, square);
+    const int past = cv::countNonZero(patch.farther & patch.inside);
+    // All of it cannot have been uncovered at once: it is the depth that jumps.
+    if (past > kMostPast * cv::countNonZero(patch.inside)) patch.farther.setTo(0);
+    patch.inside.setTo(0, patch.farther);
+  }
+}
+
+}  // namespace
+
+cv::Matx33d Patch::toPicture() const {
+  const double f = factor;
+  return {f, 0, pictureU(0), 0, f, pictureV(0), 0, 0, 1};
+}
+
+Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
+                  const ObjectLimits& limits) {
+  Patch out;
+  const cv::Rect from = boxAround(mask, 1);
+  if (from.empty()) return out;
+  const cv::Rect to = movedBox(from, similarity, mask.size());
+  if (to.empty()) return out;
+  out.factor = factorFor(to, mask.size());
+  out.box = wholePixels(grown(to, out.factor * (kBand_px + kRing_px), mask.size()), out.factor);
+  if (out.box.width < 8 * out.factor || out.box.height < 8 * out.factor) return {};
+  const cv::Size size(out.box.width / out.factor, out.box.height / out.factor);
+  out.gray = images.gray(out.box);
+  out.color = images.color(out.box);
+  out.depth = images.depth(out.box);
+  if (out.factor > 1) {
+    cv::resize(out.color, out.color, size, 0, 0, cv::INTER_AREA);
+    cv::resize(out.depth, out.depth, size, 0, 0, cv::INTER_NEAREST);
+  }
+  const cv::Matx33d corner{1, 0, double(from.x), 0, 1, double(from.y), 0, 0, 1};
+  out.inside = carryPatch(mask(from), corner, out, similarity) > 127;
+  findHidden(out, limits);
+  findDistance(out);
+  return out;
+}
+
+Patch patchAround(const FrameImages& images, const cv::Mat& mask) {
+  return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, ObjectLimits{});
+}
+
+cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& to,
+                   const cv::Matx23d& similarity) {
+  const cv::Matx33d local = to.toPicture().inv() * homogeneous(similarity) * from;
+  const cv::Size size(to.box.width / to.factor, to.box.height / to.factor);
+  cv::Mat out;
+  cv::warpAffine(image, out, local.get_minor<2, 3>(0, 0), size, cv::INTER_LINEAR,
+                 cv::BORDER_CONSTANT, cv::Scalar(0));
+  return out;
+}
+
+cv::Mat atFullSize(const cv::Mat& mask, const Patch& patch) {
+  if (patch.factor == 1) return mask;
+  cv::Mat out;
+  cv::resize(mask, out, patch.box.size(), 0, 0, cv::INTER_LINEAR);
+  return out > 127;
+}
+
+cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch) {
+  if (patch.factor == 1) return mask;
+  cv::Mat out;
+  cv::resize(mask, out, patch.inside.size(), 0, 0, cv::INTER_AREA);
+  return out > 127;
+}
+
+cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const FrameImages& images) {
+  cv::Mat out = cv::Mat::zeros(images.gray.size(), CV_8UC1);
+  mask.copyTo(out(patch.box));
+  return out;
+}
+
+cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes) {
+  cv::Mat out = cv::Mat::zeros(patch.depth.size(), CV_8UC1);
+  if (planes.empty()) return out;
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* depth = patch.depth.ptr<float>(v);
+    const auto* d = patch.distance.ptr<float>(v);
+    auto* to = out.ptr<unsigned char>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if (depth[u] <= 0.0F || d[u] > kBand_px || d[u] <= -kBand_px) continue;
+      for (const Plane& plane : planes) {
+        const double behind = plane.behind(patch.pictureU(u), patch.pictureV(v), double(depth[u]));
+        if (behind >= -1.0 && (behind <= 1.0 || plane.support)) to[u] = 255;
+      }
+    }
+  }
+  return out;
+}
+
+double DepthSpan::nearest_mm(const DepthNoise& noise) const {
+  if (middle_mm <= 0) return 0.0;
+  return near_mm - 0.6 * (far_mm - near_mm) - 25.0 - 6 * noise.at(near_mm);
+}
+
+double DepthSpan::farthest_mm(const DepthNoise& noise) const {
+  if (middle_mm <= 0) return 0.0;
+  return far_mm + 0.8 * (far_mm - near_mm) + 30.0 + 6 * noise.at(far_mm);
+}
+
+std::optional<DepthSpan> depthSpan(const Patch& patch, const cv::Mat& inside) {
+  std::vector<float> values;
+  for (int v = 0; v < inside.rows; v += 2) {
+    const auto* depth = patch.depth.ptr<float>(v);
+    const auto* in = inside.ptr<unsigned char>(v);
+    for (int u = 0; u < inside.cols; u += 2) {
+      if (in[u] != 0 && depth[u] > 0) values.push_back(depth[u]);
+    }
+  }
+  if (values.size() < 10) return std::nullopt;
+  const auto quantile = [&](std::size_t percent) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * percent / 100);
+    std::nth_element(values.begin(), at, values.end());
+    return static_cast<double>(*at);
+  };
+  return DepthSpan{quantile(10), quantile(50), quantile(90)};
+}
+
+}  // namespace hapticast::server

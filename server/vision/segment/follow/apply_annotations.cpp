@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// What the author's words in later frames do: BandSegmenter, continued.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/segment/follow/narrow_band_tracker.hpp"
+#include "server/vision/segment/follow/select_initial_mask.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kAsTaught = 0.97;  // chosen, IoU: what is followed anyway stays as it is at rest
+constexpr double kAnother = 0.05;   // chosen, IoU
+constexpr double kNear = 2.0;       // chosen, of an object's width: so far off a point means it
+constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
+
+cv::Mat inPicture(const TaughtMask& taught, const cv::Size& size) {
+  cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
+  taught.mask.copyTo(out(taught.box));
+  return out;
+}
+
+TaughtMask taughtOf(const BandObject& object, bool given) {
+  const cv::Rect box = boxAround(object.mask(), 0);
+  return {object.number(), box, object.mask()(box).clone(), given};
+}
+
+std::size_t bytesOf(const FrameImages& images) {
+  return images.color.total() * images.color.elemSize() + images.gray.total() +
+         images.depth.total() * images.depth.elemSize();
+}
+
+// The object that the author means by `number`, or null.
+template <class Objects>
+auto* numbered(Objects& objects, int number) {
+  const auto found = std::find_if(objects.begin(), objects.end(),
+                                  [number](const BandObject& o) { return o.number() == number; });
+  return found != objects.end() ? &*found : nullptr;
+}
+
+bool contains(const cv::Mat& mask, const cv::Point& point) {
+  return mask.at<unsigned char>(point) != 0;
+}
+
+// px from `point` to the nearest pixel of `mask`, in widths of the mask.
+double widthsOff(const cv::Mat& mask, const cv::Point& point) {
+  cv::Mat pixels;
+  cv::findNonZero(mask, pixels);
+  double nearest = 1e18;
+  for (int i = 0; i < int(pixels.total()); ++i) {
+    const cv::Point off = pixels.at<cv::Point>(i) - point;
+    nearest = std::min(nearest, double(off.dot(off)));
+  }
+  return std::sqrt(nearest / std::max(1.0, double(pixels.total())));
+}
+
+}  // namespace
+
+bool BandSegmenter::hasWord(const FramePair& frames) const {
+  const auto* masks = taught(frames);
+  if (masks == nullptr) return !script_.wordOn(frames).empty();
+  return std::any_of(masks->begin(), masks->end(), [&](const TaughtMask& mask) {
+    const BandObject* object = numbered(objects_, mask.number);
+    if (object == nullptr || !object->present()) return !mask.box.empty();
+    return mask.given || mask.box.empty() ||
+           overlapOf(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
+  });
+}
+
+const std::vector<TaughtMask>* BandSegmenter::taught(const FramePair& frames) const {
+  if (lessons_ == nullptr) return nullptr;
+  const auto found = lessons_->masks.find(frames.index);
+  return found != lessons_->masks.end() ? &found->second : nullptr;
+}
+
+void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<TaughtMask>& masks) {
+  for (const TaughtMask& taught : masks) {
+    if (taught.box.empty()) {
+      BandObject* hidden = numbered(objects_, taught.number);
+      if (hidden != nullptr && hidden->present()) hidden->lose();
+      continue;
+    }
+    const cv::Mat mask = inPicture(taught, images.color.size());
+    const BandObject* object = numbered(objects_, taught.number);
+    const bool as_taught = object != nullptr && object->present() && !taught.given &&
+                           overlapOf(object->mask(), mask) >= kAsTaught;
+    if (!as_taught) place(taught.number, mask, images, taught.given);
+  }
+}
+
+// The object of this number is where `mask` says; it may be lost, or not yet begun.
+void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& images, bool given) {
+  BandObject* object = numbered(objects_, number);
+  if (object == nullptr) {
+    object = &objects_.emplace_back(next_id_++, mask, images, scene_, 0);
+    object->setNumber(number);
+  } else if (!object->present()) {
+    object->rename(next_id_++);
+  }
+  object->adopt(mask, images, scene_, given);
+}
+
+void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
+  const FrameImages& images = frames.now;
+  for (const cv::Point& point : word.off) avoid(scene_.view(images), point, scene_.avoided);
+  if (lessons_ != nullptr && lessons_->open) lessons_->avoided = scene_.avoided;
+  for (BandObject& object : objects_) {
+    const auto in_it = [&](const cv::Point& p) { return contains(object.mask(), p); };
+    if (!object.present() || std::none_of(word.off.begin(), word.off.end(), in_it)) continue;
+    AuthorWord of_it{{}, word.off, {}};
+    std::copy_if(word.on.begin(), word.on.end(), std::back_inserter(of_it.on), in_it);
+    object.correct(images, scene_, of_it);
+    teach(object, frames, false);
+  }
+  for (const cv::Point& point : word.on) hearPoint(point, word, frames);
+  if (word.masks.empty()) return;
+  double numbers = 0.0;
+  cv::minMaxLoc(word.masks, nullptr, &numbers);
+  for (int number = 1; number <= int(numbers); ++number) {
+    const cv::Mat mask = word.masks == double(number);
+    if (cv::countNonZero(mask) < kSmallestObject_px) continue;
+    const BandObject* known = numbered(objects_, number);
+    if (known != nullptr && known->present() && overlapOf(known->mask(), mask) < kAnother)
+      spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
+                   frames.index, number);
+    place(number, mask, images, true);
+    teach(*numbered(objects_, number), frames, true);
+  }
+}
+
+// The object that a point on none means: one that it is near to, else one that is lost.
+BandObject* BandSegmenter::meantBy(const cv::Point& point) {
+  BandObject* lost = nullptr;
+  for (BandObject& object : objects_) {
+    if (object.present() && widthsOff(object.mask(), point) < kNear) return &object;
+    if (!object.present() && lost == nullptr) lost = &object;
+  }
+  return lost;
+}
+
+void BandSegmenter::hearPoint(const cv::Point& point, const AuthorWord& word,
+                              const FramePair& frames) {
+  const auto holds = [&](const BandObject& o) { return o.present() && contains(o.mask(), point); };
+  if (std::any_of(objects_.begin(), objects_.end(), holds)) return;
+  const FrameImages& images = frames.now;
+  BandObject* object = meantBy(point);
+  if (object != nullptr && object->present()) {
+    object->correct(images, scene_, {{point}, word.off, {}});
+    teach(*object, frames, false);
+    return;
+  }
+  ChosenStart start = chooseAt(images, scene_, point, word.off);
+  if (!start.object) {
+    spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.x, point.y, frames.clip_time_s,
+                 start.why_not);
+    return;
+  }
+  int number = object != nullptr ? object->number() : 1;
+  while (object == nullptr && numbered(objects_, number) != nullptr) ++number;
+  place(number, start.object->mask(), images, false);
+  teach(*numbered(objects_, number), frames, false);
+}
+
+// The frames before this one, while a later word may teach something about them.
+void BandSegmenter::keepHistory(const FramePair& frames) {
+  const bool more = frames.has_key_masks || script_.speaksAfter(frames);
+  if (lessons_ == nullptr || !lessons_->open || !more) {
+    past_.clear();
+    return;
+  }
+  Past past{frames.index, frames.now, {}};
+  for (const BandObject& object : objects_) {
+    if (object.present()) past.masks[object.number()] = object.mask();
+  }
+  past_.push_back(std::move(past));
+  while (past_.size() * bytesOf(frames.now) > kPast_bytes) past_.pop_front();
+}
+
+void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool given) {
+  if (lessons_ == nullptr || !lessons_->open) return;
+  if (!object.present()) {
+    lessons_->masks[frames.index].push_back({object.number(), {}, {}, given});
+    last_word_[object.number()] = frames.index;
+    return;
+  }
+  const auto last = last_word_.find(object.number());
+  std::uint64_t until = 0;
+  if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
+  last_word_[object.number()] = frames.index;
+  lessons_->masks[frames.index].push_back(taughtOf(object, given));
+  teachBack(object, frames, until, given);
+}
+
+// What is only carried on, and not seen again, is not taught: it may be hidden there.
+void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until,
+                              bool given) {
+  BandScene scene = scene_;
+  const FrameImages* later = &frames.now;
+  std::vector<std::pair<std::uint64_t, TaughtMask>> carried;
+  for (auto past = past_.rbegin(); past != past_.rend() && past->index >= until; ++past) {
+    if (past->index >= frames.index) continue;
+    const ObjectFlow flow = trackObject(later->gray, past->images.gray, object.mask(), {0, 0});
+    if (!refitPlanes(past->images.depth, scene.planes)) scene.planes.clear();
+    object.follow(past->images, flow, scene);
+    if (!object.present()) return;
+    later = &past->images;
+    const auto before = past->masks.find(object.number());
+    if (before != past->masks.end()) {
+      if (overlapOf(before->second, object.mask()) >= kAsTaught) return;  // the same from here on
+      if (!given && object.likeness(past->images, scene, object.mask()) <
+                        object.likeness(past->images, scene, before->second))
+        continue;
+    }
+    carried.emplace_back(past->index, taughtOf(object, false));
+    if (!object.decided()) continue;
+    for (auto& [index, mask] : carried) lessons_->masks[index].push_back(std::move(mask));
+    carried.clear();
+  }
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/follow/redetect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/segment/appearance/graph_cut.hpp"
+#include "server/vision/segment/initialise/candidates.hpp"
+#include "server/vision/segment/initialise/depth_components.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kAround_px = 9000.0;  // chosen for time: a look takes 5 to 8 ms
+constexpr double kWhole_px = 20000.0;
+constexpr double kMargin = 0.4;  // chosen, of the object's width: as far as it may be off
+// Weights of the sum, tuned on drawn scenes of things in hands.
+constexpr double kOfColor = 1.5;
+constexpr float kBeyond = -3.0F;
+constexpr float kHand = -3.0F;
+constexpr float kPlane = -2.0F;
+constexpr float kPerPixel = 0.04F;  // inside the old contour; outside below 0
+constexpr float kFarthest_px = 20.0F;
+constexpr double kForColors = 1.5;
+constexpr double kForArea = 0.5;
+
+// The colours' evidence, averaged down: patterns must not blur before they are looked up.
+cv::Mat colorsOf(const FrameView& scene, const SmallView& view, const ContourMemory& memory) {
+  const cv::Mat full = evidenceOf(scene.images.color(view.box), colorEvidenceOf(memory));
+  cv::Mat out;
+  cv::resize(full, out, view.size(), 0, 0, cv::INTER_AREA);
+  return kOfColor * out;
+}
+
+cv::Mat evidenceOf(const FrameView& scene, const SmallView& view, const KnownObject& known) {
+  cv::Mat out = colorsOf(scene, view, known.memory);
+  cv::Mat beyond = (view.depth > 0) & (view.depth < known.limits.nearest_mm);
+  if (known.limits.farthest_mm > 0) beyond |= view.depth > known.limits.farthest_mm;
+  cv::add(out, cv::Scalar(double(kBeyond)), out, beyond);
+  cv::add(out, cv::Scalar(double(kPlane)), out, view.plane & ~beyond);
+  if (known.limits.hand != nullptr) cv::add(out, cv::Scalar(double(kHand)), out, view.skin);
+  if (known.mask.empty()) return out;
+  const cv::Mat mask = view.shrunk(known.mask);
+  cv::Mat inner;
+  cv::Mat outer;
+  cv::distanceTransform(mask, inner, cv::DIST_L2, 3);
+  cv::distanceTransform(mask == 0, outer, cv::DIST_L2, 3);
+  const cv::Mat distance = cv::min(cv::max(inner - outer, -kFarthest_px), kFarthest_px);
+  return out + kPerPixel * distance;
+}
+
+// The piece that is most of what is expected, else the largest one.
+cv::Mat mainPiece(const cv::Mat& cut, const cv::Mat& expected) {
+  cv::Mat labels;
+  cv::Mat stats;
+  cv::Mat centroids;
+  const int count = cv::connectedComponentsWithStats(cut, labels, stats, centroids, 4, CV_32S);
+  cv::Mat best;
+  double most = 0.0;
+  for (int i = 1; i < count; ++i) {
+    const double area = stats.at<int>(i, cv::CC_STAT_AREA);
+    if (area <= most) continue;
+    const cv::Mat piece = labels == i;
+    const double here = expected.empty() ? area : cv::countNonZero(piece & expected);
+    if (here <= most) continue;
+    most = here;
+    best = piece;
+  }
+  return best;
+}
+
+}  // namespace
+
+cv::Mat lookedFor(const FrameView& scene, const KnownObject& known) {
+  const cv::Size picture = scene.images.color.size();
+  cv::Rect box({0, 0}, picture);
+  if (!known.mask.empty()) {
+    const cv::Rect tight = boxAround(known.mask, 0);
+    box = boxAround(known.mask, 10 + int(kMargin * std::max(tight.width, tight.height)));
+  }
+  if (box.area() < 100) return {};
+  const double most_px = known.mask.empty() ? kWhole_px : kAround_px;
+  const SmallView view = SmallView::of(scene, box, most_px);
+  const cv::Mat cut = minimumCut(evidenceOf(scene, view, known), view, scene.noise);
+  const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrunk(known.mask);
+  const cv::Mat main = mainPiece(cut, expected);
+  if (main.empty()) return {};
+  const double depth_mm = 0.5 * (known.limits.nearest_mm + known.limits.farthest_mm);
+  const double px_per_mm = view.shrink * pixelsPerMm(depth_mm, picture);
+  return view.inPicture(joinedPieces(view, cut, main, px_per_mm), picture);
+}
+
+double resemblance(const FrameView& scene, const KnownObject& known, const cv::Mat& mask) {
+  const double area = std::max(1, cv::countNonZero(mask));
+  const double like = overlapOf(ColorHistogram::of(scene.images.color, mask), known.memory.first);
+  const double size = std::log(area / std::max(known.usual_px, 1.0));
+  return likenessToThing(scene, mask) + kForColors * like - kForArea * size * size;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/follow/select_initial_mask.hpp"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/segment/initialise/candidates.hpp"
+#include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/segmenter.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kSettledCuts = 3;         // chosen for time: so many of the best cuts are settled ...
+constexpr int kFewRounds = 3;           // ... by so many band steps
+constexpr double kForComponent = -0.1;  // what depth alone says has hands in it
+constexpr double kForSettled = 0.03;
+constexpr double kDespiteDepth = 2.5;  // where depth says that there is nothing
+
+// Chosen: what hands hold is less wide than the first, in space. What is wider, of something that
+// is wider than the second, is a part of a body: the whole is meant.
+constexpr double kHeld_mm = 200.0;
+constexpr double kBody_mm = 260.0;
+
+constexpr double kHand_mm = 60.0;  // chosen: a hand, its fingers alone as well, is wider
+
+struct Candidate {
+  BandObject object;
+  double likeness;
+};
+
+bool isBody(const FrameView& scene, const BandObject& part, const BandObject& whole) {
+  return widthInSpace_mm(scene, part.mask()) > kHeld_mm &&
+         widthInSpace_mm(scene, whole.mask()) > kBody_mm;
+}
+
+// Who points at a hand means it with its arm; a skin-coloured patch of something else is small.
+bool isHand(const FrameView& scene, const cv::Mat& component, const cv::Point& at) {
+  const cv::Rect box = boxAround(component, 0);
+  if (!box.contains(at)) return false;
+  const cv::Mat skin = scene.skin.in(scene.images.color(box)) & component(box);
+  cv::Mat labels;
+  cv::connectedComponents(skin, labels, 4, CV_32S);
+  const int label = labels.at<int>(at - box.tl());
+  if (label == 0) return false;
+  cv::Mat patch = cv::Mat::zeros(component.size(), CV_8UC1);
+  cv::Mat(labels == label).copyTo(patch(box));
+  return widthInSpace_mm(scene, patch) > kHand_mm;
+}
+
+}  // namespace
+
+ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv::Point& point,
+                     const std::vector<cv::Point>& not_points) {
+  ObjectStart start = objectAt(images.depth, point, scene.noise, scene.planes);
+  BandScene own = scene;
+  if (start.why_not == nullptr) own.planes = start.planes;
+  const FrameView view = own.view(images);
+  std::vector<Candidate> candidates;
+  const auto take = [&](const BandObject& object, double more) {
+    if (cv::countNonZero(object.mask()) < kSmallestObject_px) return;
+    candidates.push_back({object, likenessToThing(view, object.mask()) + more});
+  };
+  if (start.why_not == nullptr) {
+    const cv::Mat cut = cutByColor(images, start.mask, own.planes, point, not_points);
+    take(BandObject(0, cut, images, own), kForComponent);
+  }
+  std::vector<cv::Mat> cuts = cutsAround(view, {point, not_points, scene.avoided, start.mask});
+  std::vector<std::pair<double, cv::Mat>> scored;
+  scored.reserve(cuts.size());
+  for (const cv::Mat& cut : cuts) scored.emplace_back(likenessToThing(view, cut), cut);
+  std::sort(scored.begin(), scored.end(),
+            [](const auto& a, const auto& b) { return a.first > b.first; });
+  if (scored.size() > kSettledCuts) scored.resize(kSettledCuts);
+  // A cut is coarser in a large picture.
+  const int rounds = kFewRounds * std::max(1, images.color.cols / kUsualWidth_px);
+  for (const auto& [likeness, cut] : scored) {
+    take(BandObject(0, cut, images, own, rounds), kForSettled);
+    take(BandObject(0, cut, images, own, 0), 0.0);
+  }
+  auto best = std::max_element(
+      candidates.begin(), candidates.end(),
+      [](const Candidate& a, const Candidate& b) { return a.likeness < b.likeness; });
+  if (start.why_not == nullptr && best != candidates.end() &&
+      (isHand(view, start.mask, point) || isBody(view, best->object, candidates.front().object)))
+    best = candidates.begin();
+  if (best == candidates.end() || (start.why_not != nullptr && best->likeness < kDespiteDepth)) {
+    const char* why = start.why_not != nullptr ? start.why_not : "there is next to nothing";
+    return {std::nullopt, why, {}};
+  }
+  return {std::move(best->object), nullptr, std::move(own.planes)};
+}
+
+}  // namespace hapticast::server

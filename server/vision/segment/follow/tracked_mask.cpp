@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/follow/tracked_mask.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/vision/segment/annotate/refine_clicks.hpp"
+#include "server/vision/segment/follow/redetect.hpp"
+#include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/segmenter.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr double kSettled = 0.004;      // of the area: a mask that changes by less is at rest
+constexpr int kWeakFrames = 5;          // chosen, in a row: then the object is lost
+constexpr int kSearchEvery = 3;         // chosen: a search costs as much as a frame
+constexpr double kMostlySeen = 0.6;     // chosen, of the whole: what is seen less teaches nothing
+constexpr double kLeastGrowth = 0.8;    // chosen, of the area in a frame: outside of these two the
+constexpr double kMostGrowth = 1.25;    // decision is not believed
+constexpr double kWeaker = 0.7;         // chosen: quality of a frame that is not measured well
+constexpr double kOwnColors = 0.5;      // mean colour evidence of what is surely the object
+constexpr double kSurelyColor = 0.8;    // mean colour evidence of what may be uncovered again
+constexpr double kUsualFollows = 0.01;  // chosen: a size is usual after four seconds
+constexpr int kLookEvery = 15;          // chosen, frames: a look costs as much as two frames
+constexpr double kClearlyBetter = 0.12;
+constexpr double kAsUsual = 0.1;  // chosen, ln of an area: no worse than this
+constexpr int kAgainRounds = 3;
+constexpr double kNearest = 0.6;  // chosen, of its last depth: where it is looked for
+constexpr double kFarthest = 1.6;
+constexpr double kLessLike = 0.8;         // of its resemblance to itself: what is found again ...
+constexpr double kMostUnlike = 1.2;       // ... and what is not it any more
+constexpr double kMostAgain = 1.6;        // of its usual area
+constexpr double kSurelyLikeSkin = 0.05;  // where the author says that there is no hand in it
+// Measured: what was left had .55 to .59 of its colours where it was another thing, else .71 or
+// more.
+constexpr double kOfOtherColors = 0.65;
+constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
+
+// The colours of the picture without an object, of every second pixel and row.
+ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
+  ColorHistogram out;
+  for (int v = 0; v < mask.rows; v += 2) {
+    const auto* color = images.color.ptr<cv::Vec3b>(v);
+    const auto* in = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < mask.cols; u += 2) {
+      if (in[u] == 0) out.count(color[u]);
+    }
+  }
+  out.settle();
+  return out;
+}
+
+double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv::Mat& where) {
+  const std::vector<float> evidence = colorEvidenceOf(memory);
+  double sum = 0.0;
+  double count = 0.0;
+  for (int v = 0; v < where.rows; v += 2) {
+    const auto* row = color.ptr<cv::Vec3b>(v);
+    const auto* in = where.ptr<unsigned char>(v);
+    for (int u = 0; u < where.cols; u += 2) {
+      if (in[u] == 0) continue;
+      sum += double(evidence[ColorHistogram::binOf(row[u])]);
+      count += 1.0;
+    }
+  }
+  return count > 0 ? sum / count : 0.0;
+}
+
+}  // namespace
+
+BandObject::BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
+                       const BandScene& scene, int most_rounds)
+    : id_(id), mask_(first_mask), whole_(first_mask) {
+  settle(images, scene, most_rounds);
+}
+
+void BandObject::forgetColors(const BandScene& scene) {
+  memory_ = {};
+  memory_.avoided = scene.avoided.histogram;
+}
+
+void BandObject::settle(const FrameImages& images, const BandScene& scene, int most_rounds) {
+  for (int round = 0; round < most_rounds; ++round) {
+    const Patch patch = patchAround(images, mask_);
+    if (patch.empty()) return;
+    forgetColors(scene);
+    learn(patch, mask_(patch.box), memory_);
+    const cv::Mat mask = decideContour(patch, scene.noise, scene.planes, memory_).mask;
+    const int changed = cv::countNonZero(mask != mask_(patch.box));
+    const int area = cv::countNonZero(mask);
+    if (area < kSmallestObject_px) break;
+    mask_ = wholePicture(mask, patch, images);
+    if (changed < kSettled * area) break;
+  }
+  learnLooks(patchAround(images, mask_), images, scene, kLikeSkin);
+}
+
+void BandObject::learnLooks(const Patch& patch, const FrameImages& images, const BandScene& scene,
+                            double most_skin) {
+  forgetColors(scene);
+  learn(patch, mask_(patch.box), memory_);
+  memory_.elsewhere = elsewhere(images, mask_);
+  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
+  like_skin_ = cv::countNonZero(skin) > most_skin * cv::countNonZero(patch.inside);
+  whole_ = mask_;
+  seenWell(patch);
+}
+
+void BandObject::seenWell(const Patch& patch) {
+  const double area = cv::countNonZero(whole_(patch.box));
+  // One that leaves the picture has not become smaller.
+  if (clearOfBorder(whole_) || area > area_px_) area_px_ = area;
+  if (const auto depth = depthSpan(patch, patch.inside)) depth_ = *depth;
+  usual_px_ = usual_px_ > 0 ? usual_px_ + kUsualFollows * (area - usual_px_) : area;
+  quality_ = 1.0;
+  weak_ = 0;
+}
+
+ObjectLimits BandObject::limits(const BandScene& scene) const {
+  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
+          like_skin_ ? nullptr : &scene.skin, own_.empty() ? nullptr : &own_};
+}
+
+// Whether what was decided is to be believed.
+bool BandObject::convinces(const ContourResult& now, double expected_px) const {
+  const double area = cv::countNonZero(now.mask);
+  const double growth = area / expected_px;
+  if (growth > kMostGrowth)  // uncovered again
+    return now.inside_color >= kSurelyColor && area < kMostGrowth * usual_px_;
+  return growth >= kLeastGrowth && now.inside_color >= 0.0;
+}
+
+// The patch where the object is expected. Where most of it seems hidden or past, but has its own
+// colours, it is the depth that jumps.
+Patch BandObject::expected(const FrameImages& images, const cv::Matx23d& similarity,
+                           const BandScene& scene) const {
+  ObjectLimits within = limits(scene);
+  Patch patch = patchAround(images, whole_, similarity, within);
+  if (patch.empty() || patch.hidden.empty()) return patch;
+  const int hidden = cv::countNonZero(patch.hidden);
+  if (hidden <= cv::countNonZero(patch.inside)) return patch;
+  if (meanEvidence(memory_, patch.color, patch.hidden) < kOwnColors) return patch;
+  within.nearest_mm = within.farthest_mm = 0.0;
+  return patchAround(images, whole_, similarity, within);
+}
+
+void BandObject::follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene) {
+  cv::Matx23d similarity = flow.similarity;
+  Patch patch = expected(images, similarity, scene);
+  // A motion that leads to other colours was not its own.
+  if (patch.empty() || meanEvidence(memory_, patch.color, patch.inside) < 0.0) {
+    const Patch still = expected(images, ObjectFlow{}.similarity, scene);
+    if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > kOwnColors) {
+      patch = still;
+      similarity = ObjectFlow{}.similarity;
+    }
+  }
+  if (patch.empty()) return lose();
+  carryEvidence(memory_, patch, similarity);
+  const ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
+  const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
+  const bool nothing =
+      cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
+  const bool convincing = !nothing && convinces(now, expected_px);
+  take(convincing ? now.mask : atFullSize(patch.inside, patch), patch, images);
+  if (convincing) {
+    seenWell(patch);
+    if (!flow.reliable) quality_ = kWeaker;
+    if (expected_px > kMostlySeen * area_px_) learn(patch, now.mask, memory_);
+  } else {
+    quality_ *= kWeaker;
+    ++weak_;
+  }
+  const bool in_doubt = weak_ == 2 || weak_ > kWeakFrames;
+  if ((in_doubt || ++since_look_ >= kLookEvery) && lookAgain(images, scene)) return;
+  const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
+  if (nothing || weak_ > kWeakFrames || leaving) lose();
+}
+
+// `seen` over the patch's box is where it is seen now.
+void BandObject::take(const cv::Mat& seen, const Patch& patch, const FrameImages& images) {
+  mask_ = wholePicture(seen, patch, images);
+  const bool hidden = !patch.hidden.empty() && cv::countNonZero(patch.hidden) > 0;
+  whole_ = hidden ? wholePicture(seen | atFullSize(patch.hidden, patch), patch, images) : mask_;
+}
+
+// One graph cut by what is known of it. True where that decides: it is better than what is carried
+// on, or neither is like the object.
+bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
+  since_look_ = 0;
+  const KnownObject known{memory_, limits(scene), usual_px_, mask_};
+  const FrameView view = scene.view(images);
+  const cv::Mat mask = lookedFor(view, known);
+  if (mask.empty() || cv::countNonZero(mask) < kSmallestObject_px) return false;
+  const double now = resemblance(view, known, mask_);
+  const double then = resemblance(view, known, mask);
+  if (std::max(now, then) < likeness_ - kMostUnlike) lose();
+  const auto unusual = [this](const cv::Mat& m) {
+    return std::abs(std::log(std::max(1, cv::countNonZero(m)) / usual_px_));
+  };
+  const bool better = then >= now + kClearlyBetter && unusual(mask) <= unusual(mask_) + kAsUsual;
+  if (!present() || !better) return !present();
+  mask_ = mask;
+  whole_ = mask;
+  memory_.evidence.release();
+  seenWell(patchAround(images, mask_));
+  return true;
+}
+
+void BandObject::knowItself(const FrameImages& images, const BandScene& scene) {
+  likeness_ = likeness(images, scene, mask_);
+}
+
+double BandObject::likeness(const FrameImages& images, const BandScene& scene,
+                            const cv::Mat& mask) const {
+  const KnownObject known{memory_, limits(scene), usual_px_, mask};
+  return resemblance(scene.view(images), known, mask);
+}
+
+void BandObject::correct(const FrameImages& images, const BandScene& scene,
+                         const AuthorWord& word) {
+  memory_.avoided = scene.avoided.histogram;
+  const cv::Mat mask = corrected(scene.view(images), mask_, word);
+  if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
+  // What is left of another thing, without the part pointed at, is not it either.
+  if (word.on.empty() &&
+      overlapOf(ColorHistogram::of(images.color, mask), memory_.first) < kOfOtherColors)
+    return lose();
+  adopt(mask, images, scene, false);
+}
+
+void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene,
+                       bool given) {
+  const Patch patch = patchAround(images, mask);
+  if (patch.empty()) return;
+  const cv::Mat added = mask & ~mask_;
+  if (present() && cv::countNonZero(added) >= kSmallestObject_px)
+    own_.raise(ColorHistogram::of(images.color, added), 1.0);
+  mask_ = mask;
+  lost_ = 0;
+  since_look_ = 0;
+  learnLooks(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
+  knowItself(images, scene);
+}
+
+void BandObject::yieldTo(const BandObject& other) {
+  // A new image: the old one is the whole's, too, and perhaps a remembered start's.
+  cv::Mat rest;
+  cv::bitwise_and(mask_, ~other.mask_, rest);
+  mask_ = rest;
+  if (cv::countNonZero(mask_) < kSmallestObject_px) lose();
+}
+
+double BandObject::shareIn(const BandObject& other) const {
+  return double(cv::countNonZero(mask_ & other.mask_)) / std::max(1, cv::countNonZero(mask_));
+}
+
+void BandObject::lose() {
+  lost_ = 1;
+  quality_ = 0.0;
+}
+
+std::optional<BandObject> BandObject::search(const FrameImages& images, const BandScene& scene) {
+  if (lost_++ % kSearchEvery != 0) return std::nullopt;
+  const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
+                              like_skin_ ? nullptr : &scene.skin};
+  const KnownObject known{memory_, anywhere, usual_px_, {}};
+  const FrameView view = scene.view(images);
+  const cv::Mat found = lookedFor(view, known);
+  if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
+  BandObject again = *this;
+  again.mask_ = again.whole_ = found;
+  for (int round = 0; round < kAgainRounds; ++round) {
+    const Patch patch = patchAround(images, again.mask_);
+    if (patch.empty()) return std::nullopt;
+    again.memory_.evidence.release();  // it is another patch's
+    const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
+    if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
+    again.mask_ = wholePicture(now.mask, patch, images);
+  }
+  const double like = resemblance(view, known, again.mask_);
+  if (like < likeness_ - kLessLike || cv::countNonZero(again.mask_) > kMostAgain * usual_px_)
+    return std::nullopt;
+  again.whole_ = again.mask_;
+  again.lost_ = 0;
+  again.seenWell(patchAround(images, again.mask_));
+  again.area_px_ = std::max(again.area_px_, area_px_);  // what was found may be a part of it
+  again.usual_px_ = usual_px_;
+  return again;
+}
+
+}  // namespace hapticast::server

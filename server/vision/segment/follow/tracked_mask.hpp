@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// One object as the band step follows it: where it is, what something nearer hides of it, and what
+// is remembered of its looks. Thread: the one that runs Vision.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "server/vision/base/depth_noise.hpp"
+#include "server/vision/base/flow.hpp"
+#include "server/vision/base/frame_images.hpp"
+#include "server/vision/segment/annotate/annotation_track.hpp"
+#include "server/vision/segment/appearance/contour.hpp"
+#include "server/vision/segment/appearance/graph_roi.hpp"
+#include "server/vision/segment/appearance/planes.hpp"
+
+namespace hapticast::server {
+
+/// What the objects of a frame stand in.
+struct BandScene {
+  DepthNoise noise;
+  std::vector<Plane> planes;
+  SkinColors skin;
+  AvoidedColors avoided;
+
+  [[nodiscard]] FrameView view(const FrameImages& images) const {
+    return {images, planes, noise, skin};
+  }
+};
+
+class BandObject {
+ public:
+  /// Starts with a first mask (0 / 255, size of the picture), which is settled: the band step is
+  /// repeated on this frame until it comes to rest, `most_rounds` times at most.
+  BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
+             const BandScene& scene, int most_rounds = kSettleRounds);
+  static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
+
+  /// Learns how much it looks like itself, by which it is told from others later.
+  void knowItself(const FrameImages& images, const BandScene& scene);
+  /// How much `mask` is like one thing, and this one; see resemblance().
+  [[nodiscard]] double likeness(const FrameImages& images, const BandScene& scene,
+                                const cv::Mat& mask) const;
+  /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
+  /// nothing is left.
+  void correct(const FrameImages& images, const BandScene& scene, const AuthorWord& word);
+  /// From now on it is where the author's word says, and looks as it does there: its colours are
+  /// learnt anew. A mask that was `given` has no hand in it.
+  void adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene, bool given);
+  /// The mask in the next frame, moved by `flow`, its band decided anew.
+  void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
+  /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
+  /// by its first colours and near its last depth. Found again it is another object, without an id
+  /// yet.
+  [[nodiscard]] std::optional<BandObject> search(const FrameImages& images, const BandScene& scene);
+  /// Leaves to `other` the pixels that both have; lost when next to nothing is left.
+  void yieldTo(const BandObject& other);
+  void lose();
+  /// The part of its pixels, 0..1, that `other` has, too.
+  [[nodiscard]] double shareIn(const BandObject& other) const;
+
+  [[nodiscard]] std::uint32_t id() const { return id_; }
+  void rename(std::uint32_t id) { id_ = id; }
+  /// By what the author means it: n for the n-th point, and for n in a drawn mask. Stays for good.
+  [[nodiscard]] int number() const { return number_; }
+  void setNumber(int number) { number_ = number; }
+  /// Where it is seen: 0 / 255, size of the picture.
+  [[nodiscard]] const cv::Mat& mask() const { return mask_; }
+  /// 1: decided from this frame; less: carried on.
+  [[nodiscard]] double quality() const { return quality_; }
+  /// Whether its last frame was decided from what is seen there; else it was carried on.
+  [[nodiscard]] bool decided() const { return weak_ == 0; }
+  [[nodiscard]] bool present() const { return lost_ == 0; }
+  [[nodiscard]] int framesLost() const { return lost_; }
+
+ private:
+  BandObject() = default;
+  void forgetColors(const BandScene& scene);
+  void settle(const FrameImages& images, const BandScene& scene, int most_rounds);
+  void learnLooks(const Patch& patch, const FrameImages& images, const BandScene& scene,
+                  double most_skin);
+  void seenWell(const Patch& patch);
+  [[nodiscard]] ObjectLimits limits(const BandScene& scene) const;
+  [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
+  [[nodiscard]] Patch expected(const FrameImages& images, const cv::Matx23d& similarity,
+                               const BandScene& scene) const;
+  void take(const cv::Mat& seen, const Patch& patch, const FrameImages& images);
+  bool lookAgain(const FrameImages& images, const BandScene& scene);
+
+  std::uint32_t id_ = 0;
+  int number_ = 0;
+  cv::Mat mask_;
+  cv::Mat whole_;  // mask and what of the object something nearer hides
+  ContourMemory memory_;
+  double quality_ = 1.0;
+  int weak_ = 0;        // frames in a row that did not convince
+  int lost_ = 0;        // frames since it was lost; 0: present
+  double area_px_ = 0;  // when last seen well
+  double usual_px_ = 0;
+  int since_look_ = 0;     // frames
+  double likeness_ = 0.0;  // resemblance to itself at the start
+  DepthSpan depth_;
+  ColorHistogram own_;  // of what the author added to it: no hand, although it may look like one
+  bool like_skin_ = false;  // its colours are like those of hands
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/initialise/candidates.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
+#include "server/vision/segment/appearance/graph_cut.hpp"
+#include "server/vision/segment/initialise/depth_components.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// Tuned on drawn scenes of things in hands, unless marked.
+constexpr double kReach_mm = 300.0;   // of the view around the click: what is held is smaller
+constexpr double kView_px = 12000.0;  // chosen for time: a cut takes 5 to 10 ms
+constexpr int kRoundsOfCut = 4;
+constexpr float kMostColor = 6.0F;
+constexpr float kOnPlane = -1.5F;
+constexpr float kElsewhere = -2.0F;  // measured, but not of the component
+constexpr float kOfComponent = 0.5F;
+constexpr float kSkin = -1.5F;
+constexpr float kHole = 2.5F;          // times how far the component around it is above ...
+constexpr float kBesideObject = 0.7F;  // ... this: a shadow has background on one side
+constexpr float kSure = 1e3F;
+constexpr double kSame = 0.97;  // IoU
+constexpr int kNotRadius_px = 5;
+
+struct Reach {
+  float near_mm, far_mm;
+};
+constexpr std::array kReaches{Reach{15, 60},  Reach{15, 100}, Reach{15, 160}, Reach{30, 100},
+                              Reach{30, 160}, Reach{30, 250}, Reach{60, 160}, Reach{60, 250}};
+
+// Everything about the click that all cuts share.
+struct Surroundings {
+  SmallView view;
+  cv::Point at;
+  cv::Mat component;  // 255
+  cv::Mat distance;   // CV_32FC1, mm from the click in space
+  cv::Mat unary;      // CV_32FC1: all but the colours
+  cv::Mat not_log;    // CV_32FC1: of the colours that the author does not mean; empty: none
+  cv::Mat never;      // 255: the author's discs
+  cv::Mat hand;       // 255: skin, where the click is on none
+  double px_per_mm = 1.0;
+};
+
+double depthAt(const cv::Mat& depth, const cv::Point& at) {
+  for (const int radius : {2, 12, 40}) {
+    const cv::Rect around = cv::Rect(at.x - radius, at.y - radius, 2 * radius + 1, 2 * radius + 1) &
+                            cv::Rect({0, 0}, depth.size());
+    std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(around.area()));
+    for (int v = around.y; v < around.br().y; ++v) {
+      for (int u = around.x; u < around.br().x; ++u) {
+        if (depth.at<float>(v, u) > 0) values.push_back(double(depth.at<float>(v, u)));
+      }
+    }
+    if (!values.empty()) return medianOf(values);
+  }
+  return 0.0;
+}
+
+// In space, from the click; where nothing was measured, at the click's depth.
+cv::Mat distances(const Surroundings& s, double depth_mm, const cv::Size& picture) {
+  cv::Mat out(s.view.size(), CV_32FC1);
+  const double mm_per_px_at_1mm = 1.0 / (pixelsPerMm(1.0, picture) * s.view.shrink);
+  for (int v = 0; v < out.rows; ++v) {
+    for (int u = 0; u < out.cols; ++u) {
+      const auto z = double(s.view.depth.at<float>(v, u));
+      const double scale = mm_per_px_at_1mm * (z > 0 ? z : depth_mm);
+      const double off = z > 0 ? z - depth_mm : 0.0;
+      out.at<float>(v, u) =
+          static_cast<float>(std::hypot(scale * (u - s.at.x), scale * (v - s.at.y), off));
+    }
+  }
+  return out;
+}
+
+// Of the first measured pixels to the left, right, above and below: how many are the component's.
+float besideComponent(const Surroundings& s, int u, int v) {
+  int of_it = 0;
+  int met = 0;
+  for (const cv::Point& way :
+       {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
+    cv::Point at(u, v);
+    do {
+      at += way;
+      if (!cv::Rect({0, 0}, s.view.size()).contains(at)) break;
+    } while (!(s.view.depth.at<float>(at) > 0));
+    if (!cv::Rect({0, 0}, s.view.size()).contains(at)) continue;
+    ++met;
+    if (s.component.at<unsigned char>(at) != 0) ++of_it;
+  }
+  return met == 0 ? kBesideObject : static_cast<float>(of_it) / static_cast<float>(met);
+}
+
+// What depth, planes and skin say.
+cv::Mat placeEvidence(const Surroundings& s) {
+  cv::Mat out = cv::Mat::zeros(s.view.size(), CV_32FC1);
+  for (int v = 0; v < out.rows; ++v) {
+    for (int u = 0; u < out.cols; ++u) {
+      float& sum = out.at<float>(v, u);
+      const bool of_it = s.component.at<unsigned char>(v, u) != 0;
+      if (!(s.view.depth.at<float>(v, u) > 0)) {
+        sum += kHole * (besideComponent(s, u, v) - kBesideObject);
+      } else if (s.view.plane.at<unsigned char>(v, u) != 0) {
+        sum += kOnPlane;
+      } else {
+        sum += of_it ? kOfComponent : kElsewhere;
+      }
+      if (s.hand.at<unsigned char>(v, u) != 0) sum += kSkin;
+    }
+  }
+  return out;
+}
+
+ColorMixture mixtureOf(const AvoidedColors& avoided) {
+  if (avoided.samples.empty()) return {};
+  return {avoided.samples, cv::Mat(avoided.samples.size(), CV_8UC1, cv::Scalar(255))};
+}
+
+Surroundings surroundingsOf(const FrameView& scene, const Click& click) {
+  Surroundings out;
+  const cv::Size picture = scene.images.color.size();
+  const double depth_mm = std::max(depthAt(scene.images.depth, click.at), 1.0);
+  const int reach = std::max(50, int(kReach_mm * pixelsPerMm(depth_mm, picture)));
+  const cv::Rect box = cv::Rect(click.at.x - reach, click.at.y - reach, 2 * reach, 2 * reach) &
+                       cv::Rect({0, 0}, picture);
+  out.view = SmallView::of(scene, box, kView_px);
+  out.at = out.view.placeOf(click.at);
+  out.component =
+      click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
+  out.distance = distances(out, depth_mm, picture);
+  out.px_per_mm = out.view.shrink * pixelsPerMm(depth_mm, picture);
+  const cv::Rect around =
+      cv::Rect(out.at.x - 2, out.at.y - 2, 5, 5) & cv::Rect({0, 0}, out.view.size());
+  const bool on_skin = cv::countNonZero(out.view.skin(around)) > 0.35 * around.area();
+  out.hand = on_skin ? cv::Mat::zeros(out.view.size(), CV_8UC1) : out.view.skin;
+  out.unary = placeEvidence(out);
+  out.never = cv::Mat::zeros(out.view.size(), CV_8UC1);
+  const int radius = std::max(1, int(std::lround(kNotRadius_px * out.view.shrink)));
+  for (const cv::Point& point : click.not_points) {
+    if (box.contains(point))
+      cv::circle(out.never, out.view.placeOf(point), radius, cv::Scalar(255), cv::FILLED);
+  }
+  const ColorMixture not_mixture = mixtureOf(click.avoided);
+  if (!not_mixture.empty()) out.not_log = logDensities(not_mixture, out.view.lab);
+  return out;
+}
+
+// The piece with the click, and those that are one with it.
+cv::Mat piecesAt(const Surroundings& s, const cv::Mat& mask) {
+  cv::Mat labels;
+  cv::connectedComponents(mask, labels, 4, CV_32S);
+  if (labels.at<int>(s.at) == 0) return {};
+  return joinedPieces(s.view, mask, labels == labels.at<int>(s.at), s.px_per_mm);
+}
+
+cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& background,
+                const cv::Mat& far, const DepthNoise& noise) {
+  const ColorMixture of_object(s.view.lab, object);
+  const ColorMixture of_background(s.view.lab, background);
+  if (of_object.empty() || of_background.empty()) return {};
+  cv::Mat against = logDensities(of_background, s.view.lab);
+  if (!s.not_log.empty()) against = cv::max(against, s.not_log);
+  cv::Mat color = logDensities(of_object, s.view.lab) - against;
+  color = cv::min(cv::max(color, -kMostColor), kMostColor);
+  cv::Mat unary = color + s.unary;
+  unary.setTo(-kSure, far | s.never);
+  cv::circle(unary, s.at, 2, cv::Scalar(double(kSure)), cv::FILLED);
+  return piecesAt(s, minimumCut(unary, s.view, noise));
+}
+
+cv::Mat cutWithin(const Surroundings& s, const Reach& reach, const DepthNoise& noise) {
+  const cv::Mat far = s.distance > reach.far_mm;
+  const cv::Mat measured = s.view.depth > 0;
+  cv::Mat object = s.component & (s.distance < reach.near_mm) & ~(s.never | s.hand);
+  cv::circle(object, s.at, 2, cv::Scalar(255), cv::FILLED);
+  cv::Mat background = far | s.never | s.view.plane | (measured & (s.component == 0)) | s.hand;
+  background.setTo(0, object);
+  cv::Mat mask;
+  for (int round = 0; round < kRoundsOfCut; ++round) {
+    cv::Mat next = cutOnce(s, object, background, far, noise);
+    if (next.empty()) return {};
+    const bool settled =
+        !mask.empty() && cv::countNonZero(next != mask) < 0.01 * cv::countNonZero(next);
+    mask = next;
+    if (settled) break;
+    object = mask;
+    background = mask == 0;
+  }
+  return mask;
+}
+
+bool isNew(const std::vector<cv::Mat>& masks, const cv::Mat& mask) {
+  return std::none_of(masks.begin(), masks.end(), [&](const cv::Mat& other) {
+    return cv::countNonZero(mask & other) > kSame * cv::countNonZero(mask | other);
+  });
+}
+
+}  // namespace
+
+std::vector<cv::Mat> cutsAround(const FrameView& scene, const Click& click) {
+  const Surroundings s = surroundingsOf(scene, click);
+  std::vector<cv::Mat> small;
+  for (const Reach& reach : kReaches) {
+    cv::Mat mask = cutWithin(s, reach, scene.noise);
+    if (!mask.empty() && isNew(small, mask)) small.push_back(mask);
+  }
+  std::vector<cv::Mat> out;
+  out.reserve(small.size());
+  for (const cv::Mat& mask : small)
+    out.push_back(s.view.inPicture(mask, scene.images.color.size()));
+  return out;
+}
+
+}  // namespace hapticast::server

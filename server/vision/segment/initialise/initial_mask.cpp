@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/initialise/initial_mask.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
+#include "server/vision/segment/segmenter.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kLongestHole_px = 24;      // chosen: the sensors' shadows are narrower
+constexpr double kSurelyGround = 0.2;    // chosen, of the picture
+constexpr int kNear_px = 12;             // chosen: as far from the point a component may lie
+constexpr double kLargestCut_px = 25e3;  // GrabCut takes some 0.1 s for this many
+
+// Holes in one line of pixels (stride apart) are bridged linearly where both sides agree.
+void bridgeLine(float* line, std::ptrdiff_t stride, int count, const DepthNoise& noise) {
+  int last = -1;
+  for (int i = 0; i < count; ++i) {
+    const float z = line[i * stride];
+    if (z <= 0.0F) continue;
+    const int gap = i - last;
+    if (last >= 0 && gap > 1 && gap <= kLongestHole_px) {
+      const float before = line[last * stride];
+      if (std::abs(double(z) - double(before)) < std::max(25.0, 10 * noise.at(double(z)))) {
+        for (int k = 1; k < gap; ++k) {
+          line[(last + k) * stride] = before + (z - before) * float(k) / float(gap);
+        }
+      }
+    }
+    last = i;
+  }
+}
+
+int rootOf(std::vector<int>& parent, int i) {
+  while (parent[static_cast<std::size_t>(i)] != i) {
+    auto& up = parent[static_cast<std::size_t>(i)];
+    up = parent[static_cast<std::size_t>(up)];
+    i = up;
+  }
+  return i;
+}
+
+// Corners that are well exposed: what can be followed from frame to frame.
+bool hasTexture(const FrameImages& images, const cv::Mat& mask) {
+  std::vector<cv::Point2f> corners;
+  const cv::Rect box = boxAround(mask, 0);
+  const cv::Mat exposed =
+      erodedBy(mask(box), 2) & (images.gray(box) > 8) & (images.gray(box) < 247);
+  if (2 * cv::countNonZero(exposed) < cv::countNonZero(mask)) return false;
+  cv::goodFeaturesToTrack(images.gray(box), corners, 30, 0.03, 4.0, exposed);
+  return corners.size() >= 12;
+}
+
+cv::Mat tidy(const cv::Mat& component) {
+  cv::Mat mask;
+  const cv::Mat disc2 = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
+  const cv::Mat disc1 = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
+  cv::morphologyEx(component, mask, cv::MORPH_CLOSE, disc2);
+  cv::morphologyEx(mask, mask, cv::MORPH_OPEN, disc1);
+  return withoutHoles(mask, mask.rows * mask.cols / 100);
+}
+
+// Into the marks for GrabCut (whose corner is at `origin`): what the author does not mean. It may
+// be one with the object in depth, so none of it may pass for surely the object.
+void markNot(const cv::Point& object, const std::vector<cv::Point>& not_points,
+             const cv::Point& origin, cv::Mat& marks) {
+  const auto square = [](const cv::Point& p) { return p.dot(p); };
+  for (const cv::Point& point : not_points) {
+    for (int v = 0; v < marks.rows; ++v) {
+      auto* row = marks.ptr<unsigned char>(v);
+      for (int u = 0; u < marks.cols; ++u) {
+        const cv::Point at(u, v);
+        if (row[u] != cv::GC_BGD && square(at - (point - origin)) < square(at - object))
+          row[u] = cv::GC_PR_BGD;
+      }
+    }
+  }
+  for (const cv::Point& point : not_points)
+    cv::circle(marks, point - origin, 10, cv::GC_BGD, cv::FILLED);
+}
+
+int labelNear(const cv::Mat& labels, const cv::Point& point) {
+  int best = 0;
+  int best_square = kNear_px * kNear_px + 1;
+  const cv::Rect around =
+      cv::Rect(point.x - kNear_px, point.y - kNear_px, 2 * kNear_px + 1, 2 * kNear_px + 1) &
+      cv::Rect({0, 0}, labels.size());
+  for (int v = around.y; v < around.br().y; ++v) {
+    for (int u = around.x; u < around.br().x; ++u) {
+      const int square = (u - point.x) * (u - point.x) + (v - point.y) * (v - point.y);
+      if (labels.at<int>(v, u) != 0 && square < best_square) {
+        best = labels.at<int>(v, u);
+        best_square = square;
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
+  std::vector<double> values;
+  for (int v = 0; v < depth.rows; v += step) {
+    for (int u = 0; u < depth.cols; u += step) {
+      const float z = depth.at<float>(v, u);
+      if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
+    }
+  }
+  return medianOf(values);
+}
+
+cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise) {
+  cv::Mat bridged = depth.clone();
+  for (int v = 0; v < depth.rows; ++v) bridgeLine(bridged.ptr<float>(v), 1, depth.cols, noise);
+  const auto stride = static_cast<std::ptrdiff_t>(bridged.step1());
+  for (int u = 0; u < depth.cols; ++u)
+    bridgeLine(bridged.ptr<float>(0) + u, stride, depth.rows, noise);
+  bridged.setTo(0, excluded);
+  std::vector<int> parent(static_cast<std::size_t>(depth.total()));
+  std::iota(parent.begin(), parent.end(), 0);
+  for (int v = 0; v < depth.rows; ++v) {
+    const auto* row = bridged.ptr<float>(v);
+    const auto* above = v > 0 ? bridged.ptr<float>(v - 1) : nullptr;
+    for (int u = 0; u < depth.cols; ++u) {
+      if (row[u] <= 0) continue;
+      const double step = noise.step_mm(double(row[u]));
+      const int here = v * depth.cols + u;
+      const auto join = [&](float z, int there) {
+        if (z <= 0 || std::abs(double(z) - double(row[u])) > step) return;
+        parent[static_cast<std::size_t>(rootOf(parent, here))] = rootOf(parent, there);
+      };
+      if (u > 0) join(row[u - 1], here - 1);
+      if (above != nullptr) join(above[u], here - depth.cols);
+    }
+  }
+  cv::Mat labels(depth.size(), CV_32S);
+  for (int i = 0; i < static_cast<int>(depth.total()); ++i) {
+    const int v = i / depth.cols;
+    const int u = i % depth.cols;
+    labels.at<int>(v, u) = bridged.at<float>(v, u) > 0 ? rootOf(parent, i) + 1 : 0;
+  }
+  return labels;
+}
+
+bool clearOfBorder(const cv::Mat& mask) {
+  const int border = cv::countNonZero(mask.row(0)) + cv::countNonZero(mask.row(mask.rows - 1)) +
+                     cv::countNonZero(mask.col(0)) + cv::countNonZero(mask.col(mask.cols - 1));
+  return border <= 0.1 * std::sqrt(double(cv::countNonZero(mask)));
+}
+
+cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
+  const cv::Mat& depth = images.depth;
+  struct Region {
+    int area = 0, left = 1 << 20, right = 0, top = 1 << 20, bottom = 0;
+  };
+  std::vector<Region> regions(depth.total() + 1);
+  for (int v = 0; v < labels.rows; ++v) {
+    for (int u = 0; u < labels.cols; ++u) {
+      Region& r = regions[static_cast<std::size_t>(labels.at<int>(v, u))];
+      r = {r.area + 1, std::min(r.left, u), std::max(r.right, u), std::min(r.top, v), v};
+    }
+  }
+  const double whole = double(depth.total());
+  cv::Mat best;
+  double nearest = 1e9;
+  for (std::size_t i = 1; i < regions.size(); ++i) {
+    const Region& r = regions[i];
+    const double box = double(r.right - r.left + 1) * (r.bottom - r.top + 1);
+    if (r.area < 0.006 * whole || r.area > 0.3 * whole || r.area < 0.35 * box) continue;
+    const cv::Mat mask = labels == static_cast<double>(i);
+    if (!clearOfBorder(mask)) continue;
+    const double range = medianDepth(depth, mask, 2);
+    if (range > 0 && range < nearest && hasTexture(images, mask)) {
+      nearest = range;
+      best = mask;
+    }
+  }
+  return best;
+}
+
+ObjectStart objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
+                     std::vector<Plane> planes) {
+  const cv::Rect whole({0, 0}, depth.size());
+  const cv::Rect around = cv::Rect(point.x - 2, point.y - 2, 5, 5) & whole;
+  const double range = medianDepth(depth(around), depth(around) > 0, 1);
+  if (range > 0) {
+    const auto through = [&](const Plane& plane) {
+      return std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
+    };
+    for (const Plane& plane : planes) {
+      if (through(plane) && plane.share > kSurelyGround)
+        return {{}, "that is the plane things stand on", {}};
+    }
+    std::erase_if(planes, through);
+  }
+  cv::Mat mask;
+  for (int round = 0; round < 2; ++round) {  // the second knows the supports
+    const cv::Mat labels = depthComponents(depth, onPlanes(depth, whole, planes), noise);
+    const int label = labelNear(labels, point);
+    if (label == 0) return {{}, "there is no depth", {}};
+    mask = tidy(labels == label);
+    findSupports(depth, mask, planes);
+  }
+  if (cv::countNonZero(mask) < kSmallestObject_px) return {{}, "there is next to nothing", {}};
+  return {mask, nullptr, std::move(planes)};
+}
+
+cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,
+                   const cv::Point& object_point, const std::vector<cv::Point>& not_points) {
+  const cv::Rect box = boxAround(mask, 60);
+  cv::Mat marks(box.size(), CV_8UC1, cv::Scalar(cv::GC_PR_BGD));
+  marks.setTo(cv::GC_PR_FGD, mask(box));
+  marks.setTo(cv::GC_BGD, dilatedBy(mask(box), 30) == 0);
+  marks.setTo(cv::GC_BGD, onPlanes(images.depth, box, planes) & (mask(box) == 0));
+  cv::Mat inner;
+  cv::distanceTransform(mask(box), inner, cv::DIST_L2, 3);
+  double deepest = 0.0;
+  cv::minMaxLoc(inner, nullptr, &deepest);
+  marks.setTo(cv::GC_FGD, inner > std::clamp(0.3 * deepest, 5.0, 10.0));
+  markNot(object_point - box.tl(), not_points, box.tl(), marks);
+  const double shrink = std::min(0.5, std::sqrt(kLargestCut_px / box.area()));
+  const cv::Size half(std::max(8, int(box.width * shrink)), std::max(8, int(box.height * shrink)));
+  cv::Mat color;
+  cv::resize(images.color(box), color, half, 0, 0, cv::INTER_AREA);
+  cv::resize(marks, marks, half, 0, 0, cv::INTER_NEAREST);
+  const int sure = cv::countNonZero(marks == cv::GC_FGD);
+  const int not_sure = cv::countNonZero((marks == cv::GC_BGD) | (marks == cv::GC_PR_BGD));
+  if (sure < 20 || not_sure < 20) return mask;  // GrabCut needs both
+  cv::Mat background;
+  cv::Mat foreground;
+  cv::setRNGSeed(7);
+  cv::grabCut(color, marks, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
+  cv::Mat cut = (marks == cv::GC_FGD) | (marks == cv::GC_PR_FGD);
+  cv::resize(cut, cut, box.size(), 0, 0, cv::INTER_LINEAR);
+  cut = cut > 127;
+  const double ratio = double(cv::countNonZero(cut)) / cv::countNonZero(mask);
+  if (ratio < (not_points.empty() ? 0.4 : 0.1) || ratio > 2.5) return mask;
+  cv::Mat out = cv::Mat::zeros(mask.size(), CV_8UC1);
+  cut.copyTo(out(box));
+  return out;
+}
+
+}  // namespace hapticast::server

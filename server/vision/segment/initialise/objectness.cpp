@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// How much a mask looks like one thing; see candidates.hpp.
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+#include "server/vision/base/statistics.hpp"
+#include "server/vision/segment/appearance/color_histogram.hpp"
+#include "server/vision/segment/initialise/candidates.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// Weights and limits tuned on drawn scenes of things in hands, and checked on bare ones.
+constexpr double kObject_px = 2500.0;  // of the view: enough to see a contour, few enough for time
+constexpr int kRingMargin_px = 16;
+constexpr float kFirstOfRing_px = 1.5F;
+constexpr float kLastOfRing_px = 12.0F;
+constexpr float kIn_px = 2.5F;
+constexpr float kOut_px = 3.0F;
+constexpr double kSmall_mm = 80.0;
+constexpr double kLarge_mm = 250.0;
+
+struct MaskView {
+  SmallView view;
+  cv::Mat mask;
+  cv::Mat distance;  // CV_32FC1, above 0 inside
+  double area = 0.0;
+};
+
+MaskView viewOf(const FrameView& scene, const cv::Mat& mask) {
+  MaskView out;
+  const double area = cv::countNonZero(mask);
+  const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
+  const cv::Rect box = boxAround(mask, int(kRingMargin_px / shrink) + 1);
+  out.view = SmallView::of(scene, box, shrink * shrink * box.area());
+  out.mask = out.view.shrunk(mask);
+  cv::Mat inner;
+  cv::Mat outer;
+  cv::copyMakeBorder(out.mask, inner, 1, 1, 1, 1, cv::BORDER_REPLICATE);
+  cv::distanceTransform(inner, inner, cv::DIST_L2, 5);
+  cv::distanceTransform(out.mask == 0, outer, cv::DIST_L2, 5);
+  out.distance = inner(cv::Rect({1, 1}, out.mask.size())) - outer;
+  out.area = cv::countNonZero(out.mask);
+  return out;
+}
+
+// What is found along the contour, as means over it.
+struct Contour {
+  double edge = 0.0, weak = 0.0, contact = 0.0, border = 0.0;
+};
+
+// How clearly depth ends between a place inside and one outside, and whether that can be told.
+double depthEdge(const MaskView& m, const cv::Point& in, const cv::Point& out,
+                 const DepthNoise& noise) {
+  const float inside = m.view.depth.at<float>(in);
+  const float outside = m.view.depth.at<float>(out);
+  if (!(outside > 0)) return 0.4;
+  if (m.view.plane.at<unsigned char>(out) != 0) return 0.5;
+  if (!(inside > 0)) return 0.3;
+  const auto step = double(m.view.step_mm(noise, inside));
+  return std::min(1.0, double(std::abs(inside - outside)) / (3.0 * step));
+}
+
+Contour alongContour(const MaskView& m, const DepthNoise& noise) {
+  cv::Mat du;
+  cv::Mat dv;
+  cv::Mat smooth;
+  cv::GaussianBlur(m.distance, smooth, {}, 1.5);
+  cv::Sobel(smooth, du, CV_32F, 1, 0);
+  cv::Sobel(smooth, dv, CV_32F, 0, 1);
+  const cv::Rect whole({0, 0}, m.mask.size());
+  Contour sum;
+  double count = 0.0;
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      if (m.mask.at<unsigned char>(v, u) == 0 || m.distance.at<float>(v, u) > 1.2F) continue;
+      const cv::Point2f way(du.at<float>(v, u), dv.at<float>(v, u));
+      const float length = std::hypot(way.x, way.y);
+      if (length < 1e-3F) continue;
+      count += 1.0;
+      const cv::Point2f at(static_cast<float>(u), static_cast<float>(v));
+      const cv::Point in = at + way * (kIn_px / length);
+      const cv::Point out = at - way * (kOut_px / length);
+      if (!whole.contains(in) || !whole.contains(out)) {
+        sum.border += 1.0;
+        continue;
+      }
+      const double color = std::min(
+          1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
+      const double depth = depthEdge(m, in, out, noise);
+      const bool hand =
+          m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
+      const double edge = hand ? 1.0 : std::max(color, depth);
+      sum.edge += edge;
+      if (edge < 0.35) sum.weak += 1.0;
+      const bool known =
+          m.view.depth.at<float>(out) > 0 && m.view.plane.at<unsigned char>(out) == 0;
+      if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
+    }
+  }
+  count = std::max(count, 1.0);
+  return {sum.edge / count, sum.weak / count, sum.contact / count, sum.border / count};
+}
+
+struct Colors {
+  double apart = 0.0;    // of inside and ring, 0 .. 1
+  double missing = 0.0;  // in the ring, share of the area: looks like it and like nothing beyond
+};
+
+Colors colorsOf(const MaskView& m) {
+  ColorHistogram inside;
+  ColorHistogram ring;
+  ColorHistogram beyond;
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      const float d = m.distance.at<float>(v, u);
+      const auto& color = m.view.color.at<cv::Vec3b>(v, u);
+      if (d > 0) inside.count(color);
+      if (d < -kFirstOfRing_px && d > -kLastOfRing_px) ring.count(color);
+      if (d < -kLastOfRing_px) beyond.count(color);
+    }
+  }
+  for (ColorHistogram* histogram : {&inside, &ring, &beyond}) histogram->settle();
+  const std::vector<float> evidence = colorEvidence(inside, inside, beyond);
+  double missing = 0.0;
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      const float d = m.distance.at<float>(v, u);
+      if (d < -2.0F && d > -kLastOfRing_px &&
+          evidence[ColorHistogram::binOf(m.view.color.at<cv::Vec3b>(v, u))] > 1.0F)
+        missing += 1.0;
+    }
+  }
+  return {1.0 - overlapOf(inside, ring), missing / std::max(m.area, 1.0)};
+}
+
+struct Body {
+  double known = 0.0;  // share with depth
+  double stray = 0.0;  // share off the median depth by more than it is wide
+  double diameter_mm = 0.0;
+  double solid = 0.0;  // area over what is seen of the convex hull
+  double skin = 0.0;
+};
+
+Body bodyOf(const MaskView& m, const cv::Size& picture) {
+  Body out;
+  std::vector<double> depths;
+  depths.reserve(static_cast<std::size_t>(m.area));
+  std::vector<cv::Point> points;
+  points.reserve(static_cast<std::size_t>(m.area));
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      if (m.mask.at<unsigned char>(v, u) == 0) continue;
+      points.emplace_back(u, v);
+      if (m.view.depth.at<float>(v, u) > 0) depths.push_back(double(m.view.depth.at<float>(v, u)));
+      if (m.view.skin.at<unsigned char>(v, u) != 0) out.skin += 1.0 / m.area;
+    }
+  }
+  out.known = double(depths.size()) / m.area;
+  const double middle_mm = depths.empty() ? 1.0 : medianOf(depths);
+  const double across_px = std::sqrt(4.0 * m.area / CV_PI) / m.view.shrink;
+  out.diameter_mm = across_px / pixelsPerMm(middle_mm, picture);
+  for (const double z : depths) {
+    if (std::abs(z - middle_mm) > 0.7 * out.diameter_mm + 40.0) out.stray += 1.0 / m.area;
+  }
+  std::vector<cv::Point> hull;
+  cv::convexHull(points, hull);
+  cv::Mat within = cv::Mat::zeros(m.mask.size(), CV_8UC1);
+  cv::fillConvexPoly(within, hull, cv::Scalar(255));
+  // What passes in front says nothing of the shape behind it.
+  const double front_mm = middle_mm - 0.5 * out.diameter_mm - 20.0;
+  within.setTo(0, (m.mask == 0) & (m.view.skin | ((m.view.depth > 0) & (m.view.depth < front_mm))));
+  out.solid = m.area / std::max(double(cv::countNonZero(within)), m.area);
+  return out;
+}
+
+}  // namespace
+
+double likenessToThing(const FrameView& scene, const cv::Mat& mask) {
+  if (cv::countNonZero(mask) == 0) return -10.0;
+  const MaskView m = viewOf(scene, mask);
+  if (m.area < 10.0) return -10.0;
+  const Contour contour = alongContour(m, scene.noise);
+  const Colors colors = colorsOf(m);
+  const Body body = bodyOf(m, mask.size());
+  const double small = std::max(0.0, std::log(kSmall_mm / body.diameter_mm));
+  const double large = std::max(0.0, std::log(body.diameter_mm / kLarge_mm));
+  return 0.3 * colors.apart + 1.4 * contour.edge - 0.7 * contour.weak - 1.5 * contour.contact +
+         0.2 * body.solid - 1.5 * contour.border - 1.1 * small - 0.8 * large + 0.3 * body.known -
+         2.0 * std::max(0.0, 0.6 - body.known) - 0.2 * std::min(0.4, colors.missing) -
+         0.6 * body.skin - 2.0 * std::min(0.5, body.stray);
+}
+
+double widthInSpace_mm(const FrameView& scene, const cv::Mat& mask) {
+  if (cv::countNonZero(mask) == 0) return 0.0;
+  return bodyOf(viewOf(scene, mask), mask.size()).diameter_mm;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/segmenter.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/vision/segment/follow/narrow_band_tracker.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// Pixels of each value. Four counts side by side: neighbours are alike, and one counter would wait
+// for itself.
+std::array<int, 256> areasOf(const cv::Mat& mask) {
+  std::array<std::array<int, 256>, 4> counts{};
+  for (int v = 0; v < mask.rows; ++v) {
+    const auto* row = mask.ptr<unsigned char>(v);
+    for (int u = 0; u < mask.cols; ++u) ++counts[static_cast<std::size_t>(u) % 4][row[u]];
+  }
+  for (std::size_t value = 0; value < 256; ++value)
+    counts[0][value] += counts[1][value] + counts[2][value] + counts[3][value];
+  return counts[0];
+}
+
+// The source's masks, taken as they are: all objects, or those under the author's points in the
+// first frame.
+class SourceSegmenter final : public Segmenter {
+ public:
+  SourceSegmenter(const std::vector<Vec2>& points, std::uint32_t& next_id)
+      : points_(points), next_id_(next_id) {}
+
+  std::vector<Segment> next(const FramePair& frames, const Flows& /*flows*/) override {
+    const FrameImages& images = frames.now;
+    if (frames.cut) ids_.clear();
+    if (images.mask.empty())
+      throw SourceError("--segment source: the source brings no mask; use --segment auto");
+    if (!points_.empty()) choose(images);
+    const std::array<int, 256> area = areasOf(images.mask);
+    std::vector<Segment> segments;
+    for (std::size_t n = 1; n < area.size(); ++n) {
+      if (area[n] < kSmallestObject_px) {
+        ids_.erase(n);
+      } else if (segments.size() < kMaxObjects && (chosen_.empty() || chosen_.contains(n))) {
+        const auto [known, is_new] = ids_.try_emplace(n, next_id_);
+        if (is_new) ++next_id_;
+        segments.push_back({known->second, images.mask == static_cast<double>(n), 1.0});
+      }
+    }
+    return segments;
+  }
+
+ private:
+  void choose(const FrameImages& images) {
+    for (const Vec2& point : points_) {
+      const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
+      const auto value = images.mask.at<unsigned char>(at);
+      if (value == 0) throwNothingAt(point, "the source's mask has no object there");
+      if (cv::countNonZero((images.mask == double(value)) & (images.depth > 0)) == 0)
+        throwNothingAt(point, "no depth was measured on that object");
+      chosen_.insert(value);
+    }
+    points_.clear();
+  }
+
+  std::vector<Vec2> points_;      // until the first frame has been seen
+  std::set<std::size_t> chosen_;  // values of the mask; empty: all
+  std::uint32_t& next_id_;
+  std::map<std::size_t, std::uint32_t> ids_;  // of the objects present
+};
+
+}  // namespace
+
+std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
+                                         std::uint32_t& next_id, ClipLessons* lessons) {
+  switch (settings.segment) {
+    case SegmentMode::kSource:
+      return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
+    case SegmentMode::kEdges:
+      return makeEdgeSegmenter(settings, next_id);
+    case SegmentMode::kBand:
+      return std::make_unique<BandSegmenter>(settings, next_id, lessons);
+    case SegmentMode::kAuto:
+      break;
+  }
+  if (has_mask)
+    return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
+  if (settings.method == Method::kThesis) return makeEdgeSegmenter(settings, next_id);
+  return std::make_unique<BandSegmenter>(settings, next_id, lessons);
+}
+
+void throwNothingAt(const Vec2& point_px, const std::string& why) {
+  throw SourceError("--object " + std::to_string(static_cast<int>(point_px.x())) + "," +
+                    std::to_string(static_cast<int>(point_px.y())) + ": " + why +
+                    "; give a point well inside the object in the first frame");
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/surface/background_rejection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/geometry.hpp"
+#include "server/vision/base/masks.hpp"
+#include "server/vision/surface/fill.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kRim_px = 5;         // measured: sensors mix object and background so far in
+constexpr double kMixed = 0.1;     // chosen, of the pixels at an edge
+constexpr double kStrange = 0.02;  // chosen, of the pixels at a rim: the corners of a body
+constexpr int kFewestBeside = 20;  // chosen: pixels that tell what is inside and what around
+constexpr double kBend = 1.5;  // chosen: a ball's rim steepens by up to 1.4 times its slope a pixel
+const std::array<cv::Point, 8> kAround{
+    {{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+
+// Fewer than `wanted` of the eight neighbours are known and hang together with this pixel: they are
+// as deep, or, with `slopes`, it goes on from them as they do from the ones behind them: not to be
+// asked for where mixed pixels make slopes of their own.
+bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, double sigma,
+            int wanted, bool slopes) {
+  const cv::Rect whole({0, 0}, depth.size());
+  const auto isKnown = [&](const cv::Point& p) {
+    return whole.contains(p) && known.at<unsigned char>(p) != 0;
+  };
+  const auto step_mm = static_cast<float>(8 + 5 * sigma);
+  int near = 0;
+  for (const cv::Point& by : kAround) {
+    const cv::Point next = at + by;
+    if (!isKnown(next)) continue;
+    const float slope = depth.at<float>(at) - depth.at<float>(next);
+    bool hangs = std::abs(slope) <= step_mm;
+    if (!hangs && slopes && isKnown(next + by))
+      hangs = std::abs(slope - depth.at<float>(next) + depth.at<float>(next + by)) <= step_mm;
+    if (hangs && ++near >= wanted) return false;
+  }
+  return true;
+}
+
+// The depths around a pixel of the rim: the object's core and what is behind it, carried on to it.
+struct Sides {
+  cv::Mat object;  // CV_32FC1 at half size; both empty where one of them is not known
+  cv::Mat behind;
+  bool clean = false;  // the object's depth
+  bool sharp = false;  // it is clean and jumps from one to the other
+  double sigma = 0.0;  // of the object's depth
+
+  [[nodiscard]] double objectAt(int u, int v) const {
+    return double(object.at<float>(v / 2, u / 2));
+  }
+  [[nodiscard]] double behindAt(int u, int v) const {
+    return double(behind.at<float>(v / 2, u / 2));
+  }
+};
+
+bool background(double z, double object, double behind, double sigma, bool sharp) {
+  const double gap = behind - object;
+  if (std::abs(gap) <= 15 + 6 * sigma) return false;  // contact: nothing to tell them apart by
+  const double off = z - object;
+  const double near_behind = std::abs(z - behind);
+  // A steep rim, as of a ball, goes far off the core; where no pixel is mixed it is all the
+  // object's.
+  if (sharp) return near_behind < std::min(std::abs(off), 3 + 4 * sigma);
+  const bool same_side = off * gap > 0;
+  if (same_side) return near_behind < std::abs(off) && std::abs(off) > 12 + 4 * sigma;
+  return std::abs(off) > 60 + 6 * sigma;
+}
+
+// The way inwards at the contour of a mask, to one of the eight neighbours.
+class Inwards {
+ public:
+  explicit Inwards(const cv::Mat& mask) {
+    cv::Mat soft;
+    cv::boxFilter(mask, soft, CV_32F, {7, 7});
+    cv::Sobel(soft, along_u_, CV_32F, 1, 0);
+    cv::Sobel(soft, along_v_, CV_32F, 0, 1);
+  }
+  [[nodiscard]] cv::Point at(int u, int v) const {
+    const Vec2 way(double(along_u_.at<float>(v, u)), double(along_v_.at<float>(v, u)));
+    const Vec2 unit = way.normalized();
+    return {cvRound(unit.x()), cvRound(unit.y())};
+  }
+
+ private:
+  cv::Mat along_u_;
+  cv::Mat along_v_;
+};
+
+// Whether the depth at a place at the contour of a mask is its surface carried on: along the way
+// inwards it and the next pixel go on as those behind them do, be it steeply. A mixed pixel does
+// not.
+bool carriesOn(const cv::Mat& depth, const cv::Point& at, const cv::Point& inwards,
+               double tolerance_mm) {
+  const cv::Rect whole({0, 0}, depth.size());
+  std::array<double, 4> z{};
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const cv::Point p = at + static_cast<int>(i) * inwards;
+    if (!whole.contains(p) || depth.at<float>(p) <= 0) return false;
+    z[i] = double(depth.at<float>(p));
+  }
+  const auto goesOn = [&](std::size_t i) {
+    const double before = z[i + 1] - z[i + 2];
+    return std::abs(z[i] - z[i + 1] - before) <= tolerance_mm + kBend * std::abs(before);
+  };
+  return goesOn(0) && goesOn(1);
+}
+
+// Whether hardly a pixel at the mask's contour lies between object and background.
+bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
+  const cv::Mat ring = dilatedBy(mask, 3) & (erodedBy(mask, 2) == 0) & (depth > 0);
+  const double tolerance = 12 + 4 * sides.sigma;
+  const Inwards inwards(mask);
+  int between = 0;
+  int all = 0;
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      if (ring.at<uchar>(v, u) == 0) continue;
+      ++all;
+      const auto z = double(depth.at<float>(v, u));
+      if (std::abs(z - sides.behindAt(u, v)) <= tolerance ||
+          std::abs(z - sides.objectAt(u, v)) <= tolerance)
+        continue;
+      between += carriesOn(depth, {u, v}, inwards.at(u, v), tolerance) ? 0 : 1;
+    }
+  }
+  return between < kMixed * all;
+}
+
+Sides sidesOf(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
+              const DepthNoise& noise) {
+  const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
+  if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
+    return {};
+  Sides out{filledAtHalfSize(depth, core_known), filledAtHalfSize(depth, around)};
+  const double depth_mm = cv::mean(depth, core_known)[0];
+  out.sigma = noise.at(depth_mm);
+  out.clean = noise.clean(depth_mm);
+  out.sharp = out.clean && sharpEdges(depth, mask, out);
+  return out;
+}
+
+}  // namespace
+
+bool agree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
+           const DepthNoise& noise) {
+  const cv::Mat rim = known & (erodedBy(mask, 2) == 0);
+  const double tolerance = 12 + 4 * noise.at(cv::mean(depth, known)[0]);
+  const Inwards inwards(mask);
+  int strange = 0;
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      if (rim.at<uchar>(v, u) != 0)
+        strange += carriesOn(depth, {u, v}, inwards.at(u, v), tolerance) ? 0 : 1;
+    }
+  }
+  return strange < kStrange * cv::countNonZero(rim);
+}
+
+cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
+              const DepthNoise& noise) {
+  const cv::Mat core = erodedBy(mask, kRim_px);
+  const Sides sides = sidesOf(depth, mask, core & known, noise);
+  cv::Mat keep = known.clone();
+  for (int v = 0; v < depth.rows; ++v) {
+    const auto* is_known = known.ptr<unsigned char>(v);
+    const auto* is_core = core.ptr<unsigned char>(v);
+    for (int u = 0; u < depth.cols; ++u) {
+      if (is_known[u] == 0) continue;
+      const auto z = double(depth.at<float>(v, u));
+      // Where depth is clean, what a steep rim reads as noise is its bend.
+      const double sigma = sides.sharp ? sides.sigma : noise.at(z);
+      const bool rim = is_core[u] == 0;
+      const bool drop =
+          (rim && !sides.object.empty() &&
+           background(z, sides.objectAt(u, v), sides.behindAt(u, v), sigma, sides.sharp)) ||
+          (!(rim && sides.sharp) &&
+           lonely(depth, known, {u, v}, sigma, rim ? 2 : 3, !rim && sides.clean));
+      if (drop) keep.at<unsigned char>(v, u) = 0;
+    }
+  }
+  return keep;
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/surface/static_region_filter.hpp"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kMargin_px = 6;         // chosen: an outline that flickers stays within known tiles
+constexpr double kSoftness_px = 3.0;  // chosen: no edge between tiles is felt
+constexpr float kNothing = 0.02F;     // of weight: the tail of the softness
+constexpr float kMostlyHeld = 0.5F;   // of weight
+constexpr double kCleanDrift = 0.1;   // chosen: steps of rounded depth
+
+// The whole tiles that hold a box and its margin, cut to the picture.
+cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
+  if (box.empty()) return {};
+  const int size = Tile::kSize_px;
+  const cv::Point first = box.tl() - cv::Point(kMargin_px, kMargin_px);
+  const cv::Point end = box.br() + cv::Point(kMargin_px + size - 1, kMargin_px + size - 1);
+  const cv::Point from(std::max(0, first.x) / size * size, std::max(0, first.y) / size * size);
+  const cv::Point to(end.x / size * size, end.y / size * size);
+  return cv::Rect(from, to) & cv::Rect(cv::Point(), picture);
+}
+
+// `image` over `from` cut out or continued by zeros to `to`.
+cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, int type) {
+  cv::Mat out = cv::Mat::zeros(to.size(), type);
+  const cv::Rect common = from & to;
+  if (!common.empty()) image(common - from.tl()).copyTo(out(common - to.tl()));
+  return out;
+}
+
+}  // namespace
+
+RestNoise restNoiseOf(const DepthNoise& noise, const Surface& surface) {
+  const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
+  RestNoise out{noise.at(depth_mm)};
+  // What is left of a flicker trembles like a sensor, however clean a single frame is.
+  out.clean = noise.clean(depth_mm) && !noise.flickers;
+  if (out.clean) out.drift_mm = kCleanDrift * noise.quantum_mm;
+  return out;
+}
+
+void Hold::moveTo(const cv::Rect& area) {
+  if (area == area_) return;
+  held_.gray = movedTo(held_.gray, area_, area, CV_32FC1);
+  held_.depth = movedTo(held_.depth, area_, area, CV_32FC1);
+  held_.mask = movedTo(held_.mask, area_, area, CV_8UC1);
+  held_.measured = movedTo(held_.measured, area_, area, CV_8UC1);
+  last_gray_ = movedTo(last_gray_, area_, area, CV_32FC1);
+  tiles_.moveTo(area);
+  area_ = area;
+}
+
+HoldImages Hold::imagesIn(const cv::Mat& gray, const Surface& now) const {
+  HoldImages out;
+  cv::boxFilter(gray(area_), out.gray, CV_32F, {3, 3});
+  out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
+  out.mask = movedTo(now.mask, now.box, area_, CV_8UC1);
+  out.measured = movedTo(now.measured, now.box, area_, CV_8UC1);
+  return out;
+}
+
+void Hold::countPixels() {
+  pixels_.clear();
+  for (int row = 0; row < tiles_.rows(); ++row) {
+    for (int column = 0; column < tiles_.columns(); ++column)
+      pixels_.push_back(cv::countNonZero(held_.mask(tiles_.rectOf(column, row))));
+  }
+}
+
+// Tiles without the object go with the ones beside them: what moves behind it is not its motion.
+double Hold::weightAround(int column, int row) const {
+  double weight = 0.0;
+  for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
+    for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u) {
+      if (pixelsIn(u, v) > 0) weight = std::max(weight, tiles_.tileAt(u, v).weight);
+    }
+  }
+  return weight;
+}
+
+// How much of this frame enters each pixel: per tile, with soft borders between the tiles.
+cv::Mat Hold::weights() const {
+  cv::Mat out(area_.size(), CV_32FC1);
+  double lowest = 1.0;
+  double highest = 0.0;
+  for (int row = 0; row < tiles_.rows(); ++row) {
+    for (int column = 0; column < tiles_.columns(); ++column) {
+      const double weight = pixelsIn(column, row) == 0 ? weightAround(column, row)
+                                                       : tiles_.tileAt(column, row).weight;
+      out(tiles_.rectOf(column, row)).setTo(weight);
+      lowest = std::min(lowest, weight);
+      highest = std::max(highest, weight);
+    }
+  }
+  if (lowest < highest) cv::GaussianBlur(out, out, {}, kSoftness_px);
+  return out;
+}
+
+void Hold::keepReference(const HoldImages& now) {
+  for (int row = 0; row < tiles_.rows(); ++row) {
+    for (int column = 0; column < tiles_.columns(); ++column) {
+      const int frames = tiles_.tileAt(column, row).frames;
+      if (frames > Tile::kColorFrames) continue;
+      const cv::Rect rect = tiles_.rectOf(column, row);
+      cv::Mat reference = held_.gray(rect);
+      cv::addWeighted(reference, 1 - 1.0 / frames, now.gray(rect), 1.0 / frames, 0, reference);
+    }
+  }
+  last_gray_ = now.gray;
+}
+
+void Hold::blend(const HoldImages& now) {
+  const auto takesPart = [&](int column, int row) {
+    const Tile& tile = tiles_.tileAt(column, row);
+    return !tile.mask_held || tile.weight > 0.0;
+  };
+  std::vector<cv::Rect> changing;  // with the tiles beside them, whose borders are soft
+  for (int row = 0; row < tiles_.rows(); ++row) {
+    for (int column = 0; column < tiles_.columns(); ++column) {
+      bool any = false;
+      for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
+        for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u)
+          any = any || takesPart(u, v);
+      }
+      if (any) changing.push_back(tiles_.rectOf(column, row));
+    }
+  }
+  if (changing.empty()) return;
+  const cv::Mat weight = weights();
+  for (const cv::Rect& rect : changing) {
+    const Tile& tile = tiles_.tileAt(rect.x / Tile::kSize_px, rect.y / Tile::kSize_px);
+    blendTile(rect, tile.mask_held, weight, now);
+  }
+}
+
+void Hold::blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight,
+                     const HoldImages& now) {
+  for (int v = rect.y; v < rect.br().y; ++v) {
+    const auto* w = weight.ptr<float>(v);
+    const auto* new_inside = now.mask.ptr<uchar>(v);
+    const auto* new_measured = now.measured.ptr<uchar>(v);
+    const auto* new_depth = now.depth.ptr<float>(v);
+    auto* inside = held_.mask.ptr<uchar>(v);
+    auto* measured = held_.measured.ptr<uchar>(v);
+    auto* depth = held_.depth.ptr<float>(v);
+    for (int u = rect.x; u < rect.br().x; ++u) {
+      const bool had = inside[u] != 0;
+      if (!mask_held) inside[u] = new_inside[u];
+      if (inside[u] == 0 || new_inside[u] == 0) continue;
+      float share = had ? w[u] : 1.0F;
+      if (share < kNothing) continue;
+      // What was measured counts; what was filled in only where there is nothing better.
+      if (had && measured[u] != new_measured[u] && share < kMostlyHeld)
+        share = new_measured[u] != 0 ? 1.0F : 0.0F;
+      depth[u] += share * (new_depth[u] - depth[u]);
+      measured[u] = share < 1.0F ? std::max(measured[u], new_measured[u]) : new_measured[u];
+    }
+  }
+}
+
+void Hold::countShare() {
+  countPixels();
+  int still = 0;
+  int all = 0;
+  for (int row = 0; row < tiles_.rows(); ++row) {
+    for (int column = 0; column < tiles_.columns(); ++column) {
+      const int pixels = pixelsIn(column, row);
+      all += pixels;
+      const Tile& tile = tiles_.tileAt(column, row);
+      if (tile.mask_held && tile.weight <= 0.0) still += pixels;
+    }
+  }
+  share_ = all > 0 ? double(still) / all : 0.0;
+}
+
+Surface Hold::surface(double quantum_mm) const {
+  const cv::Rect tight = cv::boundingRect(held_.mask);
+  return {tight + area_.tl(), held_.mask(tight).clone(), held_.depth(tight).clone(),
+          held_.measured(tight) & held_.mask(tight), quantum_mm};
+}
+
+Surface Hold::apply(const cv::Mat& gray, const Surface& now, const RestNoise& noise,
+                    bool repeated) {
+  cv::Rect box = now.box;
+  if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
+  moveTo(tilesAround(box, gray.size()));
+  HoldImages seen = imagesIn(gray, now);
+  countPixels();
+  seen.gray = tiles_.judge(held_, last_gray_, seen, noise, repeated);
+  blend(seen);
+  keepReference(seen);
+  countShare();
+  if (cv::countNonZero(held_.mask) == 0) return now;
+  return surface(now.quantum_mm);
+}
+
+Hold Hold::copy() const {
+  Hold out = *this;
+  out.held_ = {held_.gray.clone(), held_.depth.clone(), held_.mask.clone(), held_.measured.clone()};
+  out.last_gray_ = last_gray_.clone();
+  return out;
+}
+
+bool Hold::stays(const FrameImages& images, const RestNoise& noise) {
+  if (share_ < 1.0) return false;
+  // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
+  // released and looked at in full.
+  const cv::Rect tight = cv::boundingRect(held_.mask);
+  Surface now;
+  now.box = tight + area_.tl();
+  now.mask = held_.mask(tight).clone();
+  now.depth = images.depth(now.box).clone();
+  now.measured = held_.measured(tight) & (now.depth > 0);
+  held_.depth(tight).copyTo(now.depth, now.measured == 0);
+  Hold next = copy();
+  (void)next.apply(images.gray, now, noise, false);
+  if (next.share_ < 1.0) return false;
+  *this = next;
+  return true;
+}
+
+}  // namespace hapticast::server
