@@ -16,7 +16,6 @@ namespace {
 using testing::goldenDescription;
 using testing::goldenFrame;
 using testing::goldenMessages;
-using testing::randomRelief;
 using testing::refusal;
 using testing::roundTrip;
 using Bytes = std::vector<std::uint8_t>;
