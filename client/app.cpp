@@ -36,17 +36,19 @@ namespace {
 // Chosen: a window that is drawn in every turn moves smoothly.
 constexpr auto kTurn = std::chrono::milliseconds(10);
 
-RoomSettings roomSettings(const Settings& settings, const DeviceProfile& profile, bool found) {
-  RoomSettings room;
-  room.unconfirmed = found;
-  room.profile = profile;
-  room.method = settings.method;
-  room.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
-  room.surface = settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
-  return room;
+RendererSettings rendererSettings(const Settings& settings, const DeviceProfile& profile,
+                                  bool found) {
+  RendererSettings renderer;
+  renderer.unconfirmed = found;
+  renderer.profile = profile;
+  renderer.method = settings.method;
+  renderer.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
+  renderer.surface =
+      settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
+  return renderer;
 }
 
-ConnectionSettings connectionSettings(const Settings& settings, ServerChoice& choice,
+ConnectionSettings connectionSettings(const Settings& settings, ServerSelector& choice,
                                       bool wants_video) {
   return {.server = settings.server,
           .dial = choice.dial(),
@@ -109,49 +111,49 @@ class App::Impl {
   LatestValue<TickReport> published_;  // the device's hand reads it
   LatestValue<PointerTarget> pointer_;
   Views views_;
-  ChosenDevice device_;
-  RoomSettings room_settings_;
+  SelectedDevice device_;
+  RendererSettings renderer_settings_;
   FramePool pool_;
-  LatestValue<StreamState> stream_;
+  LatestValue<StreamTiming> stream_;
   LatestValue<UserControls> user_controls_;
-  LatestValue<StreamStatus> stream_status_;  // the network's thread writes it
-  Desk desk_;                                // main thread
-  Room::Log log_ring_;
-  std::unique_ptr<Room> room_;  // large: holds the flight recorder
+  LatestValue<ConnectionStats> connection_stats_;  // the network's thread writes it
+  UiState ui_state_;                               // main thread
+  HapticRenderer::Log log_ring_;
+  std::unique_ptr<HapticRenderer> renderer_;  // large: holds the flight recorder
   asio::io_context io_;
-  Preparer preparer_;
+  DecodeThread decode_thread_;
   Receiver receiver_;
-  ServerChoice choice_;
+  ServerSelector choice_;
   Connection connection_;
   LogFile log_;
   std::optional<LogFile> recording_;  // asked for by a view
-  FaultFiles fault_files_;
+  FaultLogWriter fault_files_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> failed_{false};
   std::optional<LocalTime> begin_;  // of the first tick
   TickReport last_report_;          // of those taken from log_ring_; its time counts from begin_
-  bool told_contact_ = false;
-  Rearm rearm_;
+  bool logged_contact_ = false;
+  RearmPolicy rearm_;
   DeviceButtons buttons_;
-  TouchTeller touch_teller_;
+  HapticStatusLog touch_teller_;
   bool time_is_over_ = false;
-  OddityTeller oddities_;    // network thread
-  ConnectionTeller teller_;  // network thread; after it has ended the calling one
+  StreamErrorLog stream_errors_;  // network thread
+  ConnectionLog connection_log_;  // network thread; after it has ended the calling one
 };
 
 App::Impl::Impl(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
       views_(std::move(views)),
-      device_(chooseDevice(settings_, clock, published_, points(views_) ? &pointer_ : nullptr)),
-      room_settings_(roomSettings(settings_, device_.device->profile(), device_.found)),
-      room_(std::make_unique<Room>(room_settings_, pool_, stream_, user_controls_, published_,
-                                   &log_ring_)),
-      preparer_(pool_, clock, settings_.method,
-                [this](const PreparedFrame& frame) {
-                  asio::post(io_, [this, frame] { prepared(frame); });
-                }),
-      receiver_(preparer_, stream_, settings_.method == Method::kThesis ? 2 : 1),
+      device_(selectDevice(settings_, clock, published_, points(views_) ? &pointer_ : nullptr)),
+      renderer_settings_(rendererSettings(settings_, device_.device->profile(), device_.found)),
+      renderer_(std::make_unique<HapticRenderer>(renderer_settings_, pool_, stream_, user_controls_,
+                                                 published_, &log_ring_)),
+      decode_thread_(pool_, clock, settings_.method,
+                     [this](const PreparedFrame& frame) {
+                       asio::post(io_, [this, frame] { prepared(frame); });
+                     }),
+      receiver_(decode_thread_, stream_, settings_.method == Method::kThesis ? 2 : 1),
       choice_(settings_),
       connection_(io_, clock, connectionSettings(settings_, choice_, wantVideo(views_)), receiver_,
                   connectionEvents()),
@@ -159,10 +161,10 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
       fault_files_(settings_.fault_folder),
       rearm_(settings_.rearm, points(views_)),
       buttons_(device_.device->profile()),
-      teller_(choice_.name()) {
+      connection_log_(choice_.name()) {
   requireWritable("--summary", settings_.summary_file);
-  desk_.user = userControls(settings_);
-  user_controls_.store(desk_.user);
+  ui_state_.user = userControls(settings_);
+  user_controls_.store(ui_state_.user);
 }
 
 ConnectionEvents App::Impl::connectionEvents() {
@@ -170,24 +172,26 @@ ConnectionEvents App::Impl::connectionEvents() {
               [this](const auto& stream) {
                 tellStatus(true);
                 const std::string line = greeting(stream, settings_.method);
-                if (const auto told = teller_.connected(line, clock_.now()))
+                if (const auto told = connection_log_.connected(line, clock_.now()))
                   spdlog::info("{}", *told);
               },
           .video = [this](const VideoFrame& video) { show(video); },
           .preparing =
               [this](double share) {
-                if (const auto told = teller_.preparing(share, clock_.now()))
+                if (const auto told = connection_log_.preparing(share, clock_.now()))
                   spdlog::info("{}", *told);
               },
           .delivery =
               [this](const std::string& line) {
-                if (const auto told = teller_.news(line, clock_.now())) spdlog::info("{}", *told);
+                if (const auto told = connection_log_.news(line, clock_.now()))
+                  spdlog::info("{}", *told);
               },
           .disconnected =
               [this](const std::string& why) {
                 tellStatus(false);
-                teller_.nowIs(choice_.name());
-                if (const auto told = teller_.lost(why, clock_.now())) spdlog::warn("{}", *told);
+                connection_log_.nowIs(choice_.name());
+                if (const auto told = connection_log_.lost(why, clock_.now()))
+                  spdlog::warn("{}", *told);
               },
           .failed =
               [this](const std::string& why) {
@@ -206,18 +210,19 @@ void App::Impl::prepared(const PreparedFrame& frame) {
   receiver_.prepared(frame);
   for (const auto& view : views_) view->takeFrame(frame.felt);
   tellStatus(true);
-  if (const auto line = oddities_.take(receiver_.counts(), clock_.now())) spdlog::warn("{}", *line);
+  if (const auto line = stream_errors_.take(receiver_.counts(), clock_.now()))
+    spdlog::warn("{}", *line);
 }
 
 void App::Impl::tellStatus(bool connected) {
   const ReceiverCounts& counts = receiver_.counts();
-  stream_status_.store({.connected = connected,
-                        .frames_received = counts.received,
-                        .frames_lost = counts.lost,
-                        .frames_late = counts.late,
-                        .slices_lost = counts.slices_lost,
-                        .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
-                        .fps = 1.0 / toSeconds(receiver_.stream().frame_interval)});
+  connection_stats_.store({.connected = connected,
+                           .frames_received = counts.received,
+                           .frames_lost = counts.lost,
+                           .frames_late = counts.late,
+                           .slices_lost = counts.slices_lost,
+                           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
+                           .fps = 1.0 / toSeconds(receiver_.stream().frame_interval)});
 }
 
 bool App::Impl::run() {
@@ -227,21 +232,21 @@ bool App::Impl::run() {
     spdlog::info("felt: the {} force only (--forces)",
                  settings_.forces == Forces::kStatic ? "static" : "dynamic");
   asio::signal_set signals(io_, SIGINT, SIGTERM);
-  if (!hangUpIgnored()) signals.add(SIGHUP);
+  if (!sighupIgnored()) signals.add(SIGHUP);
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) stop();  // a second one is not heard: the force has to come down first
   });
-  preparer_.start();
+  decode_thread_.start();
   connection_.start();
   std::jthread network([this] { io_.run(); });
   const StopOnExit network_stop{io_};
-  LoopThread loop(*device_.device, *room_, clock_);
+  LoopThread loop(*device_.device, *renderer_, clock_);
 
   runEvents();
   loop.stop();
   device_.device->turn();
   takeReports();
-  preparer_.stop();
+  decode_thread_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
   connection_.stop();
   network.join();
@@ -258,7 +263,7 @@ void App::Impl::runEvents() {
     while (const auto line = device_.device->news()) spdlog::info("{}", *line);
     tellContact();
     if (!turnViews()) stop();
-    if (const auto line = choice_.turn(desk_.stream.connected, clock_.now()))
+    if (const auto line = choice_.turn(ui_state_.stream.connected, clock_.now()))
       spdlog::warn("{}", *line);
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =
@@ -268,30 +273,30 @@ void App::Impl::runEvents() {
 
 /// Whether all of them go on.
 bool App::Impl::turnViews() {
-  desk_.stream = stream_status_.load();
+  ui_state_.stream = connection_stats_.load();
   bool go_on = true;
-  for (const auto& view : views_) go_on = view->turn(desk_) && go_on;
-  if (desk_.record != recording_.has_value()) record();
-  pointer_.store(desk_.pointer);
-  user_controls_.store(desk_.user);
+  for (const auto& view : views_) go_on = view->turn(ui_state_) && go_on;
+  if (ui_state_.record != recording_.has_value()) record();
+  pointer_.store(ui_state_.pointer);
+  user_controls_.store(ui_state_.user);
   return go_on;
 }
 
 /// A log that is asked for while the client runs begins, or ends.
 void App::Impl::record() {
   try {
-    if (desk_.record) {
-      const std::string file = freshFile(".csv");
+    if (ui_state_.record) {
+      const std::string file = nextFreeFilename(".csv");
       recording_.emplace(file);
-      desk_.recording = "recording " + file + " (L ends it)";
+      ui_state_.recording = "recording " + file + " (L ends it)";
     } else {
       recording_->close();
-      desk_.recording = "recorded " + recording_->file();
+      ui_state_.recording = "recorded " + recording_->file();
       recording_.reset();
     }
   } catch (const std::runtime_error& error) {
-    desk_.recording = error.what();
-    desk_.record = false;
+    ui_state_.recording = error.what();
+    ui_state_.record = false;
     recording_.reset();
   }
 }
@@ -306,29 +311,29 @@ void App::Impl::takeReports() {
     if (const auto line = touch_teller_.take(last_report_, rearm_)) spdlog::warn("{}", *line);
     takeButtons();
     if (!rearm_.take(last_report_)) continue;
-    ++desk_.user.rearm;
-    user_controls_.store(desk_.user);
+    ++ui_state_.user.rearm;
+    user_controls_.store(ui_state_.user);
   }
 }
 
 /// What the user presses on the device itself.
 void App::Impl::takeButtons() {
-  const DeviceButtons::Wish wish = buttons_.take(last_report_.buttons);
-  if (wish.pause) desk_.user.paused = !desk_.user.paused;
-  if (wish.rearm) ++desk_.user.rearm;
-  if (wish.pause || wish.rearm) user_controls_.store(desk_.user);
+  const DeviceButtons::ButtonActions wish = buttons_.take(last_report_.buttons);
+  if (wish.pause) ui_state_.user.paused = !ui_state_.user.paused;
+  if (wish.rearm) ++ui_state_.user.rearm;
+  if (wish.pause || wish.rearm) user_controls_.store(ui_state_.user);
   if (wish.other) spdlog::info("button {} of the device was pressed", *wish.other);
 }
 
 void App::Impl::takeFaults() {
   // A fault of the very first tick waits until its report has come.
-  if (begin_) fault_files_.take(room_->recorder(), *begin_);
+  if (begin_) fault_files_.take(renderer_->recorder(), *begin_);
 }
 
 void App::Impl::tellContact() {
-  if (last_report_.contact == told_contact_) return;
-  told_contact_ = last_report_.contact;
-  asio::post(io_, [this, contact = told_contact_] { connection_.setInContact(contact); });
+  if (last_report_.contact == logged_contact_) return;
+  logged_contact_ = last_report_.contact;
+  asio::post(io_, [this, contact = logged_contact_] { connection_.setInContact(contact); });
 }
 
 RunResult App::Impl::result(const LoopThread& loop) const {
@@ -341,7 +346,7 @@ RunResult App::Impl::result(const LoopThread& loop) const {
           .bytes_received = connection_.bytesReceived(),
           .datagrams = connection_.datagrams(),
           .delivery = connection_.delivery(),
-          .playout_delay_ms = toSeconds(room_->report().playout_delay) * 1e3,
+          .playout_delay_ms = toSeconds(renderer_->report().playout_delay) * 1e3,
           .clock_offset_us = toSeconds(receiver_.stream().clock_offset) * 1e6,
           .clock_error_us = toSeconds(receiver_.clockErrorBound()) * 1e6,
           .eye_hand_ns = eye_hand,
@@ -351,9 +356,9 @@ RunResult App::Impl::result(const LoopThread& loop) const {
 
 void App::Impl::finish(const LoopThread& loop) {
   takeFaults();
-  if (time_is_over_ && !failed_ && !teller_.everConnected()) {
+  if (time_is_over_ && !failed_ && !connection_log_.everConnected()) {
     spdlog::error("no server came to {} in {:g} s ({})", choice_.name(), settings_.seconds,
-                  teller_.reason().empty() ? "no answer" : teller_.reason());
+                  connection_log_.reason().empty() ? "no answer" : connection_log_.reason());
     failed_ = true;
   }
   const RealtimeGrant& realtime = loop.realtime();
@@ -363,14 +368,14 @@ void App::Impl::finish(const LoopThread& loop) {
                  : realtime.mlock ? "SCHED_FIFO"
                                   : "SCHED_FIFO and locked memory");
   }
-  if (room_->droppedReports() > 0)
-    spdlog::warn("{} ticks are missing in the log", room_->droppedReports());
+  if (renderer_->droppedReports() > 0)
+    spdlog::warn("{} ticks are missing in the log", renderer_->droppedReports());
   log_.close();
   if (recording_) recording_->close();
   const RunResult run = result(loop);
   if (!settings_.summary_file.empty()) writeSummary(settings_.summary_file, run);
   for (const auto& view : views_) view->finish();
-  if (!settings_.quiet && !failed_) std::fputs(inWords(run).c_str(), stdout);
+  if (!settings_.quiet && !failed_) std::fputs(toText(run).c_str(), stdout);
 }
 
 App::App(Settings settings, const Clock& clock, Views views)

@@ -23,9 +23,10 @@ const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kP
                                                        {"perturbed", SurfaceKind::kPerturbed}};
 const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
-const std::map<std::string, Way> kTransports{{wayName(Way::kDatagrams), Way::kDatagrams},
-                                             {wayName(Way::kTcp), Way::kTcp},
-                                             {wayName(Way::kGroup), Way::kGroup}};
+const std::map<std::string, Transport> kTransports{
+    {transportName(Transport::kDatagrams), Transport::kDatagrams},
+    {transportName(Transport::kTcp), Transport::kTcp},
+    {transportName(Transport::kGroup), Transport::kGroup}};
 
 const std::map<std::string, ViewChoice> kViews{
     {"auto", ViewChoice::kAuto}, {"on", ViewChoice::kOn}, {"off", ViewChoice::kOff}};
@@ -140,9 +141,9 @@ void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
       "What does not get through falls back, multicast to udp and udp to tcp, and is tried "
       "again every 30 s");
   const auto set = [&delivery](const std::string& text) {
-    const auto copies = numberIn<std::uint64_t>(text, 1, limits::kMostCopies);
+    const auto copies = parseNumberInRange<std::uint64_t>(text, 1, limits::kMostCopies);
     if (text != "auto" && !copies)
-      throw CLI::ValidationError("--redundancy", inQuotes(text) + " is not auto or 1..4");
+      throw CLI::ValidationError("--redundancy", quote(text) + " is not auto or 1..4");
     delivery.copies = static_cast<std::uint32_t>(copies.value_or(0));
   };
   app.add_option_function<std::string>(

@@ -56,10 +56,10 @@ int touch(const hapticast::client::Settings& settings) {
     app = std::make_unique<hapticast::client::App>(settings, clock,
                                                    hapticast::client::openViews(settings));
   } catch (const hapticast::client::DeviceAbsent& error) {
-    spdlog::error("{}", hapticast::oneLine(error.what()));
+    spdlog::error("{}", hapticast::stripControls(error.what()));
     return kFailed;
   } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::oneLine(error.what()));
+    spdlog::error("{}", hapticast::stripControls(error.what()));
     return kWrongInput;
   }
   return app->run() ? kDone : kFailed;
@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
     if (settings.calibration_g > 0.0) return calibrateFalcon(settings);
     return touch(settings);
   } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::oneLine(error.what()));
+    spdlog::error("{}", hapticast::stripControls(error.what()));
     return kFailed;
   }
 }

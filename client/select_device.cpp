@@ -7,8 +7,8 @@
 
 namespace hapticast::client {
 
-ChosenDevice chooseDevice(const Settings& settings, const Clock& clock,
-                          LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer) {
+SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
+                            LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer) {
   const DeviceRequest request{.profile = settings.profile,
                               .hand = settings.hand,
                               .clock = clock,

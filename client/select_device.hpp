@@ -9,7 +9,7 @@
 
 namespace hapticast::client {
 
-struct ChosenDevice {
+struct SelectedDevice {
   std::unique_ptr<HapticDevice> device;
   bool found = false;  ///< a real one that nobody has asked for
 };
@@ -17,7 +17,7 @@ struct ChosenDevice {
 /// Whoever asks for nothing gets a real device where one answers, whoever asks for a scripted hand
 /// the virtual one. What is referred to outlives the device; `pointer` may be null. Throws as
 /// openDevice() does.
-ChosenDevice chooseDevice(const Settings& settings, const Clock& clock,
-                          LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer);
+SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
+                            LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer);
 
 }  // namespace hapticast::client

@@ -19,20 +19,20 @@ constexpr Duration kAfterNews = std::chrono::seconds(5);  // chosen: the time to
 
 }  // namespace
 
-ServerChoice::ServerChoice(const Settings& settings)
+ServerSelector::ServerSelector(const Settings& settings)
     : server_(settings.server), announced_(settings.announced), asks_(!settings.server_given) {
   if (!announced_.empty()) discovery_ = std::make_unique<Discovery>();
 }
 
-Dial ServerChoice::dial() {
+Dial ServerSelector::dial() {
   if (!asks_ && announced_.empty()) return dialTcp;
-  const auto how = asks_ ? &ServerChoice::dialChosen : &ServerChoice::dialAnnounced;
+  const auto how = asks_ ? &ServerSelector::dialChosen : &ServerSelector::dialAnnounced;
   return [this, how](asio::io_context& io, const Endpoint& server, Duration deadline,
-                     DialStop& stop) { return (this->*how)(io, server, deadline, stop); };
+                     DialCancellation& stop) { return (this->*how)(io, server, deadline, stop); };
 }
 
-asio::awaitable<Dialled> ServerChoice::dialChosen(asio::io_context& io, const Endpoint& server,
-                                                  Duration deadline, DialStop& stop) {
+asio::awaitable<Dialled> ServerSelector::dialChosen(asio::io_context& io, const Endpoint& server,
+                                                    Duration deadline, DialCancellation& stop) {
   Endpoint endpoint = server;
   {
     const std::lock_guard lock(mutex_);
@@ -43,8 +43,9 @@ asio::awaitable<Dialled> ServerChoice::dialChosen(asio::io_context& io, const En
   co_return dialled;
 }
 
-asio::awaitable<Dialled> ServerChoice::dialAnnounced(asio::io_context& io, const Endpoint& /*none*/,
-                                                     Duration deadline, DialStop& stop) {
+asio::awaitable<Dialled> ServerSelector::dialAnnounced(asio::io_context& io,
+                                                       const Endpoint& /*none*/, Duration deadline,
+                                                       DialCancellation& stop) {
   asio::steady_timer timer(io);
   std::string why;
   for (auto looked = Duration::zero(); looked < Duration(kLook); looked += kStep) {
@@ -61,14 +62,14 @@ asio::awaitable<Dialled> ServerChoice::dialAnnounced(asio::io_context& io, const
   co_return DialError{absent.empty() ? why : absent};
 }
 
-std::string ServerChoice::name() const {
+std::string ServerSelector::name() const {
   if (!announced_.empty()) return "mdns:" + announced_;
   const std::lock_guard lock(mutex_);
   if (!chosen_) return toString(server_);
   return printable(chosen_->name, kMaxServiceName_bytes) + " at " + toString(chosen_->address);
 }
 
-std::optional<std::string> ServerChoice::turn(bool connected, LocalTime now) {
+std::optional<std::string> ServerSelector::turn(bool connected, LocalTime now) {
   if (!asks_ || over_) return std::nullopt;
   over_ = connected;
   if (over_) discovery_.reset();
@@ -84,23 +85,23 @@ std::optional<std::string> ServerChoice::turn(bool connected, LocalTime now) {
   return told;
 }
 
-std::optional<std::string> ServerChoice::look() {
+std::optional<std::string> ServerSelector::look() {
   const std::string absent = discovery_->absent();
   if (!absent.empty()) {
-    if (std::exchange(told_absent_, true)) return std::nullopt;
-    return "servers on the LAN are not looked for: " + absent;
+    if (std::exchange(logged_absent_, true)) return std::nullopt;
+    return "no search for servers on the LAN: " + absent;
   }
   if (!list_.update(discovery_->servers()) || list_.empty()) return std::nullopt;
   const bool asked = terminal_.asked();
   if (asked && !std::exchange(shown_, true)) terminal_.forget();
-  return "announced on the LAN, where any host can call itself a server:\n" + list_.inWords() +
+  return "announced on the LAN, where any host can call itself a server:\n" + list_.toText() +
          (asked ? "\nto be touched: its number or name, and Enter; or this machine's, as soon as "
                   "there is one"
                 : "\nno terminal to choose one: waiting for this machine's; HOST:PORT or mdns:NAME "
                   "takes one of these");
 }
 
-std::string ServerChoice::take(const std::string& typed) {
+std::string ServerSelector::take(const std::string& typed) {
   std::string why;
   auto server = list_.choose(typed, why);
   if (!server) return why;
@@ -117,7 +118,7 @@ bool listServers() {
   ServerList list;
   list.update(discovery.servers());
   if (!list.empty()) {
-    std::puts(list.inWords().c_str());
+    std::puts(list.toText().c_str());
     return true;
   }
   const std::string absent = discovery.absent();

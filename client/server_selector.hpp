@@ -17,9 +17,9 @@
 
 namespace hapticast::client {
 
-class ServerChoice {
+class ServerSelector {
  public:
-  explicit ServerChoice(const Settings& settings);
+  explicit ServerSelector(const Settings& settings);
 
   /// For the connection, which tries again and again; this object outlives it. Its calls: network.
   [[nodiscard]] Dial dial();
@@ -31,9 +31,9 @@ class ServerChoice {
 
  private:
   asio::awaitable<Dialled> dialAnnounced(asio::io_context& io, const Endpoint& server,
-                                         Duration deadline, DialStop& stop);
+                                         Duration deadline, DialCancellation& stop);
   asio::awaitable<Dialled> dialChosen(asio::io_context& io, const Endpoint& server,
-                                      Duration deadline, DialStop& stop);
+                                      Duration deadline, DialCancellation& stop);
   [[nodiscard]] std::optional<std::string> look();
   [[nodiscard]] std::string take(const std::string& typed);
 
@@ -48,7 +48,7 @@ class ServerChoice {
   bool over_ = false;
   std::optional<LocalTime> next_look_;
   ServerList list_;
-  bool told_absent_ = false;
+  bool logged_absent_ = false;
   TerminalLines terminal_;
   bool shown_ = false;  // on the terminal
 };

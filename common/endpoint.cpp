@@ -51,7 +51,7 @@ std::optional<Endpoint> parseEndpoint(std::string_view text, const Endpoint& oth
   if (text.empty() || !takeHost(text, endpoint.host)) return std::nullopt;
   if (endpoint.host.find_first_of(" \t/[]") != std::string::npos) return std::nullopt;
   if (text.empty()) return endpoint;
-  const auto port = numberIn<std::uint16_t>(text.substr(1), 0, UINT16_MAX);
+  const auto port = parseNumberInRange<std::uint16_t>(text.substr(1), 0, UINT16_MAX);
   if (!port) return std::nullopt;
   endpoint.port = *port;
   return endpoint;

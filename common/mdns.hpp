@@ -12,7 +12,7 @@ namespace hapticast {
 inline constexpr const char* kServiceType = "_hapticast._tcp";
 /// Keys of its TXT record: the protocol's version as a number, and the stream's name for people.
 inline constexpr const char* kServiceVersionKey = "version";
-inline constexpr const char* kServicePlaysKey = "plays";
+inline constexpr const char* kTxtTitleKey = "plays";
 inline constexpr std::size_t kMaxServiceName_bytes = 63;    ///< RFC 6763, section 4.1.1
 inline constexpr std::size_t kMaxServicePlays_bytes = 100;  ///< chosen; what one line has room for
 

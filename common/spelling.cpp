@@ -31,7 +31,7 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string didYouMean(std::string_view typed, const std::vector<std::string>& words) {
+std::string spellingHint(std::string_view typed, const std::vector<std::string>& words) {
   if (typed.size() > kLongest) return "";
   const std::string* nearest = nullptr;
   std::size_t least = 0;

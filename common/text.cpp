@@ -68,7 +68,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::string inQuotes(std::string_view text) {
+std::string quote(std::string_view text) {
   return "'" + std::string(text.substr(0, kMostQuoted_bytes)) +
          (text.size() > kMostQuoted_bytes ? "...'" : "'");
 }
@@ -106,7 +106,7 @@ std::optional<double> parseNumber(std::string_view text) {
 }
 
 template <class Number>
-std::optional<Number> numberIn(std::string_view text, Number least, Number most) {
+std::optional<Number> parseNumberInRange(std::string_view text, Number least, Number most) {
   std::optional<Number> value;
   if constexpr (std::is_same_v<Number, double>) {
     value = parseNumber(text);
@@ -118,9 +118,11 @@ std::optional<Number> numberIn(std::string_view text, Number least, Number most)
   }
   return value && *value >= least && *value <= most ? value : std::nullopt;
 }
-template std::optional<double> numberIn(std::string_view, double, double);
-template std::optional<std::uint16_t> numberIn(std::string_view, std::uint16_t, std::uint16_t);
-template std::optional<std::uint64_t> numberIn(std::string_view, std::uint64_t, std::uint64_t);
+template std::optional<double> parseNumberInRange(std::string_view, double, double);
+template std::optional<std::uint16_t> parseNumberInRange(std::string_view, std::uint16_t,
+                                                         std::uint16_t);
+template std::optional<std::uint64_t> parseNumberInRange(std::string_view, std::uint64_t,
+                                                         std::uint64_t);
 
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name) {
   std::string text(kMaxKeyValueText_bytes + 1, '\0');
@@ -142,7 +144,7 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
     const std::size_t equals = std::min(content.find('='), content.size());
     const std::string_view key = trimmed(content.substr(0, equals));
     if (equals == content.size() || !isKey(key)) {
-      return Error{name + ":" + std::to_string(line) + ": " + inQuotes(content) +
+      return Error{name + ":" + std::to_string(line) + ": " + quote(content) +
                    " is not a `key = value` line"};
     }
     pairs.push_back(

@@ -21,7 +21,7 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 /// Without the white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 /// In quotes, cut after 40 bytes: what an error message says of a wrong value.
-[[nodiscard]] std::string inQuotes(std::string_view text);
+[[nodiscard]] std::string quote(std::string_view text);
 /// "a, b, c" with the separator ", ".
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
 /// `text` with '?' for each byte that is no UTF-8 and each character that `is_shown` refuses by its
@@ -34,7 +34,8 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 /// The number from `least` to `most` that is the whole of `text`; nullopt otherwise. For double,
 /// std::uint16_t and std::uint64_t.
 template <class Number>
-[[nodiscard]] std::optional<Number> numberIn(std::string_view text, Number least, Number most);
+[[nodiscard]] std::optional<Number> parseNumberInRange(std::string_view text, Number least,
+                                                       Number most);
 
 struct KeyValue {
   int line = 0;  ///< 1 is the first

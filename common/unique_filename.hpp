@@ -10,7 +10,7 @@ namespace hapticast {
 
 /// hapticast-1.csv, hapticast-2.csv, ...: the first one, of this `ending`, that is not yet in the
 /// working folder.
-inline std::string freshFile(const std::string& ending) {
+inline std::string nextFreeFilename(const std::string& ending) {
   std::string name;
   std::error_code unknown;  // such a file is not there either
   int number = 1;

@@ -79,7 +79,7 @@ class App::Impl {
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
   void publish(VisionResult result, EncoderThread& encoder);
-  void sayWhatWasSkipped(const Pacer& pacer);
+  void logSkippedFrames(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
 
   Settings settings_;
@@ -91,22 +91,22 @@ class App::Impl {
   Listener listener_;
   std::optional<Datagrams> datagrams_;
   std::optional<Announcer> announcer_;  // once it is open
-  PlanTeller plan_teller_;
-  RangeTeller range_teller_;
+  PlanLog plan_teller_;
+  DepthRangeLog range_teller_;
   std::atomic<bool> stop_{false};
   bool open_ = false;
   bool streaming_ = false;
   MediaTime last_published_{};
-  std::uint64_t told_skipped_ = 0;
-  MediaTime told_at_{};
+  std::uint64_t logged_skipped_ = 0;
+  MediaTime last_logged_{};
 };
 
 App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(infoOf(*source_, settings_.name), withinClip(settings_.vision, source_->info()),
-              &clock),
+      vision_(infoOf(*source_, settings_.name),
+              dropInvalidPoints(settings_.vision, source_->info()), &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {
@@ -126,7 +126,7 @@ App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const 
 
 void App::Impl::run() {
   asio::signal_set signals(io_, SIGINT, SIGTERM);
-  if (!hangUpIgnored()) signals.add(SIGHUP);
+  if (!sighupIgnored()) signals.add(SIGHUP);
   signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
     if (error) return;
     stop();
@@ -168,7 +168,7 @@ void App::Impl::look() {
     told = now;
     broadcaster_.prepare(share);
   };
-  if (lookThrough(vision_, *source_, media_clock_, stop_, tell))
+  if (scanClip(vision_, *source_, media_clock_, stop_, tell))
     broadcaster_.describe(vision_.description());
   range_teller_.tell(vision_.mapped());
 }
@@ -207,7 +207,7 @@ void App::Impl::play(EncoderThread& encoder) {
     range_teller_.tell(vision_.mapped());
     if (settings_.explain)
       plan_teller_.tell(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
-    sayWhatWasSkipped(pacer);
+    logSkippedFrames(pacer);
   }
   for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
   waitUntil(last_published_ + vision_.description().pipeline_latency + kPlayout);
@@ -217,7 +217,7 @@ std::optional<RgbdFrame> App::Impl::nextFrame(Pacer& pacer) {
   if (source_->info().live) return source_->read();
   const Pacer::Plan plan = pacer.plan(media_clock_.now());
   waitUntil(plan.due);
-  return readOn(*source_, plan.skip, settings_.loop && !stop_);
+  return readSkipping(*source_, plan.skip, settings_.loop && !stop_);
 }
 
 void App::Impl::publish(VisionResult result, EncoderThread& encoder) {
@@ -225,15 +225,15 @@ void App::Impl::publish(VisionResult result, EncoderThread& encoder) {
   encoder.push(vision_.description(), std::move(result));
 }
 
-void App::Impl::sayWhatWasSkipped(const Pacer& pacer) {
+void App::Impl::logSkippedFrames(const Pacer& pacer) {
   const MediaTime now = media_clock_.now();
   // At once where it begins, then once a minute with the sum.
-  const Duration pause = told_skipped_ == 0 ? std::chrono::seconds(1) : std::chrono::minutes(1);
-  if (pacer.skipped() == told_skipped_ || now - told_at_ < pause) return;
+  const Duration pause = logged_skipped_ == 0 ? std::chrono::seconds(1) : std::chrono::minutes(1);
+  if (pacer.skipped() == logged_skipped_ || now - last_logged_ < pause) return;
   spdlog::warn("too slow for {:g} frames/s: {} frames skipped so far", source_->info().fps,
                pacer.skipped());
-  told_skipped_ = pacer.skipped();
-  told_at_ = now;
+  logged_skipped_ = pacer.skipped();
+  last_logged_ = now;
 }
 
 void App::Impl::waitUntil(MediaTime due) const {

@@ -96,7 +96,7 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
     if (!parsed) {
       const std::vector<std::string> stages(kStageNames.begin(), kStageNames.end());
       throw CLI::ValidationError("--plan",
-                                 inQuotes(text) +
+                                 quote(text) +
                                      " is not auto, everything or STAGE=on|off,... with the "
                                      "stages " +
                                      join(stages, ", "));
@@ -133,7 +133,7 @@ std::optional<AuthorPoint> parsePoint(const std::string& text) {
   const auto place_px = parsePair(text.substr(0, at));
   if (!place_px) return std::nullopt;
   if (at == std::string::npos) return AuthorPoint{*place_px, 0.0};
-  const auto time_s = numberIn<double>(text.substr(at + 1), 0.0, kLongestClip_s);
+  const auto time_s = parseNumberInRange<double>(text.substr(at + 1), 0.0, kLongestClip_s);
   if (!time_s) return std::nullopt;
   return AuthorPoint{*place_px, *time_s};
 }
@@ -203,7 +203,7 @@ void addPreview(CLI::App& app, std::string& preview) {
     const bool picture = place.extension() == ".png" && !place.stem().empty();
     const bool folder = std::filesystem::is_directory(place, error) || !place.has_extension();
     if (text.empty() || !(picture || folder)) {
-      throw CLI::ValidationError("--preview", inQuotes(text) + " is not FILE.png or a folder");
+      throw CLI::ValidationError("--preview", quote(text) + " is not FILE.png or a folder");
     }
     preview = text;
   };
@@ -221,7 +221,7 @@ void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
     const auto group = parseEndpoint(text.substr(0, at), Endpoint{"", 0});
     const bool named = at == std::string::npos || at + 1 < text.size();
     if (!group || group->host.empty() || group->port == 0 || !named)
-      throw CLI::ValidationError("--multicast", inQuotes(text) + " is not " + kForm);
+      throw CLI::ValidationError("--multicast", quote(text) + " is not " + kForm);
     multicast = MulticastChoice{*group, at == std::string::npos ? "" : text.substr(at + 1)};
   };
   app.add_option_function<std::string>(
@@ -248,8 +248,8 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   };
   app.add_option_function<std::string>(
          "--announce", announce,
-         "Tell the LAN of this server by NAME (mDNS), so that clients find it; default: it is not "
-         "told")
+         "Announce this server on the LAN as NAME (mDNS), so that clients find it; default: no "
+         "announcement")
       ->type_name("NAME");
 }
 

@@ -27,12 +27,12 @@ int serve(const hapticast::server::Settings& settings) {
     app = std::make_unique<hapticast::server::App>(settings, clock);
     app->run();
   } catch (const hapticast::server::SourceError& error) {
-    const std::string what = hapticast::oneLine(error.what());
+    const std::string what = hapticast::stripControls(error.what());
     // Some complaints are about another flag and begin with it.
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
   } catch (const hapticast::server::AddressError& error) {
-    const std::string what = hapticast::oneLine(error.what());
+    const std::string what = hapticast::stripControls(error.what());
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
     return kWrongInput;
   }
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   try {
     return serve(settings);
   } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::oneLine(error.what()));
+    spdlog::error("{}", hapticast::stripControls(error.what()));
     return kFailed;
   }
 }

@@ -13,7 +13,7 @@ namespace hapticast::client {
 
 class DeviceButtons {
  public:
-  struct Wish {
+  struct ButtonActions {
     bool pause = false;
     bool rearm = false;
     std::optional<int> other;  ///< a button without a meaning
@@ -26,9 +26,9 @@ class DeviceButtons {
         known_(pause_ || rearm_) {}
 
   /// What is pressed now and was not before. A device whose buttons mean nothing has no wishes.
-  [[nodiscard]] Wish take(std::uint32_t buttons) {
+  [[nodiscard]] ButtonActions take(std::uint32_t buttons) {
     const std::uint32_t pressed = buttons & ~std::exchange(last_, buttons);
-    Wish wish;
+    ButtonActions wish;
     if (pressed == 0 || !known_) return wish;
     const auto is = [pressed](const std::optional<int>& button) {
       return button && (pressed >> *button & 1U) != 0;

@@ -90,7 +90,7 @@ double number(std::string_view text, double least, double most, const Place& pla
   const auto value = parseNumber(text);
   if (!value || *value < least || *value > most) {
     std::ostringstream what;
-    what << inQuotes(text) << " is not a number from " << least << " to " << most;
+    what << quote(text) << " is not a number from " << least << " to " << most;
     place.fail(what.str());
   }
   return *value;
@@ -98,7 +98,7 @@ double number(std::string_view text, double least, double most, const Place& pla
 
 int wholeNumber(std::string_view text, int most, const Place& place) {
   const double value = number(text, 0, most, place);
-  if (value != std::floor(value)) place.fail(inQuotes(text) + " is not a whole number");
+  if (value != std::floor(value)) place.fail(quote(text) + " is not a whole number");
   return static_cast<int>(value);
 }
 
@@ -168,7 +168,7 @@ PlantProfile loadDeviceProfile(const std::string& name_or_file) {
     throw std::runtime_error(name_or_file +
                              ": cannot be read as a device profile (allowed are omni, falcon or a "
                              "readable file)" +
-                             didYouMean(name_or_file, {"omni", "falcon"}));
+                             spellingHint(name_or_file, {"omni", "falcon"}));
   }
   return readDeviceProfile(in, name_or_file);
 }

@@ -147,7 +147,7 @@ class Gamepad final : public HapticDevice {
   };
   /// What the hand feels.
   struct Felt {
-    ForceParts parts;
+    ForceComponents parts;
     LocalTime time{};
   };
 
@@ -174,9 +174,9 @@ class Gamepad final : public HapticDevice {
     if (!pad_) return;
     const Felt& felt = felt_.load();
     const bool heard = clock_.now() - felt.time < kHeard;
-    const ForceParts parts = heard ? felt.parts : ForceParts{};
-    SDL_GameControllerRumble(pad_.get(), motorLevel(parts.press_N), motorLevel(parts.blow_N),
-                             kRumble_ms);
+    const ForceComponents parts = heard ? felt.parts : ForceComponents{};
+    SDL_GameControllerRumble(pad_.get(), motorLevel(parts.sustained_N),
+                             motorLevel(parts.transient_N), kRumble_ms);
   }
 
   /// The sticks lead the hand's goal, within the workspace and never far from the tip: what holds
@@ -196,7 +196,7 @@ class Gamepad final : public HapticDevice {
   PointedHand hand_;
   const Clock& clock_;
   LatestValue<TickReport>& seen_;
-  ForceMeter meter_;
+  TransientDetector meter_;
   bool led_ = false;
   Vec3 goal_mm_ = Vec3::Zero();  // device frame
   // Between both:

@@ -87,10 +87,10 @@ struct Discovery::Browser {
                   host,
                   endpointOf(*address, port, where),
                   where,
-                  valueOf(record, kServicePlaysKey),
-                  static_cast<std::uint32_t>(
-                      numberIn<std::uint16_t>(valueOf(record, kServiceVersionKey), 0, UINT16_MAX)
-                          .value_or(0))};
+                  valueOf(record, kTxtTitleKey),
+                  static_cast<std::uint32_t>(parseNumberInRange<std::uint16_t>(
+                                                 valueOf(record, kServiceVersionKey), 0, UINT16_MAX)
+                                                 .value_or(0))};
       }
       static_cast<Browser*>(self)->know(resolver, std::move(server));
     };

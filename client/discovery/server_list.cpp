@@ -23,7 +23,7 @@ std::string nameOf(const FoundServer& server) {
 std::string versionOf(const FoundServer& server) {
   if (server.version == kProtocolVersion) return "";
   if (server.version == 0) return "  (does not say its version)";
-  return "  (speaks version " + std::to_string(server.version) + ", this client " +
+  return "  (protocol version " + std::to_string(server.version) + ", this client " +
          std::to_string(kProtocolVersion) + ")";
 }
 
@@ -93,7 +93,7 @@ bool ServerList::empty() const {
   return std::none_of(lines_.begin(), lines_.end(), [](const Line& line) { return line.there; });
 }
 
-std::string ServerList::inWords() const {
+std::string ServerList::toText() const {
   std::vector<std::string> words;
   words.reserve(lines_.size() + 1);
   for (std::size_t i = 0; i < lines_.size(); ++i) {
@@ -105,7 +105,7 @@ std::string ServerList::inWords() const {
 
 std::optional<FoundServer> ServerList::choose(std::string_view typed, std::string& why) const {
   typed = trimmed(typed);
-  const auto number = numberIn<std::uint64_t>(typed, 1, UINT64_MAX);
+  const auto number = parseNumberInRange<std::uint64_t>(typed, 1, UINT64_MAX);
   const Line* chosen = nullptr;
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     const bool meant = number ? *number == i + 1 : nameOf(lines_[i].server) == typed;
@@ -117,7 +117,7 @@ std::optional<FoundServer> ServerList::choose(std::string_view typed, std::strin
     chosen = &lines_[i];
   }
   if (chosen == nullptr) {
-    why = inQuotes(printable(typed, typed.size())) + " is none of them: type a number or a name";
+    why = quote(printable(typed, typed.size())) + " is none of them: type a number or a name";
     return std::nullopt;
   }
   return chosen->server;

@@ -40,7 +40,7 @@ class ServerList {
   bool update(const std::vector<FoundServer>& found);
   [[nodiscard]] bool empty() const;
   /// A line for each that is there, and one where there are more; without the last line's end.
-  [[nodiscard]] std::string inWords() const;
+  [[nodiscard]] std::string toText() const;
   /// The one with the number or the name that was typed; else `why` says what is wrong with it.
   [[nodiscard]] std::optional<FoundServer> choose(std::string_view typed, std::string& why) const;
 

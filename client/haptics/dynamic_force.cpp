@@ -70,12 +70,12 @@ struct AtContact {
   Vec3 told;
   Vec3 believed;
 };
-AtContact accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
+AtContact accelerationAt(const InterpolatedObject& object, const Vec3& contact_mm,
                          const Workspace& workspace) noexcept {
   Vec3 grid = Vec3::Zero();
   const auto addGrid = [&](const PlayObject& frame, double weight) noexcept {
     if (frame.grid == nullptr) return;
-    const Carried at(frame, object, contact_mm.head<2>(), workspace, workspace.pixelsPerMm());
+    const WarpedPoint at(frame, object, contact_mm.head<2>(), workspace, workspace.pixelsPerMm());
     grid += weight * gridAcceleration(frame, at.image_px);
   };
   const PlayObject& before = *object.before;
@@ -94,13 +94,14 @@ AtContact accelerationAt(const ObjectNow& object, const Vec3& contact_mm,
     const Vec2 each = rate * Vec2(-r.y(), r.x()) - turn * turn * r;
     return Vec3(each.x(), each.y(), 0.0);
   };
-  const Belief& belief = object.belief;
+  const PlausibilityBounds& plausibility = object.plausibility;
   const double turn = object.angular_velocity_rad_s;
   return {object.acceleration_mm_s2 + grid + turned(turn, turn_rate),
-          shortened(object.acceleration_mm_s2, belief.acceleration_mm_s2) +
-              shortened(grid, belief.grid_mm_s2) +
-              turned(std::clamp(turn, -belief.turn_rad_s, belief.turn_rad_s),
-                     std::clamp(turn_rate, -belief.turn_rate_rad_s2, belief.turn_rate_rad_s2))};
+          shortened(object.acceleration_mm_s2, plausibility.acceleration_mm_s2) +
+              shortened(grid, plausibility.grid_mm_s2) +
+              turned(std::clamp(turn, -plausibility.turn_rad_s, plausibility.turn_rad_s),
+                     std::clamp(turn_rate, -plausibility.turn_rate_rad_s2,
+                                plausibility.turn_rate_rad_s2))};
 }
 
 double secondsSince(const Impact& impact, MediaTime play_time) noexcept {
@@ -144,7 +145,7 @@ double DynamicForce::cursorMass_kg() const noexcept {
   return std::clamp(profile_.mass_kg, 0.0, kCursorMass_kg);
 }
 
-double DynamicForce::objectMass_kg(const StreamState& stream, double scale) const noexcept {
+double DynamicForce::objectMass_kg(const StreamTiming& stream, double scale) const noexcept {
   const bool authored = stream.author_mass_kg > 0.0 && std::isfinite(stream.author_mass_kg);
   const double wanted_kg =
       std::max(authored ? std::min(stream.author_mass_kg, kHeaviest_kg) : kUnknownMass_kg,
@@ -156,7 +157,7 @@ double DynamicForce::objectMass_kg(const StreamState& stream, double scale) cons
   return std::min(wanted_kg, profile_.continuous_N / largest_m_s2);
 }
 
-Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
+Vec3 DynamicForce::pulse_N(const InterpolatedObject& object, MediaTime play_time,
                            double kg_m_per_mm) noexcept {
   // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
   const auto height_N = [&](const Vec3& change_mm_s) noexcept {
@@ -172,7 +173,8 @@ Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
     if (impact == nullptr) return Vec3::Zero();
     has_pulse_ = true;
     pulse_ = *impact;
-    pulse_.delta_velocity_mm_s = shortened(pulse_.delta_velocity_mm_s, object.belief.impact_mm_s);
+    pulse_.delta_velocity_mm_s =
+        shortened(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
     const double cut_N =
         height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
     doubted_pulse_ = !(cut_N <= kFelt_N);
@@ -185,9 +187,9 @@ Vec3 DynamicForce::pulse_N(const ObjectNow& object, MediaTime play_time,
          pulse_.delta_velocity_mm_s;
 }
 
-Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
+Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration_mm,
                             const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
-                            const StreamState& stream, double scale,
+                            const StreamTiming& stream, double scale,
                             const Vec3* contact_mm) noexcept {
   inertia_N_.setZero();
   doubted_ = false;
@@ -199,13 +201,13 @@ Vec3 DynamicForce::evaluate(const ObjectNow* object, double penetration_mm,
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
     return shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
   };
-  const Vec3 told_N = pushes_N(acceleration.told);
+  const Vec3 logged_N = pushes_N(acceleration.told);
   const Vec3 believed_N = pushes_N(acceleration.believed);
-  const Vec3 object_N = believed_N + shortened(told_N - believed_N, kSlack_N);
+  const Vec3 object_N = believed_N + shortened(logged_N - believed_N, kSlack_N);
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
   const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
   const Vec3 force_N = object_N + inertia_N + pulsed_N;
-  doubted_ = (told_N - object_N).norm() > kFelt_N ||
+  doubted_ = (logged_N - object_N).norm() > kFelt_N ||
              (doubted_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();

@@ -24,9 +24,10 @@ class DynamicForce {
   /// object's share is at most half of the device's peak, all of it at most the peak. An impact
   /// pushes along its change of velocity: a half-sine of 15 ms from the impact's time on. The
   /// object's acceleration, turn, grid and impact count as far as its belief goes.
-  Vec3 evaluate(const ObjectNow* object, double penetration_mm,
+  Vec3 evaluate(const InterpolatedObject* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
-                const StreamState& stream, double scale, const Vec3* contact_mm = nullptr) noexcept;
+                const StreamTiming& stream, double scale,
+                const Vec3* contact_mm = nullptr) noexcept;
 
   /// The last evaluate() cut what the stream's own frames do not bear out, by more than is felt.
   [[nodiscard]] bool doubted() const noexcept { return doubted_; }
@@ -37,11 +38,11 @@ class DynamicForce {
 
   /// m_object = min(author's (0.5 kg when none is given), 5 kg, the device's continuous force /
   /// largest a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
-  [[nodiscard]] double objectMass_kg(const StreamState& stream, double scale) const noexcept;
+  [[nodiscard]] double objectMass_kg(const StreamTiming& stream, double scale) const noexcept;
 
  private:
   [[nodiscard]] double cursorMass_kg() const noexcept;
-  [[nodiscard]] Vec3 pulse_N(const ObjectNow& object, MediaTime play_time,
+  [[nodiscard]] Vec3 pulse_N(const InterpolatedObject& object, MediaTime play_time,
                              double kg_m_per_mm) noexcept;
 
   const DeviceProfile& profile_;

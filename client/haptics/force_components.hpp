@@ -10,15 +10,15 @@
 
 namespace hapticast::client {
 
-struct ForceParts {
-  double press_N = 0.0;
-  double blow_N = 0.0;  ///< dynamic force, touches, impacts; held for a moment
+struct ForceComponents {
+  double sustained_N = 0.0;
+  double transient_N = 0.0;  ///< dynamic force, touches, impacts; held for a moment
 };
 
-class ForceMeter {
+class TransientDetector {
  public:
   /// Sees every tick; what is felt in it.
-  ForceParts next(const TickReport& report) noexcept {
+  ForceComponents next(const TickReport& report) noexcept {
     const double felt_N = report.force_N.norm();
     if (!(felt_N > kNothing_N)) {
       *this = {};
@@ -29,9 +29,9 @@ class ForceMeter {
     const double share = std::min(1.0, felt_N / std::max(meant_N, kNothing_N));
     slow_N_ += (kTick_s / kSudden_s) * (report.force_N - slow_N_);
     const double sudden_N = (report.force_N - slow_N_).norm();
-    const double blow_N = std::max(sudden_N, share * report.dynamic_force_N.norm());
-    blow_N_ = std::max(blow_N, (1.0 - kTick_s / kSudden_s) * blow_N_);
-    return {.press_N = share * report.static_force_N.norm(), .blow_N = blow_N_};
+    const double transient_N = std::max(sudden_N, share * report.dynamic_force_N.norm());
+    blow_N_ = std::max(transient_N, (1.0 - kTick_s / kSudden_s) * blow_N_);
+    return {.sustained_N = share * report.static_force_N.norm(), .transient_N = blow_N_};
   }
 
  private:

@@ -29,8 +29,8 @@ void LoopStats::add(const TickReport& report, double step_N) noexcept {
   work = report.work;
 }
 
-void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,
-             LoopStats& stats) noexcept {
+void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
+             const std::atomic<bool>& stop, LoopStats& stats) noexcept {
   Vec3 force_N = Vec3::Zero();
   LocalTime last = clock.now();
   LocalTime deadline = last + kTickPeriod;
@@ -45,15 +45,15 @@ void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::at
     const LocalTime exchanged = clock.now();
     stopping = stopping || stop.load(std::memory_order_relaxed);
     if (stopping) {
-      room.stop();
+      renderer.stop();
       --ticks_to_stop;
     }
-    const TickReport& report = room.tick(begin, state);
+    const TickReport& report = renderer.tick(begin, state);
     device.decided(report.force_N);
     const LocalTime end = clock.now();
     stats.exchange_ns.add((exchanged - begin).count());
     stats.tick_ns.add((end - exchanged).count());
-    room.took(end - exchanged);
+    renderer.took(end - exchanged);
     stats.add(report, (report.force_N - force_N).norm());
     force_N = report.force_N;
     deadline = std::min(deadline, begin) + kTickPeriod;

@@ -36,7 +36,7 @@ struct LoopStats {
 /// wakes the loop the deadlines lie on a grid of one millisecond, and those missed in a stall are
 /// skipped, not caught up. A device that wakes it earlier by its reply moves the grid along: the
 /// deadline is never more than a period away, so it stays a watchdog. Thread: the loop's.
-void runLoop(HapticDevice& device, Room& room, const Clock& clock, const std::atomic<bool>& stop,
-             LoopStats& stats) noexcept;
+void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
+             const std::atomic<bool>& stop, LoopStats& stats) noexcept;
 
 }  // namespace hapticast::client

@@ -3,11 +3,11 @@
 
 namespace hapticast::client {
 
-LoopThread::LoopThread(HapticDevice& device, Room& room, const Clock& clock)
-    : thread_([this, &device, &room, &clock] {
+LoopThread::LoopThread(HapticDevice& device, HapticRenderer& renderer, const Clock& clock)
+    : thread_([this, &device, &renderer, &clock] {
         realtime_ = requestRealtime();
         flushDenormals();
-        runLoop(device, room, clock, stop_, stats_);
+        runLoop(device, renderer, clock, stop_, stats_);
       }) {}
 
 void LoopThread::stop() noexcept {

@@ -15,7 +15,7 @@ class LoopThread {
  public:
   /// Starts the loop (runLoop) on a thread that has asked for real time and flushes denormals. All
   /// arguments outlive it. Throws std::system_error when no thread can be had.
-  LoopThread(HapticDevice& device, Room& room, const Clock& clock);
+  LoopThread(HapticDevice& device, HapticRenderer& renderer, const Clock& clock);
   ~LoopThread() { stop(); }
   LoopThread(const LoopThread&) = delete;
   LoopThread& operator=(const LoopThread&) = delete;

@@ -10,7 +10,7 @@
 
 namespace hapticast::client {
 
-class MaterialRamp {
+class ParameterRateLimiter {
  public:
   /// What is felt in this tick of what the stream says. Not `in_contact` it holds at once.
   double step(double wanted, bool in_contact) noexcept {

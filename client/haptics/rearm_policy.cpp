@@ -3,7 +3,7 @@
 
 namespace hapticast::client {
 
-bool Rearm::take(const TickReport& report) {
+bool RearmPolicy::take(const TickReport& report) {
   if (report.halt != halt_) {
     halt_ = report.halt;
     halted_ = report.time;
@@ -13,7 +13,7 @@ bool Rearm::take(const TickReport& report) {
   if (!waits) asked_ = false;  // a device that is lost again has not heard of it
   if (!by_itself_ || !waits || asked_) return false;
   if (halt_ == Halt::kTrustLost) {
-    if (forgiven_ == kTimes || report.time - halted_ < kLater) return false;
+    if (forgiven_ == kMaxCount || report.time - halted_ < kLater) return false;
     ++forgiven_;
   }
   asked_ = true;

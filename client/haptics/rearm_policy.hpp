@@ -6,15 +6,16 @@
 
 namespace hapticast::client {
 
-class Rearm {
+class RearmPolicy {
  public:
   /// Chosen: so long after trust was lost it is forgiven, ...
   static constexpr Duration kLater = std::chrono::seconds(5);
   /// ... and so often only.
-  static constexpr int kTimes = 3;
+  static constexpr int kMaxCount = 3;
 
   /// Without `by_itself` it never is; `by_key`: somebody can do it in a window.
-  explicit Rearm(bool by_itself, bool by_key = false) : by_itself_(by_itself), by_key_(by_key) {}
+  explicit RearmPolicy(bool by_itself, bool by_key = false)
+      : by_itself_(by_itself), by_key_(by_key) {}
 
   /// Sees every report; whether the force is to be re-armed now.
   [[nodiscard]] bool take(const TickReport& report);
@@ -23,7 +24,7 @@ class Rearm {
   /// Whether a key of the window brings the force back.
   [[nodiscard]] bool byKey() const { return by_key_; }
   /// How often lost trust will still be forgiven.
-  [[nodiscard]] int left() const { return by_itself_ ? kTimes - forgiven_ : 0; }
+  [[nodiscard]] int left() const { return by_itself_ ? kMaxCount - forgiven_ : 0; }
 
  private:
   bool by_itself_;

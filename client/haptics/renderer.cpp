@@ -12,24 +12,24 @@ namespace hapticast::client {
 
 namespace {
 // Without a word from the device for this long its last position says nothing any more (chosen:
-// the longest gap that HipMotion bridges).
+// the longest gap that HipEstimator bridges).
 constexpr int kSilentTicks = 20;
 // Of the profile's stiffness: an author may ask for this much unless the user allows more (chosen).
 constexpr double kStiffnessShare = 3.0;
 
 /// A point of the frame `before` (nominal mm) carried to where the object is now.
-Vec2 carried(const ObjectNow& object, const Vec2& point_mm) noexcept {
+Vec2 carried(const InterpolatedObject& object, const Vec2& point_mm) noexcept {
   const Motion& then = object.before->motion;
   const Eigen::Rotation2Dd turn(object.angle_rad - then.angle_rad);
   return object.position_mm.head<2>() + turn * Vec2(point_mm - then.position_mm.head<2>());
 }
 
-Vec2 centreOf(const ObjectNow& object, const Workspace& workspace) noexcept {
+Vec2 centreOf(const InterpolatedObject& object, const Workspace& workspace) noexcept {
   return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
 }
 
 /// The height there; between two frames that of one turns into that of the other.
-double centreHeight_mm(const ObjectNow& object) noexcept {
+double centreHeight_mm(const InterpolatedObject& object) noexcept {
   const auto above = [](const PlayObject& frame) noexcept {
     return frame.field->deepestPointHeight_mm() - frame.motion.position_mm.z();
   };
@@ -39,12 +39,12 @@ double centreHeight_mm(const ObjectNow& object) noexcept {
   return object.position_mm.z() + before_mm + change_mm;
 }
 
-const ObjectNow* nearestObject(const Scene& scene, const Vec3& hip_mm,
-                               const Workspace& workspace) noexcept {
-  const ObjectNow* nearest = nullptr;
+const InterpolatedObject* nearestObject(const Scene& scene, const Vec3& hip_mm,
+                                        const Workspace& workspace) noexcept {
+  const InterpolatedObject* nearest = nullptr;
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scene.object_count; ++i) {
-    const ObjectNow& object = scene.objects[i];
+    const InterpolatedObject& object = scene.objects[i];
     if (!shows(object.before)) continue;
     const double distance_mm = (centreOf(object, workspace) - hip_mm.head<2>()).norm();
     if (distance_mm >= nearest_mm) continue;
@@ -68,8 +68,9 @@ bool fresh(Lookup kind) noexcept {
 }
 }  // namespace
 
-Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamState>& stream,
-           LatestValue<UserControls>& user, LatestValue<TickReport>& published, Log* log) noexcept
+HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool,
+                               LatestValue<StreamTiming>& stream, LatestValue<UserControls>& user,
+                               LatestValue<TickReport>& published, Log* log) noexcept
     : settings_(settings),
       stream_(stream),
       user_(user),
@@ -85,8 +86,8 @@ Room::Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamStat
   report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
 }
 
-const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
-  const StreamState& stream = stream_.load();
+const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) noexcept {
+  const StreamTiming& stream = stream_.load();
   const UserControls& user = user_.load();
   const bool world_changed = follow(stream, user);
   motion_.setDelay(safety_.delayTicks());
@@ -117,7 +118,7 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
 
   reportTick(now, play_time, scene, out);
   if (out.contact && softened(contact.object)) {
-    report_.interferences |= bit(Interference::kStiffness);
+    report_.interferences |= bit(SafetyAction::kStiffness);
   }
   report_.fault = faultOf(out, hip, input.device_lost);
   reportObject(contact, scene);
@@ -125,8 +126,8 @@ const TickReport& Room::tick(LocalTime now, const DeviceState& state) noexcept {
   return report_;
 }
 
-void Room::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
-                      const SafetyOutput& out) noexcept {
+void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
+                                const SafetyOutput& out) noexcept {
   ++report_.tick;
   report_.time = now;
   report_.play_time = play_time;
@@ -146,7 +147,7 @@ void Room::reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
 }
 
 /// Takes over what changed in stream and wishes; returns whether the world is another one.
-bool Room::follow(const StreamState& stream, const UserControls& user) noexcept {
+bool HapticRenderer::follow(const StreamTiming& stream, const UserControls& user) noexcept {
   bool changed = stream.connected != connected_ && stream.connected;
   if (changed) safety_.newConnection();
   changed = feel_.follow(user) || changed;
@@ -171,7 +172,7 @@ bool Room::follow(const StreamState& stream, const UserControls& user) noexcept 
   return changed;
 }
 
-Contact Room::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
+Contact HapticRenderer::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
   if (feel_.method() == Method::kThesis) {
     // It waits for the next frame to see where the hand has gone, and none comes while time stands.
     return paused_ ? findContact(SurfaceKind::kPerturbed, scene, hip_mm, workspace_)
@@ -184,8 +185,8 @@ Contact Room::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
 }
 
 /// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
-SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
-                              const Scene& scene) const noexcept {
+SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& contact,
+                                        const Scene& scene) const noexcept {
   SafetyInput input;
   input.position_mm = hip.finite ? hip.position_mm : Vec3::Constant(std::nan(""));
   input.velocity_mm_s = hip.velocity_mm_s;
@@ -209,7 +210,7 @@ SafetyInput Room::safetyInput(const HipEstimate& hip, const Contact& contact,
   return input;
 }
 
-double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
+double HapticRenderer::stiffness_N_mm(const InterpolatedObject* object) const noexcept {
   if (settings_.stiffness_N_mm > 0.0) return settings_.stiffness_N_mm;
   const double usual_N_mm = settings_.profile.stiffness_N_mm;
   if (object == nullptr) return usual_N_mm;
@@ -218,19 +219,19 @@ double Room::stiffness_N_mm(const ObjectNow* object) const noexcept {
   return asked_N_mm > limit_N_mm ? limit_N_mm : asked_N_mm;  // a NaN is the chain's to judge
 }
 
-double Room::stiffnessLimit_N_mm() const noexcept {
+double HapticRenderer::stiffnessLimit_N_mm() const noexcept {
   return settings_.stiffness_limit_N_mm > 0.0 ? settings_.stiffness_limit_N_mm
                                               : kStiffnessShare * settings_.profile.stiffness_N_mm;
 }
 
 /// The author asked for more than the user allows.
-bool Room::softened(const ObjectNow* object) const noexcept {
+bool HapticRenderer::softened(const InterpolatedObject* object) const noexcept {
   return object != nullptr && settings_.stiffness_N_mm == 0.0 &&
          object->before->material.stiffness_N_mm.value_or(0.0) > stiffness_N_mm(object);
 }
 
 /// After a jump the force begins at zero, with the material that is there.
-void Room::followMaterial(SafetyInput& input) noexcept {
+void HapticRenderer::followMaterial(SafetyInput& input) noexcept {
   const bool in_contact = report_.contact && input.contact && !input.world_jumped;
   const double asked_N_mm = input.stiffness_N_mm * feel_.stiffness();
   const double most_N_mm = std::max(input.stiffness_N_mm, stiffnessLimit_N_mm());
@@ -243,7 +244,7 @@ void Room::followMaterial(SafetyInput& input) noexcept {
 }
 
 /// What the chain arms at most, by the stiffest object of the scene, in nominal mm.
-double Room::deepest_mm(const Scene& scene) const noexcept {
+double HapticRenderer::deepest_mm(const Scene& scene) const noexcept {
   double stiffest_N_mm = 0.0;
   for (std::size_t i = 0; i < scene.object_count; ++i) {
     stiffest_N_mm = std::max(stiffest_N_mm, stiffness_N_mm(&scene.objects[i]));
@@ -251,8 +252,8 @@ double Room::deepest_mm(const Scene& scene) const noexcept {
   return armDepth_mm(stiffest_N_mm, settings_.profile.peak_N) / mapping_.scale;
 }
 
-void Room::reportObject(const Contact& contact, const Scene& scene) noexcept {
-  const ObjectNow* object =
+void HapticRenderer::reportObject(const Contact& contact, const Scene& scene) noexcept {
+  const InterpolatedObject* object =
       contact.object != nullptr ? contact.object : nearestObject(scene, report_.hip_mm, workspace_);
   report_.object_present =
       object != nullptr && shows(object->before) && connected_ && fresh(scene.kind);
@@ -269,7 +270,8 @@ void Room::reportObject(const Contact& contact, const Scene& scene) noexcept {
   if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
 }
 
-Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept {
+Fault HapticRenderer::faultOf(const SafetyOutput& out, const HipEstimate& hip,
+                              bool device_lost) noexcept {
   if (out.latency_alarm) return Fault::kLatency;
   if (out.trust_lost) return Fault::kTrustLost;
   const Fault fault = device_lost                     ? Fault::kDeviceLost
@@ -281,7 +283,7 @@ Fault Room::faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device
   return lasting ? Fault::kNone : fault;
 }
 
-void Room::publish() noexcept {
+void HapticRenderer::publish() noexcept {
   published_.store(report_);
   recorder_.record(report_);
   if (log_ != nullptr && !log_->tryPush(report_)) ++dropped_reports_;

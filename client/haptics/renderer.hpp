@@ -22,7 +22,7 @@
 
 namespace hapticast::client {
 
-struct RoomSettings {
+struct RendererSettings {
   DeviceProfile profile;
   SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
@@ -34,12 +34,13 @@ struct RoomSettings {
 };
 
 /// Holds about 1 MB (the flight recorder): not for the stack.
-class Room {
+class HapticRenderer {
  public:
   using Log = SpscRing<TickReport, 4096>;
   /// All arguments outlive the room. `log` may be null; it is never waited for.
-  Room(const RoomSettings& settings, FramePool& pool, LatestValue<StreamState>& stream,
-       LatestValue<UserControls>& user, LatestValue<TickReport>& published, Log* log) noexcept;
+  HapticRenderer(const RendererSettings& settings, FramePool& pool,
+                 LatestValue<StreamTiming>& stream, LatestValue<UserControls>& user,
+                 LatestValue<TickReport>& published, Log* log) noexcept;
 
   /// One tick; report().force_N is for the device. Thread: loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
@@ -56,13 +57,13 @@ class Room {
   [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
-  bool follow(const StreamState& stream, const UserControls& user) noexcept;
+  bool follow(const StreamTiming& stream, const UserControls& user) noexcept;
   Contact contactAt(const Scene& scene, const Vec3& hip_mm) noexcept;
   SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
                           const Scene& scene) const noexcept;
-  double stiffness_N_mm(const ObjectNow* object) const noexcept;
+  double stiffness_N_mm(const InterpolatedObject* object) const noexcept;
   double stiffnessLimit_N_mm() const noexcept;
-  bool softened(const ObjectNow* object) const noexcept;
+  bool softened(const InterpolatedObject* object) const noexcept;
   void followMaterial(SafetyInput& input) noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
   void reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
@@ -71,20 +72,20 @@ class Room {
   Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
   void publish() noexcept;
 
-  const RoomSettings& settings_;
-  LatestValue<StreamState>& stream_;
+  const RendererSettings& settings_;
+  LatestValue<StreamTiming>& stream_;
   LatestValue<UserControls>& user_;
   LatestValue<TickReport>& published_;
   Log* log_;
-  HipMotion motion_;
+  HipEstimator motion_;
   Playout playout_;
-  FrameLookup lookup_;
+  SceneInterpolator lookup_;
   ThesisInterpolation thesis_;
   ProxySurface proxies_;
   DynamicForce dynamic_;
-  UserFeel feel_;
-  MaterialRamp stiffness_;
-  MaterialRamp damping_;
+  UserForceMix feel_;
+  ParameterRateLimiter stiffness_;
+  ParameterRateLimiter damping_;
   SafetyChain safety_;
   Workspace workspace_;
   DeviceMapping mapping_;

@@ -10,7 +10,7 @@
 namespace hapticast::client {
 
 /// The network writes it, the loop reads the latest value. A plain value that owns nothing.
-struct StreamState {
+struct StreamTiming {
   bool connected = false;  ///< a stream is announced and its clock is known
   /// The first client-side epoch of this connection; older frames are void.
   std::uint32_t first_epoch = 0;

@@ -47,7 +47,7 @@ struct TickReport {
   std::uint32_t buttons = 0;  ///< of the device, as DeviceState has them
   bool enabled = true;        ///< the device's enabling button is held, or it has none
   Halt halt = Halt::kNone;    ///< why there is no force until UserControls::rearm
-  Interference distrusted = Interference::kDoubted;  ///< where trust is lost: mostly for this
+  SafetyAction distrusted = SafetyAction::kImplausible;  ///< where trust is lost: mostly for this
   double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
   std::uint32_t interferences = 0;  ///< bit per safety step that changed the force
   PortWork work;                    ///< of the force so far

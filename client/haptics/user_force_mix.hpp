@@ -12,9 +12,9 @@
 
 namespace hapticast::client {
 
-class UserFeel {
+class UserForceMix {
  public:
-  UserFeel(Method method, SurfaceKind surface) noexcept
+  UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 
   /// Takes over what the user wants now; whether the surface under the hand is another one, so that
@@ -59,7 +59,7 @@ class UserFeel {
   double dynamic_ = 1.0;
   double stiffness_ = 1.0;
   std::optional<double> friction_;
-  MaterialRamp dynamic_ramp_;
+  ParameterRateLimiter dynamic_ramp_;
 };
 
 }  // namespace hapticast::client

@@ -13,8 +13,8 @@ constexpr std::size_t kMaxPingsOut = 64;  // unanswered ones that are remembered
 
 }  // namespace
 
-struct Connection::Conversation {
-  Conversation(asio::io_context& io, std::unique_ptr<Channel> over)
+struct Connection::Session {
+  Session(asio::io_context& io, std::unique_ptr<Channel> over)
       : channel(std::move(over)), pinger(io), watcher(io) {}
 
   void close() {
@@ -26,8 +26,8 @@ struct Connection::Conversation {
   }
 
   std::unique_ptr<Channel> channel;
-  std::shared_ptr<DatagramLink> link;  // null: frames come over TCP
-  std::optional<Delivery> order;       // to be said
+  std::shared_ptr<UdpReceiver> link;  // null: frames come over TCP
+  std::optional<Delivery> order;      // to be said
   asio::steady_timer pinger;
   asio::steady_timer watcher;
   bool closed = false;
@@ -60,39 +60,39 @@ void Connection::stop() {
     stopped_ = true;
     retry_.cancel();
     dial_stop_.stop();
-    if (talk_) talk_->close();
+    if (session_) session_->close();
   });
 }
 
 std::uint64_t Connection::bytesReceived() const {
-  if (!talk_) return bytes_received_;
-  return bytes_received_ + talk_->channel->bytesRead() +
-         (talk_->link ? talk_->link->bytesReceived() : 0);
+  if (!session_) return bytes_received_;
+  return bytes_received_ + session_->channel->bytesRead() +
+         (session_->link ? session_->link->bytesReceived() : 0);
 }
 
 DatagramCounts Connection::datagrams() const {
-  return talk_ && talk_->link ? datagrams_ + talk_->link->counts() : datagrams_;
+  return session_ && session_->link ? datagrams_ + session_->link->counts() : datagrams_;
 }
 
-DeliveryState Connection::delivery() const {
-  return talk_ && talk_->link ? talk_->link->state() : delivery_;
+DeliveryStats Connection::delivery() const {
+  return session_ && session_->link ? session_->link->state() : delivery_;
 }
 
 asio::awaitable<void> Connection::run() {
   Duration pause = settings_.first_retry;
   while (!stopped_) {
-    const Ending ending = co_await converse();
-    const bool was_welcomed = talk_ && talk_->welcomed;
-    const bool was_good =
-        talk_ && talk_->first_frame && clock_.now() - *talk_->first_frame >= settings_.good_after;
+    const CloseReason ending = co_await runSession();
+    const bool was_welcomed = session_ && session_->welcomed;
+    const bool was_good = session_ && session_->first_frame &&
+                          clock_.now() - *session_->first_frame >= settings_.good_after;
     bytes_received_ = bytesReceived();
     datagrams_ = datagrams();
     delivery_ = delivery();
-    talk_.reset();
+    session_.reset();
     if (stopped_) break;
     if (was_welcomed) receiver_.disconnected(clock_.now());
     if (was_good) pause = settings_.first_retry;
-    if (hopeless(ending)) {
+    if (isPermanent(ending)) {
       if (events_.failed) events_.failed(ending.why);
       co_return;
     }
@@ -105,7 +105,7 @@ asio::awaitable<void> Connection::run() {
   receiver_.disconnected(clock_.now());
 }
 
-bool Connection::hopeless(const Ending& ending) const {
+bool Connection::isPermanent(const CloseReason& ending) const {
   if (ending.code == ErrorCode::kVersion) return true;
   const bool speaks_something_else = ending.code == ErrorCode::kMalformed ||
                                      ending.code == ErrorCode::kTooLarge ||
@@ -113,133 +113,135 @@ bool Connection::hopeless(const Ending& ending) const {
   return !ever_welcomed_ && (ending.no_such_server || speaks_something_else);
 }
 
-asio::awaitable<Connection::Ending> Connection::converse() {
+asio::awaitable<Connection::CloseReason> Connection::runSession() {
   Dialled dialled =
       co_await settings_.dial(io_, settings_.server, settings_.connect_deadline, dial_stop_);
-  if (!dialled.ok()) co_return Ending{dialled.error().message, {}, dialled.error().no_such_server};
-  auto talk = talk_ = std::make_shared<Conversation>(io_, std::move(dialled).value());
-  talk->deadline = clock_.now() + settings_.connect_deadline;
-  talk->overdue = "no welcome came; is it a hapticast server?";
+  if (!dialled.ok())
+    co_return CloseReason{dialled.error().message, {}, dialled.error().no_such_server};
+  auto session = session_ = std::make_shared<Session>(io_, std::move(dialled).value());
+  session->deadline = clock_.now() + settings_.connect_deadline;
+  session->overdue = "no welcome came; is it a hapticast server?";
   asio::co_spawn(
-      io_, [this, talk] { return watch(talk); }, asio::detached);
+      io_, [this, session] { return watch(session); }, asio::detached);
   const Hello hello{kProtocolVersion, settings_.client_name, settings_.wants_video, true};
-  Ending ending{"the connection was lost", {}};
-  if (co_await send(talk, hello)) ending = co_await readAll(talk);
-  talk->close();
+  CloseReason ending{"the connection was lost", {}};
+  if (co_await send(session, hello)) ending = co_await readAll(session);
+  session->close();
   co_return ending;
 }
 
-asio::awaitable<void> Connection::watch(ConversationPtr talk) {
-  while (clock_.now() < talk->deadline) {
-    if (talk->unanswered_since && clock_.now() - *talk->unanswered_since >= settings_.pong_limit) {
-      talk->overdue = "the server answers no pings, so that its clock is not known";
+asio::awaitable<void> Connection::watch(ConversationPtr session) {
+  while (clock_.now() < session->deadline) {
+    if (session->unanswered_since &&
+        clock_.now() - *session->unanswered_since >= settings_.pong_limit) {
+      session->overdue = "the server answers no pings, so that its clock is not known";
       break;
     }
     boost::system::error_code ec;
-    talk->watcher.expires_after(kCheckEvery);
-    co_await talk->watcher.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+    session->watcher.expires_after(kCheckEvery);
+    co_await session->watcher.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
   }
-  talk->timed_out = true;
-  talk->close();
+  session->timed_out = true;
+  session->close();
 }
 
-asio::awaitable<bool> Connection::send(ConversationPtr talk, Message message) {
-  co_return co_await talk->channel->write(encodeShared(message));
+asio::awaitable<bool> Connection::send(ConversationPtr session, Message message) {
+  co_return co_await session->channel->write(encodeShared(message));
 }
 
-asio::awaitable<void> Connection::speak(ConversationPtr talk) {
+asio::awaitable<void> Connection::speak(ConversationPtr session) {
   std::size_t pings = 0;
   LocalTime next_ping = clock_.now();
-  while (!talk->closed) {
-    if (const auto order = std::exchange(talk->order, std::nullopt)) {
-      if (!co_await send(talk, *order)) co_return;
+  while (!session->closed) {
+    if (const auto order = std::exchange(session->order, std::nullopt)) {
+      if (!co_await send(session, *order)) co_return;
     } else if (clock_.now() >= next_ping) {
       const bool burst = ++pings < ClockSync::kBurst;
       next_ping = clock_.now() + (burst ? settings_.burst_interval : settings_.ping_interval);
-      if (!co_await ping(talk, !burst)) co_return;
+      if (!co_await ping(session, !burst)) co_return;
     } else {
       boost::system::error_code woken;
-      talk->pinger.expires_after(next_ping - clock_.now());
-      co_await talk->pinger.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+      session->pinger.expires_after(next_ping - clock_.now());
+      co_await session->pinger.async_wait(asio::redirect_error(asio::use_awaitable, woken));
     }
   }
 }
 
-asio::awaitable<bool> Connection::ping(ConversationPtr talk, bool with_report) {
+asio::awaitable<bool> Connection::ping(ConversationPtr session, bool with_report) {
   const LocalTime now = clock_.now();
-  talk->pings.push_back(now);
-  if (talk->pings.size() > kMaxPingsOut) talk->pings.pop_front();
-  if (!co_await send(talk, Ping{now})) co_return false;
-  co_return !with_report || co_await send(talk, report());
+  session->pings.push_back(now);
+  if (session->pings.size() > kMaxPingsOut) session->pings.pop_front();
+  if (!co_await send(session, Ping{now})) co_return false;
+  co_return !with_report || co_await send(session, report());
 }
 
-asio::awaitable<Connection::Ending> Connection::readAll(ConversationPtr talk) {
+asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr session) {
   for (;;) {
-    const auto payload = co_await talk->channel->read();
-    if (talk->timed_out) co_return Ending{talk->overdue, ErrorCode::kTimeout};
-    if (!payload.ok()) co_return Ending{payload.error().message, payload.error().code};
+    const auto payload = co_await session->channel->read();
+    if (session->timed_out) co_return CloseReason{session->overdue, ErrorCode::kTimeout};
+    if (!payload.ok()) co_return CloseReason{payload.error().message, payload.error().code};
     if (!payload.value()) {
-      co_return Ending{"the connection was lost (" + talk->channel->whyEnded() + ")", {}};
+      co_return CloseReason{"the connection was lost (" + session->channel->whyEnded() + ")", {}};
     }
     auto message = decode(*payload.value());
-    auto error = message.ok() ? handle(*talk, std::move(message).value()) : message.error();
-    if (error) co_return Ending{std::move(error->message), error->code};
-    if (talk->welcomed && !talk->pinging) {
-      talk->pinging = true;
+    auto error = message.ok() ? handle(*session, std::move(message).value()) : message.error();
+    if (error) co_return CloseReason{std::move(error->message), error->code};
+    if (session->welcomed && !session->pinging) {
+      session->pinging = true;
       asio::co_spawn(
-          io_, [this, talk] { return speak(talk); }, asio::detached);
+          io_, [this, session] { return speak(session); }, asio::detached);
     }
   }
 }
 
-std::optional<WireError> Connection::handleWelcome(Conversation& talk, const Message& message) {
+std::optional<WireError> Connection::handleWelcome(Session& session, const Message& message) {
   const auto* const welcome = std::get_if<Welcome>(&message);
   if (welcome == nullptr)
     return WireError{ErrorCode::kUnexpected, "the first message is no welcome"};
   if (welcome->protocol_version != kProtocolVersion) {
-    return WireError{ErrorCode::kVersion, "the server speaks protocol version " +
+    return WireError{ErrorCode::kVersion, "the server has protocol version " +
                                               std::to_string(welcome->protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
-  talk.welcomed = true;
-  talk.unanswered_since = clock_.now();
+  session.welcomed = true;
+  session.unanswered_since = clock_.now();
   ever_welcomed_ = true;
-  talk.channel->setReadLimit(kMaxMessageBytes);
+  session.channel->setReadLimit(kMaxMessageBytes);
   receiver_.connected(welcome->description, clock_.now());
   if (events_.welcomed) events_.welcomed(welcome->description);
-  openLink(talk, *welcome);
+  openLink(session, *welcome);
   return std::nullopt;
 }
 
-void Connection::openLink(Conversation& talk, const Welcome& welcome) {
-  const auto server = parseEndpoint(talk.channel->peer(), {});
+void Connection::openLink(Session& session, const Welcome& welcome) {
+  const auto server = parseEndpoint(session.channel->peer(), {});
   if (!server) return;  // a channel that is no connection between hosts
   // The conversation closes its link before it goes.
-  talk.link = DatagramLink::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
-                                 {.order =
-                                      [&talk](const Delivery& order) {
-                                        talk.order = order;
-                                        talk.pinger.cancel();
-                                      },
-                                  .news =
-                                      [this](const std::string& line) {
-                                        if (events_.delivery) events_.delivery(line);
-                                      }});
+  session.link = UdpReceiver::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
+                                   {.order =
+                                        [&session](const Delivery& order) {
+                                          session.order = order;
+                                          session.pinger.cancel();
+                                        },
+                                    .news =
+                                        [this](const std::string& line) {
+                                          if (events_.delivery) events_.delivery(line);
+                                        }});
 }
 
-std::optional<WireError> Connection::handle(Conversation& talk, Message message) {
+std::optional<WireError> Connection::handle(Session& session, Message message) {
   if (auto* const error = std::get_if<WireError>(&message)) return std::move(*error);
   const LocalTime now = clock_.now();
   std::optional<WireError> failure;
-  if (!talk.welcomed) {
-    failure = handleWelcome(talk, message);
+  if (!session.welcomed) {
+    failure = handleWelcome(session, message);
   } else if (auto* const frame = std::get_if<CodedFrame>(&message)) {
-    if (!talk.first_frame) talk.first_frame = now;
-    if (talk.link) talk.link->tcpFrame(frame->id);
+    if (!session.first_frame) session.first_frame = now;
+    if (session.link) session.link->tcpFrame(frame->id);
     receiver_.frame(std::move(*frame), now);
   } else if (const auto* const pong = std::get_if<Pong>(&message)) {
-    handlePong(talk, *pong);
+    handlePong(session, *pong);
   } else if (auto* const video = std::get_if<VideoFrame>(&message)) {
     if (events_.video) events_.video(std::move(*video));
   } else if (const auto* const preparing = std::get_if<Preparing>(&message)) {
@@ -249,17 +251,17 @@ std::optional<WireError> Connection::handle(Conversation& talk, Message message)
   } else {
     failure = WireError{ErrorCode::kUnexpected, "the server sent what only clients send"};
   }
-  talk.deadline = now + settings_.silence_limit;
-  talk.overdue = "the server has gone silent";
+  session.deadline = now + settings_.silence_limit;
+  session.overdue = "the server has gone silent";
   return failure;
 }
 
-void Connection::handlePong(Conversation& talk, const Pong& pong) {
+void Connection::handlePong(Session& session, const Pong& pong) {
   // Only what was asked counts, and once.
-  const auto asked = std::find(talk.pings.begin(), talk.pings.end(), pong.t0);
-  if (asked == talk.pings.end()) return;
-  talk.pings.erase(asked);
-  talk.unanswered_since.reset();
+  const auto asked = std::find(session.pings.begin(), session.pings.end(), pong.t0);
+  if (asked == session.pings.end()) return;
+  session.pings.erase(asked);
+  session.unanswered_since.reset();
   receiver_.pong(pong, clock_.now());
 }
 

@@ -64,13 +64,13 @@ class Connection {
   [[nodiscard]] std::uint64_t bytesReceived() const;
   [[nodiscard]] DatagramCounts datagrams() const;
   /// As it is, or was when the last connection ended.
-  [[nodiscard]] DeliveryState delivery() const;
+  [[nodiscard]] DeliveryStats delivery() const;
 
  private:
-  struct Conversation;  // with one server over one channel
-  using ConversationPtr = std::shared_ptr<Conversation>;
+  struct Session;  // with one server over one channel
+  using ConversationPtr = std::shared_ptr<Session>;
   /// How a conversation ended.
-  struct Ending {
+  struct CloseReason {
     std::string why;                // one line
     std::optional<ErrorCode> code;  // where the protocol has one for it
     bool no_such_server = false;
@@ -79,18 +79,18 @@ class Connection {
   asio::awaitable<void> run();
   /// Whether it is useless to try again: the server speaks another version of the protocol; or,
   /// while none was ever reached, its name does not exist or it speaks something else.
-  [[nodiscard]] bool hopeless(const Ending& ending) const;
-  asio::awaitable<Ending> converse();
-  asio::awaitable<Ending> readAll(ConversationPtr talk);
+  [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
+  asio::awaitable<CloseReason> runSession();
+  asio::awaitable<CloseReason> readAll(ConversationPtr session);
   /// Pings, reports, and orders where frames shall come; the only one who writes.
-  asio::awaitable<void> speak(ConversationPtr talk);
-  asio::awaitable<bool> ping(ConversationPtr talk, bool with_report);
-  void openLink(Conversation& talk, const Welcome& welcome);
-  asio::awaitable<void> watch(ConversationPtr talk);
-  asio::awaitable<bool> send(ConversationPtr talk, Message message);
-  [[nodiscard]] std::optional<WireError> handle(Conversation& talk, Message message);
-  [[nodiscard]] std::optional<WireError> handleWelcome(Conversation& talk, const Message& message);
-  void handlePong(Conversation& talk, const Pong& pong);
+  asio::awaitable<void> speak(ConversationPtr session);
+  asio::awaitable<bool> ping(ConversationPtr session, bool with_report);
+  void openLink(Session& session, const Welcome& welcome);
+  asio::awaitable<void> watch(ConversationPtr session);
+  asio::awaitable<bool> send(ConversationPtr session, Message message);
+  [[nodiscard]] std::optional<WireError> handle(Session& session, Message message);
+  [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Message& message);
+  void handlePong(Session& session, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;
 
   asio::io_context& io_;
@@ -99,14 +99,14 @@ class Connection {
   Receiver& receiver_;
   ConnectionEvents events_;
   asio::steady_timer retry_;
-  DialStop dial_stop_;
-  ConversationPtr talk_;
+  DialCancellation dial_stop_;
+  ConversationPtr session_;
   bool stopped_ = false;
   bool ever_welcomed_ = false;
   bool in_contact_ = false;
   std::uint64_t bytes_received_ = 0;  // of the conversations that have ended
   DatagramCounts datagrams_;          // the same
-  DeliveryState delivery_;            // of the last of them
+  DeliveryStats delivery_;            // of the last of them
 };
 
 }  // namespace hapticast::client

@@ -36,21 +36,21 @@ PlayObject playObject(const CodedObject& object) {
 
 }  // namespace
 
-Preparer::Preparer(FramePool& pool, const Clock& clock, Method method,
-                   std::function<void(const PreparedFrame&)> done)
+DecodeThread::DecodeThread(FramePool& pool, const Clock& clock, Method method,
+                           std::function<void(const PreparedFrame&)> done)
     : pool_(pool), clock_(clock), method_(method), done_(std::move(done)) {}
 
-void Preparer::start() {
+void DecodeThread::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-void Preparer::stop() {
+void DecodeThread::stop() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
   thread_.join();
 }
 
-void Preparer::run(const std::stop_token& stop) {
+void DecodeThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     if (step()) continue;
     std::unique_lock lock(mutex_);
@@ -58,13 +58,13 @@ void Preparer::run(const std::stop_token& stop) {
   }
 }
 
-void Preparer::reset(const Workspace& workspace) {
+void DecodeThread::reset(const Workspace& workspace) {
   const std::lock_guard lock(mutex_);
   queue_.clear();
   begins_ = workspace;
 }
 
-std::size_t Preparer::push(AssembledFrame assembled) {
+std::size_t DecodeThread::push(AssembledFrame assembled) {
   std::size_t left_out = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -74,7 +74,7 @@ std::size_t Preparer::push(AssembledFrame assembled) {
   return left_out;
 }
 
-std::optional<AssembledFrame> Preparer::next() {
+std::optional<AssembledFrame> DecodeThread::next() {
   std::optional<FrameQueue::Taken> taken;
   std::optional<Workspace> begins;
   {
@@ -92,7 +92,7 @@ std::optional<AssembledFrame> Preparer::next() {
   return std::move(taken->assembled);
 }
 
-bool Preparer::step() {
+bool DecodeThread::step() {
   const auto assembled = next();
   if (!assembled) return false;
   PreparedFrame result;
@@ -113,7 +113,8 @@ bool Preparer::step() {
   return true;
 }
 
-void Preparer::fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result) {
+void DecodeThread::fill(FramePool::Slot& slot, const AssembledFrame& assembled,
+                        PreparedFrame& result) {
   const CodedFrame& frame = assembled.frame;
   slot.frame.epoch = assembled.place.epoch;
   slot.frame.id = frame.id;
@@ -130,8 +131,8 @@ void Preparer::fill(FramePool::Slot& slot, const AssembledFrame& assembled, Prep
   }
 }
 
-void Preparer::fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
-                          std::uint64_t frame_id, PreparedFrame& result) {
+void DecodeThread::fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
+                              std::uint64_t frame_id, PreparedFrame& result) {
   ReliefCache::Resolved relief = reliefs_.resolve(object, frame_id);
   if (relief.rejected) ++result.reliefs_rejected;
   if (!relief.field && !relief.rejected) ++result.reliefs_missing;

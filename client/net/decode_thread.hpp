@@ -29,19 +29,19 @@ struct PreparedFrame {
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
   std::uint64_t slices_refused = 0;
-  FeltFrame felt;
+  PlayableReliefs felt;
 };
 
-class Preparer {
+class DecodeThread {
  public:
   /// The preparer is the one producer of `pool`: only its thread allocates or frees what the slots
   /// point to. `done` is told of every frame, on the thread of step(). `pool` and `clock` outlive
   /// the preparer; `method` chooses how heights are prepared.
-  Preparer(FramePool& pool, const Clock& clock, Method method,
-           std::function<void(const PreparedFrame&)> done);
-  Preparer(const Preparer&) = delete;
-  Preparer& operator=(const Preparer&) = delete;
-  ~Preparer() { stop(); }
+  DecodeThread(FramePool& pool, const Clock& clock, Method method,
+               std::function<void(const PreparedFrame&)> done);
+  DecodeThread(const DecodeThread&) = delete;
+  DecodeThread& operator=(const DecodeThread&) = delete;
+  ~DecodeThread() { stop(); }
 
   /// Begins to call step() on a thread of its own whenever a frame waits.
   void start();

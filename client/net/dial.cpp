@@ -15,7 +15,7 @@ using Addresses = asio::ip::tcp::resolver::results_type;
 const DialError kStopped{"stopped"};
 
 asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const Endpoint& server,
-                                                     Duration deadline, DialStop& stop) {
+                                                     Duration deadline, DialCancellation& stop) {
   // A look-up cannot be interrupted, so it is raced against a timer and left behind when it loses.
   struct Race {
     explicit Race(asio::io_context& context) : resolver(context), timer(context) {}
@@ -51,7 +51,7 @@ asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const
 }  // namespace
 
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
-                                 DialStop& stop) {
+                                 DialCancellation& stop) {
   const auto addresses = co_await lookUp(io, server, deadline, stop);
   if (!addresses.ok()) co_return addresses.error();
 

@@ -14,7 +14,7 @@
 namespace hapticast::client {
 
 /// What a dialling that goes on can be ended by; it comes back with an error soon after.
-class DialStop {
+class DialCancellation {
  public:
   void stop() {
     stopped_ = true;
@@ -38,12 +38,12 @@ struct DialError {
 /// A channel that takes small messages only until its read limit is raised.
 using Dialled = Result<std::unique_ptr<Channel>, DialError>;
 using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const Endpoint& server,
-                                                    Duration deadline, DialStop& stop)>;
+                                                    Duration deadline, DialCancellation& stop)>;
 
 /// Looks the name up and connects over TCP, each for at most `deadline` of the steady clock. (A
 /// look-up cannot be interrupted: one that is too late or stopped is left behind and ends by
 /// itself.) `stop` outlives the call.
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
-                                 DialStop& stop);
+                                 DialCancellation& stop);
 
 }  // namespace hapticast::client

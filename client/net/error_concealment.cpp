@@ -46,7 +46,7 @@ Vec2 carried(const Vec2& at_mm, const Motion& from, const Motion& to) {
 
 }  // namespace
 
-PixelRect carriedRect(const SeenRelief& before, const Motion& now, const Workspace& workspace) {
+PixelRect warpedRect(const PosedRelief& before, const Motion& now, const Workspace& workspace) {
   const PixelRect& rect = before.relief->rect;
   const Vec2 picture(workspace.width_px, workspace.height_px);
   Vec2 low = picture, high = Vec2::Zero();
@@ -63,8 +63,8 @@ PixelRect carriedRect(const SeenRelief& before, const Motion& now, const Workspa
   return {first.x(), first.y(), size.x(), size.y()};
 }
 
-void carryOver(const SeenRelief& before, const Motion& now, const Workspace& workspace,
-               const std::vector<std::uint8_t>& have, Relief& to) {
+void concealMissing(const PosedRelief& before, const Motion& now, const Workspace& workspace,
+                    const std::vector<std::uint8_t>& have, Relief& to) {
   const Motion& then = before.motion;
   const auto raised = static_cast<float>(now.position_mm.z() - then.position_mm.z());
   std::size_t i = 0;

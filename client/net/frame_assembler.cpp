@@ -63,7 +63,7 @@ FrameAssembler::Want FrameAssembler::want(const DatagramHeader& part) const {
   const bool astray = part.frame > newest_id ? part.frame - newest_id > kLargestJump
                                              : newest_id - part.frame > kOldestPart;
   if (any && astray) return Want::kAstray;
-  const auto lacking = [&](const JoinedFrame& joined) {
+  const auto lacking = [&](const Reassembly& joined) {
     return joined.lacks(part) ? Want::kNew : Want::kHad;
   };
   if (const auto waiting = waiting_.find(part.frame); waiting != waiting_.end())
@@ -93,7 +93,7 @@ Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
 Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
                                                 std::span<const std::uint8_t> payload,
                                                 LocalTime arrived) {
-  JoinedFrame& joined = left_.try_emplace(part.frame, part).first->second;
+  Reassembly& joined = left_.try_emplace(part.frame, part).first->second;
   if (auto error = joined.add(part, payload)) {
     left_.erase(part.frame);
     giveUp(part.frame);
@@ -150,7 +150,7 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
 }
 
 std::optional<AssembledFrame> FrameAssembler::leaveInParts(std::uint64_t id, Waiting waiting) {
-  JoinedFrame& joined = *waiting.joined;
+  Reassembly& joined = *waiting.joined;
   const bool whole = joined.whole();
   // An object whose head is missing would seem to have gone.
   std::optional<CodedFrame> frame;

@@ -93,9 +93,9 @@ class FrameAssembler {
 
  private:
   struct Waiting {
-    std::optional<CodedFrame> frame;    // came over TCP
-    std::optional<JoinedFrame> joined;  // in parts, or in parts as well
-    LocalTime arrived;                  // the last that came of it
+    std::optional<CodedFrame> frame;   // came over TCP
+    std::optional<Reassembly> joined;  // in parts, or in parts as well
+    LocalTime arrived;                 // the last that came of it
 
     [[nodiscard]] std::size_t bytes() const { return joined ? joined->bytes() : 0; }  // of parts
   };
@@ -126,7 +126,7 @@ class FrameAssembler {
   std::map<std::uint64_t, Waiting> waiting_;   // by id
   // Of the last kOldestPart frames: those that left or were passed over before they were whole, and
   // those of which nothing more is wanted. Both are bounded whatever the ids are.
-  std::map<std::uint64_t, JoinedFrame> left_;  // by id
+  std::map<std::uint64_t, Reassembly> left_;  // by id
   std::set<std::uint64_t> done_;
   std::set<std::uint64_t> by_tcp_;  // frames that left whole; parts only show that they get through
   std::deque<LateFrame> late_;

@@ -18,8 +18,9 @@ constexpr int kWaitsOfInterval = 4;
 constexpr Duration kBackToBack = std::chrono::milliseconds(2);
 }  // namespace
 
-Receiver::Receiver(Preparer& preparer, LatestValue<StreamState>& stream, int lookahead_frames)
-    : preparer_(preparer), stream_(stream), lookahead_frames_(lookahead_frames) {}
+Receiver::Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream,
+                   int lookahead_frames)
+    : decode_thread_(decode_thread), stream_(stream), lookahead_frames_(lookahead_frames) {}
 
 void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();
@@ -31,7 +32,7 @@ void Receiver::connected(const StreamDescription& description, LocalTime now) {
 
 void Receiver::describe(const StreamDescription& description, LocalTime now) {
   if (!described_ || !(description.workspace == latest_.workspace)) {
-    preparer_.reset(description.workspace);
+    decode_thread_.reset(description.workspace);
   }
   if (!described_ || description.pipeline_latency != latest_.pipeline_latency) jitter_.reset();
   described_ = true;
@@ -110,9 +111,10 @@ void Receiver::release(LocalTime now) {
     counts_.lost += assembled->place.lost;
     if (assembled->place.resync) {
       ++counts_.resyncs;
-      preparer_.reset(latest_.workspace);  // "unchanged since frame M" was said of other frames
+      decode_thread_.reset(
+          latest_.workspace);  // "unchanged since frame M" was said of other frames
     }
-    counts_.overrun += preparer_.push(std::move(*assembled));
+    counts_.overrun += decode_thread_.push(std::move(*assembled));
   }
   while (const auto late = assembler_.late()) {
     if (!clock_.ready()) continue;

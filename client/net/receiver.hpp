@@ -38,7 +38,7 @@ class Receiver {
  public:
   /// The receiver is the one that feeds `preparer` and the one writer of `stream`; both outlive it.
   /// `lookahead_frames`: frame intervals that the interpolation needs (Hermite 1, the thesis 2).
-  Receiver(Preparer& preparer, LatestValue<StreamState>& stream, int lookahead_frames);
+  Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames);
 
   /// A connection is made: new clock, new epochs, everything before is void.
   void connected(const StreamDescription& description, LocalTime now);
@@ -66,7 +66,7 @@ class Receiver {
   void disconnected(LocalTime now);
 
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
-  [[nodiscard]] const StreamState& stream() const { return latest_; }  ///< as last published
+  [[nodiscard]] const StreamTiming& stream() const { return latest_; }  ///< as last published
   [[nodiscard]] Duration clockErrorBound() const;  ///< 0 when the clock is not known
 
  private:
@@ -76,13 +76,13 @@ class Receiver {
   [[nodiscard]] Duration lateness(MediaTime media_time, LocalTime arrived) const;
   [[nodiscard]] Duration leastDelay() const;
 
-  Preparer& preparer_;
-  LatestValue<StreamState>& stream_;
+  DecodeThread& decode_thread_;
+  LatestValue<StreamTiming>& stream_;
   int lookahead_frames_;
   FrameAssembler assembler_;
   ClockSync clock_;
   JitterEstimator jitter_;
-  StreamState latest_;
+  StreamTiming latest_;
   ReceiverCounts counts_;
   bool described_ = false;
   std::uint32_t copies_ = 1;

@@ -59,7 +59,7 @@ ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint6
 
 void ReliefCache::carryAll(Entry& entry, const CodedObject& object) const {
   PixelRect rect;
-  if (entry.before.relief) rect = carriedRect(entry.before, object.motion, workspace_);
+  if (entry.before.relief) rect = warpedRect(entry.before, object.motion, workspace_);
   entry.changed_in_frame = object.changed_in_frame;
   entry.coded = std::make_shared<const CodedRelief>(CodedRelief{rect, {}, 1});
   entry.motion = object.motion;
@@ -100,7 +100,7 @@ std::shared_ptr<const Relief> ReliefCache::decode(const Entry& entry, Resolved& 
   counts.slices_lost = coded.slice_count - coded.slices.size();
   if (counts.slices_lost + counts.slices_refused == 0) return relief;
   if (!entry.before.relief) return nullptr;
-  carryOver(entry.before, entry.motion, workspace_, have, *relief);
+  concealMissing(entry.before, entry.motion, workspace_, have, *relief);
   const auto inside = std::find(relief->mask.begin(), relief->mask.end(), 1);
   return inside == relief->mask.end() ? nullptr : relief;
 }

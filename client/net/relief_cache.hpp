@@ -50,8 +50,8 @@ class ReliefCache {
     std::uint64_t changed_in_frame = 0;
     std::uint64_t used_in_frame = 0;
     std::shared_ptr<const CodedRelief> coded;
-    Motion motion;      // of the object when it looked so
-    SeenRelief before;  // the last one that was decoded, if any; once this one is, it
+    Motion motion;       // of the object when it looked so
+    PosedRelief before;  // the last one that was decoded, if any; once this one is, it
     bool decoded = false;
     Resolved resolved;  // once it is decoded
   };

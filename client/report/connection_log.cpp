@@ -18,50 +18,50 @@ std::string greeting(const StreamDescription& stream, Method method) {
   return text;
 }
 
-std::optional<std::string> ConnectionTeller::connected(const std::string& greeting, LocalTime now) {
+std::optional<std::string> ConnectionLog::connected(const std::string& greeting, LocalTime now) {
   ever_connected_ = true;
   reason_.clear();
-  told_ = false;
-  told_share_.reset();
+  logged_ = false;
+  logged_share_.reset();
   return limit_.let(greeting, now);
 }
 
-std::optional<std::string> ConnectionTeller::preparing(double share, LocalTime now) {
-  if (share >= 1.0 || (told_share_ && share < *told_share_ + 0.25)) return std::nullopt;
-  told_share_ = share;
+std::optional<std::string> ConnectionLog::preparing(double share, LocalTime now) {
+  if (share >= 1.0 || (logged_share_ && share < *logged_share_ + 0.25)) return std::nullopt;
+  logged_share_ = share;
   return limit_.let("the server looks through its clip first: " +
                         std::to_string(std::lround(100.0 * share)) + " % done",
                     now);
 }
 
-std::optional<std::string> ConnectionTeller::lost(const std::string& why, LocalTime now) {
-  if (told_ && why == reason_ && now - told_at_ < LineLimit::kWhile) return std::nullopt;
+std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime now) {
+  if (logged_ && why == reason_ && now - last_logged_ < LogRateLimiter::kWhile) return std::nullopt;
   reason_ = why;
-  told_ = true;
-  told_at_ = now;
+  logged_ = true;
+  last_logged_ = now;
   return limit_.let(ever_connected_ ? server_ + ": " + why + "; trying again"
                                     : "waiting for a server at " + server_ + " (" + why + ")",
                     now);
 }
 
-std::optional<std::string> OddityTeller::take(const ReceiverCounts& counts, LocalTime now) {
-  if (told_at_ && now - *told_at_ < LineLimit::kWhile) return std::nullopt;
+std::optional<std::string> StreamErrorLog::take(const ReceiverCounts& counts, LocalTime now) {
+  if (last_logged_ && now - *last_logged_ < LogRateLimiter::kWhile) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {
     if (count > told) text += (text.empty() ? "" : "; ") + (what + std::to_string(count - told));
   };
-  add(counts.reliefs_rejected, told_.reliefs_rejected,
+  add(counts.reliefs_rejected, logged_.reliefs_rejected,
       "reliefs outside the announced picture or too high, whose objects are not shown: ");
-  add(counts.slices_refused, told_.slices_refused, "slices of heights that cannot be decoded: ");
-  add(counts.resyncs, told_.resyncs, "jumps of the frames' ids, after which touch begins anew: ");
-  add(counts.reliefs_missing, told_.reliefs_missing,
+  add(counts.slices_refused, logged_.slices_refused, "slices of heights that cannot be decoded: ");
+  add(counts.resyncs, logged_.resyncs, "jumps of the frames' ids, after which touch begins anew: ");
+  add(counts.reliefs_missing, logged_.reliefs_missing,
       "objects without a shape, which are not shown: ");
-  add(counts.overrun + counts.no_slot, told_.overrun + told_.no_slot,
+  add(counts.overrun + counts.no_slot, logged_.overrun + logged_.no_slot,
       "frames that came faster than they can be felt and were dropped: ");
   if (text.empty()) return std::nullopt;
-  told_ = counts;
-  told_at_ = now;
-  return "the server errs: " + text;
+  logged_ = counts;
+  last_logged_ = now;
+  return "server error: " + text;
 }
 
 }  // namespace hapticast::client

@@ -15,10 +15,10 @@ namespace hapticast::client {
 /// What is said of a new connection, by a client that runs `method`.
 std::string greeting(const StreamDescription& stream, Method method);
 
-class ConnectionTeller {
+class ConnectionLog {
  public:
   /// `server`: HOST:PORT, or mdns:NAME.
-  explicit ConnectionTeller(std::string server) : server_(std::move(server)) {}
+  explicit ConnectionLog(std::string server) : server_(std::move(server)) {}
 
   /// From now on it is another server.
   void nowIs(std::string server) { server_ = std::move(server); }
@@ -41,22 +41,22 @@ class ConnectionTeller {
  private:
   std::string server_;
   std::string reason_;
-  std::optional<double> told_share_;  // on this connection
-  LocalTime told_at_{};               // reason_
-  bool told_ = false;                 // reason_
+  std::optional<double> logged_share_;  // on this connection
+  LocalTime last_logged_{};             // reason_
+  bool logged_ = false;                 // reason_
   bool ever_connected_ = false;
-  LineLimit limit_;
+  LogRateLimiter limit_;
 };
 
 /// What a stream brings that is not felt, a line a minute at most.
-class OddityTeller {
+class StreamErrorLog {
  public:
   /// `counts`: of the run so far.
   std::optional<std::string> take(const ReceiverCounts& counts, LocalTime now);
 
  private:
-  ReceiverCounts told_;
-  std::optional<LocalTime> told_at_;
+  ReceiverCounts logged_;
+  std::optional<LocalTime> last_logged_;
 };
 
 }  // namespace hapticast::client

@@ -39,14 +39,14 @@ std::filesystem::path stateFolder() {
   return home.empty() ? "." : home / ".local/state/hapticast";
 }
 
-FaultFiles::FaultFiles(const std::string& folder)
+FaultLogWriter::FaultLogWriter(const std::string& folder)
     : folder_(folder.empty() ? stateFolder() : std::filesystem::path(folder)) {
   if (folder.empty() || makeFolder(folder_)) return;
   throw std::runtime_error("--fault-dir " + folder +
                            ": is no folder that can be made and written to");
 }
 
-std::filesystem::path FaultFiles::nextFile() {
+std::filesystem::path FaultLogWriter::nextFile() {
   const std::string time = fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(std::time(nullptr)));
   std::filesystem::path file;
   std::error_code error;
@@ -57,7 +57,7 @@ std::filesystem::path FaultFiles::nextFile() {
   return file;
 }
 
-void FaultFiles::take(FlightRecorder& recorder, LocalTime begin) {
+void FaultLogWriter::take(FlightRecorder& recorder, LocalTime begin) {
   if (!recorder.frozen() || written_ == kMaxFiles) return;
   const Fault fault = recorder.at(recorder.size() - 1).fault;
   (void)makeFolder(folder_);

@@ -15,14 +15,14 @@ namespace hapticast::client {
 
 /// Files hapticast-fault-TIME-N.csv, TIME as 20261122T161500Z: what one run leaves, no other
 /// overwrites.
-class FaultFiles {
+class FaultLogWriter {
  public:
   /// Chosen: who needs more than these has seen enough.
   static constexpr int kMaxFiles = 10;
 
   /// `folder` (--fault-dir) is made at once; throws std::runtime_error, one line, when nothing can
   /// be written there. Empty: stateFolder(), made when it is needed.
-  explicit FaultFiles(const std::string& folder);
+  explicit FaultLogWriter(const std::string& folder);
   /// Writes a file if `recorder` is frozen by a fault, says so in the log, and lets it record
   /// again. `begin`: the run's first tick, t_s = 0. Beyond kMaxFiles, and when there is no writing,
   /// it does nothing.

@@ -7,18 +7,18 @@ namespace hapticast::client {
 
 namespace {
 
-bool acted(const TickReport& report, Interference which) {
+bool acted(const TickReport& report, SafetyAction which) {
   return (report.interferences & bit(which)) != 0;
 }
 
 /// New, or the last time is a while ago.
 bool due(std::optional<LocalTime>& told, LocalTime now) {
-  if (told && now - *told < LineLimit::kWhile) return false;
+  if (told && now - *told < LogRateLimiter::kWhile) return false;
   told = now;
   return true;
 }
 
-std::string comesBack(const Rearm& rearm) {
+std::string comesBack(const RearmPolicy& rearm) {
   if (rearm.left() > 0)
     return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
                        rearm.left() == 1 ? "time" : "times");
@@ -27,7 +27,7 @@ std::string comesBack(const Rearm& rearm) {
                           : "from now on; start again, or with --rearm, to touch it";
 }
 
-std::string halted(const TickReport& report, const Rearm& rearm) {
+std::string halted(const TickReport& report, const RearmPolicy& rearm) {
   if (report.halt == Halt::kDeviceLost) {
     const char* const until = rearm.byItself() ? "until it is back"
                               : rearm.byKey()  ? "until it is back and R is pressed in the window"
@@ -36,18 +36,19 @@ std::string halted(const TickReport& report, const Rearm& rearm) {
   }
   if (report.halt == Halt::kUnconfirmed)
     return fmt::format(
-        "this device was found, not asked for: no force until {}its re-arming "
-        "button is pressed, or with --rearm or --device",
+        "the client detected this device automatically: no force until {}its re-arming "
+        "button is pressed; --rearm or --device confirm it as well",
         rearm.byKey() ? "R in the window or " : "");
   return fmt::format(
       "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
       "force {}",
-      inWords(report.distrusted), comesBack(rearm));
+      toText(report.distrusted), comesBack(rearm));
 }
 
 }  // namespace
 
-std::optional<std::string> TouchTeller::take(const TickReport& report, const Rearm& rearm) {
+std::optional<std::string> HapticStatusLog::take(const TickReport& report,
+                                                 const RearmPolicy& rearm) {
   if (report.halt != halt_) {
     halt_ = report.halt;
     if (halt_ == Halt::kStopped) return std::nullopt;
@@ -60,9 +61,9 @@ std::optional<std::string> TouchTeller::take(const TickReport& report, const Rea
   return limit_.let(std::move(line), report.time);
 }
 
-std::string TouchTeller::news(const TickReport& report) {
-  if (!report.enabled && !told_enable_) {
-    told_enable_ = true;
+std::string HapticStatusLog::news(const TickReport& report) {
+  if (!report.enabled && !logged_enable_) {
+    logged_enable_ = true;
     return "the device's enabling button is not held: no force until it is, and whenever it is let "
            "go";
   }
@@ -76,10 +77,9 @@ std::string TouchTeller::news(const TickReport& report) {
     stale_ = false;
     return "frames come again";
   }
-  if (acted(report, Interference::kStiffness) && due(told_softer_, report.time))
-    return "a wall is softer than its author asks for (--stiffness-limit, and what the device "
-           "stands)";
-  if (acted(report, Interference::kLatency) && due(told_later_, report.time))
+  if (acted(report, SafetyAction::kStiffness) && due(logged_softer_, report.time))
+    return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
+  if (acted(report, SafetyAction::kLatency) && due(logged_later_, report.time))
     return "the device answers later than its profile says: walls are softer";
   return "";
 }

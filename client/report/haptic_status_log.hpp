@@ -12,21 +12,21 @@
 
 namespace hapticast::client {
 
-class TouchTeller {
+class HapticStatusLog {
  public:
   /// Sees every report, before `rearm`, which knows whether the force will come back by itself.
-  std::optional<std::string> take(const TickReport& report, const Rearm& rearm);
+  std::optional<std::string> take(const TickReport& report, const RearmPolicy& rearm);
 
  private:
   [[nodiscard]] std::string news(const TickReport& report);
 
   Halt halt_ = Halt::kNone;
   bool stale_ = false;
-  bool told_enable_ = false;  // once: whoever uses the button knows
-  std::optional<LocalTime> told_softer_;
-  std::optional<LocalTime> told_later_;
-  LineLimit limit_;
-  LineLimit halt_limit_;  // whatever else a stream makes the other one say
+  bool logged_enable_ = false;  // once: whoever uses the button knows
+  std::optional<LocalTime> logged_softer_;
+  std::optional<LocalTime> logged_later_;
+  LogRateLimiter limit_;
+  LogRateLimiter halt_limit_;  // whatever else a stream makes the other one say
 };
 
 }  // namespace hapticast::client

@@ -9,7 +9,7 @@
 
 namespace hapticast::client {
 
-class LineLimit {
+class LogRateLimiter {
  public:
   static constexpr Duration kWhile = std::chrono::minutes(1);
   /// Chosen: as many lines a while, beyond which what comes and goes is only noise.

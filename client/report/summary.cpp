@@ -36,7 +36,7 @@ Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
 std::string chainInWords(const LoopStats& loop) {
   std::string text;
   for (std::size_t i = 0; i < loop.interferences.size(); ++i) {
-    const std::string what = inWords(static_cast<Interference>(i));
+    const std::string what = toText(static_cast<SafetyAction>(i));
     const std::uint64_t ticks = loop.interferences[i];
     if (what.empty() || ticks == 0) continue;
     text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
@@ -99,7 +99,7 @@ Json summary(const RunResult& result) {
       {"slices", {{"lost", result.frames.slices_lost}, {"refused", result.frames.slices_refused}}},
       {"datagrams", datagramsOf(result.datagrams)},
       {"delivery",
-       {{"way", wayName(result.delivery.way)},
+       {{"way", transportName(result.delivery.way)},
         {"loss", result.delivery.loss},
         {"copies", result.delivery.copies}}},
       {"bytes_received", result.bytes_received},
@@ -137,7 +137,7 @@ void writeSummary(const std::string& file, const RunResult& result) {
                              ": cannot be written; is its folder there and writable?");
 }
 
-std::string inWords(const RunResult& result) {
+std::string toText(const RunResult& result) {
   const LoopStats& loop = result.loop;
   const auto microseconds = [&](double quantile) {
     return static_cast<double>(loop.tick_ns.quantile_ns(quantile)) * 1e-3;
@@ -159,8 +159,8 @@ std::string inWords(const RunResult& result) {
   text += fmt::format(
       "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's "
       "clock.\n",
-      result.frames.received, wayName(result.delivery.way), result.frames.lost, result.frames.late,
-      result.playout_delay_ms);
+      result.frames.received, transportName(result.delivery.way), result.frames.lost,
+      result.frames.late, result.playout_delay_ms);
   if (result.device)
     text += fmt::format("The device answered {} times; {} ticks began without, {} damaged.\n",
                         result.device->round_trips, result.device->misses, result.device->resyncs);

@@ -21,7 +21,7 @@ struct RunResult {
   ReceiverCounts frames;
   std::uint64_t bytes_received = 0;
   DatagramCounts datagrams;
-  DeliveryState delivery;
+  DeliveryStats delivery;
   double playout_delay_ms = 0.0;        ///< at the end
   double clock_offset_us = 0.0;         ///< media clock - local clock
   double clock_error_us = 0.0;          ///< its bound
@@ -34,6 +34,6 @@ struct RunResult {
 /// the file when it cannot be written.
 void writeSummary(const std::string& file, const RunResult& result);
 /// A few sentences for people.
-[[nodiscard]] std::string inWords(const RunResult& result);
+[[nodiscard]] std::string toText(const RunResult& result);
 
 }  // namespace hapticast::client

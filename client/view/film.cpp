@@ -70,8 +70,8 @@ void FilmView::take(Shot shot) {
   something_waits_.notify_one();
 }
 
-bool FilmView::turn(Desk& desk) {
-  if (desk.stream.connected) fps_ = desk.stream.fps;
+bool FilmView::turn(UiState& ui_state) {
+  if (ui_state.stream.connected) fps_ = ui_state.stream.fps;
   return true;
 }
 

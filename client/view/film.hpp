@@ -33,7 +33,7 @@ class FilmView final : public View {
 
   void takePicture(VideoFrame picture, const Workspace& workspace) override;
   void takeReport(const TickReport& report) override;
-  [[nodiscard]] bool turn(Desk& desk) override;
+  [[nodiscard]] bool turn(UiState& ui_state) override;
   /// Waits until all is written.
   void finish() override;
 

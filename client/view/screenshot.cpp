@@ -35,7 +35,7 @@ void Screenshot::takeReport(const TickReport& report) {
   picture_.reset();
 }
 
-bool Screenshot::turn(Desk& /*desk*/) {
+bool Screenshot::turn(UiState& /*desk*/) {
   findPicture();
   return true;
 }

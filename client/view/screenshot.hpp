@@ -20,7 +20,7 @@ class Screenshot final : public View {
   void takePicture(VideoFrame picture, const Workspace& workspace) override;
   void takeReport(const TickReport& report) override;
   /// Finds the picture of the strongest moment while it is still in the buffer.
-  [[nodiscard]] bool turn(Desk& desk) override;
+  [[nodiscard]] bool turn(UiState& ui_state) override;
   void finish() override;
 
   /// The strongest touch so far; while nothing was touched, the last tick.

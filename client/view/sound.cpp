@@ -47,7 +47,7 @@ void SoundView::takeReport(const TickReport& report) {
   cue_.store({.felt = meter_.next(report), .tick = report.tick});
 }
 
-bool SoundView::turn(Desk& /*desk*/) {
+bool SoundView::turn(UiState& /*desk*/) {
   const bool lost = SDL_GetAudioDeviceStatus(device_) == SDL_AUDIO_STOPPED;
   if (lost && tell_) std::exchange(tell_, nullptr)("the sound device is gone: going on without");
   return true;

@@ -24,7 +24,7 @@ class SoundView final : public View {
 
   void takePicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
   void takeReport(const TickReport& report) override;
-  [[nodiscard]] bool turn(Desk& desk) override;
+  [[nodiscard]] bool turn(UiState& ui_state) override;
   /// The hum fades before the device is closed.
   void finish() override;
   [[nodiscard]] bool wantsVideo() const override { return false; }
@@ -33,7 +33,7 @@ class SoundView final : public View {
   static void fill(void* view, std::uint8_t* bytes, int size_bytes) noexcept;
 
   std::function<void(const std::string& line)> tell_;  // null: it has been told
-  ForceMeter meter_;
+  TransientDetector meter_;
   LatestValue<SoundCue> cue_;
   SoundMixer mixer_;  // SDL's thread
   std::uint32_t device_ = 0;

@@ -31,9 +31,9 @@ double SoundMixer::Voice::next(double wanted) noexcept {
 void SoundMixer::fill(std::span<float> samples, const SoundCue& cue) noexcept {
   age_ = cue.tick == tick_ ? age_ + samples.size() : 0;
   tick_ = cue.tick;
-  const ForceParts heard = age_ > kStale ? ForceParts{} : cue.felt;
-  const double press = loudness(heard.press_N);
-  const double blow = loudness(heard.blow_N);
+  const ForceComponents heard = age_ > kStale ? ForceComponents{} : cue.felt;
+  const double press = loudness(heard.sustained_N);
+  const double blow = loudness(heard.transient_N);
   for (float& sample : samples) sample = static_cast<float>(press_.next(press) + blow_.next(blow));
 }
 

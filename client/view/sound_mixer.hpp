@@ -12,7 +12,7 @@ namespace hapticast::client {
 
 /// What is to be heard now. A plain value that owns nothing.
 struct SoundCue {
-  ForceParts felt;
+  ForceComponents felt;
   std::uint64_t tick = 0;  ///< that it was felt in
 };
 

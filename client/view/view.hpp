@@ -18,7 +18,7 @@
 namespace hapticast::client {
 
 /// What is known of the network. A plain value that owns nothing.
-struct StreamStatus {
+struct ConnectionStats {
   bool connected = false;
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;
@@ -29,12 +29,12 @@ struct StreamStatus {
 };
 
 /// What lies between the app and its views.
-struct Desk {
-  UserControls user;      ///< a view may change it
-  PointerTarget pointer;  ///< the one that points() writes it
-  StreamStatus stream;    ///< to be looked at
-  bool record = false;    ///< a view asks for a log in a new file, as long as it is set
-  std::string recording;  ///< to be looked at: the file, or why there is none; empty before
+struct UiState {
+  UserControls user;       ///< a view may change it
+  PointerTarget pointer;   ///< the one that points() writes it
+  ConnectionStats stream;  ///< to be looked at
+  bool record = false;     ///< a view asks for a log in a new file, as long as it is set
+  std::string recording;   ///< to be looked at: the file, or why there is none; empty before
 };
 
 class View {
@@ -44,14 +44,14 @@ class View {
   /// Takes a picture of the stream, which belongs to `workspace`. Thread: any.
   virtual void takePicture(VideoFrame picture, const Workspace& workspace) = 0;
   /// Takes what can be felt of the next frame. Thread: network.
-  virtual void takeFrame(const FeltFrame& /*frame*/) {}
+  virtual void takeFrame(const PlayableReliefs& /*frame*/) {}
   /// Takes the report of a tick, whose `time` counts from the first tick of the run. The ticks
   /// come in order and shortly after they happened.
   /// Thread: main.
   virtual void takeReport(const TickReport& report) = 0;
   /// The view's share of a turn of the event loop, about every 10 ms; it must not wait. Returns
   /// false when the user wants to end. Thread: main.
-  [[nodiscard]] virtual bool turn(Desk& desk) = 0;
+  [[nodiscard]] virtual bool turn(UiState& ui_state) = 0;
   /// Ends the view after the last tick: what it was asked to write is written. Throws
   /// std::runtime_error, one line that names the flag and the file. Thread: main.
   virtual void finish() = 0;

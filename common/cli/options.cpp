@@ -23,8 +23,8 @@ Endpoint endpointOf(const std::string& text, const Endpoint& otherwise, const st
                     std::uint16_t least_port, const std::string& form) {
   const auto endpoint = parseEndpoint(text, otherwise);
   if (endpoint && endpoint->port >= least_port) return *endpoint;
-  throw CLI::ValidationError(name, inQuotes(text) + " is not " + form + " (port " +
-                                       std::to_string(least_port) + "..65535)");
+  throw CLI::ValidationError(
+      name, quote(text) + " is not " + form + " (port " + std::to_string(least_port) + "..65535)");
 }
 
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
@@ -43,7 +43,7 @@ CLI::ValidationError notANumber(const std::string& name, const std::string& text
   std::ostringstream form;
   form << std::setprecision(12) << (std::is_integral_v<Number> ? "a whole number" : "a number")
        << " from " << least << " to " << most;
-  return CLI::ValidationError(name, inQuotes(text) + " is not " + form.str());
+  return CLI::ValidationError(name, quote(text) + " is not " + form.str());
 }
 template CLI::ValidationError notANumber(const std::string&, const std::string&, double, double);
 template CLI::ValidationError notANumber(const std::string&, const std::string&, std::uint64_t,
@@ -54,7 +54,7 @@ CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::string& help) {
   const auto set = [take, name, form](const std::string& text) {
     const auto pair = parsePair(text);
-    if (!pair || !take(*pair)) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
+    if (!pair || !take(*pair)) throw CLI::ValidationError(name, quote(text) + " is not " + form);
   };
   return app.add_option_function<std::string>(name, set, help)
       ->type_name(form.substr(0, form.find(' ')));

@@ -48,7 +48,7 @@ template <class Value, class Number>
 CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
                        Number most, const std::string& unit, const std::string& help) {
   const auto set = [&value, name, least, most](const std::string& text) {
-    const auto number = numberIn<Number>(text, least, most);
+    const auto number = parseNumberInRange<Number>(text, least, most);
     if (!number) throw notANumber(name, text, least, most);
     value = *number;
   };
@@ -65,7 +65,7 @@ CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>&
     values.clear();
     for (const std::string& text : texts) {
       const auto value = parse(text);
-      if (!value) throw CLI::ValidationError(name, inQuotes(text) + " is not " + form);
+      if (!value) throw CLI::ValidationError(name, quote(text) + " is not " + form);
       values.push_back(*value);
     }
   };
@@ -86,7 +86,7 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
     const auto found = choices.find(text);
     if (found == choices.end()) {
       throw CLI::ValidationError(
-          name, inQuotes(text) + " is not one of " + names + didYouMean(text, words));
+          name, quote(text) + " is not one of " + names + spellingHint(text, words));
     }
     value = found->second;
   };

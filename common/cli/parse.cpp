@@ -23,10 +23,10 @@ std::string unknownWords(const CLI::App& app) {
   }
   bool a_flag = false;
   for (const std::string& word : app.remaining()) {
-    words += " " + inQuotes(word);
+    words += " " + quote(word);
     if (!word.starts_with('-')) continue;
     a_flag = true;
-    if (meant.empty()) meant = didYouMean(word.substr(0, word.find('=')), flags);
+    if (meant.empty()) meant = spellingHint(word.substr(0, word.find('=')), flags);
   }
   return words + (a_flag ? meant : "; is a flag missing in front of it?");
 }
@@ -64,7 +64,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
 bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
   const std::string key = line.substr(0, line.find_first_of(": "));
   return std::none_of(argv + 1, argv + argc, [&](const std::string& argument) {
-    if (!key.starts_with("--")) return line.find(inQuotes(argument)) != std::string::npos;
+    if (!key.starts_with("--")) return line.find(quote(argument)) != std::string::npos;
     return argument == key || argument.starts_with(key + "=");
   });
 }
@@ -84,7 +84,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error, int arg
 
 }  // namespace
 
-std::string oneLine(std::string text) {
+std::string stripControls(std::string text) {
   for (char& c : text) {
     const auto code = static_cast<unsigned char>(c);
     if (code < 0x20 || code == 0x7F) c = '?';
@@ -102,7 +102,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     std::cout << version.what() << "\n";
     return 0;
   } catch (const CLI::ParseError& error) {
-    std::cerr << app.get_name() << ": " << oneLine(complaint(app, error, argc, argv))
+    std::cerr << app.get_name() << ": " << stripControls(complaint(app, error, argc, argv))
               << " (--help lists what is allowed)\n";
     return 2;
   }

@@ -11,7 +11,7 @@
 namespace hapticast {
 
 /// `text` with control characters as '?': what files and peers bring must not steer a terminal.
-std::string oneLine(std::string text);
+std::string stripControls(std::string text);
 
 /// Parses; nullopt: go on. Otherwise the exit code to leave with, after one line on stderr (2) or
 /// the help (0).

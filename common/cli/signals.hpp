@@ -7,7 +7,7 @@
 namespace hapticast {
 
 /// Whether SIGHUP was ignored before this program began, as nohup arranges it: then it stays so.
-inline bool hangUpIgnored() {
+inline bool sighupIgnored() {
   struct sigaction before {};
   return ::sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
 }

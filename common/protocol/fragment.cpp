@@ -14,9 +14,9 @@ namespace {
 /// Chosen: 960 bytes, beside which the rest of the message has room.
 constexpr std::size_t kCellsInPiece = 40;
 
-class Packer {
+class Fragmenter {
  public:
-  explicit Packer(std::size_t object_count)
+  explicit Fragmenter(std::size_t object_count)
       : object_count_(static_cast<std::uint32_t>(object_count)) {}
 
   void head(const CodedObject& object) {
@@ -105,7 +105,7 @@ std::shared_ptr<const CodedRelief> inOrder(CodedRelief relief) {
 }  // namespace
 
 std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame) {
-  Packer packer(frame.objects.size());
+  Fragmenter packer(frame.objects.size());
   for (const CodedObject& object : frame.objects) packer.head(object);
   for (const CodedObject& object : frame.objects) {
     const std::size_t cells = object.grid ? object.grid->velocity_mm_s.size() : 0;
@@ -132,15 +132,14 @@ Result<FramePiece, WireError> readPiece(std::span<const std::uint8_t> payload,
   return piece;
 }
 
-JoinedFrame::JoinedFrame(const DatagramHeader& any_part)
-    : header_(any_part), had_(any_part.parts) {}
+Reassembly::Reassembly(const DatagramHeader& any_part) : header_(any_part), had_(any_part.parts) {}
 
-bool JoinedFrame::lacks(const DatagramHeader& part) const {
+bool Reassembly::lacks(const DatagramHeader& part) const {
   return sameFrame(part, header_) && part.part < had_.size() && !had_[part.part];
 }
 
-std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
-                                          std::span<const std::uint8_t> payload) {
+std::optional<WireError> Reassembly::add(const DatagramHeader& part,
+                                         std::span<const std::uint8_t> payload) {
   if (!lacks(part)) return malformed("a part that was had before, or of another frame");
   if (bytes_ + payload.size() > kMaxMessageBytes)
     return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
@@ -159,7 +158,7 @@ std::optional<WireError> JoinedFrame::add(const DatagramHeader& part,
   return std::nullopt;
 }
 
-std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
+std::optional<WireError> Reassembly::join(const ObjectPiece& piece) {
   const CodedObject& from = piece.object;
   const ObjectKey key = keyOf(from);
   if (!objects_.contains(key) && objects_.size() == kMaxObjects)
@@ -181,13 +180,13 @@ std::optional<WireError> JoinedFrame::join(const ObjectPiece& piece) {
   return std::nullopt;
 }
 
-bool JoinedFrame::Joined::covers() const {
+bool Reassembly::Joined::covers() const {
   return cells.empty() || relief.rect.empty() ||
          (grid.columns == gridCells(relief.rect.width) &&
           grid.rows == gridCells(relief.rect.height));
 }
 
-bool JoinedFrame::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
+bool Reassembly::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
   if (!to.covered) {
     to.relief.rect = piece.rect;
     to.covered.emplace(piece.rect);
@@ -204,7 +203,7 @@ bool JoinedFrame::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
   return !known || to.relief.slices.size() <= to.relief.slice_count;
 }
 
-bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
+bool Reassembly::joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
   const auto cells = static_cast<std::size_t>(piece.columns) * static_cast<std::size_t>(piece.rows);
   if (to.cells.empty()) {
     to.grid = {piece.columns, piece.rows, {}, {}};
@@ -222,13 +221,13 @@ bool JoinedFrame::joinGrid(const MotionGrid& piece, std::size_t first_cell, Join
   return true;
 }
 
-bool JoinedFrame::headed() const {
+bool Reassembly::headed() const {
   const auto heads = std::count_if(objects_.begin(), objects_.end(),
                                    [](const auto& each) { return each.second.head; });
   return object_count_ == static_cast<std::size_t>(heads);
 }
 
-std::shared_ptr<const CodedRelief> JoinedFrame::relief(const ObjectKey& object) {
+std::shared_ptr<const CodedRelief> Reassembly::relief(const ObjectKey& object) {
   const auto found = objects_.find(object);
   if (found == objects_.end() || !found->second.head || !found->second.object.relief)
     return nullptr;
@@ -237,7 +236,7 @@ std::shared_ptr<const CodedRelief> JoinedFrame::relief(const ObjectKey& object) 
   return from.in_order;
 }
 
-CodedFrame JoinedFrame::frame() const {
+CodedFrame Reassembly::frame() const {
   CodedFrame frame{header_.epoch, header_.frame, header_.media_time, {}};
   frame.objects.reserve(objects_.size());
   for (const auto& [key, each] : objects_) {

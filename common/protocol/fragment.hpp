@@ -41,10 +41,10 @@ struct FramePiece {
                                                       std::uint64_t frame);
 
 /// A frame as its pieces come, in any order.
-class JoinedFrame {
+class Reassembly {
  public:
   /// The frame that this datagram is a part of; no probe.
-  explicit JoinedFrame(const DatagramHeader& any_part);
+  explicit Reassembly(const DatagramHeader& any_part);
 
   /// False where the part was had before or is none of this frame.
   [[nodiscard]] bool lacks(const DatagramHeader& part) const;

@@ -53,7 +53,7 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
   auto& session = *static_cast<AvahiSession*>(self);
   switch (state) {
     case AVAHI_CLIENT_S_RUNNING:
-      session.told_absent_ = false;
+      session.logged_absent_ = false;
       session.events_.over();
       session.events_.runs(client);
       break;
@@ -73,7 +73,7 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
 
 void AvahiSession::lost(const std::string& why) {
   events_.over();
-  if (!std::exchange(told_absent_, true)) events_.absent(why);
+  if (!std::exchange(logged_absent_, true)) events_.absent(why);
 }
 
 void AvahiSession::retryLater() {

@@ -41,7 +41,7 @@ class AvahiSession {
   const AvahiPoll* api_;
   AvahiClient* client_ = nullptr;
   AvahiTimeout* retry_ = nullptr;
-  bool told_absent_ = false;
+  bool logged_absent_ = false;
 };
 
 }  // namespace hapticast

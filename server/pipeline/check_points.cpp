@@ -25,7 +25,7 @@ void leaveOutContradictions(VisionSettings& settings) {
 
 }  // namespace
 
-VisionSettings withinClip(VisionSettings settings, const SourceInfo& info) {
+VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info) {
   leaveOutContradictions(settings);
   if (info.live || !info.frame_count) return settings;
   const double end_s = static_cast<double>(*info.frame_count) / info.fps;

@@ -10,6 +10,6 @@ namespace hapticast::server {
 /// `settings` without the points whose time is after the end of the clip, and without those that
 /// are the object and none of it in one place at one time; a line in the log for each. A live
 /// source has no end.
-[[nodiscard]] VisionSettings withinClip(VisionSettings settings, const SourceInfo& info);
+[[nodiscard]] VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info);
 
 }  // namespace hapticast::server

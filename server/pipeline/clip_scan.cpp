@@ -9,8 +9,8 @@ namespace {
 constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: what one waits for gladly
 }  // namespace
 
-bool lookThrough(Vision& vision, RgbdSource& source, const MediaClock& clock,
-                 const std::atomic<bool>& stop, const LookProgress& progress) {
+bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
+              const std::atomic<bool>& stop, const ScanProgress& progress) {
   MediaTime told = clock.now();
   return vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     const double share = static_cast<double>(done) / static_cast<double>(total);

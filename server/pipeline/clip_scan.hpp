@@ -12,11 +12,11 @@
 namespace hapticast::server {
 
 /// The share of the look that is done, 0..1: told after each frame, never where there is no look.
-using LookProgress = std::function<void(double share)>;
+using ScanProgress = std::function<void(double share)>;
 
 /// Lets vision look through the clip where it has to. Logs how far it is, at most every two
 /// seconds; `progress` may be null. False where `stop` has broken it off.
-bool lookThrough(Vision& vision, RgbdSource& source, const MediaClock& clock,
-                 const std::atomic<bool>& stop, const LookProgress& progress);
+bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
+              const std::atomic<bool>& stop, const ScanProgress& progress);
 
 }  // namespace hapticast::server

@@ -5,9 +5,9 @@
 
 namespace hapticast::server {
 
-void RangeTeller::tell(const std::optional<MappedRange>& mapped) {
-  if (told_ || !mapped) return;
-  told_ = true;
+void DepthRangeLog::tell(const std::optional<MappedRange>& mapped) {
+  if (logged_ || !mapped) return;
+  logged_ = true;
   const DepthRange& range = mapped->range;
   if (mapped->usual_mm <= 0) {
     spdlog::info("depths of {:.0f} to {:.0f} mm become heights, as given", range.near_mm,

@@ -9,13 +9,13 @@
 
 namespace hapticast::server {
 
-class RangeTeller {
+class DepthRangeLog {
  public:
   /// `mapped`: nullopt while it is not known.
   void tell(const std::optional<MappedRange>& mapped);
 
  private:
-  bool told_ = false;
+  bool logged_ = false;
 };
 
 }  // namespace hapticast::server

@@ -43,18 +43,18 @@ void tellLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) 
 
 }  // namespace
 
-void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
-                      const ReliefBytes& relief_bytes, MediaTime now) {
-  for (auto each = told_.begin(); each != told_.end();) {
+void PlanLog::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
+                   const ReliefBytes& relief_bytes, MediaTime now) {
+  for (auto each = logged_.begin(); each != logged_.end();) {
     if (plans.contains(each->first)) {
       ++each;
     } else {
       bury(std::move(each->second));
-      each = told_.erase(each);
+      each = logged_.erase(each);
     }
   }
   for (const auto& [id, lines] : plans) {
-    ToldPlan& told = told_[id];
+    ToldPlan& told = logged_[id];
     const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
     if (too_soon || sameDecisions(lines, told.lines)) continue;
     told.lines = lines;
@@ -66,7 +66,7 @@ void PlanTeller::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plan
   }
 }
 
-bool PlanTeller::isNews(ToldPlan& told, MediaTime now) const {
+bool PlanLog::isNews(ToldPlan& told, MediaTime now) const {
   const auto same = [&told](const Lines& lines) { return sameDecisions(told.lines, lines); };
   if (std::any_of(buried_.begin(), buried_.end(), same)) return false;
   const auto before = std::find_if(told.all.begin(), told.all.end(),
@@ -80,7 +80,7 @@ bool PlanTeller::isNews(ToldPlan& told, MediaTime now) const {
   return true;
 }
 
-void PlanTeller::bury(ToldPlan plan) {
+void PlanLog::bury(ToldPlan plan) {
   for (Told& each : plan.all) buried_.push_back(std::move(each.lines));
   while (buried_.size() > kMostBuried) buried_.pop_front();
 }

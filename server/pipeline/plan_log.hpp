@@ -13,7 +13,7 @@
 
 namespace hapticast::server {
 
-class PlanTeller {
+class PlanLog {
  public:
   /// Tells the plans that have changed, by object id; one object's at most once a second, because a
   /// change that is taken back at once is not worth a line, and the same plan at most once a
@@ -38,8 +38,8 @@ class PlanTeller {
   bool isNews(ToldPlan& told, MediaTime now) const;
   void bury(ToldPlan plan);
 
-  std::map<std::uint32_t, ToldPlan> told_;  // by object id
-  std::deque<Lines> buried_;                // of objects that are gone, oldest first
+  std::map<std::uint32_t, ToldPlan> logged_;  // by object id
+  std::deque<Lines> buried_;                  // of objects that are gone, oldest first
 };
 
 }  // namespace hapticast::server

@@ -81,7 +81,7 @@ cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
 
 }  // namespace
 
-cv::Mat drawOutlined(const WatchedFrame& frame, const cv::Size& size) {
+cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size) {
   cv::Mat picture;
   cv::resize(frame.color, picture, size, 0, 0, cv::INTER_AREA);
   const int width_px = std::max(1, size.width / 400);
@@ -102,7 +102,7 @@ cv::Mat drawOutlined(const WatchedFrame& frame, const cv::Size& size) {
   return picture;
 }
 
-cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace) {
+cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace) {
   const cv::Mat heights = heightsOf(frame.haptic, frame.color.size());
   const Vec2 px_mm = workspace.mmPerPixel();
   const cv::Vec3f light = cv::normalize(cv::Vec3f(-0.5F, -0.6F, 0.8F));  // u right, v down
@@ -121,7 +121,7 @@ cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace) {
   return enlarged(picture, boxAround(heights >= 0.0, kAround_px));  // which no NaN is
 }
 
-cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,
+cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
                   const std::vector<std::string>& lines) {
   cv::Mat both;
   cv::hconcat(drawOutlined(frame, frame.color.size()), drawRelief(frame, workspace), both);
@@ -141,7 +141,7 @@ cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,
   return picture;
 }
 
-cv::Mat drawSheet(const std::vector<WatchedFrame>& frames) {
+cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames) {
   const cv::Size of = frames.front().color.size();
   const cv::Size each(kThumbnail_px, std::max(1, kThumbnail_px * of.height / of.width));
   const int columns = std::min(kColumns, static_cast<int>(frames.size()));

@@ -11,14 +11,14 @@
 namespace hapticast::server {
 
 /// The frame at this size with the outline of each object, and in large pictures its number.
-[[nodiscard]] cv::Mat drawOutlined(const WatchedFrame& frame, const cv::Size& size);
+[[nodiscard]] cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size);
 /// What is felt, as if lit from above left, as large as fits into the picture; black where nothing
 /// is.
-[[nodiscard]] cv::Mat drawRelief(const WatchedFrame& frame, const Workspace& workspace);
+[[nodiscard]] cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace);
 /// Outline and relief side by side (at least 960 px wide), with lines of text below.
-[[nodiscard]] cv::Mat drawFirst(const WatchedFrame& frame, const Workspace& workspace,
+[[nodiscard]] cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
                                 const std::vector<std::string>& lines);
 /// The frames in rows, each with outline and time.
-[[nodiscard]] cv::Mat drawSheet(const std::vector<WatchedFrame>& frames);
+[[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames);
 
 }  // namespace hapticast::server

@@ -50,7 +50,7 @@ std::optional<cv::Point> middleOf(const cv::Mat& part, double object_px) {
   return deepestIn(labels == largest);
 }
 
-std::optional<Doubt> atTheEdge(const cv::Mat& mask) {
+std::optional<CorrectionHint> atTheEdge(const cv::Mat& mask) {
   const int rim_px = std::max(2, static_cast<int>(kEdge * mask.cols));
   if (std::min(mask.cols, mask.rows) <= 2 * rim_px) return std::nullopt;
   cv::Mat inner = cv::Mat::zeros(mask.size(), CV_8UC1);
@@ -62,21 +62,21 @@ std::optional<Doubt> atTheEdge(const cv::Mat& mask) {
   if (deeper.empty()) return std::nullopt;
   cv::Mat near = mask.clone();
   near(deeper).setTo(0);
-  return Doubt{deepestIn(near), "it reaches the picture's edge there, as an arm does"};
+  return CorrectionHint{deepestIn(near), "it reaches the picture's edge there, as an arm does"};
 }
 
 // Skin in YCrCb (Chai and Ngan 1999, face segmentation using skin-color map in videophones).
-std::optional<Doubt> skin(const cv::Mat& color, const cv::Mat& mask) {
+std::optional<CorrectionHint> skin(const cv::Mat& color, const cv::Mat& mask) {
   cv::Mat ycrcb;
   cv::cvtColor(color, ycrcb, cv::COLOR_BGR2YCrCb);
   cv::Mat part;
   cv::inRange(ycrcb, cv::Scalar(0, 133, 77), cv::Scalar(255, 173, 127), part);
   const auto at = middleOf(part & mask, cv::countNonZero(mask));
   if (!at) return std::nullopt;
-  return Doubt{*at, "it has the colours of skin there, as a hand does"};
+  return CorrectionHint{*at, "it has the colours of skin there, as a hand does"};
 }
 
-std::optional<Doubt> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
+std::optional<CorrectionHint> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
   cv::Mat smooth;
   cv::GaussianBlur(color, smooth, {}, 3.0);
   smooth.convertTo(smooth, CV_32F, 1.0 / 255.0);
@@ -107,12 +107,12 @@ std::optional<Doubt> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
   }
   const auto at = middleOf(part, static_cast<double>(inside.size()));
   if (!at) return std::nullopt;
-  return Doubt{*at, "it has other colours there than elsewhere"};
+  return CorrectionHint{*at, "it has other colours there than elsewhere"};
 }
 
 }  // namespace
 
-std::optional<Doubt> doubtOf(const cv::Mat& color, const cv::Mat& mask) {
+std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   if (auto doubt = atTheEdge(mask)) return doubt;
   if (auto doubt = skin(color, mask)) return doubt;

@@ -9,13 +9,14 @@
 namespace hapticast::server {
 
 /// A place inside `mask` that may not be the object's, and why one may think so.
-struct Doubt {
+struct CorrectionHint {
   cv::Point at_px;
   std::string why;  ///< completes "--not U,V: "
 };
 
 /// Looks, in this order, for what reaches the picture's edge, for the colours of skin, and for a
 /// part of other colours than the rest. `color` CV_8UC3, `mask` 0 / 255 of the same size.
-[[nodiscard]] std::optional<Doubt> doubtOf(const cv::Mat& color, const cv::Mat& mask);
+[[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color,
+                                                              const cv::Mat& mask);
 
 }  // namespace hapticast::server

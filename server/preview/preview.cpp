@@ -30,7 +30,7 @@ constexpr double kSeen = 0.5;       // quality below which an object is only car
 
 /// What was seen of the whole clip.
 struct Watched {
-  std::vector<WatchedFrame> kept;  // about kSheet, evenly over the clip, the first one first
+  std::vector<PreviewFrame> kept;  // about kSheet, evenly over the clip, the first one first
   std::uint64_t frames = 0;
   std::uint64_t lost = 0;  // in which nothing is seen
   std::optional<double> first_lost_s;
@@ -76,7 +76,7 @@ bool seesAny(const HapticFrame& frame) {
 // Keeps every n-th frame; when there are twice too many, every second of them goes.
 class Keeper {
  public:
-  void take(WatchedFrame frame) {
+  void take(PreviewFrame frame) {
     const std::uint64_t index = out_.frames++;
     if (!seesAny(frame.haptic)) {
       ++out_.lost;
@@ -85,7 +85,7 @@ class Keeper {
     if (index % every_ != 0) return;
     out_.kept.push_back(std::move(frame));
     if (out_.kept.size() < 2 * kSheet) return;
-    std::vector<WatchedFrame> half;
+    std::vector<PreviewFrame> half;
     half.reserve(kSheet);
     for (std::size_t i = 0; i < out_.kept.size(); i += 2) half.push_back(std::move(out_.kept[i]));
     out_.kept = std::move(half);
@@ -94,7 +94,7 @@ class Keeper {
   Watched finish() {
     // Between kSheet and twice as many are left: an even choice of them.
     if (out_.kept.size() <= kSheet) return std::move(out_);
-    std::vector<WatchedFrame> chosen;
+    std::vector<PreviewFrame> chosen;
     chosen.reserve(kSheet);
     for (std::size_t i = 0; i < kSheet; ++i)
       chosen.push_back(out_.kept[i * (out_.kept.size() - 1) / (kSheet - 1)]);
@@ -132,13 +132,12 @@ Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
 }
 
 std::string adviceOf(const Settings& settings, const Watched& watched) {
-  const WatchedFrame& first = watched.kept.front();
+  const PreviewFrame& first = watched.kept.front();
   const std::vector<std::uint32_t> ids = idsOf(first.haptic);
-  if (ids.empty())
-    return "try --object U,V with a pixel on what is to be touched: nothing was taken by itself";
+  if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
   for (const std::uint32_t id : ids) {
     const cv::Size size = first.color.size();
-    if (const auto doubt = doubtOf(first.color, maskOf(first.haptic, id, size))) {
+    if (const auto doubt = suggestCorrection(first.color, maskOf(first.haptic, id, size))) {
       return fmt::format("if object {} should not hold what is at {},{}, try --not {},{}: {}", id,
                          doubt->at_px.x, doubt->at_px.y, doubt->at_px.x, doubt->at_px.y,
                          doubt->why);
@@ -155,10 +154,10 @@ std::string adviceOf(const Settings& settings, const Watched& watched) {
 
 std::vector<std::string> linesOf(const Settings& settings, const Watched& watched,
                                  const SourceInfo& info, const Workspace& workspace) {
-  const WatchedFrame& first = watched.kept.front();
+  const PreviewFrame& first = watched.kept.front();
   std::vector<std::string> lines;
   for (const std::uint32_t id : idsOf(first.haptic))
-    lines.push_back(textOf(factsOf(first, id, workspace), info.depth_kind));
+    lines.push_back(textOf(objectStats(first, id, workspace), info.depth_kind));
   lines.push_back(fmt::format("nothing seen in {} of {} frames ({:.1f} %)", watched.lost,
                               watched.frames,
                               100.0 * double(watched.lost) / double(watched.frames)));
@@ -172,10 +171,10 @@ void writePreview(const Settings& settings, const Clock& clock) {
   const fs::path place = settings.preview;
   const std::unique_ptr<RgbdSource> source = openSource(settings.source, settings.fps);
   checkPlace(place);
-  Vision vision(source->info(), withinClip(settings.vision, source->info()));
+  Vision vision(source->info(), dropInvalidPoints(settings.vision, source->info()));
   const LocalMediaClock media_clock(clock);
   const std::atomic<bool> stop{false};
-  lookThrough(vision, *source, media_clock, stop, nullptr);
+  scanClip(vision, *source, media_clock, stop, nullptr);
   const Watched watched = watch(*source, vision, settings.frames);
   if (watched.kept.empty()) throw SourceError(settings.source + ": has no frame");
   const Workspace& workspace = vision.description().workspace;
@@ -186,7 +185,7 @@ void writePreview(const Settings& settings, const Clock& clock) {
     write(place, first);
   } else {
     write(place / "first.png", first);
-    write(place / "clip.png", drawSheet(watched.kept));
+    write(place / "clip.png", drawContactSheet(watched.kept));
   }
 }
 

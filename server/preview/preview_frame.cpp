@@ -87,7 +87,7 @@ std::vector<std::uint32_t> idsOf(const HapticFrame& frame) {
   return ids;
 }
 
-ObjectFacts factsOf(const WatchedFrame& frame, std::uint32_t id, const Workspace& workspace) {
+ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id, const Workspace& workspace) {
   ObjectFacts facts;
   facts.id = id;
   std::vector<float> depths;

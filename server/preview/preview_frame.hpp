@@ -15,7 +15,7 @@
 namespace hapticast::server {
 
 /// One frame as it would be felt, beside what the source gave.
-struct WatchedFrame {
+struct PreviewFrame {
   double time_s = 0.0;  ///< in the clip
   cv::Mat color;        ///< CV_8UC3
   cv::Mat depth;        ///< CV_32FC1, as the source gives it
@@ -39,8 +39,8 @@ struct ObjectFacts {
   /// nullopt where the object is too flat to tell.
   std::optional<DepthRange> mapped;
 };
-[[nodiscard]] ObjectFacts factsOf(const WatchedFrame& frame, std::uint32_t id,
-                                  const Workspace& workspace);
+[[nodiscard]] ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id,
+                                      const Workspace& workspace);
 /// One line for people; `unit` is of depth.
 [[nodiscard]] std::string textOf(const ObjectFacts& facts, DepthKind kind);
 

@@ -56,7 +56,7 @@ class Members {
     const auto number = parseNumber(text);
     if (number && *number >= low && *number <= high) return number;
     throw SourceError(fmt::format("{}: \"{}{}\" is {}, where a number from {} to {} is expected",
-                                  name_, prefix_, key, inQuotes(text), low, high));
+                                  name_, prefix_, key, quote(text), low, high));
   }
 
  private:

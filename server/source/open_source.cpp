@@ -28,7 +28,7 @@ std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
     names.emplace_back(scene.name);
   }
   throw SourceError("synthetic:" + std::string(name) + ": no such scene; there are " +
-                    join(names, ", ") + didYouMean(name, names));
+                    join(names, ", ") + spellingHint(name, names));
 }
 
 std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view numbers,

@@ -3,7 +3,7 @@
 
 namespace hapticast::server {
 
-std::optional<RgbdFrame> readOn(RgbdSource& source, std::uint64_t skip, bool loop) {
+std::optional<RgbdFrame> readSkipping(RgbdSource& source, std::uint64_t skip, bool loop) {
   while (skip > 0 && source.skip()) --skip;
   if (skip == 0) {
     if (auto frame = source.read()) return frame;

@@ -55,7 +55,7 @@ struct Announcer::Service {
         name(wanted),
         listens(where),
         version(textOf(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        plays(textOf(kServicePlaysKey, printable(what, kMaxServicePlays_bytes))) {}
+        plays(textOf(kTxtTitleKey, printable(what, kMaxServicePlays_bytes))) {}
 
   void make(AvahiClient* client) {
     const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {
@@ -117,7 +117,7 @@ struct Announcer::Service {
   const asio::ip::tcp::endpoint listens;
   const std::string version;
   const std::string plays;
-  LogLimit news;  // of a stranger who takes each name again and again
+  ServerLogLimiter news;  // of a stranger who takes each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
       {.runs = [this](AvahiClient* client) { make(client); },

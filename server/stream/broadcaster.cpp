@@ -35,9 +35,9 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       settings_(settings),
       timer_(io),
       counted_(clock.now()),
-      told_slow_(counted_ - kTellAgainAfter),
-      told_large_(told_slow_),
-      told_datagrams_at_(told_slow_) {
+      logged_slow_(counted_ - kTellAgainAfter),
+      logged_large_(logged_slow_),
+      logged_datagrams_at_(logged_slow_) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
 }
@@ -111,7 +111,7 @@ void Broadcaster::describe(const StreamDescription& description) {
 void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;
-    const Sessions strangers = strangers_, viewers = viewers_;  // closing moves them
+    const Sessions strangers = pending_sessions_, viewers = viewers_;  // closing moves them
     for (const Sessions* each : {&strangers, &viewers}) {
       for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
     }
@@ -129,28 +129,28 @@ void Broadcaster::accept(std::unique_ptr<Channel> channel) {
 }
 
 void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
-  strangers_.push_back(session);
-  if (strangers_.size() <= kMaxStrangers || stopped_) return;  // at the end all hear a goodbye
-  const std::shared_ptr<Session> who = whoHasToGo();
+  pending_sessions_.push_back(session);
+  if (pending_sessions_.size() <= kMaxPending || stopped_) return;  // at the end all hear a goodbye
+  const std::shared_ptr<Session> who = evictionCandidate();
   ++counts_.refused;
   say(spdlog::level::warn, "too many connections beside the viewers': closing " + who->label());
   who->abort();
 }
 
-std::shared_ptr<Session> Broadcaster::whoHasToGo() const {
+std::shared_ptr<Session> Broadcaster::evictionCandidate() const {
   std::map<std::string, std::size_t> from;
-  for (const auto& each : strangers_) ++from[networkOf(each->address())];
+  for (const auto& each : pending_sessions_) ++from[networkOf(each->address())];
   const auto most = std::max_element(
       from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   // Where several have as many it is the oldest of them all.
-  return *std::find_if(strangers_.begin(), strangers_.end(), [&](const auto& each) {
+  return *std::find_if(pending_sessions_.begin(), pending_sessions_.end(), [&](const auto& each) {
     return from[networkOf(each->address())] == most->second;
   });
 }
 
 std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
   if (hello.protocol_version != kProtocolVersion) {
-    return WireError{ErrorCode::kVersion, "this server speaks protocol version " +
+    return WireError{ErrorCode::kVersion, "this server has protocol version " +
                                               std::to_string(kProtocolVersion) + ", the client " +
                                               std::to_string(hello.protocol_version)};
   }
@@ -169,7 +169,7 @@ void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery
 
 void Broadcaster::joined(Session& session) {
   const auto self = session.shared_from_this();
-  std::erase(strangers_, self);
+  std::erase(pending_sessions_, self);
   viewers_.push_back(self);
   ++counts_.welcomed;
   countViewers();
@@ -182,7 +182,7 @@ void Broadcaster::joined(Session& session) {
 void Broadcaster::ending(const std::shared_ptr<Session>& session,
                          const std::optional<WireError>& why) {
   const bool was_viewer = std::erase(viewers_, session) > 0;
-  std::erase(strangers_, session);
+  std::erase(pending_sessions_, session);
   countViewers();
   if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
   addStranger(session);
@@ -195,9 +195,9 @@ void Broadcaster::ending(const std::shared_ptr<Session>& session,
 }
 
 void Broadcaster::gone(const std::shared_ptr<Session>& session) {
-  if (std::erase(strangers_, session) == 0) return;
+  if (std::erase(pending_sessions_, session) == 0) return;
   counts_.sent += session->counts();
-  if (stopped_ && viewers_.empty() && strangers_.empty()) timer_.cancel();
+  if (stopped_ && viewers_.empty() && pending_sessions_.empty()) timer_.cancel();
 }
 
 void Broadcaster::countViewers() {
@@ -210,7 +210,7 @@ void Broadcaster::countViewers() {
 StreamCounts Broadcaster::counts() const {
   StreamCounts counts = counts_;
   counts.clients = viewers_.size();
-  for (const Sessions* each : {&strangers_, &viewers_}) {
+  for (const Sessions* each : {&pending_sessions_, &viewers_}) {
     for (const auto& session : *each) counts.sent += session->counts();
   }
   return counts;
@@ -222,12 +222,12 @@ void Broadcaster::check(const Sessions& sessions, LocalTime now) {
 }
 
 asio::awaitable<void> Broadcaster::watch() {
-  while (!stopped_ || !viewers_.empty() || !strangers_.empty()) {
+  while (!stopped_ || !viewers_.empty() || !pending_sessions_.empty()) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     const LocalTime now = clock_.now();
-    check(strangers_, now);
+    check(pending_sessions_, now);
     if (now - checked_ >= kCheckViewersEvery) {
       checked_ = now;
       check(viewers_, now);

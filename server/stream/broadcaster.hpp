@@ -30,7 +30,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
  public:
   /// Connections beside the viewers' that are kept at a time: those that have not said hello yet,
   /// and those that are being closed. Chosen: more than a healthy stream ever has.
-  static constexpr std::size_t kMaxStrangers = 32;
+  static constexpr std::size_t kMaxPending = 32;
   /// Chosen: what goes on is told that often, and at once where it begins.
   static constexpr Duration kTellAgainAfter = std::chrono::minutes(1);
 
@@ -88,12 +88,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void gone(const std::shared_ptr<Session>& session) override;
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
-  /// The session's connection does not count as a viewer's (yet, or any more). Above kMaxStrangers
+  /// The session's connection does not count as a viewer's (yet, or any more). Above kMaxPending
   /// of them one has to go.
   void addStranger(const std::shared_ptr<Session>& session);
   /// The oldest stranger from the address that most of them come from: so that a single host
   /// cannot take everybody's places.
-  [[nodiscard]] std::shared_ptr<Session> whoHasToGo() const;
+  [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
   /// Calls `take` on io when its turn comes. Thread: any.
   template <class Take>
   void onIo(Take take);
@@ -118,8 +118,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamSettings settings_;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
-  Sessions viewers_;    // welcomed and not closing; the one that is served first comes first
-  Sessions strangers_;  // no hello yet, or closing; the oldest first
+  Sessions viewers_;           // welcomed and not closing; the one that is served first comes first
+  Sessions pending_sessions_;  // no hello yet, or closing; the oldest first
   std::uint32_t last_session_id_ = 0;
   SharedBytes preparing_;  // until the first frame
   std::optional<EncodedFrame> last_frame_;
@@ -129,15 +129,15 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
   StreamCounts counts_;  // clients and sent: of those who left
-  SendCounts told_;      // of slow viewers
+  SendCounts logged_;    // of slow viewers
   LocalTime checked_;
   LocalTime counted_;
-  LocalTime told_slow_;
-  LocalTime told_large_;
-  DatagramSenderCounts told_datagrams_;
-  LocalTime told_datagrams_at_;
-  LogLimit comings_and_goings_;  // apart, so that a crowd does not hide what is wrong
-  LogLimit problems_;
+  LocalTime logged_slow_;
+  LocalTime logged_large_;
+  DatagramSenderCounts logged_datagrams_;
+  LocalTime logged_datagrams_at_;
+  ServerLogLimiter comings_and_goings_;  // apart, so that a crowd does not hide what is wrong
+  ServerLogLimiter problems_;
 };
 
 }  // namespace hapticast::server

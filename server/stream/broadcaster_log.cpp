@@ -7,7 +7,7 @@
 namespace hapticast::server {
 
 bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
-  LogLimit& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
+  ServerLogLimiter& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
   if (!limit.allow(clock_.now())) return false;
   const std::uint64_t hidden = limit.takeSuppressed();
   spdlog::log(level, "{}{}", line,
@@ -16,7 +16,7 @@ bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
 }
 
 void Broadcaster::tellHidden() {
-  for (LogLimit* limit : {&comings_and_goings_, &problems_}) {
+  for (ServerLogLimiter* limit : {&comings_and_goings_, &problems_}) {
     if (limit->suppressed() == 0 || !(stopped_ || limit->earned(clock_.now()))) continue;
     const std::uint64_t hidden = limit->takeSuppressed();
     (void)limit->allow(clock_.now());
@@ -27,26 +27,26 @@ void Broadcaster::tellHidden() {
 }
 
 void Broadcaster::tellSlowViewers(LocalTime now) {
-  if (now - told_slow_ < kTellAgainAfter) return;
+  if (now - logged_slow_ < kTellAgainAfter) return;
   const StreamCounts all = counts();
-  if (all.sent.dropped() == told_.dropped()) return;
+  if (all.sent.dropped() == logged_.dropped()) return;
   const bool told = say(
       spdlog::level::warn,
       fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
                   "{} viewers",
-                  all.sent.frames_dropped_full - told_.frames_dropped_full,
-                  all.sent.frames_dropped_old - told_.frames_dropped_old,
-                  all.sent.videos_dropped - told_.videos_dropped, all.clients));
+                  all.sent.frames_dropped_full - logged_.frames_dropped_full,
+                  all.sent.frames_dropped_old - logged_.frames_dropped_old,
+                  all.sent.videos_dropped - logged_.videos_dropped, all.clients));
   if (!told) return;
-  told_ = all.sent;
-  told_slow_ = now;
+  logged_ = all.sent;
+  logged_slow_ = now;
 }
 
 void Broadcaster::tellDatagrams(LocalTime now) {
-  if (datagrams_ == nullptr || now - told_datagrams_at_ < kTellAgainAfter) return;
+  if (datagrams_ == nullptr || now - logged_datagrams_at_ < kTellAgainAfter) return;
   const DatagramSenderCounts all = datagrams_->counts();
-  const std::uint64_t lost = all.lost() - told_datagrams_.lost();
-  const std::uint64_t wrong = all.notBelieved() - told_datagrams_.notBelieved();
+  const std::uint64_t lost = all.lost() - logged_datagrams_.lost();
+  const std::uint64_t wrong = all.notBelieved() - logged_datagrams_.notBelieved();
   if (lost + wrong == 0) return;
   const bool told =
       say(spdlog::level::warn,
@@ -54,19 +54,19 @@ void Broadcaster::tellDatagrams(LocalTime now) {
                       "not a viewer's own",
                       lost, wrong));
   if (!told) return;
-  told_datagrams_ = all;
-  told_datagrams_at_ = now;
+  logged_datagrams_ = all;
+  logged_datagrams_at_ = now;
 }
 
 bool Broadcaster::tooLarge(const EncodedFrame& frame) {
   const bool too_large = frame.lean->size() > kMaxMessageBytes;
   const LocalTime now = clock_.now();
-  if ((too_large || frame.too_many_datagrams) && now - told_large_ >= kTellAgainAfter &&
+  if ((too_large || frame.too_many_datagrams) && now - logged_large_ >= kTellAgainAfter &&
       say(spdlog::level::warn,
           fmt::format("a frame of {} kB, more than {}", frame.lean->size() / 1000,
                       too_large ? "viewers take: it is left out"
                                 : "datagrams carry: it goes by TCP only"))) {
-    told_large_ = now;
+    logged_large_ = now;
   }
   return too_large;
 }

@@ -16,7 +16,7 @@ namespace {
 // Chosen: a frame's datagrams for some hundred viewers. The system allows less, as it is set up.
 constexpr int kSendBuffer_bytes = 4 << 20;
 
-std::vector<SharedBodies> roundOf(const std::deque<SharedBodies>& frames) {
+std::vector<SignedDatagrams> roundOf(const std::deque<SignedDatagrams>& frames) {
   return {frames.begin(), frames.end()};
 }
 
@@ -47,7 +47,7 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
   }
   port_ = socket_.local_endpoint().port();
   if (group_ != nullptr) {
-    group_out_ = std::make_unique<DatagramOut>(group_->socket());
+    group_out_ = std::make_unique<UdpFanout>(group_->socket());
     group_token_ = unguessable();
   }
   asio::co_spawn(
@@ -79,7 +79,7 @@ void DatagramSender::deliver(std::uint64_t token, const Delivery& delivery) {
 
 void DatagramSender::countTakers() {
   const bool group = group_ != nullptr && book_.size() > 0;
-  wanted_.store(group || book_.anyTaker(), std::memory_order_relaxed);
+  wanted_.store(group || book_.hasSubscribers(), std::memory_order_relaxed);
 }
 
 void DatagramSender::check(LocalTime now) {
@@ -94,7 +94,7 @@ void DatagramSender::send(const EncodedFrame& frame) {
   if (last_.size() > limits::kMostCopies) last_.pop_back();
   std::vector<DatagramTarget> targets;
   targets.reserve(book_.size());
-  book_.forEachTaker([&targets](std::uint64_t token, const AddressBook::Viewer& viewer) {
+  book_.forEachSubscriber([&targets](std::uint64_t token, const UdpSubscribers::Viewer& viewer) {
     targets.push_back({token, *viewer.at, viewer.local, viewer.copies, viewer.counts});
   });
   // Whoever comes last has it some milliseconds later: not always the same one.
@@ -141,11 +141,11 @@ asio::awaitable<void> DatagramSender::takeEchoes() {
 
 void DatagramSender::take(std::span<const std::uint8_t> bytes,
                           const asio::ip::udp::endpoint& from) {
-  const EchoVerdict verdict = book_.take(bytes, from, clock_.now());
+  const AddressValidation verdict = book_.take(bytes, from, clock_.now());
   ++counts_.echoes[static_cast<std::size_t>(verdict)];
-  if (verdict != EchoVerdict::kBelieved) return;
+  if (verdict != AddressValidation::kBelieved) return;
   const std::uint64_t token = readEcho(bytes)->token;
-  const AddressBook::Viewer& viewer = *book_.find(token);
+  const UdpSubscribers::Viewer& viewer = *book_.find(token);
   // One that the system does not take comes with the next echo.
   (void)out_.sendNow(signer_.probe(), {token, from, viewer.local, 1, viewer.counts});
   countTakers();

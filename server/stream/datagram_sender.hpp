@@ -25,9 +25,9 @@ namespace hapticast::server {
 struct DatagramSenderCounts {
   DatagramCounts viewers;
   DatagramCounts group;
-  std::array<std::uint64_t, kEchoVerdicts> echoes{};  ///< by EchoVerdict
+  std::array<std::uint64_t, kEchoVerdicts> echoes{};  ///< by AddressValidation
 
-  [[nodiscard]] std::uint64_t of(EchoVerdict verdict) const {
+  [[nodiscard]] std::uint64_t of(AddressValidation verdict) const {
     return echoes[static_cast<std::size_t>(verdict)];
   }
   [[nodiscard]] std::uint64_t lost() const {
@@ -35,7 +35,8 @@ struct DatagramSenderCounts {
   }
   /// Who has just left, or echoes too often, is no stranger.
   [[nodiscard]] std::uint64_t notBelieved() const {
-    return of(EchoVerdict::kMalformed) + of(EchoVerdict::kForeign) + of(EchoVerdict::kUnknownToken);
+    return of(AddressValidation::kMalformed) + of(AddressValidation::kForeign) +
+           of(AddressValidation::kUnknownToken);
   }
 };
 
@@ -83,11 +84,11 @@ class DatagramSender {
   std::optional<LocalTime> group_probed_at_;
   std::uint16_t port_ = 0;  // its own
   std::uint16_t listener_port_;
-  AddressBook book_;
-  DatagramOut out_;
-  std::unique_ptr<DatagramOut> group_out_;
-  std::deque<SharedBodies> last_;  // of the frames before, newest first
-  DatagramSenderCounts counts_;    // of viewers: of those who left
+  UdpSubscribers book_;
+  UdpFanout out_;
+  std::unique_ptr<UdpFanout> group_out_;
+  std::deque<SignedDatagrams> last_;  // of the frames before, newest first
+  DatagramSenderCounts counts_;       // of viewers: of those who left
   std::shared_ptr<DatagramCounts> group_counts_ = std::make_shared<DatagramCounts>();
   std::atomic<bool> wanted_{false};
 };

@@ -8,7 +8,7 @@ namespace hapticast::server {
 DatagramSigner::DatagramSigner()
     : stream_(static_cast<std::uint32_t>(unguessable())), probe_(probeBody(stream_, key_)) {}
 
-SharedBodies DatagramSigner::sign(const CodedFrame& frame) {
+SignedDatagrams DatagramSigner::sign(const CodedFrame& frame) {
   const auto payloads = packFrame(frame);
   if (payloads.empty()) return nullptr;
   auto bodies = std::make_shared<std::vector<std::vector<std::uint8_t>>>();

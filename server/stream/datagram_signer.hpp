@@ -18,7 +18,7 @@ class DatagramSigner {
   DatagramSigner();
 
   /// Null where the frame is too large for datagrams.
-  [[nodiscard]] SharedBodies sign(const CodedFrame& frame);
+  [[nodiscard]] SignedDatagrams sign(const CodedFrame& frame);
 
   [[nodiscard]] std::uint32_t stream() const { return stream_; }
   [[nodiscard]] const KeyBytes& verifyingKey() const { return key_.verifyingKey(); }

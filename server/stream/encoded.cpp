@@ -14,7 +14,7 @@ constexpr Duration kRepeatReliefs = std::chrono::seconds(1);
 
 }  // namespace
 
-SharedBytes WholeFrame::payload() {
+SharedBytes LazyKeyFrame::payload() {
   const std::lock_guard lock(mutex_);
   if (!payload_) {
     payload_ = encodeShared(std::move(*frame_));
@@ -45,8 +45,8 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   if (signer != nullptr) encoded.datagrams = signer->sign(lean);
   encoded.too_many_datagrams = signer != nullptr && !encoded.datagrams;
   encoded.lean = encodeShared(std::move(lean));
-  encoded.whole = left_out ? std::make_shared<WholeFrame>(std::move(frame))
-                           : std::make_shared<WholeFrame>(encoded.lean);
+  encoded.whole = left_out ? std::make_shared<LazyKeyFrame>(std::move(frame))
+                           : std::make_shared<LazyKeyFrame>(encoded.lean);
   return encoded;
 }
 

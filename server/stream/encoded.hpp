@@ -20,11 +20,11 @@ namespace hapticast::server {
 
 /// A frame with every relief, for who joins or lost the frame before: most frames are never asked
 /// for it, so it becomes bytes at the first call. Thread: any.
-class WholeFrame {
+class LazyKeyFrame {
  public:
-  explicit WholeFrame(CodedFrame frame) : frame_(std::move(frame)) {}
+  explicit LazyKeyFrame(CodedFrame frame) : frame_(std::move(frame)) {}
   /// Its bytes are there already.
-  explicit WholeFrame(SharedBytes payload) : payload_(std::move(payload)) {}
+  explicit LazyKeyFrame(SharedBytes payload) : payload_(std::move(payload)) {}
 
   [[nodiscard]] SharedBytes payload();
 
@@ -35,16 +35,16 @@ class WholeFrame {
 };
 
 /// A frame's datagrams without their tokens, signed.
-using SharedBodies = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
+using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
 
 struct EncodedFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
   SharedBytes lean;  ///< for who got the frame before: reliefs that did not change are left out
-  std::shared_ptr<WholeFrame> whole;  ///< never null
-  SharedBodies datagrams = nullptr;   ///< the lean frame's; null: nobody takes them
-  bool too_many_datagrams = false;    ///< somebody takes them, but the frame is too large
+  std::shared_ptr<LazyKeyFrame> whole;  ///< never null
+  SignedDatagrams datagrams = nullptr;  ///< the lean frame's; null: nobody takes them
+  bool too_many_datagrams = false;      ///< somebody takes them, but the frame is too large
 };
 
 class DatagramSigner;

@@ -16,7 +16,7 @@ constexpr rlim_t kOwnFiles = 64;
 }  // namespace
 
 std::size_t raiseFileLimit(std::size_t viewers) {
-  constexpr rlim_t kBeside = kOwnFiles + Broadcaster::kMaxStrangers;
+  constexpr rlim_t kBeside = kOwnFiles + Broadcaster::kMaxPending;
   const rlim_t needed = viewers + kBeside;
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return viewers;

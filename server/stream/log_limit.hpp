@@ -10,7 +10,7 @@
 
 namespace hapticast::server {
 
-class LogLimit {
+class ServerLogLimiter {
  public:
   static constexpr std::int64_t kLines = 6;  ///< at once, after quiet minutes
   static constexpr Duration kRefill = std::chrono::seconds(15);

@@ -45,7 +45,7 @@ NetworkInterface choose(const Interfaces& all, const std::string& wanted,
     std::vector<std::string> names = namesOf(all, false);
     for (std::string& each : namesOf(all, true)) names.push_back(std::move(each));
     throw AddressError(complaint + (wanted.empty() ? "this machine has no network for it"
-                                                   : "no network here is " + inQuotes(wanted) +
+                                                   : "no network here is " + quote(wanted) +
                                                          "; there are " + join(names, ", ")));
   }
   const std::vector<std::string> others = namesOf(all, false);
@@ -64,7 +64,7 @@ MulticastGroup::MulticastGroup(asio::io_context& io, const MulticastChoice& choi
   boost::system::error_code ec;
   const auto group = asio::ip::make_address(choice.group.host, ec);
   if (ec || !group.is_multicast()) {
-    throw AddressError(complaint + inQuotes(choice.group.host) +
+    throw AddressError(complaint + quote(choice.group.host) +
                        " is no multicast address (224.0.0.0 to 239.255.255.255, or ff00::/8)");
   }
   endpoint_ = {group, choice.group.port};

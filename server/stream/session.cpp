@@ -133,7 +133,7 @@ void Session::check(LocalTime now) {
     }
   } else if (stalled(now)) {
     host_.ending(shared_from_this(),
-                 WireError{ErrorCode::kTimeout, "takes nothing off its connection"});
+                 WireError{ErrorCode::kTimeout, "reads nothing from its connection"});
     abort();
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello came in time"});

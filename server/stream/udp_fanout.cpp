@@ -69,7 +69,7 @@ DatagramCounts& DatagramCounts::operator+=(const DatagramCounts& other) {
   return *this;
 }
 
-struct DatagramOut::Address {
+struct UdpFanout::Address {
   explicit Address(const DatagramTarget& target)
       : token(tokenBytes(target.token)),
         to(target.to),
@@ -102,35 +102,35 @@ struct DatagramOut::Address {
   Control source;
 };
 
-struct DatagramOut::Batch {
+struct UdpFanout::Batch {
   std::array<mmsghdr, kBatch> messages;
   std::array<Control, kBatch> controls;
   std::array<Cursor, kBatch> at;
   std::array<iovec, 2 * kBatch> parts;
 };
 
-DatagramOut::DatagramOut(asio::ip::udp::socket& socket)
+UdpFanout::UdpFanout(asio::ip::udp::socket& socket)
     : socket_(socket), batch_(std::make_unique<Batch>()) {}
 
-DatagramOut::~DatagramOut() = default;
+UdpFanout::~UdpFanout() = default;
 
-void DatagramOut::send(std::vector<SharedBodies> newest_first,
-                       const std::vector<DatagramTarget>& targets) {
+void UdpFanout::send(std::vector<SignedDatagrams> newest_first,
+                     const std::vector<DatagramTarget>& targets) {
   dropRest();
   frames_ = std::move(newest_first);
   messages_.reserve(frames_.size());
-  for (const SharedBodies& each : frames_) messages_.push_back(segmentsOf(each));
+  for (const SignedDatagrams& each : frames_) messages_.push_back(segmentsOf(each));
   targets_.reserve(targets.size());
   for (const DatagramTarget& each : targets) targets_.emplace_back(each);
   if (!waiting_) go();
 }
 
-bool DatagramOut::sendNow(const std::vector<std::uint8_t>& body, const DatagramTarget& target) {
+bool UdpFanout::sendNow(const std::vector<std::uint8_t>& body, const DatagramTarget& target) {
   Address address(target);
   return sendOne(body, address);
 }
 
-bool DatagramOut::sendOne(const std::vector<std::uint8_t>& body, Address& to) {
+bool UdpFanout::sendOne(const std::vector<std::uint8_t>& body, Address& to) {
   msghdr message;
   std::array<iovec, 2> parts;
   Control control;
@@ -139,11 +139,11 @@ bool DatagramOut::sendOne(const std::vector<std::uint8_t>& body, Address& to) {
   return ::sendmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
 
-void DatagramOut::sendSingly(const Segments& segments, Address& to) {
+void UdpFanout::sendSingly(const Segments& segments, Address& to) {
   for (const auto* body : segments) ++(sendOne(*body, to) ? to.counts->sent : to.counts->failed);
 }
 
-std::vector<DatagramOut::Segments> DatagramOut::segmentsOf(const SharedBodies& bodies) {
+std::vector<UdpFanout::Segments> UdpFanout::segmentsOf(const SignedDatagrams& bodies) {
   Segments left;
   left.reserve(bodies->size());
   for (const auto& body : *bodies) left.push_back(&body);
@@ -160,7 +160,7 @@ std::vector<DatagramOut::Segments> DatagramOut::segmentsOf(const SharedBodies& b
   return messages;
 }
 
-bool DatagramOut::settle(Cursor& cursor) const {
+bool UdpFanout::settle(Cursor& cursor) const {
   for (; cursor.frame < messages_.size(); cursor = {cursor.frame + 1, 0, 0}) {
     const std::size_t messages = messages_[cursor.frame].size();
     for (; cursor.message < messages; cursor = {cursor.frame, cursor.message + 1, 0}) {
@@ -172,7 +172,7 @@ bool DatagramOut::settle(Cursor& cursor) const {
   return false;
 }
 
-void DatagramOut::dropRest() {
+void UdpFanout::dropRest() {
   for (; settle(next_); ++next_.target) targets_[next_.target].counts->dropped += at(next_).size();
   frames_.clear();
   messages_.clear();
@@ -180,7 +180,7 @@ void DatagramOut::dropRest() {
   next_ = {};
 }
 
-void DatagramOut::go() {
+void UdpFanout::go() {
   for (std::size_t sent = 0; settle(next_); sent += kBatch) {
     if (sent >= kAtOnce) {
       waiting_ = true;
@@ -189,11 +189,11 @@ void DatagramOut::go() {
         go();
       });
     }
-    if (!sendBatch()) return goLater();
+    if (!sendBatch()) return scheduleSend();
   }
 }
 
-void DatagramOut::goLater() {
+void UdpFanout::scheduleSend() {
   waiting_ = true;
   socket_.async_wait(asio::socket_base::wait_write, [this](const boost::system::error_code& ec) {
     if (ec) return;  // the socket is closed, and this may be gone
@@ -202,7 +202,7 @@ void DatagramOut::goLater() {
   });
 }
 
-bool DatagramOut::sendBatch() {
+bool UdpFanout::sendBatch() {
   unsigned count = 0;
   std::size_t datagrams = 0;
   for (Cursor cursor = next_; settle(cursor); ++cursor.target, ++count) {

@@ -35,7 +35,7 @@ struct DatagramTarget {
   std::shared_ptr<DatagramCounts> counts;
 };
 
-class DatagramOut {
+class UdpFanout {
  public:
   /// Datagrams in one system call.
   static constexpr std::size_t kBatch = 64;
@@ -45,14 +45,14 @@ class DatagramOut {
   static constexpr std::size_t kAtOnce = 1024;
 
   /// The socket is open, does not block, and outlives this; so does its io_context.
-  explicit DatagramOut(asio::ip::udp::socket& socket);
-  DatagramOut(const DatagramOut&) = delete;
-  DatagramOut& operator=(const DatagramOut&) = delete;
-  ~DatagramOut();
+  explicit UdpFanout(asio::ip::udp::socket& socket);
+  UdpFanout(const UdpFanout&) = delete;
+  UdpFanout& operator=(const UdpFanout&) = delete;
+  ~UdpFanout();
 
   /// Begins a round: the datagrams of `newest_first`, each frame's to whom it goes. What is left of
   /// the round before is dropped.
-  void send(std::vector<SharedBodies> newest_first, const std::vector<DatagramTarget>& targets);
+  void send(std::vector<SignedDatagrams> newest_first, const std::vector<DatagramTarget>& targets);
   /// Drops what is left of the round.
   void dropRest();
   /// Sends one datagram now; false where the system does not take it.
@@ -70,7 +70,7 @@ class DatagramOut {
   };
 
   /// A frame's bodies as few messages.
-  [[nodiscard]] static std::vector<Segments> segmentsOf(const SharedBodies& bodies);
+  [[nodiscard]] static std::vector<Segments> segmentsOf(const SignedDatagrams& bodies);
   [[nodiscard]] const Segments& at(const Cursor& cursor) const {
     return messages_[cursor.frame][cursor.message];
   }
@@ -81,14 +81,14 @@ class DatagramOut {
   /// Whether there is a message at the cursor; moves it over those that nobody wants.
   [[nodiscard]] bool settle(Cursor& cursor) const;
   void go();
-  void goLater();
+  void scheduleSend();
   /// Sends up to kBatch datagrams, at least one message; false where the system takes no more for
   /// now.
   bool sendBatch();
 
   asio::ip::udp::socket& socket_;
   std::unique_ptr<Batch> batch_;
-  std::vector<SharedBodies> frames_;
+  std::vector<SignedDatagrams> frames_;
   std::vector<std::vector<Segments>> messages_;  // of each frame
   std::vector<Address> targets_;
   Cursor next_;

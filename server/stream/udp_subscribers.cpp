@@ -6,7 +6,7 @@
 
 namespace hapticast::server {
 
-std::uint64_t AddressBook::add(const asio::ip::address& peer, const asio::ip::address& local) {
+std::uint64_t UdpSubscribers::add(const asio::ip::address& peer, const asio::ip::address& local) {
   std::uint64_t token = unguessable();
   while (viewers_.contains(token)) token = unguessable();
   Viewer& viewer = viewers_[token];
@@ -15,7 +15,7 @@ std::uint64_t AddressBook::add(const asio::ip::address& peer, const asio::ip::ad
   return token;
 }
 
-DatagramCounts AddressBook::remove(std::uint64_t token) {
+DatagramCounts UdpSubscribers::remove(std::uint64_t token) {
   const auto found = viewers_.find(token);
   if (found == viewers_.end()) return {};
   const DatagramCounts counts = *found->second.counts;
@@ -23,12 +23,12 @@ DatagramCounts AddressBook::remove(std::uint64_t token) {
   return counts;
 }
 
-AddressBook::Viewer* AddressBook::find(std::uint64_t token) {
+UdpSubscribers::Viewer* UdpSubscribers::find(std::uint64_t token) {
   const auto found = viewers_.find(token);
   return found == viewers_.end() ? nullptr : &found->second;
 }
 
-void AddressBook::deliver(std::uint64_t token, const Delivery& delivery) {
+void UdpSubscribers::deliver(std::uint64_t token, const Delivery& delivery) {
   Viewer* const viewer = find(token);
   if (viewer == nullptr) return;
   viewer->wanted = delivery.datagrams;
@@ -36,39 +36,39 @@ void AddressBook::deliver(std::uint64_t token, const Delivery& delivery) {
   viewer->by_group = !delivery.datagrams && !delivery.on_tcp;
 }
 
-EchoVerdict AddressBook::take(std::span<const std::uint8_t> bytes,
-                              const asio::ip::udp::endpoint& from, LocalTime now) {
+AddressValidation UdpSubscribers::take(std::span<const std::uint8_t> bytes,
+                                       const asio::ip::udp::endpoint& from, LocalTime now) {
   const auto echo = readEcho(bytes);
-  if (!echo) return EchoVerdict::kMalformed;
-  if (echo->stream != stream_) return EchoVerdict::kOtherStream;
+  if (!echo) return AddressValidation::kMalformed;
+  if (echo->stream != stream_) return AddressValidation::kOtherStream;
   Viewer* const viewer = find(echo->token);
-  if (viewer == nullptr) return EchoVerdict::kUnknownToken;
-  if (unmapped(from.address()) != viewer->peer) return EchoVerdict::kForeign;
-  if (viewer->at && now - viewer->heard < kLeastPause) return EchoVerdict::kTooSoon;
+  if (viewer == nullptr) return AddressValidation::kUnknownToken;
+  if (unmapped(from.address()) != viewer->peer) return AddressValidation::kForeign;
+  if (viewer->at && now - viewer->heard < kLeastPause) return AddressValidation::kTooSoon;
   viewer->at = from;
   viewer->heard = now;
-  return EchoVerdict::kBelieved;
+  return AddressValidation::kBelieved;
 }
 
-void AddressBook::forget(LocalTime now) {
+void UdpSubscribers::forget(LocalTime now) {
   for (auto& each : viewers_) {
     Viewer& viewer = each.second;
     if (viewer.at && now - viewer.heard >= kForgetAfter) viewer.at.reset();
   }
 }
 
-bool AddressBook::anyTaker() const {
+bool UdpSubscribers::hasSubscribers() const {
   return std::any_of(viewers_.begin(), viewers_.end(),
                      [](const auto& each) { return each.second.at && each.second.wanted; });
 }
 
-DatagramCounts AddressBook::counts() const {
+DatagramCounts UdpSubscribers::counts() const {
   DatagramCounts sum;
   for (const auto& each : viewers_) sum += *each.second.counts;
   return sum;
 }
 
-std::uint32_t AddressBook::groupCopies() const {
+std::uint32_t UdpSubscribers::groupCopies() const {
   std::vector<std::uint32_t> wanted;
   wanted.reserve(viewers_.size());
   for (const auto& each : viewers_) {

@@ -18,7 +18,7 @@
 namespace hapticast::server {
 
 /// What an echo came to. The order is that of the checks.
-enum class EchoVerdict : std::uint8_t {
+enum class AddressValidation : std::uint8_t {
   kBelieved,      ///< the address stands, and is to be answered with a probe
   kMalformed,     ///< not 12 bytes
   kOtherStream,   ///< of another run of the server
@@ -28,7 +28,7 @@ enum class EchoVerdict : std::uint8_t {
 };
 inline constexpr std::size_t kEchoVerdicts = 6;
 
-class AddressBook {
+class UdpSubscribers {
  public:
   /// Chosen: a viewer echoes every 10 s, and two of three echoes may be lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
@@ -47,7 +47,7 @@ class AddressBook {
     std::shared_ptr<DatagramCounts> counts = std::make_shared<DatagramCounts>();
   };
 
-  explicit AddressBook(std::uint32_t stream) : stream_(stream) {}
+  explicit UdpSubscribers(std::uint32_t stream) : stream_(stream) {}
 
   /// A viewer is welcomed; returns its token.
   std::uint64_t add(const asio::ip::address& peer, const asio::ip::address& local);
@@ -56,8 +56,8 @@ class AddressBook {
   /// How it wants its frames from now on.
   void deliver(std::uint64_t token, const Delivery& delivery);
   /// Reads an echo that came from `from`.
-  EchoVerdict take(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,
-                   LocalTime now);
+  AddressValidation take(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,
+                         LocalTime now);
   /// Forgets where those are whose echoes have ceased.
   void forget(LocalTime now);
 
@@ -65,12 +65,12 @@ class AddressBook {
   [[nodiscard]] Viewer* find(std::uint64_t token);
   /// Calls take(token, viewer) for all to whom datagrams go.
   template <class Take>
-  void forEachTaker(Take&& take) {
+  void forEachSubscriber(Take&& take) {
     for (auto& [token, viewer] : viewers_) {
       if (viewer.at && viewer.wanted) take(token, viewer);
     }
   }
-  [[nodiscard]] bool anyTaker() const;
+  [[nodiscard]] bool hasSubscribers() const;
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::size_t size() const { return viewers_.size(); }
   /// What nine of ten of the group's viewers ask for, 1 where there are none.

@@ -25,7 +25,7 @@ std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const Nomina
   if (!smooth && !plan.measureNow()) return make(false);
   std::shared_ptr<const Relief> smoothed;
   {
-    const Lap lap(clock, plan, Stage::kSmooth);
+    const ScopedStageTimer lap(clock, plan, Stage::kSmooth);
     smoothed = make(true);
   }
   if (plan.measureNow()) {

@@ -73,18 +73,18 @@ class ScenePlan {
 
 /// Tells a plan how long a stage took, from here to the end of the scope; does nothing without a
 /// clock.
-class Lap {
+class ScopedStageTimer {
  public:
-  Lap(const Clock* clock, ScenePlan& plan, Stage stage)
+  ScopedStageTimer(const Clock* clock, ScenePlan& plan, Stage stage)
       : clock_(clock),
         plan_(plan),
         stage_(stage),
         start_(clock != nullptr ? clock->now() : LocalTime()) {}
-  ~Lap() {
+  ~ScopedStageTimer() {
     if (clock_ != nullptr) plan_.took(stage_, clock_->now() - start_);
   }
-  Lap(const Lap&) = delete;
-  Lap& operator=(const Lap&) = delete;
+  ScopedStageTimer(const ScopedStageTimer&) = delete;
+  ScopedStageTimer& operator=(const ScopedStageTimer&) = delete;
 
  private:
   const Clock* clock_;

@@ -82,7 +82,7 @@ const ObjectFlow& Track::follow(const FramePair& frames) {
   flow_.stays = rests_;
   const bool asked = !settings_->exact_masks || settings_->vision.motion != MotionMode::kNone;
   if (rests_ || lost_ > 0 || !asked) return flow_;
-  const Lap lap(settings_->clock, *now_.plan, Stage::kMotion);
+  const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
   // One tracker serves mask and motion; where it fails, corners tell where the mask went.
   if (!repeatsDepth(frames, mask_)) {
     if (const auto found = motion_.find(frames.now)) return flow_ = *found;
@@ -111,7 +111,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   hold(frames, repeated);
   now_.plan->rest(now_.atRest(), textOf(hold_.cause()));
   {
-    const Lap lap(settings_->clock, *now_.plan, Stage::kMotion);
+    const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
     // Motion is measured on what this frame shows, not on what is held of the frames before.
     now_.pose = motion_.advance({.flow = flow_,
                                  .gray = frames.now.gray,
@@ -157,7 +157,7 @@ Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
     // A hole cannot be left as it is.
     if (!clean && !measure && raw.allMeasured()) return raw;
   }
-  const Lap lap(settings_->clock, plan, Stage::kClean);
+  const ScopedStageTimer lap(settings_->clock, plan, Stage::kClean);
   Surface out =
       cleanSurface(frames.now.depth, segment.mask, frames.noise, method, settings_->exact_masks);
   if (measure) {
@@ -173,7 +173,7 @@ Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
 void Track::hold(const FramePair& frames, bool repeated) {
   now_.held_share = 0.0;
   if (settings_->vision.method == Method::kThesis) return;
-  const RestNoise noise = restNoiseOf(frames.noise, now_.surface);
+  const StaticNoise noise = restNoiseOf(frames.noise, now_.surface);
   if (settings_->exact_masks && noise.clean) return;
   now_.surface = hold_.apply(frames.now.gray, now_.surface, noise, repeated);
   now_.held_share = hold_.share();
@@ -204,7 +204,7 @@ CellFlow Track::cells(const FramePair& frames, const Surface& before) const {
     if (mode != MotionMode::kNone)
       out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, now_.surface, mode);
   } else if (motion_.aligned() && now_.plan->on(Stage::kGrid)) {
-    const Lap lap(settings_->clock, *now_.plan, Stage::kGrid);
+    const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kGrid);
     out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
                        [&](const cv::Point2f& at_px, double depth_mm) {
                          return motion_.explained(at_px, depth_mm);

@@ -61,7 +61,7 @@ class Track {
   TrackedObject now_;
   cv::Mat mask_;
   PoseTracker motion_;
-  Hold hold_;
+  StaticRegionFilter hold_;
   ObjectFlow flow_;            // from the last frame to this one
   bool rests_ = false;         // in this frame nothing of it has changed
   int lost_ = 0;               // frames

@@ -30,10 +30,10 @@ PoseSettings poseSettings(const SourceInfo& info, const VisionSettings& settings
 }  // namespace
 
 Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, const Clock* clock,
-                 std::uint32_t& next_id, ClipLessons& lessons)
+                 std::uint32_t& next_id, ClipAnnotations& annotations)
     : settings_{settings, poseSettings(info, settings), false, clock},
       next_id_(next_id),
-      lessons_(info.live ? nullptr : &lessons),
+      annotations_(info.live ? nullptr : &annotations),
       frames_(info, !settings.plan.everything) {}
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
@@ -45,7 +45,7 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
     background_ = {};
   }
   bool all_rest = !tracks_.empty() || frames.identical;
-  const bool told = segmenter_ != nullptr && segmenter_->hasWord(frames);
+  const bool told = segmenter_ != nullptr && segmenter_->hasAnnotation(frames);
   for (Track& track : tracks_) all_rest = track.rests(frames, told) && all_rest;
   if (!all_rest) segment(frames);
   if (settings_.vision.compensate_pan) followBackground(frames);
@@ -69,7 +69,7 @@ void Tracker::segment(const FramePair& frames) {
     const SegmentMode mode = settings_.vision.segment;
     settings_.exact_masks = settings_.pose.exact_masks =
         has_mask && (mode == SegmentMode::kAuto || mode == SegmentMode::kSource);
-    segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, lessons_);
+    segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, annotations_);
   }
   Flows flows;
   for (Track& track : tracks_) flows[track.object().id] = track.follow(frames);

@@ -20,7 +20,7 @@ class Tracker {
   /// `next_id` is counted up; it and `lessons` must outlive the tracker. `settings` and `info` are
   /// copied. `clock` tells how long stages take; null: nobody asks.
   Tracker(const SourceInfo& info, const VisionSettings& settings, const Clock* clock,
-          std::uint32_t& next_id, ClipLessons& lessons);
+          std::uint32_t& next_id, ClipAnnotations& annotations);
 
   /// The objects of the next frame, also those just lost (for Track::kKeepLost frames, quality
   /// falling to 0). Throws SourceError (a frame that does not fit the announcement, an object point
@@ -38,7 +38,7 @@ class Tracker {
 
   TrackSettings settings_;
   std::uint32_t& next_id_;
-  ClipLessons* lessons_;  // null: a live source
+  ClipAnnotations* annotations_;  // null: a live source
   FramePairs frames_;
   BackgroundMotion background_;
   std::unique_ptr<Segmenter> segmenter_;

@@ -89,11 +89,11 @@ class Vision::Impl {
     // What is not the object is known to the second look from its first frame on.
     const int looks = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
     for (int look = 0; look < looks; ++look) {
-      lessons_.start = nullptr;
-      lessons_.masks.clear();
-      lessons_.open = true;
+      annotations_.start = nullptr;
+      annotations_.masks.clear();
+      annotations_.open = true;
       const bool whole = lookOnce(source, look, looks, progress);
-      lessons_.open = false;
+      annotations_.open = false;
       if (!whole) return false;
     }
     return true;
@@ -139,7 +139,7 @@ class Vision::Impl {
 
   bool lookOnce(RgbdSource& source, int look, int looks, const Progress& progress) {
     std::uint32_t ids = 1;
-    Tracker tracker(info_, settings_, nullptr, ids, lessons_);
+    Tracker tracker(info_, settings_, nullptr, ids, annotations_);
     ClipMotion clip;
     RangeFinder finder;
     const auto with_words = static_cast<std::uint64_t>(lastWord_s() * info_.fps) + 2;
@@ -225,7 +225,7 @@ class Vision::Impl {
   void restart(std::uint32_t source_epoch) {
     startEpoch();
     motion_.beginClip(next_object_id_);
-    tracker_ = std::make_unique<Tracker>(info_, settings_, clock_, next_object_id_, lessons_);
+    tracker_ = std::make_unique<Tracker>(info_, settings_, clock_, next_object_id_, annotations_);
     source_epoch_ = source_epoch;
   }
 
@@ -267,7 +267,7 @@ class Vision::Impl {
   std::uint64_t next_frame_id_ = 1;
   std::uint32_t epoch_ = 0;
   std::uint32_t source_epoch_ = 0;
-  ClipLessons lessons_;  // of a clip that is looped, or was scanned
+  ClipAnnotations annotations_;  // of a clip that is looped, or was scanned
   std::unique_ptr<Tracker> tracker_;
   std::vector<TrackedObject> tracked_;  // in the last frame
   std::vector<TrackedObject> began_;    // in the tracker's first frame

@@ -49,7 +49,7 @@ struct Case {
 
 void tick(benchmark::State& state, const Case& of) {
   flushDenormals();  // as the loop's thread does
-  RoomSettings settings;
+  RendererSettings settings;
   settings.surface = of.surface;
   HandScript hand(of.hand, HandStiffness{}, {{0.0, {10.0, 5.0, 40.0}}});
   Stage stage(settings, &hand, of.bounce_mm);
@@ -144,11 +144,11 @@ class StageStream {
 void stages(benchmark::State& state, const StageCase& of) {
   const DeviceProfile profile;
   FramePool pool;
-  FrameLookup lookup(pool, Interpolation::kHermite);
+  SceneInterpolator lookup(pool, Interpolation::kHermite);
   ProxySurface proxies;
   DynamicForce dynamic(profile);
   SafetyChain safety(profile);
-  StreamState stream_state;
+  StreamTiming stream_state;
   stream_state.connected = true;
   stream_state.first_epoch = 1;
   const Workspace workspace;

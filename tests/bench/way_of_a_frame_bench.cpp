@@ -97,7 +97,7 @@ void joinDatagrams(benchmark::State& state) {
   for (auto _ : state) {
     DatagramHeader header{
         0, frame.epoch, frame.id, frame.media_time, 0, static_cast<std::uint16_t>(payloads.size())};
-    JoinedFrame joined(header);
+    Reassembly joined(header);
     for (; header.part < payloads.size(); ++header.part)
       benchmark::DoNotOptimize(joined.add(header, payloads[header.part]));
     benchmark::DoNotOptimize(joined.frame());

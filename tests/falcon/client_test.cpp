@@ -172,7 +172,7 @@ TEST_F(FalconClient, OneFoundByItselfGivesNoForceUntilItsButtonIsPressed) {
   bootAndPlugIn();
   startServer();
   startClient({});
-  ASSERT_TRUE(client_->says("found, not asked for: no force until", kPatience))
+  ASSERT_TRUE(client_->says("detected this device automatically: no force until", kPatience))
       << client_->output();
   ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
   ASSERT_TRUE(client_->says("connected", kPatience)) << client_->output();

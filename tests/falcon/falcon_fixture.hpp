@@ -49,7 +49,7 @@ class FalconTest : public ::testing::Test {
         "falcon", {.clock = clock_,
                    .seen = seen_,
                    .falcon = {.firmware_file = file_},
-                   .tell = [this](const std::string& line) { told_.append(line).append("\n"); }});
+                   .tell = [this](const std::string& line) { logged_.append(line).append("\n"); }});
   }
   std::string complaint() {
     try {
@@ -78,7 +78,7 @@ class FalconTest : public ::testing::Test {
   LatestValue<client::TickReport> seen_;
   std::unique_ptr<UsbPort> port_;
   std::string file_;
-  std::string told_;
+  std::string logged_;
 };
 
 /// Turns a device as the loop does, with a force of the test's, on a thread of its own.

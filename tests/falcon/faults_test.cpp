@@ -35,8 +35,8 @@ class FalconFaultsTest : public FalconTest {
   }
   bool says(const std::string& text) {
     return waitUntil(kPatience, [&] {
-      while (const auto line = device_->news()) told_.append(*line).append("\n");
-      return told_.find(text) != std::string::npos;
+      while (const auto line = device_->news()) logged_.append(*line).append("\n");
+      return logged_.find(text) != std::string::npos;
     });
   }
   template <class Set>

@@ -39,9 +39,9 @@ TEST_F(FalconStart, TheFirmwareIsLoadedOverAShakyStart) {
   file_ = firmwareFile();
   const auto device = openFalcon();
   EXPECT_TRUE(port_->with([](FalconModel& model, BusFaults&) { return model.runs(); }));
-  EXPECT_NE(told_.find("loading its firmware (2000 bytes)"), std::string::npos) << told_;
-  EXPECT_NE(told_.find("heard something else"), std::string::npos) << told_;
-  EXPECT_NE(told_.find("% of its firmware is loaded"), std::string::npos) << told_;
+  EXPECT_NE(logged_.find("loading its firmware (2000 bytes)"), std::string::npos) << logged_;
+  EXPECT_NE(logged_.find("heard something else"), std::string::npos) << logged_;
+  EXPECT_NE(logged_.find("% of its firmware is loaded"), std::string::npos) << logged_;
 }
 
 TEST_F(FalconStart, OneThatIsNotThere) {

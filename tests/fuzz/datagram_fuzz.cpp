@@ -40,7 +40,7 @@ void sendOn(CodedFrame frame) {
   require(decode(encode(frame)).ok());
   const auto payloads = packFrame(frame);
   require(!payloads.empty());
-  JoinedFrame again(
+  Reassembly again(
       {0, frame.epoch, frame.id, frame.media_time, 0, static_cast<std::uint16_t>(payloads.size())});
   DatagramHeader header = again.header();
   for (const Bytes& payload : payloads) {
@@ -59,7 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::span<const std::uint8_t> rest(data, size);
   (void)readDatagram(rest);
   (void)readEcho(rest);
-  std::optional<JoinedFrame> joined;
+  std::optional<Reassembly> joined;
   while (rest.size() >= 2) {
     const std::size_t wanted = rest[0] + 256U * rest[1];
     rest = rest.subspan(2);

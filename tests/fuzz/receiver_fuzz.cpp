@@ -139,10 +139,10 @@ struct Client {
   StreamDescription stream{
       .name = "", .workspace = {.width_px = 64, .height_px = 48}, .mass_kg = {}};
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
-  LatestValue<StreamState> state;
-  Preparer preparer{*pool, clock, Method::kHapticast,
-                    [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
-  Receiver receiver{preparer, state, 1};
+  LatestValue<StreamTiming> state;
+  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
+                             [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+  Receiver receiver{decode_thread, state, 1};
 
  private:
   std::uint64_t id_ = 1;
@@ -158,7 +158,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const int kind = script.byte();
     if (kind >= 224) {
       frames += client.takeParts(script);
-      if (kind % 4 != 0) (void)client.preparer.step();
+      if (kind % 4 != 0) (void)client.decode_thread.step();
       client.play();
       continue;
     }
@@ -177,7 +177,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                              client.clock.now());
         break;
       case 3:
-        while (client.preparer.step()) {
+        while (client.decode_thread.step()) {
         }
         client.play();  // what waits in the pool belongs to the picture that is announced
         client.stream.workspace.width_px = 32 + script.byte();
@@ -189,11 +189,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       default:
         client.receiver.frame(client.makeFrame(script), client.clock.now());
         ++frames;
-        if (script.byte() % 4 != 0) (void)client.preparer.step();
+        if (script.byte() % 4 != 0) (void)client.decode_thread.step();
         client.play();
     }
   }
-  while (client.preparer.step()) {
+  while (client.decode_thread.step()) {
   }
   client.play();
   const ReceiverCounts& counts = client.receiver.counts();

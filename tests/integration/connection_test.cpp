@@ -154,7 +154,7 @@ TEST_F(ConnectionTest, GivesUpOnAnotherVersionOnly) {
   ASSERT_TRUE(runUntil([&] { return client.lost.size() == 1; }));
   EXPECT_NE(client.lost[0].find("all 2 places are taken"), std::string::npos);
   ASSERT_TRUE(runUntil([&] { return server.accept(); })) << "tried again";
-  server.peer->send(WireError{ErrorCode::kVersion, "this server speaks protocol version 9"});
+  server.peer->send(WireError{ErrorCode::kVersion, "this server has protocol version 9"});
   ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
   EXPECT_NE(client.failure.find("protocol version 9"), std::string::npos);
 }

@@ -7,7 +7,7 @@
 namespace hapticast::testing {
 namespace {
 
-using client::Way;
+using client::Transport;
 
 class DatagramClientTest : public StreamTest {
  protected:
@@ -28,7 +28,7 @@ class DatagramClientTest : public StreamTest {
     });
   }
   static bool byUdp(const TestClient& client) {
-    return client.connection.delivery().way == Way::kDatagrams;
+    return client.connection.delivery().way == Transport::kDatagrams;
   }
   static void expectRisingIds(const TestClient& client) {
     for (std::size_t i = 1; i < client.frames.size(); ++i)
@@ -52,7 +52,7 @@ class DatagramClientTest : public StreamTest {
   /// Until frames come by the group, or the client says why not.
   bool streamToGroup(DatagramServer& server, TestClient& client) {
     return streamUntil(server, client, [&] {
-      return client.connection.delivery().way == Way::kGroup || !client.news.empty();
+      return client.connection.delivery().way == Transport::kGroup || !client.news.empty();
     });
   }
 
@@ -84,10 +84,10 @@ TEST_F(DatagramClientTest, FramesComeByUdpAndNoMoreOverTcp) {
 
 TEST_F(DatagramClientTest, AClientThatWantsTcpGetsNoDatagram) {
   DatagramServer server(io, clock);
-  TestClient client(io, clock, server.port(), with({.best = Way::kTcp}));
+  TestClient client(io, clock, server.port(), with({.best = Transport::kTcp}));
   ASSERT_TRUE(streamOn(server, client, 20));
   EXPECT_EQ(server.sender->counts().viewers.sent, 0U);
-  EXPECT_EQ(client.connection.delivery().way, Way::kTcp);
+  EXPECT_EQ(client.connection.delivery().way, Transport::kTcp);
 }
 
 TEST_F(DatagramClientTest, CopiesMendANetworkThatLoses) {
@@ -157,7 +157,8 @@ TEST_F(DatagramClientTest, AServerWithoutDatagramsIsToldOnce) {
 TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
   const auto server = serverOf(loopbackGroup("239.255.74.47"));
   if (!server) GTEST_SKIP() << why_no_group;
-  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
+  TestClient client(io, clock, server->port(),
+                    with({.best = Transport::kGroup, .interface_name = "lo"}));
   ASSERT_TRUE(streamToGroup(*server, client));
   if (!client.news.empty()) GTEST_SKIP() << client.news[0];
   ASSERT_TRUE(streamOn(*server, client, 20));
@@ -193,7 +194,8 @@ class Forger {
 TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
   const auto server = serverOf(loopbackGroup("239.255.74.48"));
   if (!server) GTEST_SKIP() << why_no_group;
-  TestClient client(io, clock, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
+  TestClient client(io, clock, server->port(),
+                    with({.best = Transport::kGroup, .interface_name = "lo"}));
   ASSERT_TRUE(streamToGroup(*server, client));
   if (!client.news.empty()) GTEST_SKIP() << client.news[0];
   Forger forger(io, viewer(*server)->all<Welcome>().at(0));
@@ -224,7 +226,8 @@ TEST_F(DatagramClientTest, AFloodIsSeenThoughItsSecondEndsWithIt) {
   const auto server = serverOf(loopbackGroup("239.255.74.48"));
   if (!server) GTEST_SKIP() << why_no_group;
   BentClock bent;
-  TestClient client(io, bent, server->port(), with({.best = Way::kGroup, .interface_name = "lo"}));
+  TestClient client(io, bent, server->port(),
+                    with({.best = Transport::kGroup, .interface_name = "lo"}));
   ASSERT_TRUE(streamToGroup(*server, client));
   if (!client.news.empty()) GTEST_SKIP() << client.news[0];
   Forger forger(io, viewer(*server)->all<Welcome>().at(0));
@@ -246,7 +249,7 @@ TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {
   const auto server = serverOf(loopbackGroup("239.255.74.47"));
   if (!server) GTEST_SKIP() << why_no_group;
   TestClient client(io, clock, server->port(),
-                    with({.best = Way::kGroup, .interface_name = "nowhere"}));
+                    with({.best = Transport::kGroup, .interface_name = "nowhere"}));
   ASSERT_TRUE(streamUntil(*server, client, [&] { return byUdp(client); }));
   ASSERT_EQ(client.news.size(), 1U);
   EXPECT_NE(client.news[0].find("nowhere"), std::string::npos) << client.news[0];

@@ -37,7 +37,7 @@ struct DatagramServer : TestServer {
     broadcaster.publish(
         encoder.encode(frame, {}, broadcaster.datagramsWanted() ? &signer : nullptr));
   }
-  [[nodiscard]] std::uint64_t echoes(server::EchoVerdict verdict) const {
+  [[nodiscard]] std::uint64_t echoes(server::AddressValidation verdict) const {
     return sender->counts().of(verdict);
   }
 

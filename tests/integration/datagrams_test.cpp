@@ -192,9 +192,9 @@ TEST_F(DatagramsTest, NobodyCanPointTheStreamAtSomebodyElse) {
   guesser.say(std::vector<std::uint8_t>(1232, 7));
   guesser.say(std::vector<std::uint8_t>{});
   ASSERT_TRUE(runUntil([&] {
-    return server.echoes(server::EchoVerdict::kForeign) == 1 &&
-           server.echoes(server::EchoVerdict::kUnknownToken) == 2 &&
-           server.echoes(server::EchoVerdict::kMalformed) == 2;
+    return server.echoes(server::AddressValidation::kForeign) == 1 &&
+           server.echoes(server::AddressValidation::kUnknownToken) == 2 &&
+           server.echoes(server::AddressValidation::kMalformed) == 2;
   }));
   for (std::uint64_t id = 1; id <= 20; ++id) publishTo(server, {honest.get()}, id);
   for (DatagramViewer* each : {&elsewhere, &guesser, &victim_of->udp}) {
@@ -214,7 +214,8 @@ TEST_F(DatagramsTest, AHundredPortsAndAFloodGetOneProbe) {
     ports.back()->echo();
   }
   for (int i = 0; i < 2000; ++i) ports[0]->echo(1);  // more than are read in one go
-  ASSERT_TRUE(runUntil([&] { return server.echoes(server::EchoVerdict::kUnknownToken) > 0; }));
+  ASSERT_TRUE(
+      runUntil([&] { return server.echoes(server::AddressValidation::kUnknownToken) > 0; }));
   publishTo(server, {honest.get()}, 1);
   std::size_t datagrams = 0;
   std::size_t takers = 0;
@@ -225,10 +226,10 @@ TEST_F(DatagramsTest, AHundredPortsAndAFloodGetOneProbe) {
   }
   EXPECT_LE(takers, 1U) << "frames go to one port";
   // 101 echoes within a moment; where the machine dreams, two of them may be 0.1 s apart.
-  const std::uint64_t believed = server.echoes(server::EchoVerdict::kBelieved) - 1;
+  const std::uint64_t believed = server.echoes(server::AddressValidation::kBelieved) - 1;
   EXPECT_GE(believed, 1U);
   EXPECT_LE(datagrams, believed + server.sender->counts().viewers.sent);
-  EXPECT_GT(server.echoes(server::EchoVerdict::kTooSoon), 0U);
+  EXPECT_GT(server.echoes(server::AddressValidation::kTooSoon), 0U);
 }
 
 TEST_F(DatagramsTest, AnotherPortIsNamedWhereTheNumberIsTaken) {

@@ -13,7 +13,7 @@ class MemoryChannelTest : public StreamTest {
   /// What a client dials with to reach `broadcaster`.
   client::Dial dialTo(server::Broadcaster& broadcaster) {
     return [this, &broadcaster](asio::io_context&, const Endpoint&, Duration,
-                                client::DialStop&) -> asio::awaitable<client::Dialled> {
+                                client::DialCancellation&) -> asio::awaitable<client::Dialled> {
       auto [ours, theirs] = MemoryChannel::pair(io, kMaxSmallMessageBytes);
       broadcaster.accept(std::move(theirs));
       if (unwilling > 0) {

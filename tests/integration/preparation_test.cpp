@@ -25,16 +25,16 @@ TEST_F(PreparationTest, PongsAreStampedWhileAFrameIsPrepared) {
   asio::ip::tcp::acceptor acceptor(io, {asio::ip::address_v4::loopback(), 0});
   acceptor.non_blocking(true);
   const auto pool = std::make_unique<client::FramePool>();
-  LatestValue<client::StreamState> stream;
+  LatestValue<client::StreamTiming> stream;
   HeldClock busy;
   std::unique_ptr<client::Receiver> receiver;
-  client::Preparer preparer(*pool, busy, Method::kHapticast, [&](const auto& frame) {
+  client::DecodeThread decode_thread(*pool, busy, Method::kHapticast, [&](const auto& frame) {
     asio::post(io, [&receiver, frame] { receiver->prepared(frame); });
   });
-  receiver = std::make_unique<client::Receiver>(preparer, stream, 1);
+  receiver = std::make_unique<client::Receiver>(decode_thread, stream, 1);
   client::Connection connection(
       io, clock, TestClient::settings(acceptor.local_endpoint().port(), {}), *receiver, {});
-  preparer.start();
+  decode_thread.start();
   connection.start();
 
   std::unique_ptr<RawPeer> server;
@@ -62,7 +62,7 @@ TEST_F(PreparationTest, PongsAreStampedWhileAFrameIsPrepared) {
   busy.held = false;
   busy.held.notify_all();
   EXPECT_TRUE(runUntil([&] { return receiver->counts().received == 1; }));
-  preparer.stop();
+  decode_thread.stop();
   connection.stop();
   EXPECT_TRUE(runUntil([&] { return io.stopped(); }));
 }

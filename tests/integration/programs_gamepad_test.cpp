@@ -30,7 +30,7 @@ class Player final : public client::View {
 
   void takePicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
   void takeReport(const TickReport& report) override { last_ = report; }
-  bool turn(client::Desk& /*desk*/) override {
+  bool turn(client::UiState& /*desk*/) override {
     if (at_ == steps_.size()) return false;
     const Step& step = steps_[at_];
     if (step.comes(last_)) {

@@ -134,7 +134,7 @@ TEST_F(ProgramsLiesTest, AreLimitedAndTheUserIsTold) {
       {"id_max_once", "jumps of the frames' ids"},
       {"outside", "whose objects are not shown"},
       {"silence", "no new frames come: the force has faded"},
-      {"stiffness_1000", "a wall is softer than its author asks for"},
+      {"stiffness_1000", "a wall is softer than the stream asks for"},
       {"structure_cut", "trying again"},
   }));
 }

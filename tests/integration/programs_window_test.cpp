@@ -30,9 +30,9 @@ class Watched final : public client::View {
     last_ = report;
     window_.takeReport(report);
   }
-  bool turn(client::Desk& desk) override {
+  bool turn(client::UiState& ui_state) override {
     each_turn_(window_, last_);
-    return window_.turn(desk);
+    return window_.turn(ui_state);
   }
   void finish() override { window_.finish(); }
   [[nodiscard]] bool points() const override { return window_.points(); }
@@ -175,8 +175,8 @@ TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesFeelsItAndGoesOn) {
         [&](const TickReport& r) { return r.contact && r.force_N.norm() > 0.5 && wait(r, 2.0); },
         [&](ViewerWindow& window, const TickReport& r) {
           EXPECT_EQ(r.play_time, stood) << "paused";
-          client::Desk desk;
-          window.draw(desk);
+          client::UiState ui_state;
+          window.draw(ui_state);
           const cv::Mat pixels = window.pixels();
           const double width_px = window.place().end().x - window.place().corner().x;
           const Vec3& f = r.static_force_N;  // z is drawn up and a little to the right

@@ -210,7 +210,7 @@ TEST_F(ServerTest, FramesThatAreTooLargeAreLeftOutAndToldOnce) {
       std::make_shared<const std::vector<std::uint8_t>>(kMaxMessageBytes + 1, std::uint8_t{1});
   for (std::uint64_t id = 1; id <= 3; ++id) {
     server.broadcaster.publish(server::EncodedFrame{0, id, server.media.now(), large,
-                                                    std::make_shared<server::WholeFrame>(large)});
+                                                    std::make_shared<server::LazyKeyFrame>(large)});
   }
   server.publish(4);
   ASSERT_TRUE(runUntil([&] {

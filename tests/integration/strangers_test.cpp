@@ -25,7 +25,7 @@ TEST_F(StrangersTest, WhoSaysNothingKeepsNobodyOut) {
   settings.max_clients = 2;
   TestServer server(io, clock, settings);
   std::vector<std::unique_ptr<RawPeer>> silent;
-  for (std::size_t i = 0; i < settings.max_clients + Broadcaster::kMaxStrangers + 8; ++i)
+  for (std::size_t i = 0; i < settings.max_clients + Broadcaster::kMaxPending + 8; ++i)
     silent.push_back(std::make_unique<RawPeer>(io, server.port()));
   const auto viewer_of_ours = viewer(server);
   server.publish(1);
@@ -47,11 +47,11 @@ TEST_F(StrangersTest, TheAddressThatMostComeFromMakesRoom) {
   TestServer server(io, clock);
   RawPeer other(io, server.port(), 2);  // older than all of them
   std::vector<std::unique_ptr<RawPeer>> silent;
-  for (std::size_t i = 0; i < 3 * Broadcaster::kMaxStrangers; ++i)
+  for (std::size_t i = 0; i < 3 * Broadcaster::kMaxPending; ++i)
     silent.push_back(std::make_unique<RawPeer>(io, server.port()));
   ASSERT_TRUE(runUntil([&] {
-    silent[2 * Broadcaster::kMaxStrangers]->poll();
-    return silent[2 * Broadcaster::kMaxStrangers]->closed;
+    silent[2 * Broadcaster::kMaxPending]->poll();
+    return silent[2 * Broadcaster::kMaxPending]->closed;
   }));
   other.send(Hello{kProtocolVersion, "patient", false, true});
   EXPECT_TRUE(runUntil([&] {
@@ -63,7 +63,7 @@ TEST_F(StrangersTest, TheAddressThatMostComeFromMakesRoom) {
 TEST_F(StrangersTest, WhereAllComeFromDifferentAddressesTheOldestMakesRoom) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<RawPeer>> silent;
-  for (std::uint8_t i = 0; i < Broadcaster::kMaxStrangers; ++i) {
+  for (std::uint8_t i = 0; i < Broadcaster::kMaxPending; ++i) {
     silent.push_back(
         std::make_unique<RawPeer>(io, server.port(), static_cast<std::uint8_t>(20 + i)));
   }
@@ -81,7 +81,7 @@ TEST_F(StrangersTest, WhoIsTurnedOutIsNoViewerAnyMore) {
     ours.push_back(std::move(ends.first));
     server.broadcaster.accept(std::move(ends.second));
   };
-  for (std::size_t i = 0; i < Broadcaster::kMaxStrangers; ++i) stranger();
+  for (std::size_t i = 0; i < Broadcaster::kMaxPending; ++i) stranger();
   io.restart();
   io.poll();  // all of them wait for a hello
   const auto hello = std::make_shared<const std::vector<std::uint8_t>>(encode(Hello{}));
@@ -100,8 +100,7 @@ TEST_F(StrangersTest, WhoIsTurnedOutIsNoViewerAnyMore) {
 TEST_F(StrangersTest, AtTheEndEveryViewerHearsGoodbye) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<RawPeer>> viewers;
-  for (std::size_t i = 0; i < Broadcaster::kMaxStrangers + 8; ++i)
-    viewers.push_back(viewer(server));
+  for (std::size_t i = 0; i < Broadcaster::kMaxPending + 8; ++i) viewers.push_back(viewer(server));
   server.stop();
   for (const auto& each : viewers) EXPECT_EQ(farewell(*each).code, ErrorCode::kShuttingDown);
 }
@@ -165,7 +164,7 @@ TEST_F(StrangersTest, TheLogStaysReadable) {
   for (int i = 0; i < 60; ++i) (void)viewer(server);
   RawPeer(io, server.port()).send(std::vector<std::uint8_t>(100, 0xFF));
   ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
-  EXPECT_LE(log.count(), 2 * server::LogLimit::kLines);
+  EXPECT_LE(log.count(), 2 * server::ServerLogLimiter::kLines);
   EXPECT_NE(log.text().find("joined"), std::string::npos);
   EXPECT_NE(log.text().find("closing"), std::string::npos) << "a crowd hides no problem";
 }
@@ -225,7 +224,7 @@ TEST(FileLimit, IsRaisedToWhatTheViewersNeedOrSaysWhatFits) {
   EXPECT_EQ(server::raiseFileLimit(500), 500U);
   rlimit raised{};
   getrlimit(RLIMIT_NOFILE, &raised);
-  EXPECT_GE(raised.rlim_cur, 500U + Broadcaster::kMaxStrangers);
+  EXPECT_GE(raised.rlim_cur, 500U + Broadcaster::kMaxPending);
   setrlimit(RLIMIT_NOFILE, &before);
 
   const auto fits_only = [] {  // in a process of its own: a hard limit cannot be raised again
@@ -235,7 +234,7 @@ TEST(FileLimit, IsRaisedToWhatTheViewersNeedOrSaysWhatFits) {
     const std::size_t fit = server::raiseFileLimit(2000);
     const bool told = log.text().find("--max-clients 2000") != std::string::npos &&
                       log.text().find("enough for " + std::to_string(fit)) != std::string::npos;
-    std::_Exit(fit == 150 - 64 - Broadcaster::kMaxStrangers && told ? 0 : 1);
+    std::_Exit(fit == 150 - 64 - Broadcaster::kMaxPending && told ? 0 : 1);
   };
   EXPECT_EXIT(fits_only(), ::testing::ExitedWithCode(0), "");
 }

@@ -141,8 +141,8 @@ class RawPeer {
 struct TestClient {
   TestClient(asio::io_context& io, const Clock& clock, std::uint16_t port,
              const std::function<void(client::ConnectionSettings&)>& change = {})
-      : preparer(*pool, clock, Method::kHapticast,
-                 [this](const client::PreparedFrame& frame) { receiver.prepared(frame); }),
+      : decode_thread(*pool, clock, Method::kHapticast,
+                      [this](const client::PreparedFrame& frame) { receiver.prepared(frame); }),
         connection(io, clock, settings(port, change), receiver, events()) {
     connection.start();
   }
@@ -168,7 +168,7 @@ struct TestClient {
   }
   /// What the loop would do: takes every frame and gives it back.
   void drain() {
-    while (preparer.step()) {
+    while (decode_thread.step()) {
     }
     client::FramePool::Index index = 0;
     while (pool->take(index)) {
@@ -180,9 +180,9 @@ struct TestClient {
   }
 
   std::unique_ptr<client::FramePool> pool = std::make_unique<client::FramePool>();
-  LatestValue<client::StreamState> stream;
-  client::Preparer preparer;  // its steps are the test's
-  client::Receiver receiver{preparer, stream, 1};
+  LatestValue<client::StreamTiming> stream;
+  client::DecodeThread decode_thread;  // its steps are the test's
+  client::Receiver receiver{decode_thread, stream, 1};
   std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
   bool last_has_field = false;
   std::vector<VideoFrame> videos;

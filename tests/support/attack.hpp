@@ -43,9 +43,9 @@ inline PlayObject plateAt(double height_mm, std::uint32_t id = 1, double slope =
 /// The room, a stream and a tip that stands still in the device frame.
 class Attack {
  public:
-  explicit Attack(const RoomSettings& room_settings, double tip_height_mm = 8.0)
-      : settings(room_settings),
-        room(std::make_unique<Room>(settings, pool, stream, user, reports, nullptr)) {
+  explicit Attack(const RendererSettings& renderer_settings, double tip_height_mm = 8.0)
+      : settings(renderer_settings),
+        renderer(std::make_unique<HapticRenderer>(settings, pool, stream, user, reports, nullptr)) {
     const DeviceMapping mapping = DeviceMapping::fit(Workspace{}, settings.profile.workspace_mm);
     state.position_mm = mapping.toDevice({0.1, 0.1, tip_height_mm});
     control.connected = true;
@@ -64,10 +64,10 @@ class Attack {
     }
     stream.store(control);
     user.store(wishes);
-    if (device) state.position_mm = device->exchange(room->report().force_N).position_mm;
+    if (device) state.position_mm = device->exchange(renderer->report().force_N).position_mm;
     state.time = clock.now();
-    const Vec3 before_N = room->report().force_N;
-    const TickReport& report = room->tick(clock.now(), state);
+    const Vec3 before_N = renderer->report().force_N;
+    const TickReport& report = renderer->tick(clock.now(), state);
     check(report, before_N);
     return report;
   }
@@ -94,13 +94,13 @@ class Attack {
   }
 
   ManualClock clock;
-  RoomSettings settings;
+  RendererSettings settings;
   FramePool pool;
-  LatestValue<StreamState> stream;
+  LatestValue<StreamTiming> stream;
   LatestValue<UserControls> user;
   LatestValue<TickReport> reports;
-  std::unique_ptr<Room> room;
-  StreamState control;
+  std::unique_ptr<HapticRenderer> renderer;
+  StreamTiming control;
   UserControls wishes;
   DeviceState state;
   std::optional<VirtualDevice> device;
@@ -132,8 +132,8 @@ class Attack {
 };
 
 /// Devices, surfaces, interpolations, methods, delays of 0-5 ticks.
-inline std::vector<RoomSettings> everyRoom() {
-  std::vector<RoomSettings> rooms;
+inline std::vector<RendererSettings> everyRoom() {
+  std::vector<RendererSettings> rooms;
   for (const char* profile : {"omni", "falcon"}) {
     for (const SurfaceKind surface :
          {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
@@ -141,13 +141,13 @@ inline std::vector<RoomSettings> everyRoom() {
            {Interpolation::kHermite, Interpolation::kLinear, Interpolation::kHold}) {
         for (const Method method : {Method::kHapticast, Method::kThesis}) {
           if (method == Method::kThesis && interpolation != Interpolation::kHermite) continue;
-          RoomSettings room;
-          room.profile = loadDeviceProfile(profile);
-          room.profile.delay_ticks = static_cast<int>(rooms.size() % 6);
-          room.surface = surface;
-          room.interpolation = interpolation;
-          room.method = method;
-          rooms.push_back(room);
+          RendererSettings renderer;
+          renderer.profile = loadDeviceProfile(profile);
+          renderer.profile.delay_ticks = static_cast<int>(rooms.size() % 6);
+          renderer.surface = surface;
+          renderer.interpolation = interpolation;
+          renderer.method = method;
+          rooms.push_back(renderer);
         }
       }
     }

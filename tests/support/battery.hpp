@@ -39,7 +39,7 @@ struct BatteryResult {
   [[nodiscard]] double counts(double count_mm) const { return residual_mm / count_mm; }
 };
 
-class Hold {
+class StaticRegionFilter {
  public:
   void add(const Rig& rig) {
     const double z_mm = rig.device.truePosition_mm().z();
@@ -89,7 +89,7 @@ inline BatteryResult battery(Rig& rig, const Hand& hand, bool quick = false) {
     if (!free) want(0.0, 20.0 - 0.2 * i);
     rig.step();
   }
-  Hold first;
+  StaticRegionFilter first;
   for (int i = 0; i < hold; ++i) {
     want(std::min(1.0, i / 200.0), 0.0);
     rig.step();
@@ -99,7 +99,7 @@ inline BatteryResult battery(Rig& rig, const Hand& hand, bool quick = false) {
     want(1.0 + i / 1000.0, 0.0);
     rig.step();
   }
-  Hold second;
+  StaticRegionFilter second;
   for (int i = 0; i < hold * 2 / 3; ++i) {
     rig.step();
     if (i >= hold / 3) second.add(rig);

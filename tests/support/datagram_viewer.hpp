@@ -75,7 +75,7 @@ class DatagramViewer {
       return;
     }
     if (++seen[header.frame][header.part] > 1) return;
-    JoinedFrame& joined = joining_.try_emplace(header.frame, header).first->second;
+    Reassembly& joined = joining_.try_emplace(header.frame, header).first->second;
     if (joined.add(header, datagram->payload)) ++refused;
     if (joined.whole()) frames.push_back(joined.frame());
   }
@@ -85,7 +85,7 @@ class DatagramViewer {
   Welcome welcome_;
   VerifyingKey key_;
   std::uint64_t token_ = welcome_.datagram_token;
-  std::map<std::uint64_t, JoinedFrame> joining_;
+  std::map<std::uint64_t, Reassembly> joining_;
 };
 
 }  // namespace hapticast::testing

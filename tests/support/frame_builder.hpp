@@ -79,8 +79,8 @@ inline bool send(FramePool& pool, const PlayFrame& frame) {
 }
 
 /// How many slots the receiver could fill now. Gives them back by way of frames of a void epoch 0.
-inline std::size_t freeSlots(FramePool& pool, FrameLookup& lookup, MediaTime play_time,
-                             StreamState stream) {
+inline std::size_t freeSlots(FramePool& pool, SceneInterpolator& lookup, MediaTime play_time,
+                             StreamTiming stream) {
   std::size_t count = 0;
   while (send(pool, makeFrame(0, 0, 0.0, {}))) ++count;
   stream.first_epoch = std::max(stream.first_epoch, 1U);

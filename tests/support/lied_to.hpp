@@ -53,10 +53,10 @@ struct LiedTo {
 
   /// Ticks in which the chain had to limit something.
   [[nodiscard]] std::ptrdiff_t limitedTicks() const {
-    using enum Interference;
-    constexpr std::uint32_t kLimits = bit(kDoubted) | bit(kTank) | bit(kSlew) | bit(kPassivity) |
-                                      bit(kSurfaceSpeed) | bit(kUnarmed) | bit(kStiffness) |
-                                      bit(kDamping) | bit(kResidue) | bit(kThermal);
+    using enum SafetyAction;
+    constexpr std::uint32_t kLimits =
+        bit(kImplausible) | bit(kTank) | bit(kSlew) | bit(kPassivity) | bit(kSurfaceSpeed) |
+        bit(kDisarmed) | bit(kStiffness) | bit(kDamping) | bit(kResidue) | bit(kThermal);
     return felt.ticksWith(kLimits);
   }
   [[nodiscard]] testing::Verdict verdict() const {
@@ -81,15 +81,15 @@ struct LiedTo {
 /// For so long a light hand feels it. `nailed`: the tip cannot move.
 inline LiedTo lieTo(const testing::Lie& lie, double seconds, const Hand& hand = Hand::light(),
                     bool nailed = false, std::optional<double> datagram_loss = std::nullopt) {
-  RoomSettings room;
+  RendererSettings renderer;
   PlantProfile plant;
   const HandScript script = handOf(lie.hand);
-  auto viewer = std::make_unique<VirtualViewer>(room, plant, hand, nailed ? nullptr : &script);
+  auto viewer = std::make_unique<VirtualViewer>(renderer, plant, hand, nailed ? nullptr : &script);
   if (nailed) viewer->nail({0.1, 0.1, 8.0});
   if (datagram_loss) viewer->byDatagrams(*datagram_loss);
   testing::LyingServer server(lie);
   LiedTo out;
-  out.last = converse(server, *viewer, seconds);
+  out.last = runSession(server, *viewer, seconds);
   out.felt = std::move(viewer->felt);
   out.counts = viewer->counts();
   return out;

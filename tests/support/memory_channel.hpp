@@ -18,7 +18,7 @@ class MemoryChannel final : public Channel {
   /// Both ends; each takes payloads of at most `limit_bytes`.
   static std::pair<std::unique_ptr<MemoryChannel>, std::unique_ptr<MemoryChannel>> pair(
       asio::io_context& io, std::size_t limit_bytes) {
-    auto there = std::make_shared<Way>(io), back = std::make_shared<Way>(io);
+    auto there = std::make_shared<Transport>(io), back = std::make_shared<Transport>(io);
     return {std::make_unique<MemoryChannel>(there, back, limit_bytes),
             std::make_unique<MemoryChannel>(back, there, limit_bytes)};
   }
@@ -65,8 +65,8 @@ class MemoryChannel final : public Channel {
   void abort() noexcept override { close(); }
 
   /// One direction.
-  struct Way {
-    explicit Way(asio::io_context& io) : changed(io) {}
+  struct Transport {
+    explicit Transport(asio::io_context& io) : changed(io) {}
     asio::awaitable<void> wait() {
       boost::system::error_code ec;
       changed.expires_at(asio::steady_timer::time_point::max());
@@ -81,11 +81,12 @@ class MemoryChannel final : public Channel {
     bool ended = false;
     asio::steady_timer changed;
   };
-  MemoryChannel(std::shared_ptr<Way> out, std::shared_ptr<Way> in, std::size_t limit_bytes)
+  MemoryChannel(std::shared_ptr<Transport> out, std::shared_ptr<Transport> in,
+                std::size_t limit_bytes)
       : Channel("memory", limit_bytes), out_(std::move(out)), in_(std::move(in)) {}
 
  private:
-  std::shared_ptr<Way> out_, in_;
+  std::shared_ptr<Transport> out_, in_;
   SharedBytes current_;
 };
 

@@ -23,7 +23,7 @@ int program(const char* name, std::unique_ptr<CLI::App> (*command_line)(Settings
     run(settings);
     return kDone;
   } catch (const std::exception& error) {
-    std::cerr << name << ": " << oneLine(error.what()) << "\n";
+    std::cerr << name << ": " << stripControls(error.what()) << "\n";
     return kFailed;
   }
 }

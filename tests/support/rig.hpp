@@ -31,7 +31,7 @@ class Rig {
       : device(real, hand, clock),
         motion(told),
         chain(told, links),
-        told_(told),
+        logged_(told),
         real_delay_ticks_(real.delay_ticks) {
     stiffness_N_mm = told.stiffness_N_mm;
   }
@@ -71,7 +71,7 @@ class Rig {
     return out;
   }
   [[nodiscard]] double renderedStiffness_N_mm() const {
-    return std::min(stiffness_N_mm, stiffnessLimit_N_mm(told_));
+    return std::min(stiffness_N_mm, stiffnessLimit_N_mm(logged_));
   }
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) step();
@@ -79,7 +79,7 @@ class Rig {
 
   ManualClock clock;
   VirtualDevice device;
-  HipMotion motion;
+  HipEstimator motion;
   SafetyChain chain;
   SafetyOutput out;
   std::function<SafetyOutput(const SafetyInput&)> law;  ///< empty: the chain
@@ -107,7 +107,7 @@ class Rig {
     max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0;
     interferences.fill(0);
   }
-  [[nodiscard]] std::uint64_t count(Interference which) const {
+  [[nodiscard]] std::uint64_t count(SafetyAction which) const {
     return interferences[static_cast<std::size_t>(which)];
   }
 
@@ -132,7 +132,7 @@ class Rig {
                          out.penetration_mm <= last_ahead_mm_ - hip.ahead.position_mm.z();
     if (!hip.restarted && (was_contact_ || entered)) {
       const double k = was_contact_ ? last_stiffness_N_mm_ : renderedStiffness_N_mm();
-      const double b_mm = wallDamping_Ns_m(k, told_.mass_kg, stiffnessLimit_N_mm(told_)) * 1e-3;
+      const double b_mm = wallDamping_Ns_m(k, logged_.mass_kg, stiffnessLimit_N_mm(logged_)) * 1e-3;
       const double from_mm_s = was_contact_ ? last_velocity_mm_s_.z() : 0.0;
       const double most_mm_s = was_contact_ ? 600.0 : 300.0;
       const double damper_N =
@@ -144,7 +144,7 @@ class Rig {
     rest_N -= explained_N;
     const bool rises = out.force_N.norm() > (before_N + explained_N).norm();
     return rest_N.norm() - spring_N -
-           (rises ? told_.slew_rise_N_per_tick : told_.slew_fall_N_per_tick);
+           (rises ? logged_.slew_rise_N_per_tick : logged_.slew_fall_N_per_tick);
   }
   static std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> zeros() {
     std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> all;
@@ -167,7 +167,7 @@ class Rig {
     last_velocity_mm_s_ = hip.velocity_mm_s;
   }
 
-  DeviceProfile told_;
+  DeviceProfile logged_;
   int real_delay_ticks_;
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_ = zeros();
   bool was_contact_ = false;

@@ -33,11 +33,11 @@ inline std::shared_ptr<const HeightField> dome(double base_mm, const Workspace& 
 class Stage {
  public:
   /// `script` is copied; null: the hand is led by device.setTarget().
-  explicit Stage(const RoomSettings& room_settings, const HandScript* script,
-                 double bounce_mm = 0.0, Room::Log* log = nullptr)
-      : settings(room_settings),
+  explicit Stage(const RendererSettings& renderer_settings, const HandScript* script,
+                 double bounce_mm = 0.0, HapticRenderer::Log* log = nullptr)
+      : settings(renderer_settings),
         device({settings.profile}, Hand::light(), clock),
-        room(std::make_unique<Room>(settings, pool, stream, user, published, log)),
+        renderer(std::make_unique<HapticRenderer>(settings, pool, stream, user, published, log)),
         bounce_mm_(bounce_mm) {
     if (script != nullptr) device.lead(*script, published, "a script");
     state.connected = true;
@@ -61,14 +61,14 @@ class Stage {
   const TickReport& step() {
     clock.advance(kTickPeriod);
     receive();
-    const Vec3 force_N = room->report().force_N;
+    const Vec3 force_N = renderer->report().force_N;
     DeviceState reading = device.exchange(force_N);
     if (!holds) reading.buttons = 0;
     if (silent) reading.status = DeviceStatus::kNoData;
     if (lost) reading.status = DeviceStatus::kLost;
     if (blind) reading.position_mm.setConstant(std::nan(""));
     before_tick();
-    const TickReport& report = room->tick(clock.now(), reading);
+    const TickReport& report = renderer->tick(clock.now(), reading);
     after_tick();
     max_excess_N = std::max(max_excess_N, report.step_excess_N);
     max_force_N = std::max(max_force_N, report.force_N.norm());
@@ -93,14 +93,14 @@ class Stage {
   }
 
   ManualClock clock;
-  RoomSettings settings;
+  RendererSettings settings;
   FramePool pool;
-  LatestValue<StreamState> stream;
+  LatestValue<StreamTiming> stream;
   LatestValue<UserControls> user;
   LatestValue<TickReport> published;
   VirtualDevice device;
-  std::unique_ptr<Room> room;
-  StreamState state;
+  std::unique_ptr<HapticRenderer> renderer;
+  StreamTiming state;
   UserControls wishes;
   Material material;
   std::uint32_t epoch = 1;

@@ -72,15 +72,16 @@ struct Felt {
 class VirtualViewer {
  public:
   /// `script` is copied; null: the tip is nailed to where it is. `settings` are copied.
-  VirtualViewer(const RoomSettings& room_settings, const PlantProfile& plant, const Hand& hand,
-                const HandScript* script)
-      : settings_(room_settings),
+  VirtualViewer(const RendererSettings& renderer_settings, const PlantProfile& plant,
+                const Hand& hand, const HandScript* script)
+      : settings_(renderer_settings),
         device_(plant, hand, clock_),
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
-        preparer_(*pool_, clock_, settings_.method,
-                  [this](const PreparedFrame& frame) { receiver_.prepared(frame); }),
-        receiver_(preparer_, stream_, 1),
-        room_(std::make_unique<Room>(settings_, *pool_, stream_, user_, published_, nullptr)),
+        decode_thread_(*pool_, clock_, settings_.method,
+                       [this](const PreparedFrame& frame) { receiver_.prepared(frame); }),
+        receiver_(decode_thread_, stream_, 1),
+        renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, published_,
+                                                   nullptr)),
         nailed_(script == nullptr) {
     if (script != nullptr) device_.lead(*script, published_, "a script");
     sent_N_.fill(Vec3::Zero());
@@ -104,19 +105,19 @@ class VirtualViewer {
   void expectCopies(std::uint32_t copies) { receiver_.expectCopies(copies, clock_.now()); }
   /// Takes a datagram's signed body as it came, behind the token that the welcome gave.
   void receiveDatagram(std::span<const std::uint8_t> body) {
-    if (!inbox_ || isLost()) return;
+    if (!verifier_ || isLost()) return;
     const TokenBytes front = tokenBytes(token_);
     std::vector<std::uint8_t> bytes(front.begin(), front.end());
     bytes.insert(bytes.end(), body.begin(), body.end());
     const auto want = [this](const DatagramHeader& header) { return receiver_.want(header); };
-    const auto datagram = inbox_->take(bytes, clock_.now(), want);
+    const auto datagram = verifier_->take(bytes, clock_.now(), want);
     if (datagram && !datagram->header.probe())
       (void)receiver_.part(datagram->header, datagram->payload, clock_.now());
     countRejected();
   }
   void disconnect() {
     welcomed_ = false;
-    inbox_.reset();
+    verifier_.reset();
     receiver_.disconnected(clock_.now());
   }
   [[nodiscard]] bool welcomed() const { return welcomed_; }
@@ -133,14 +134,14 @@ class VirtualViewer {
   const TickReport& tick() {
     clock_.advance(kTickPeriod);
     receiver_.release(clock_.now());
-    while (preparer_.step()) {
+    while (decode_thread_.step()) {
     }
-    const Vec3 sent_N = room_->report().force_N;
+    const Vec3 sent_N = renderer_->report().force_N;
     const Vec3 from_mm = device_.truePosition_mm();
     const Vec3 speed_mm_s = device_.trueVelocity_mm_s();
     DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), DeviceStatus::kOk}
                                 : device_.exchange(sent_N);
-    const TickReport& report = room_->tick(clock_.now(), state);
+    const TickReport& report = renderer_->tick(clock_.now(), state);
     reckon(report, sent_N, nailed_ ? Vec3(Vec3::Zero()) : device_.truePosition_mm() - from_mm,
            device_.trueVelocity_mm_s() - speed_mm_s, state.position_mm);
     return report;
@@ -162,11 +163,11 @@ class VirtualViewer {
     return datagram_loss_ && std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_;
   }
   void countRejected() {
-    while (preparer_.step()) {
+    while (decode_thread_.step()) {
     }
     const ReceiverCounts& counts = receiver_.counts();
     felt.rejected = counts.reliefs_rejected + counts.slices_refused + counts.malformed +
-                    (inbox_ ? inbox_->counts().foreign : 0);
+                    (verifier_ ? verifier_->counts().foreign : 0);
   }
   void takeParts(const CodedFrame& frame) {
     std::vector<std::vector<std::uint8_t>> parts = packFrame(frame);
@@ -196,8 +197,8 @@ class VirtualViewer {
       welcomed_ = true;
       token_ = welcome->datagram_token;
       if (welcome->verifying_key)
-        inbox_.emplace(token_, welcome->stream,
-                       VerifyingKey::from(*welcome->verifying_key).value());
+        verifier_.emplace(token_, welcome->stream,
+                          VerifyingKey::from(*welcome->verifying_key).value());
       receiver_.connected(welcome->description, clock_.now());
       return true;
     }
@@ -239,20 +240,20 @@ class VirtualViewer {
   }
 
   ManualClock clock_;
-  RoomSettings settings_;
+  RendererSettings settings_;
   std::unique_ptr<FramePool> pool_ = std::make_unique<FramePool>();
-  LatestValue<StreamState> stream_;
+  LatestValue<StreamTiming> stream_;
   LatestValue<UserControls> user_;
   UserControls wishes_;
   LatestValue<TickReport> published_;
   VirtualDevice device_;
   std::size_t delay_;
-  Preparer preparer_;
+  DecodeThread decode_thread_;
   Receiver receiver_;
-  std::unique_ptr<Room> room_;
+  std::unique_ptr<HapticRenderer> renderer_;
   bool nailed_;
   bool welcomed_ = false;
-  std::optional<DatagramInbox> inbox_;  // where the welcome offers datagrams
+  std::optional<DatagramVerifier> verifier_;  // where the welcome offers datagrams
   std::uint64_t token_ = 0;
   std::optional<double> datagram_loss_;
   std::mt19937 random_{9};
@@ -265,7 +266,7 @@ class VirtualViewer {
 /// and, if it has datagrams, takeDatagrams(); and a viewer that connects, pings, and comes back
 /// after a refusal, as the client does.
 template <class Server>
-TickReport converse(Server& server, VirtualViewer& viewer, double seconds) {
+TickReport runSession(Server& server, VirtualViewer& viewer, double seconds) {
   constexpr double kRetry_s = 0.2;
   double welcomed_s = 0.0;
   double next_try_s = 0.0;

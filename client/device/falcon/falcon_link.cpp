@@ -67,10 +67,10 @@ void FalconLink::bringToLife(std::unique_ptr<FalconUsb>& usb, const Tell& tell) 
     }
     tell(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
     try {
-      int told_tenths = 0;
+      int logged_tenths = 0;
       loadFalconFirmware(*usb, image, [&](double share) {
-        if (10.0 * share < told_tenths + 5) return;
-        told_tenths += 5;
+        if (10.0 * share < logged_tenths + 5) return;
+        logged_tenths += 5;
         tell(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
       });
       if (falconRuns(*usb, settings_.event_character)) return;

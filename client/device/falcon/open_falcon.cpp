@@ -19,7 +19,7 @@ namespace {
 // Chosen: half a period after the request the tick begins without its reply.
 constexpr Duration kPatience{500'000};
 
-const char* inWords(FalconPilot::Phase phase) {
+const char* toText(FalconPilot::Phase phase) {
   switch (phase) {
     case FalconPilot::Phase::kHoming:
       return "Falcon: pull the grip out as far as it goes, then push it in as far as it goes; its "
@@ -80,8 +80,8 @@ class Falcon final : public HapticDevice {
   std::optional<std::string> news() override {
     if (auto line = link_.news()) return line;
     const FalconPilot::Phase phase = phase_.load(std::memory_order_relaxed);
-    if (std::exchange(told_, phase) == phase || *inWords(phase) == '\0') return std::nullopt;
-    return inWords(phase);
+    if (std::exchange(logged_, phase) == phase || *toText(phase) == '\0') return std::nullopt;
+    return toText(phase);
   }
 
   std::optional<DeviceTraffic> traffic() const noexcept override { return link_.traffic(); }
@@ -95,8 +95,8 @@ class Falcon final : public HapticDevice {
   Vec3 force_N_ = Vec3::Zero();
   std::uint32_t life_ = 0;
   std::atomic<FalconPilot::Phase> phase_{FalconPilot::Phase::kAway};
-  FalconPilot::Phase told_ = FalconPilot::Phase::kAway;  // main
-  FalconLink link_;                                      // last: it ends first
+  FalconPilot::Phase logged_ = FalconPilot::Phase::kAway;  // main
+  FalconLink link_;                                        // last: it ends first
 };
 
 }  // namespace

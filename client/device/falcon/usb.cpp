@@ -167,7 +167,7 @@ void FalconUsb::write(std::span<const std::uint8_t> bytes) {
                                         &written, kTimeout_ms);
   if (code != LIBUSB_SUCCESS) {
     libusb_clear_halt(handle_, kOut);
-    fail("it takes no bytes", code);
+    fail("the device accepts no data", code);
   }
 }
 

@@ -25,7 +25,7 @@ std::runtime_error unreadable(const std::string& file) {
   return std::runtime_error(file +
                             ": cannot be read (allowed are press, slide, follow or a file of "
                             "t_s,x_mm,y_mm,z_mm rows)" +
-                            didYouMean(file, {"press", "slide", "follow"}));
+                            spellingHint(file, {"press", "slide", "follow"}));
 }
 
 /// Four numbers separated by commas, or false.

@@ -26,14 +26,14 @@ VirtualDevice::VirtualDevice(const PlantProfile& profile, const Hand& hand,
 }
 
 void VirtualDevice::lead(HandScript script, LatestValue<TickReport>& seen, std::string name) {
-  script_.emplace(std::move(script));
+  annotation_track_.emplace(std::move(script));
   seen_ = &seen;
   led_by_ = std::move(name);
 }
 
 std::string VirtualDevice::description() const {
   return "virtual device (" + profile_.name + ") in a hand that " +
-         (script_ ? "does: " + led_by_ : std::string("rests"));
+         (annotation_track_ ? "does: " + led_by_ : std::string("rests"));
 }
 
 void VirtualDevice::waitForTick(LocalTime deadline) noexcept {
@@ -88,12 +88,12 @@ void VirtualDevice::advance(const Vec3& force_N, const Vec3& target_from_mm,
 }
 
 void VirtualDevice::followScript() noexcept {
-  if (!script_) return;
+  if (!annotation_track_) return;
   const TickReport& report = seen_->load();
   if (report.tick == seen_tick_) return;  // the script lives by ticks of the room
   seen_tick_ = report.tick;
   const Vec3 start_mm = report.mapping.toNominal(truePosition_mm());
-  target_mm_ = report.mapping.toDevice(script_->next(report, start_mm));
+  target_mm_ = report.mapping.toDevice(annotation_track_->next(report, start_mm));
 }
 
 void VirtualDevice::reset(const Vec3& position_mm, const Vec3& velocity_mm_s) noexcept {

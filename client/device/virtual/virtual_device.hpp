@@ -59,7 +59,7 @@ class VirtualDevice final : public HapticDevice {
   Vec3 target_mm_ = Vec3::Zero();
   Vec3 last_target_mm_ = Vec3::Zero();
   Vec3 push_N_ = Vec3::Zero();
-  std::optional<HandScript> script_;
+  std::optional<HandScript> annotation_track_;
   LatestValue<TickReport>* seen_ = nullptr;  // with the script
   std::uint64_t seen_tick_ = 0;
   std::string led_by_;

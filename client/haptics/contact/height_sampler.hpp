@@ -11,7 +11,7 @@ class ReliefProbe {
  public:
   struct Height {
     MovingRelief::Heights frames;
-    HeightNow now;
+    BlendedHeight now;
   };
 
   /// A tick begins that may read `samples` heights of `relief`. Samples of the edge are not

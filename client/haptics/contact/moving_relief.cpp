@@ -35,7 +35,7 @@ void MovingRelief::Frame::set(const PlayObject& object, const Workspace& workspa
   v = Vec2(-turn.y(), -turn.x()) / mm.y();
 }
 
-HeightNow MovingRelief::Frame::height(const Vec2& q_mm) const noexcept {
+BlendedHeight MovingRelief::Frame::height(const Vec2& q_mm) const noexcept {
   const CurvedSample at = field->spline(imageOf(q_mm));
   const double c = turn.x();
   const double s = turn.y();
@@ -60,7 +60,7 @@ bool MovingRelief::Frame::aside(const Vec2& a_mm, const Vec2& b_mm) const noexce
          std::min(a.y(), b.y()) > rect.v + rect.height + kRim_px;
 }
 
-bool MovingRelief::follow(const ObjectNow& object, const Workspace& workspace) noexcept {
+bool MovingRelief::follow(const InterpolatedObject& object, const Workspace& workspace) noexcept {
   const PlayObject* first = object.before;
   const PlayObject* second = shows(object.after) ? object.after : nullptr;
   if (second != nullptr && sameRelief(*first, *second)) second = nullptr;
@@ -97,7 +97,7 @@ MovingRelief::Edges MovingRelief::edges(const Vec2& q_mm) const noexcept {
   return pair;
 }
 
-HeightNow MovingRelief::now(const Heights& pair) const noexcept {
+BlendedHeight MovingRelief::now(const Heights& pair) const noexcept {
   if (!two_) return pair.first;
   const auto blended = [this](double a, double b) { return a + blend_ * (b - a); };
   const auto& [a, b] = pair;

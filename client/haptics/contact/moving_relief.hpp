@@ -10,7 +10,7 @@
 namespace hapticast::client {
 
 /// Height and its derivatives at a point of the object (mm, mm/mm, 1/mm).
-struct HeightNow {
+struct BlendedHeight {
   double height_mm = 0.0;
   Vec2 gradient = Vec2::Zero();
   double bend_xx = 0.0;
@@ -28,20 +28,20 @@ class MovingRelief {
   /// Takes over pair and blend; true if the pair is another one than before, so that samples no
   /// longer hold. Frames that show the same relief at the same place are taken as one.
   /// Requires object.before->field, not empty.
-  bool follow(const ObjectNow& object, const Workspace& workspace) noexcept;
+  bool follow(const InterpolatedObject& object, const Workspace& workspace) noexcept;
 
   /// What both frames have at one point; `second` is unused where one frame stands for all.
   template <class Value>
   struct Pair {
     Value first, second;
   };
-  using Heights = Pair<HeightNow>;
+  using Heights = Pair<BlendedHeight>;
   using Edges = Pair<EdgeSample>;
   [[nodiscard]] Heights heights(const Vec2& q_mm) const noexcept;
   [[nodiscard]] Edges edges(const Vec2& q_mm) const noexcept;
 
   /// A pair of samples at play time.
-  [[nodiscard]] HeightNow now(const Heights& pair) const noexcept;
+  [[nodiscard]] BlendedHeight now(const Heights& pair) const noexcept;
   [[nodiscard]] EdgeSample now(const Edges& pair) const noexcept;
   /// How fast the change of shape raises the surface, or moves the edge outwards, mm/s.
   [[nodiscard]] double rate_mm_s(const Heights& pair) const noexcept;
@@ -70,7 +70,7 @@ class MovingRelief {
     [[nodiscard]] Vec2 imageOf(const Vec2& q_mm) const noexcept {
       return origin_px + Vec2(u.dot(q_mm), v.dot(q_mm));
     }
-    [[nodiscard]] HeightNow height(const Vec2& q_mm) const noexcept;
+    [[nodiscard]] BlendedHeight height(const Vec2& q_mm) const noexcept;
     [[nodiscard]] EdgeSample edge(const Vec2& q_mm) const noexcept;
     [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
   };

@@ -43,14 +43,14 @@ ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexc
   jumped_ = tick.jumped;
   moved_ = done_ = false;
   // A jump through the air is no way that the tip has gone; how deep it is now counts anew.
-  if (jumped_ && kind_ == Kind::kBuried) kind_ = Kind::kFree;
+  if (jumped_ && kind_ == Kind::kEmbedded) kind_ = Kind::kFree;
   if (!valid_ || (jumped_ && kind_ == Kind::kFree)) at_mm_ = hip_mm_;
   valid_ = true;
-  settle();
+  resolvePenetration();
   for (int phase = 0; phase < kPhases && probe_.left() > 0 && !done_; ++phase) {
     switch (kind_) {
       case Kind::kFree:
-        march();
+        castRay();
         break;
       case Kind::kTop:
         slideOnTop();
@@ -58,7 +58,7 @@ ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexc
       case Kind::kWall:
         slideOnWall();
         break;
-      case Kind::kBuried:
+      case Kind::kEmbedded:
         done_ = true;
         break;
     }
@@ -80,7 +80,7 @@ bool Proxy::solidAt(const Vec3& point_mm) noexcept {
   return point_mm.z() < height.now.height_mm;
 }
 
-void Proxy::standAt(const Vec2& q_mm, const Height& height) noexcept {
+void Proxy::placeOn(const Vec2& q_mm, const Height& height) noexcept {
   kind_ = Kind::kTop;
   at_mm_ = {q_mm.x(), q_mm.y(), height.now.height_mm};
   probe_.keep(q_mm, height);
@@ -104,10 +104,10 @@ ProxyTouch Proxy::finish() noexcept {
   rested_ticks_ = moved_ ? 0 : std::min(rested_ticks_ + 1, kStuck_ticks);
   if (rested_ticks_ >= kStuck_ticks) slipping_ = false;
   const Vec3 way_mm = at_mm_ - hip_mm_;
-  if (jumped_ && way_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kBuried;
+  if (jumped_ && way_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kEmbedded;
   const bool faded = faded_;
   faded_ = true;
-  if (kind_ == Kind::kFree || kind_ == Kind::kBuried) {
+  if (kind_ == Kind::kFree || kind_ == Kind::kEmbedded) {
     offset_mm_ = displacement_mm_ = Vec3::Zero();
     return {};
   }

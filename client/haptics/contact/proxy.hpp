@@ -57,28 +57,28 @@ class Proxy {
   [[nodiscard]] const Vec3& position_mm() const noexcept { return at_mm_; }
 
  private:
-  enum class Kind : std::uint8_t { kFree, kTop, kWall, kBuried };
+  enum class Kind : std::uint8_t { kFree, kTop, kWall, kEmbedded };
   using Height = ReliefProbe::Height;
 
   // proxy.cpp: the tick and its result
   [[nodiscard]] bool solidAt(const Vec3& point_mm) noexcept;
-  void standAt(const Vec2& q_mm, const Height& height) noexcept;
+  void placeOn(const Vec2& q_mm, const Height& height) noexcept;
   ProxyTouch finish() noexcept;
   [[nodiscard]] Vec3 normalHere() noexcept;
 
   // proxy_flight.cpp: changes of the surface, in the air
-  void settle() noexcept;
+  void resolvePenetration() noexcept;
   void settleTop() noexcept;
   void settleWall() noexcept;
   void settleFree() noexcept;
   bool pushOut(int moves, double longest_mm) noexcept;
-  void march() noexcept;
+  void castRay() noexcept;
   void enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept;
   void enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexcept;
 
   // proxy_slide.cpp: in contact
   void slideOnTop() noexcept;
-  bool leave(const Vec3& way_mm) noexcept;
+  bool detach(const Vec3& way_mm) noexcept;
   bool fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept;
   void stepOnTop(const Height& here, const Vec2& step_mm) noexcept;
   void stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept;

@@ -40,7 +40,7 @@ Metric tangentPlane(const Vec2& g) noexcept {
 }
 
 /// Adds only what a valley bends: the largest eigenvalue, if positive, along its vector.
-Metric bentUpwards(Metric metric, const HeightNow& at, double depth_mm) noexcept {
+Metric bentUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noexcept {
   const double half = 0.5 * (at.bend_xx - at.bend_yy);
   const double root = std::sqrt(half * half + at.bend_xy * at.bend_xy);
   const double largest = 0.5 * (at.bend_xx + at.bend_yy) + root;
@@ -54,12 +54,12 @@ Metric bentUpwards(Metric metric, const HeightNow& at, double depth_mm) noexcept
 }
 
 /// Half the gradient of the squared way to the HIP over the relief, downwards.
-Vec2 descent(const HeightNow& at, const Vec3& way_mm) noexcept {
+Vec2 descent(const BlendedHeight& at, const Vec3& way_mm) noexcept {
   return way_mm.head<2>() + way_mm.z() * at.gradient;
 }
 
 /// Newton's step to the point of the relief that is nearest to the HIP.
-Vec2 newtonStep(const HeightNow& at, const Vec3& way_mm) noexcept {
+Vec2 newtonStep(const BlendedHeight& at, const Vec3& way_mm) noexcept {
   const Metric plane = tangentPlane(at.gradient);
   const double depth_mm = -way_mm.z();
   Metric metric = {plane.xx + depth_mm * at.bend_xx, plane.xy + depth_mm * at.bend_xy,
@@ -79,7 +79,7 @@ double lengthOnPlane(const Vec2& step_mm, const Vec2& gradient) noexcept {
 bool Proxy::accept(const Vec2& q_mm, const Height& height) noexcept {
   const Vec3 to_mm(q_mm.x(), q_mm.y(), height.now.height_mm);
   if ((hip_mm_ - to_mm).norm() > (hip_mm_ - at_mm_).norm() + kLengthening_mm) return false;
-  standAt(q_mm, height);
+  placeOn(q_mm, height);
   moved_ = true;
   return true;
 }
@@ -92,7 +92,7 @@ void Proxy::slideOnTop() noexcept {
   const Vec3 way_mm = hip_mm_ - at_mm_;
   const Vec2& gradient = here.now.gradient;
   const double above_mm = way_mm.z() - gradient.dot(way_mm.head<2>());
-  if (above_mm >= 0.0 && leave(way_mm)) return;
+  if (above_mm >= 0.0 && detach(way_mm)) return;
   if (friction_.sticking > 0.0) {
     const double depth_mm = -above_mm / std::sqrt(1.0 + gradient.squaredNorm());
     rubOnTop(here, tangentPlane(gradient).solve(descent(here.now, way_mm)), depth_mm);
@@ -107,7 +107,7 @@ void Proxy::slideOnTop() noexcept {
 }
 
 /// Off the relief towards the HIP, if that way is free.
-bool Proxy::leave(const Vec3& way_mm) noexcept {
+bool Proxy::detach(const Vec3& way_mm) noexcept {
   const double look_mm = kLookAhead_px * probe_.relief().pixel_mm();
   const double length_mm = way_mm.head<2>().norm();
   const bool whole = length_mm <= look_mm;

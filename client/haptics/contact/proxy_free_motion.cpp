@@ -23,7 +23,7 @@ constexpr double kEntryError_mm = 0.05;
 // --- what the surface did since the last tick
 // ----------------------------------------------------------------------------------
 
-void Proxy::settle() noexcept {
+void Proxy::resolvePenetration() noexcept {
   switch (kind_) {
     case Kind::kFree:
       settleFree();
@@ -34,7 +34,7 @@ void Proxy::settle() noexcept {
     case Kind::kWall:
       settleWall();
       break;
-    case Kind::kBuried:
+    case Kind::kEmbedded:
       at_mm_ = hip_mm_;
       if (!solidAt(hip_mm_)) kind_ = Kind::kFree;
       break;
@@ -52,10 +52,10 @@ void Proxy::settleTop() noexcept {
   if (rise_mm < -kJump_mm) {
     kind_ = Kind::kFree;  // it fell away and is followed by marching
   } else if (rise_mm > deepest_mm_) {
-    kind_ = Kind::kBuried;
+    kind_ = Kind::kEmbedded;
   } else {
     jumped_ = jumped_ || rise_mm > kJump_mm;
-    standAt(q_mm, height);
+    placeOn(q_mm, height);
   }
 }
 
@@ -64,7 +64,7 @@ void Proxy::settleWall() noexcept {
   if (inside_mm < -kLooseEdge_mm) kind_ = Kind::kFree;
   if (inside_mm <= 0.0) return;
   const Vec3 before_mm = at_mm_;
-  if (inside_mm > deepest_mm_ || !pushOut(kPushes, kPush_mm)) kind_ = Kind::kBuried;
+  if (inside_mm > deepest_mm_ || !pushOut(kPushes, kPush_mm)) kind_ = Kind::kEmbedded;
   jumped_ = jumped_ || (at_mm_ - before_mm).norm() > kJump_mm;
 }
 
@@ -86,10 +86,10 @@ void Proxy::settleFree() noexcept {
     at_mm_ = before_mm;
   }
   if (up_mm > deepest_mm_) {
-    kind_ = Kind::kBuried;
+    kind_ = Kind::kEmbedded;
     return;
   }
-  standAt(q_mm, height);
+  placeOn(q_mm, height);
   jumped_ = jumped_ || up_mm > kJump_mm;
 }
 
@@ -108,7 +108,7 @@ bool Proxy::pushOut(int moves, double longest_mm) noexcept {
 // -----------------------------------------------------------------------------------
 
 /// Straight towards the HIP, looking into the solid every half a pixel.
-void Proxy::march() noexcept {
+void Proxy::castRay() noexcept {
   const Vec3 way_mm = hip_mm_ - at_mm_;
   const double steps =
       std::ceil(way_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
@@ -172,9 +172,9 @@ void Proxy::enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexce
     surface.take(t, depth_mm);
   }
   if (depth_mm > kEntryError_mm) {
-    standAt(outside_mm.head<2>(), before);
+    placeOn(outside_mm.head<2>(), before);
   } else {
-    standAt(crossing_mm.head<2>(), height);
+    placeOn(crossing_mm.head<2>(), height);
   }
 }
 

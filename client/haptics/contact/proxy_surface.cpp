@@ -46,7 +46,7 @@ struct Sum {
   std::array<double, kMaxObjects> lengths_mm;
   std::size_t count = 0;
 
-  void add(const ProxyTouch& touch, const ObjectNow& object, const Vec3& at_mm) noexcept {
+  void add(const ProxyTouch& touch, const InterpolatedObject& object, const Vec3& at_mm) noexcept {
     const bool turns = object.angle_rad != 0.0;
     const double c = turns ? std::cos(object.angle_rad) : 1.0;
     const double s = turns ? std::sin(object.angle_rad) : 0.0;
@@ -118,7 +118,7 @@ Friction frictionOf(const Material& material) noexcept {
 }
 
 /// Of what it touches, changing slowly while it does.
-Friction ProxySurface::friction(Tied& tied, const ObjectNow& object) const noexcept {
+Friction ProxySurface::friction(ProxySlot& tied, const InterpolatedObject& object) const noexcept {
   const bool in_contact = tied.touch.displacement_mm != Vec3::Zero();
   const Friction wanted =
       friction_ ? Friction{*friction_, *friction_} : frictionOf(object.before->material);
@@ -131,23 +131,23 @@ void ProxySurface::restart() noexcept {
   ++tick_;  // nothing was there in the last one
 }
 
-ProxySurface::Tied* ProxySurface::known(std::uint64_t key) noexcept {
-  for (Tied& tied : tied_) {
+ProxySurface::ProxySlot* ProxySurface::known(std::uint64_t key) noexcept {
+  for (ProxySlot& tied : tied_) {
     if (tied.key == key && tied.tick + 1 == tick_) return &tied;
   }
   return nullptr;
 }
 
 /// One whose object is not in this scene. There are as many as a scene has objects.
-ProxySurface::Tied& ProxySurface::unused() noexcept {
+ProxySurface::ProxySlot& ProxySurface::unused() noexcept {
   return *std::min_element(tied_.begin(), tied_.end(),
-                           [](const Tied& a, const Tied& b) { return a.tick < b.tick; });
+                           [](const ProxySlot& a, const ProxySlot& b) { return a.tick < b.tick; });
 }
 
 /// The pose changed by more than the velocities of before and now explain (a frame that came late,
 /// a correction, a number that is none); an impact in between is a mean of both.
-bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double arm_mm,
-                              double elapsed_s) noexcept {
+bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& object,
+                              double arm_mm, double elapsed_s) noexcept {
   const auto way_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
     const double speed_mm_s = velocity_mm_s.norm();
     const double share = speed_mm_s > kFastestObject_mm_s ? kFastestObject_mm_s / speed_mm_s : 1.0;
@@ -171,8 +171,9 @@ bool ProxySurface::poseJumped(const Tied& tied, const ObjectNow& object, double 
   return !(moved_mm + turned_rad * arm_mm <= Proxy::kJump_mm);
 }
 
-void ProxySurface::followObject(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
-                                const Workspace& workspace, double elapsed_s) noexcept {
+void ProxySurface::followObject(ProxySlot& tied, const InterpolatedObject& object,
+                                const Vec3& hip_mm, const Workspace& workspace,
+                                double elapsed_s) noexcept {
   const bool was_there = tied.tick + 1 == tick_;
   if (!was_there) {
     tied.relief = {};  // of another world, perhaps
@@ -205,12 +206,12 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
       std::clamp(secondsBetween(play_time_, scene.play_time), 0.0, kLongestTick_s);
   play_time_ = scene.play_time;
   near_count_ = 0;
-  std::array<const ObjectNow*, kMaxObjects> arrived;
+  std::array<const InterpolatedObject*, kMaxObjects> arrived;
   std::size_t arrived_count = 0;
   for (std::size_t i = 0; i < std::min(scene.object_count, kMaxObjects); ++i) {
-    const ObjectNow& object = scene.objects[i];
+    const InterpolatedObject& object = scene.objects[i];
     if (!shows(object.before)) continue;
-    if (Tied* const tied = known(keyOf(*object.before))) {
+    if (ProxySlot* const tied = known(keyOf(*object.before))) {
       followObject(*tied, object, hip_mm, workspace, elapsed_s);
     } else {
       arrived[arrived_count++] = &object;
@@ -237,7 +238,7 @@ Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm, const Worksp
   ++turn_;
   for (std::size_t i = 0; i < near_count_; ++i) {
     const Near& near = near_[(turn_ + i) % near_count_];
-    Tied& tied = *near.tied;
+    ProxySlot& tied = *near.tied;
     const int left = kSamples - used_;
     if (left > 0) {
       const int fair = std::max(1, left / static_cast<int>(near_count_ - i));
@@ -247,7 +248,7 @@ Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm, const Worksp
     }
   }
   for (std::size_t i = 0; i < near_count_; ++i) {
-    const Tied& tied = *near_[i].tied;
+    const ProxySlot& tied = *near_[i].tied;
     if (tied.touch.contact) sum.add(tied.touch, *near_[i].object, tied.proxy.position_mm());
   }
   Contact contact = sum.result();

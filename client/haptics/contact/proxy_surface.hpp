@@ -45,14 +45,14 @@ class ProxySurface {
 
  private:
   /// A proxy and its object, as it was in the last scene: to tell a jump from a motion.
-  struct Tied {
+  struct ProxySlot {
     std::uint64_t key = 0;
     std::uint64_t tick = 0;  // when its object was last there
     MovingRelief relief;
     Proxy proxy;
     ProxyTouch touch;  // the last one
-    MaterialRamp sticking;
-    MaterialRamp sliding;
+    ParameterRateLimiter sticking;
+    ParameterRateLimiter sliding;
     Vec3 position_mm = Vec3::Zero();
     Vec3 velocity_mm_s = Vec3::Zero();
     double angle_rad = 0.0;
@@ -60,22 +60,22 @@ class ProxySurface {
   };
   /// What has to be looked at this tick.
   struct Near {
-    Tied* tied = nullptr;
-    const ObjectNow* object = nullptr;
+    ProxySlot* tied = nullptr;
+    const InterpolatedObject* object = nullptr;
     Vec3 hip_mm = Vec3::Zero();  // in the object's frame
     bool jumped = false;
   };
 
-  [[nodiscard]] Tied* known(std::uint64_t key) noexcept;
-  [[nodiscard]] Tied& unused() noexcept;
-  static bool poseJumped(const Tied& tied, const ObjectNow& object, double arm_mm,
+  [[nodiscard]] ProxySlot* known(std::uint64_t key) noexcept;
+  [[nodiscard]] ProxySlot& unused() noexcept;
+  static bool poseJumped(const ProxySlot& tied, const InterpolatedObject& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
-  Friction friction(Tied& tied, const ObjectNow& object) const noexcept;
-  void followObject(Tied& tied, const ObjectNow& object, const Vec3& hip_mm,
+  Friction friction(ProxySlot& tied, const InterpolatedObject& object) const noexcept;
+  void followObject(ProxySlot& tied, const InterpolatedObject& object, const Vec3& hip_mm,
                     const Workspace& workspace, double elapsed_s) noexcept;
 
-  std::array<Tied, kMaxObjects> tied_;
+  std::array<ProxySlot, kMaxObjects> tied_;
   std::array<Near, kMaxObjects> near_;
   std::optional<double> friction_;  // the user's
   std::size_t near_count_ = 0;

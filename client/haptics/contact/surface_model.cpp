@@ -9,7 +9,8 @@ namespace hapticast::client {
 namespace {
 
 /// v + omega x r, and the change of shape along z.
-Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_rate_mm_s) noexcept {
+Vec3 velocityAt(const InterpolatedObject& object, const Vec2& nominal_mm,
+                double shape_rate_mm_s) noexcept {
   const Vec2 r = nominal_mm - object.position_mm.head<2>();
   const double turn = object.angular_velocity_rad_s;
   return object.velocity_mm_s + Vec3(-turn * r.y(), turn * r.x(), shape_rate_mm_s);
@@ -17,8 +18,9 @@ Vec3 velocityAt(const ObjectNow& object, const Vec2& nominal_mm, double shape_ra
 
 }  // namespace
 
-Carried::Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
-                 const Workspace& workspace, const Vec2& px_per_mm) noexcept
+WarpedPoint::WarpedPoint(const PlayObject& in, const InterpolatedObject& now,
+                         const Vec2& nominal_mm, const Workspace& workspace,
+                         const Vec2& px_per_mm) noexcept
     : frame(in), turns(now.angle_rad != in.motion.angle_rad) {
   Vec2 offset_mm = nominal_mm - now.position_mm.head<2>();
   if (turns) {
@@ -29,25 +31,25 @@ Carried::Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal
   image_px = workspace.toImage(in.motion.position_mm.head<2>() + offset_mm, px_per_mm);
 }
 
-SurfaceSample Carried::shape() const noexcept {
+SurfaceSample WarpedPoint::shape() const noexcept {
   const SurfaceSample at = frame.field->bilinear(image_px);
   const Vec2& g = at.gradient;
   return {at.height_mm - frame.motion.position_mm.z(),
           turns ? Vec2(c * g.x() - s * g.y(), s * g.x() + c * g.y()) : g};
 }
 
-SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
+SurfacePoint surfaceAt(const InterpolatedObject& object, const Vec2& nominal_mm,
                        const Workspace& workspace) noexcept {
   SurfacePoint point;
   if (!shows(object.before)) return point;
   const Vec2 px_per_mm = workspace.pixelsPerMm();
-  const Carried before(*object.before, object, nominal_mm, workspace, px_per_mm);
+  const WarpedPoint before(*object.before, object, nominal_mm, workspace, px_per_mm);
   bool inside = before.inside();
   const bool blended = shows(object.after) && !sameRelief(*object.before, *object.after);
   const double s = blended ? object.blend : 0.0;
   SurfaceSample shape;
   if (blended) {
-    const Carried after(*object.after, object, nominal_mm, workspace, px_per_mm);
+    const WarpedPoint after(*object.after, object, nominal_mm, workspace, px_per_mm);
     const bool inside_after = after.inside();
     const bool inside_both = inside && inside_after;
     inside = s < 0.5 ? inside : inside_after;
@@ -85,7 +87,7 @@ TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept {
   return {depth_mm * square * m, slant * m, slant * depth_mm};
 }
 
-Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_mm,
+Contact touchObject(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept {
   Contact contact;
   const Vec2 under = hip_mm.head<2>();

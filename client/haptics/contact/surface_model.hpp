@@ -25,11 +25,11 @@ struct Contact {
   bool jump = false;  ///< the geometry changed by more than motion explains: a new epoch,
                       ///< or the touched object has just appeared
   double stiffness_factor = 1.0;  ///< |displacement| over depth along the normal (perturbed: > 1)
-  const ObjectNow* object = nullptr;  ///< the touched one
+  const InterpolatedObject* object = nullptr;  ///< the touched one
 };
 
 /// A nominal point (x, y) at play time, carried back with the object into one of its frames.
-struct Carried {
+struct WarpedPoint {
   const PlayObject& frame;
   bool turns;  ///< from the frame's angle to the present one, with this cosine and sine
   double c = 1.0;
@@ -37,8 +37,8 @@ struct Carried {
   Vec2 image_px;  ///< where it is in that frame
 
   /// `px_per_mm`: the workspace's pixelsPerMm().
-  Carried(const PlayObject& in, const ObjectNow& now, const Vec2& nominal_mm,
-          const Workspace& workspace, const Vec2& px_per_mm) noexcept;
+  WarpedPoint(const PlayObject& in, const InterpolatedObject& now, const Vec2& nominal_mm,
+              const Workspace& workspace, const Vec2& px_per_mm) noexcept;
   /// These require a relief that shows().
   [[nodiscard]] bool inside() const noexcept { return frame.field->inside(image_px); }
   /// Height above the reference point; the gradient at the object's present angle.
@@ -55,7 +55,7 @@ struct SurfacePoint {
   double shape_rate_mm_s =
       0.0;  ///< how fast the height changes by the change of shape alone (inside both masks)
 };
-SurfacePoint surfaceAt(const ObjectNow& object, const Vec2& nominal_mm,
+SurfacePoint surfaceAt(const InterpolatedObject& object, const Vec2& nominal_mm,
                        const Workspace& workspace) noexcept;
 
 /// Eq. 2-4 on one sample: displacement F/k of the memoryless models at depth d = h - z > 0.
@@ -73,7 +73,7 @@ struct TangentPlane {
 TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept;
 
 /// Contact of the HIP with one object; `jump` if the object has just appeared.
-Contact touchObject(SurfaceKind kind, const ObjectNow& object, const Vec3& hip_mm,
+Contact touchObject(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept;
 
 /// The contact that is deepest along its normal over all objects of the scene. Outside the masks,

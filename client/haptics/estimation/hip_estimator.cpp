@@ -39,23 +39,23 @@ KalmanGains steadyGains(double count_mm) noexcept {
   return {gain.x(), gain.y(), gain.z()};
 }
 
-HipMotion::HipMotion(const DeviceProfile& profile) noexcept
+HipEstimator::HipEstimator(const DeviceProfile& profile) noexcept
     : gains_(steadyGains(profile.count_mm)),
       observer_(profile),
       wall_N_mm_(profile.stiffness_N_mm) {
   setDelay(profile.delay_ticks);
 }
 
-void HipMotion::setDelay(int delay_ticks) noexcept {
+void HipEstimator::setDelay(int delay_ticks) noexcept {
   delay_ticks_ = std::clamp(delay_ticks, 0, kMostDelay_ticks);
 }
 
-void HipMotion::sent(const Vec3& force_N, double wall_N_mm) noexcept {
+void HipEstimator::sent(const Vec3& force_N, double wall_N_mm) noexcept {
   sent_.add(force_N);
   wall_N_mm_ = wall_N_mm;
 }
 
-const HipEstimate& HipMotion::update(const DeviceState& state) noexcept {
+const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
   estimate_.restarted = false;
   estimate_.finite = state.position_mm.allFinite();
   if (state.status != DeviceStatus::kOk || !estimate_.finite) {
@@ -78,7 +78,7 @@ const HipEstimate& HipMotion::update(const DeviceState& state) noexcept {
   return estimate_;
 }
 
-void HipMotion::restart(const DeviceState& state) noexcept {
+void HipEstimator::restart(const DeviceState& state) noexcept {
   running_ = true;
   estimate_.restarted = true;
   estimate_.velocity_mm_s = estimate_.acceleration_m_s2 = Vec3::Zero();
@@ -87,7 +87,7 @@ void HipMotion::restart(const DeviceState& state) noexcept {
   observer_.restart({state.position_mm, Vec3::Zero()}, acting_N());
 }
 
-void HipMotion::follow(const Vec3& measured_mm) noexcept {
+void HipEstimator::follow(const Vec3& measured_mm) noexcept {
   Vec3& v_mm_s = estimate_.velocity_mm_s;
   x_mm_ += v_mm_s * kTick_s + a_mm_s2_ * (kTick_s * kTick_s / 2.0);
   v_mm_s += a_mm_s2_ * kTick_s;
@@ -103,7 +103,7 @@ void HipMotion::follow(const Vec3& measured_mm) noexcept {
 
 // Predicting through the gap would spike by the stale acceleration; the mean velocity over it is
 // certain.
-void HipMotion::bridge(const Vec3& measured_mm, double gap_s) noexcept {
+void HipEstimator::bridge(const Vec3& measured_mm, double gap_s) noexcept {
   x_mm_ = measured_mm;
   estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;
   a_mm_s2_ = Vec3::Zero();
@@ -111,7 +111,7 @@ void HipMotion::bridge(const Vec3& measured_mm, double gap_s) noexcept {
   filterAcceleration(Vec3::Zero());
 }
 
-void HipMotion::filterAcceleration(const Vec3& raw_m_s2) noexcept {
+void HipEstimator::filterAcceleration(const Vec3& raw_m_s2) noexcept {
   smooth_m_s2_ += kOnePole20Hz * (raw_m_s2 - smooth_m_s2_);
   estimate_.acceleration_m_s2 += kOnePole20Hz * (smooth_m_s2_ - estimate_.acceleration_m_s2);
 }

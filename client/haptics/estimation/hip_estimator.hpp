@@ -27,16 +27,16 @@ KalmanGains steadyGains(double count_mm) noexcept;
 struct HipEstimate {
   Vec3 position_mm = Vec3::Zero();    ///< as measured (the last good one when there is none)
   Vec3 velocity_mm_s = Vec3::Zero();  ///< by the counts alone
-  TipState ahead;                     ///< where a force that is sent now will find the tip
+  HipState ahead;                     ///< where a force that is sent now will find the tip
   Vec3 acceleration_m_s2 = Vec3::Zero();
   bool finite = true;          ///< false: the device said NaN; position and velocity are kept
   bool restarted = false;      ///< this sample cannot be connected with the one before
   int ticks_without_data = 0;  ///< since the last good sample
 };
 
-class HipMotion {
+class HipEstimator {
  public:
-  explicit HipMotion(const DeviceProfile& profile) noexcept;
+  explicit HipEstimator(const DeviceProfile& profile) noexcept;
 
   /// Ticks between reading a position and the begin of its force (0..kMostDelay_ticks).
   void setDelay(int delay_ticks) noexcept;
@@ -56,7 +56,7 @@ class HipMotion {
   [[nodiscard]] Vec3 acting_N() const noexcept { return sent_.ago(1 + delay_ticks_); }
 
   KalmanGains gains_;
-  TipObserver observer_;
+  HipObserver observer_;
   SentForces sent_;
   double wall_N_mm_;
   int delay_ticks_ = 0;

@@ -31,18 +31,18 @@ constexpr double kLeastShare = 0.04;
 
 // What is left of a force F after two low-passes and two high-passes of one pole, and what is left
 // of m x'' after the same: there the second difference takes the place of the low-passes.
-AnswerShare::AnswerShare(double mass_kg) noexcept
+EffectiveMassEstimator::EffectiveMassEstimator(double mass_kg) noexcept
     : newton_per_mm_(kShareMargin * mass_kg * 1e-3 *
                      std::pow(kShareStep / ((1.0 - kShareStep) * kTick_s), 2)) {}
 
-void AnswerShare::restart(const Vec3& measured_mm, const Vec3& acting_N) noexcept {
+void EffectiveMassEstimator::restart(const Vec3& measured_mm, const Vec3& acting_N) noexcept {
   slow_N_ << acting_N, acting_N, acting_N, Vec3::Zero();
   slow_mm_.setZero();
   slow_mm_.col(0) = measured_mm;
   last_N_ = Vec3::Zero();
 }
 
-void AnswerShare::learn(const Vec3& measured_mm, const Vec3& acting_N) noexcept {
+void EffectiveMassEstimator::learn(const Vec3& measured_mm, const Vec3& acting_N) noexcept {
   Vec3 fast_N = acting_N;
   Vec3 fast_mm = measured_mm;
   for (int i = 0; i < kFilters; ++i) {
@@ -61,12 +61,12 @@ void AnswerShare::learn(const Vec3& measured_mm, const Vec3& acting_N) noexcept 
   share_ = share_.cwiseMax(kLeastShare).cwiseMin(1.0);
 }
 
-TipObserver::TipObserver(const DeviceProfile& profile) noexcept
+HipObserver::HipObserver(const DeviceProfile& profile) noexcept
     : count_mm_(profile.count_mm),
       mm_s2_per_N_(1e3 / (kMassFactor * profile.mass_kg)),
       share_(kMassFactor * profile.mass_kg) {}
 
-void TipObserver::restart(const TipState& tip, const Vec3& acting_N) noexcept {
+void HipObserver::restart(const HipState& tip, const Vec3& acting_N) noexcept {
   tip_ = tip;
   share_.restart(tip.position_mm, acting_N);
   hand_mm_s2_ = -mm_s2_per_N_ * share_.value().cwiseProduct(acting_N);
@@ -75,14 +75,14 @@ void TipObserver::restart(const TipState& tip, const Vec3& acting_N) noexcept {
   pole_rad_s_.setConstant(kFastest_rad_s);
 }
 
-void TipObserver::predict(TipState& tip, const Vec3& force_N) const noexcept {
+void HipObserver::predict(HipState& tip, const Vec3& force_N) const noexcept {
   const Vec3 step_mm_s =
       kTick_s * (hand_mm_s2_ + mm_s2_per_N_ * share_.value().cwiseProduct(force_N));
   tip.position_mm += kTick_s * (tip.velocity_mm_s + 0.5 * step_mm_s);
   tip.velocity_mm_s += step_mm_s;
 }
 
-void TipObserver::follow(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept {
+void HipObserver::follow(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept {
   const Vec3 stands = (measured_mm.array() == last_mm_.array()).cast<double>();
   rest_ticks_ = stands.cwiseProduct(rest_ticks_ + Vec3::Ones());
   last_mm_ = measured_mm;
@@ -99,7 +99,7 @@ void TipObserver::follow(const Vec3& measured_mm, const Vec3& acting_N, double w
 }
 
 /// News open the filter at once, it calms down slowly: no movement sticks, and rest is silent.
-void TipObserver::correct(int axis, double residual_mm, double slowest_rad_s) noexcept {
+void HipObserver::correct(int axis, double residual_mm, double slowest_rad_s) noexcept {
   const double news = std::max(std::abs(residual_mm) / kQuietResidual_counts,
                                std::abs(mean_mm_[axis]) / kQuietMean_counts) /
                       count_mm_;
@@ -114,8 +114,8 @@ void TipObserver::correct(int axis, double residual_mm, double slowest_rad_s) no
   hand_mm_s2_[axis] += o * o * o / (kTick_s * kTick_s) * residual_mm;
 }
 
-TipState TipObserver::ahead(const SentForces& sent, int delay_ticks) const noexcept {
-  TipState tip = tip_;
+HipState HipObserver::ahead(const SentForces& sent, int delay_ticks) const noexcept {
+  HipState tip = tip_;
   for (int ticks = delay_ticks; ticks >= 1; --ticks) predict(tip, sent.ago(ticks));
   // A push that moves nothing (a nailed tip, a very stiff hand) must not be foreseen as a motion.
   const Vec3 most_mm_s =

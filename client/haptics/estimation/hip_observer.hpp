@@ -29,9 +29,9 @@ class SentForces {
 /// How much of F / m the tip really answers a force with, axis by axis: 1 the bare device's mass,
 /// 0.05 an arm of twenty times that, held stiffly. Force and counts pass the same filters; what is
 /// left of both beyond some 30 Hz is no hand's intention, and their regression is the share.
-class AnswerShare {
+class EffectiveMassEstimator {
  public:
-  explicit AnswerShare(double mass_kg) noexcept;
+  explicit EffectiveMassEstimator(double mass_kg) noexcept;
   void restart(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
   void learn(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
   [[nodiscard]] const Vec3& value() const noexcept { return share_; }
@@ -49,33 +49,33 @@ class AnswerShare {
 };
 
 /// Device frame.
-struct TipState {
+struct HipState {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
 };
 
-class TipObserver {
+class HipObserver {
  public:
-  explicit TipObserver(const DeviceProfile& profile) noexcept;
+  explicit HipObserver(const DeviceProfile& profile) noexcept;
 
   /// Begins anew. The hand is taken to balance the force: one that presses does.
-  void restart(const TipState& tip, const Vec3& acting_N) noexcept;
+  void restart(const HipState& tip, const Vec3& acting_N) noexcept;
   /// A tick that ended with this count and in which `acting_N` acted; `wall_N_mm`: stiffness of the
   /// wall, which says how fast a filter has to be at least.
   void follow(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
   /// The tip now.
-  [[nodiscard]] const TipState& tip() const noexcept { return tip_; }
+  [[nodiscard]] const HipState& tip() const noexcept { return tip_; }
   /// The tip that a force sent now will find, and a little further.
-  [[nodiscard]] TipState ahead(const SentForces& sent, int delay_ticks) const noexcept;
+  [[nodiscard]] HipState ahead(const SentForces& sent, int delay_ticks) const noexcept;
 
  private:
-  void predict(TipState& tip, const Vec3& force_N) const noexcept;
+  void predict(HipState& tip, const Vec3& force_N) const noexcept;
   void correct(int axis, double residual_mm, double slowest_rad_s) noexcept;
 
   double count_mm_;
   double mm_s2_per_N_;
-  AnswerShare share_;
-  TipState tip_;
+  EffectiveMassEstimator share_;
+  HipState tip_;
   Vec3 hand_mm_s2_ = Vec3::Zero();  // what the hand does to the tip
   Vec3 mean_mm_ = Vec3::Zero();     // of the residual
   Vec3 last_mm_ = Vec3::Zero();

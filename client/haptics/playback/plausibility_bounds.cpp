@@ -21,7 +21,7 @@ constexpr double kDeforming_mm_s2 = 2000.0;
 // capture times that jitter. Over a microsecond the smallest step would bear out anything.
 constexpr double kShortest_s = 0.5 / 240.0;
 
-constexpr std::size_t kSteps = Sightings::kFrames - 1;
+constexpr std::size_t kSteps = ObjectHistory::kFrames - 1;
 
 double sizeOf(double value) noexcept { return std::abs(value); }
 double sizeOf(const Vec3& value) noexcept { return value.norm(); }
@@ -36,7 +36,7 @@ struct Largest {
 /// `step(i)`: what was moved from frame i to i+1; `rate(i)`: the speed that frame i tells, believed
 /// up to twice the fastest step. Both for frames that are there.
 template <class Value, class Step, class Rate>
-Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
+Largest largestOf(const ObjectHistory& seen, Step step, Rate rate) noexcept {
   Largest most;
   const auto known = [&](std::size_t i) noexcept {
     return seen.object[i] != nullptr && seen.object[i + 1] != nullptr &&
@@ -68,7 +68,7 @@ Largest largestOf(const Sightings& seen, Step step, Rate rate) noexcept {
 
 }  // namespace
 
-Belief beliefIn(const Sightings& seen) noexcept {
+PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept {
   // A relief that is told to be unchanged lies where it lay, whatever the position says.
   const auto moved = [&](std::size_t i) noexcept {
     return seen.object[i]->field != seen.object[i + 1]->field;
@@ -86,16 +86,16 @@ Belief beliefIn(const Sightings& seen) noexcept {
   const Largest turning = largestOf<double>(
       seen, [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
       [&](std::size_t i) noexcept { return motion(i).angular_velocity_rad_s; });
-  constexpr std::size_t kNow = Sightings::kNow;
+  constexpr std::size_t kNow = ObjectHistory::kNow;
   const bool deforms =
       seen.object[kNow] != nullptr && seen.object[kNow + 1] != nullptr && moved(kNow);
-  Belief belief;
-  belief.acceleration_mm_s2 = kAccelerationFactor * path.rate;
-  belief.grid_mm_s2 = deforms ? belief.acceleration_mm_s2 + kDeforming_mm_s2 : 0.0;
-  belief.impact_mm_s = kImpactFactor * path.change;
-  belief.turn_rad_s = kFactor * turning.speed;
-  belief.turn_rate_rad_s2 = kFactor * turning.rate;
-  return belief;
+  PlausibilityBounds plausibility;
+  plausibility.acceleration_mm_s2 = kAccelerationFactor * path.rate;
+  plausibility.grid_mm_s2 = deforms ? plausibility.acceleration_mm_s2 + kDeforming_mm_s2 : 0.0;
+  plausibility.impact_mm_s = kImpactFactor * path.change;
+  plausibility.turn_rad_s = kFactor * turning.speed;
+  plausibility.turn_rate_rad_s2 = kFactor * turning.rate;
+  return plausibility;
 }
 
 }  // namespace hapticast::client

@@ -12,7 +12,7 @@
 namespace hapticast::client {
 
 /// The most that is believed of one object between two frames, nominal mm.
-struct Belief {
+struct PlausibilityBounds {
   double acceleration_mm_s2 = std::numeric_limits<double>::infinity();  ///< of the reference point
   double grid_mm_s2 = std::numeric_limits<double>::infinity();          ///< that a grid adds to it
   double impact_mm_s = std::numeric_limits<double>::infinity();
@@ -23,12 +23,12 @@ struct Belief {
 /// An object in five successive frames, of which kNow and the next are around play time (null where
 /// it or the frame is not known), and the time from each to the next. Frames closer together than
 /// any stream's bear nothing out.
-struct Sightings {
+struct ObjectHistory {
   static constexpr std::size_t kFrames = 5;
   static constexpr std::size_t kNow = 2;
   std::array<const PlayObject*, kFrames> object{};
   std::array<double, kFrames - 1> interval_s{};
 };
-Belief beliefIn(const Sightings& seen) noexcept;
+PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept;
 
 }  // namespace hapticast::client

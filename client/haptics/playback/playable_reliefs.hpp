@@ -11,7 +11,7 @@
 namespace hapticast::client {
 
 /// Keeps nothing alive: its reliefs are there as long as the loop may play the frame.
-struct FeltFrame {
+struct PlayableReliefs {
   MediaTime media_time;
   std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< of its objects
 };

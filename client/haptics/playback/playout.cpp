@@ -24,7 +24,7 @@ void approach(Duration& value, Duration target, Duration& budget) noexcept {
 }
 }  // namespace
 
-MediaTime Playout::advance(LocalTime now, const StreamState& stream, bool in_contact,
+MediaTime Playout::advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                            const UserControls& user) noexcept {
   const Duration local = bounded(now.time_since_epoch(), kLargestOffset);
   const bool restart =

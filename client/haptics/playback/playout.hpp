@@ -19,7 +19,7 @@ class Playout {
   /// Play time of this tick. `in_contact`: a force acts. A new connection (stream.first_epoch)
   /// starts over once its clock is known. While paused it stands still; without a connection it
   /// runs on with what it last knew (0 before the first). Any `now`.
-  MediaTime advance(LocalTime now, const StreamState& stream, bool in_contact,
+  MediaTime advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                     const UserControls& user = {}) noexcept;
   /// The next connected tick starts over like that of a new connection.
   void rejoin() noexcept { rejoin_ = true; }

@@ -16,8 +16,9 @@ constexpr double kPlausible_mm = 4.0;
 constexpr double kPlausible_rad = 0.5;
 
 /// The object's impacts strictly inside (0, interval_s).
-Kinks kinksWithin(const PlayObject& object, MediaTime from_time, double interval_s) noexcept {
-  Kinks kinks;
+VelocityJumps kinksWithin(const PlayObject& object, MediaTime from_time,
+                          double interval_s) noexcept {
+  VelocityJumps kinks;
   for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
     const double time_s = secondsBetween(from_time, object.impacts[i].time);
     if (time_s <= 0.0 || time_s >= interval_s) continue;
@@ -27,8 +28,8 @@ Kinks kinksWithin(const PlayObject& object, MediaTime from_time, double interval
 }
 
 /// Drops the kinks that do not explain a part of the change of velocity.
-Kinks plausible(const Kinks& kinks, Vec3 change_mm_s) noexcept {
-  Kinks kept;
+VelocityJumps plausible(const VelocityJumps& kinks, Vec3 change_mm_s) noexcept {
+  VelocityJumps kept;
   for (std::size_t i = 0; i < kinks.count; ++i) {
     const Vec3 rest = change_mm_s - kinks.at[i].delta_mm_s;
     if (rest.squaredNorm() >= change_mm_s.squaredNorm()) continue;
@@ -72,7 +73,7 @@ Pose linearPose(const Motion& from, const Motion& to, double interval_s, double 
           from.angle_rad + s * step_rad, step_rad / interval_s};
 }
 
-Vec3 Kinks::displacement(double time_s) const noexcept {
+Vec3 VelocityJumps::displacement(double time_s) const noexcept {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     sum += at[i].delta_mm_s * std::max(0.0, time_s - at[i].time_s);
@@ -80,7 +81,7 @@ Vec3 Kinks::displacement(double time_s) const noexcept {
   return sum;
 }
 
-Vec3 Kinks::velocity(double time_s) const noexcept {
+Vec3 VelocityJumps::velocity(double time_s) const noexcept {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     if (time_s >= at[i].time_s) sum += at[i].delta_mm_s;
@@ -139,11 +140,11 @@ Pose HermitePath::at(double time_s) const noexcept {
   return pose;
 }
 
-Pose carriedPose(const PlayObject& from, MediaTime from_time, double limit_s,
-                 double time_s) noexcept {
+Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_s,
+                      double time_s) noexcept {
   Pose pose = standingPose(from.motion);
   const double carried_s = std::min(time_s, limit_s);
-  const Kinks kinks = kinksWithin(from, from_time, limit_s);
+  const VelocityJumps kinks = kinksWithin(from, from_time, limit_s);
   pose.position_mm += from.motion.velocity_mm_s * carried_s + kinks.displacement(carried_s);
   pose.angle_rad += from.motion.angular_velocity_rad_s * carried_s;
   if (time_s >= limit_s) {

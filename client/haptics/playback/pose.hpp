@@ -30,12 +30,12 @@ Pose standingPose(const Motion& motion) noexcept;
 /// Linear in position, angle and acceleration. Requires interval_s > 0.
 Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept;
 /// The object's changes of velocity that are known within an interval.
-struct Kinks {
-  struct Kink {
+struct VelocityJumps {
+  struct VelocityJump {
     double time_s = 0.0;
     Vec3 delta_mm_s = Vec3::Zero();
   };
-  std::array<Kink, kMaxImpacts> at{};
+  std::array<VelocityJump, kMaxImpacts> at{};
   std::size_t count = 0;
 
   /// What they have moved the object by until then, and how fast.
@@ -69,12 +69,12 @@ class HermitePath {
   double interval_s_ = 1.0;
   double rate_1_s_ = 1.0;  // 1 / interval
   bool turns_ = false;
-  Kinks kinks_;
+  VelocityJumps kinks_;
 };
 
 /// Carried on with v (and through known impacts) until limit_s, then standing still; the
 /// acceleration ramps from the sent one to 0 meanwhile.
-Pose carriedPose(const PlayObject& from, MediaTime from_time, double limit_s,
-                 double time_s) noexcept;
+Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_s,
+                      double time_s) noexcept;
 
 }  // namespace hapticast::client

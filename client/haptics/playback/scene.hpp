@@ -18,7 +18,7 @@ inline constexpr std::size_t kLookupKinds = 5;
 
 /// One object at play time. The relief moves with the object: sample `before` (and `after`) at the
 /// point carried back into each frame and blend only what is left (surface_model.hpp).
-struct ObjectNow {
+struct InterpolatedObject {
   const PlayObject* before = nullptr;  ///< never null
   const PlayObject* after = nullptr;   ///< null when held, extrapolated or not in the next frame
   double blend = 0.0;               ///< 0 at `before` (or when a late `after` came), 1 at `after`
@@ -29,7 +29,7 @@ struct ObjectNow {
   Vec3 acceleration_mm_s2 = Vec3::Zero();
   double angle_rad = 0.0;
   double angular_velocity_rad_s = 0.0;
-  Belief belief;  ///< of what its frames say beyond pose and relief
+  PlausibilityBounds plausibility;  ///< of what its frames say beyond pose and relief
 };
 
 struct Scene {
@@ -37,7 +37,7 @@ struct Scene {
   std::uint32_t epoch = 0;  ///< of the frame that is played
   bool jumped = false;      ///< epoch changed since the last look-up
   MediaTime play_time;
-  std::array<ObjectNow, kMaxObjects> objects{};
+  std::array<InterpolatedObject, kMaxObjects> objects{};
   std::size_t object_count = 0;
 };
 

@@ -31,7 +31,7 @@ std::size_t objectCount(const PlayFrame& frame) noexcept {
   return std::min(frame.object_count, kMaxObjects);
 }
 
-void setPose(ObjectNow& object, const Pose& pose) noexcept {
+void setPose(InterpolatedObject& object, const Pose& pose) noexcept {
   object.position_mm = pose.position_mm;
   object.velocity_mm_s = pose.velocity_mm_s;
   object.acceleration_mm_s2 = pose.acceleration_mm_s2;
@@ -51,14 +51,14 @@ Blend blendAt(double time_s, double interval_s, double rate_1_s, double alone_s)
   return {std::clamp((time_s - from_s) * rate_1_s, 0.0, 1.0), rate_1_s};
 }
 
-void standStill(ObjectNow& object) noexcept {
+void standStill(InterpolatedObject& object) noexcept {
   object.velocity_mm_s.setZero();
   object.acceleration_mm_s2.setZero();
   object.angular_velocity_rad_s = 0.0;
   object.blend_rate_1_s = 0.0;
 }
 
-double extrapolationLimit_s(const StreamState& stream) noexcept {
+double extrapolationLimit_s(const StreamTiming& stream) noexcept {
   return std::clamp(2.0 * toSeconds(stream.frame_interval), 0.0, kLongestExtrapolation_s);
 }
 
@@ -69,11 +69,11 @@ Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
 
 }  // namespace
 
-FrameLookup::FrameLookup(FramePool& pool, Interpolation interpolation) noexcept
+SceneInterpolator::SceneInterpolator(FramePool& pool, Interpolation interpolation) noexcept
     : pool_(pool), interpolation_(interpolation) {}
 
-const Scene& FrameLookup::at(MediaTime play_time, const StreamState& stream,
-                             const UserControls& user) noexcept {
+const Scene& SceneInterpolator::at(MediaTime play_time, const StreamTiming& stream,
+                                   const UserControls& user) noexcept {
   takeArrived(play_time, stream.first_epoch);
   const std::size_t before = releaseUnneeded(play_time);
   scene_.play_time = play_time;
@@ -84,14 +84,14 @@ const Scene& FrameLookup::at(MediaTime play_time, const StreamState& stream,
   return scene_;
 }
 
-void FrameLookup::rejoin() noexcept {
+void SceneInterpolator::rejoin() noexcept {
   while (held_count_ > 0) release(held_count_ - 1);
   FramePool::Index index = 0;
   for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) pool_.giveBack(index);
   played_ = false;
 }
 
-std::array<const PlayFrame*, 4> FrameLookup::neighbours(MediaTime play_time) const noexcept {
+std::array<const PlayFrame*, 4> SceneInterpolator::neighbours(MediaTime play_time) const noexcept {
   std::array<const PlayFrame*, 4> around{};
   const std::size_t before = beforeIndex(play_time);
   if (before == kNone) return around;
@@ -103,14 +103,14 @@ std::array<const PlayFrame*, 4> FrameLookup::neighbours(MediaTime play_time) con
   return around;
 }
 
-std::size_t FrameLookup::beforeIndex(MediaTime play_time) const noexcept {
+std::size_t SceneInterpolator::beforeIndex(MediaTime play_time) const noexcept {
   for (std::size_t i = held_count_; i-- > 0;) {
     if (frame(i).media_time <= play_time) return i;
   }
   return kNone;
 }
 
-void FrameLookup::takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept {
+void SceneInterpolator::takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept {
   while (held_count_ > 0 && frame(0).epoch < first_epoch) release(0);
   FramePool::Index index = 0;
   for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) {
@@ -122,7 +122,7 @@ void FrameLookup::takeArrived(MediaTime play_time, std::uint32_t first_epoch) no
   }
 }
 
-void FrameLookup::insert(FramePool::Index index, MediaTime play_time) noexcept {
+void SceneInterpolator::insert(FramePool::Index index, MediaTime play_time) noexcept {
   const PlayFrame& arrived = pool_.frame(index);
   std::size_t position = held_count_;
   for (std::size_t i = 0; i < held_count_; ++i) {
@@ -141,14 +141,14 @@ void FrameLookup::insert(FramePool::Index index, MediaTime play_time) noexcept {
   pair_.now = nullptr;
 }
 
-void FrameLookup::release(std::size_t i) noexcept {
+void SceneInterpolator::release(std::size_t i) noexcept {
   pool_.giveBack(held_[i]);
   --held_count_;
   pair_.now = nullptr;
   for (; i < held_count_; ++i) held_[i] = held_[i + 1];
 }
 
-std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
+std::size_t SceneInterpolator::releaseUnneeded(MediaTime play_time) noexcept {
   std::size_t before = beforeIndex(play_time);
   for (; before != kNone && before > kKept; --before) release(0);
   // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
@@ -169,7 +169,8 @@ std::size_t FrameLookup::releaseUnneeded(MediaTime play_time) noexcept {
   return before;
 }
 
-const PlayFrame* FrameLookup::nextOf(std::size_t before, const StreamState& stream) const noexcept {
+const PlayFrame* SceneInterpolator::nextOf(std::size_t before,
+                                           const StreamTiming& stream) const noexcept {
   if (before + 1 >= held_count_) return nullptr;
   const PlayFrame& now = frame(before);
   const PlayFrame& next = frame(before + 1);
@@ -180,7 +181,8 @@ const PlayFrame* FrameLookup::nextOf(std::size_t before, const StreamState& stre
   return connected ? &next : nullptr;
 }
 
-void FrameLookup::pairUp(std::size_t before, const PlayFrame* next, double interval_s) noexcept {
+void SceneInterpolator::cacheInterval(std::size_t before, const PlayFrame* next,
+                                      double interval_s) noexcept {
   const PlayFrame& now = frame(before);
   if (pair_.now == &now && pair_.next == next && pair_.interval_s == interval_s) return;
   pair_.now = &now;
@@ -196,15 +198,15 @@ void FrameLookup::pairUp(std::size_t before, const PlayFrame* next, double inter
   believe(before, next);
 }
 
-void FrameLookup::believe(std::size_t before, const PlayFrame* next) noexcept {
+void SceneInterpolator::believe(std::size_t before, const PlayFrame* next) noexcept {
   const std::uint32_t epoch = frame(before).epoch;
   const auto ofEpoch = [&](std::size_t i) noexcept {
     return i < held_count_ && frame(i).epoch == epoch ? &frame(i) : nullptr;
   };
-  const std::array<const PlayFrame*, Sightings::kFrames> frames = {
+  const std::array<const PlayFrame*, ObjectHistory::kFrames> frames = {
       before > 1 ? ofEpoch(before - 2) : nullptr, before > 0 ? ofEpoch(before - 1) : nullptr,
       &frame(before), next, next != nullptr ? ofEpoch(before + 2) : nullptr};
-  Sightings seen;
+  ObjectHistory seen;
   for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
     if (frames[k] == nullptr || frames[k + 1] == nullptr) continue;
     seen.interval_s[k] = secondsBetween(frames[k]->media_time, frames[k + 1]->media_time);
@@ -213,12 +215,12 @@ void FrameLookup::believe(std::size_t before, const PlayFrame* next) noexcept {
     for (std::size_t k = 0; k < frames.size(); ++k) {
       seen.object[k] = findObject(frames[k], keyOf(frame(before).objects[i]));
     }
-    pair_.belief[i] = beliefIn(seen);
+    pair_.plausibility[i] = boundsFrom(seen);
   }
 }
 
-void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const StreamState& stream,
-                            const UserControls& user) noexcept {
+void SceneInterpolator::fillScene(std::size_t before, MediaTime play_time,
+                                  const StreamTiming& stream, const UserControls& user) noexcept {
   const PlayFrame& now = frame(before);
   const PlayFrame* const next = nextOf(before, stream);
   const bool has_next = next != nullptr;
@@ -236,7 +238,7 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const Strea
   scene_.epoch = now.epoch;
   scene_.object_count = objectCount(now);
   played_ = true;
-  pairUp(before, next, interval_s);
+  cacheInterval(before, next, interval_s);
   const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
   const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
@@ -248,18 +250,18 @@ void FrameLookup::fillScene(std::size_t before, MediaTime play_time, const Strea
   for (std::size_t i = 0; i < known_count_; ++i) known_[i] = keyOf(now.objects[i]);
 }
 
-void FrameLookup::placeObject(std::size_t i, const PlayObject& object,
-                              const Moment& moment) noexcept {
-  ObjectNow& out = scene_.objects[i];
+void SceneInterpolator::placeObject(std::size_t i, const PlayObject& object,
+                                    const Moment& moment) noexcept {
+  InterpolatedObject& out = scene_.objects[i];
   out.before = &object;
   out.after = nullptr;
   out.blend = out.blend_rate_1_s = 0.0;
-  out.belief = pair_.belief[i];
+  out.plausibility = pair_.plausibility[i];
   const PlayObject* const after = pair_.after[i];
   if (interpolation_ == Interpolation::kHold) {
     setPose(out, standingPose(object.motion));
   } else if (after == nullptr) {
-    setPose(out, carriedPose(object, moment.begin, moment.limit_s, moment.time_s));
+    setPose(out, deadReckonedPose(object, moment.begin, moment.limit_s, moment.time_s));
   } else {
     out.after = after;
     out.blend = moment.blend;
@@ -270,7 +272,7 @@ void FrameLookup::placeObject(std::size_t i, const PlayObject& object,
   }
 }
 
-bool FrameLookup::wasThere(const PlayObject& object) const noexcept {
+bool SceneInterpolator::wasThere(const PlayObject& object) const noexcept {
   const std::uint64_t* const last = known_.data() + known_count_;
   return std::find(known_.data(), last, keyOf(object)) != last;
 }

@@ -33,13 +33,13 @@ enum class Interpolation : std::uint8_t {
 /// likewise until that frame; one that is new in it is not yet there. Velocities that cannot be
 /// meant (|v| dt > 3 |displacement| + 4 mm) are shortened before they bend the Hermite. While
 /// paused the scene stands still: velocities, accelerations and blend rate are 0.
-class FrameLookup {
+class SceneInterpolator {
  public:
-  FrameLookup(FramePool& pool, Interpolation interpolation) noexcept;
+  SceneInterpolator(FramePool& pool, Interpolation interpolation) noexcept;
 
   /// Takes what has arrived (bounded by the pool) and returns the scene. Frames of an epoch before
   /// `stream.first_epoch` are given back unused. The pointers in it hold until the next call.
-  const Scene& at(MediaTime play_time, const StreamState& stream,
+  const Scene& at(MediaTime play_time, const StreamTiming& stream,
                   const UserControls& user = {}) noexcept;
 
   /// Gives back every frame that is held or has arrived: the first one that comes from now on jumps
@@ -61,13 +61,13 @@ class FrameLookup {
   [[nodiscard]] std::size_t beforeIndex(MediaTime play_time) const noexcept;
   /// The frame after `before` that it can be interpolated with, or null.
   [[nodiscard]] const PlayFrame* nextOf(std::size_t before,
-                                        const StreamState& stream) const noexcept;
+                                        const StreamTiming& stream) const noexcept;
   void takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;
   /// Keeps what the cubic needs and what is ahead; returns beforeIndex().
   std::size_t releaseUnneeded(MediaTime play_time) noexcept;
-  void fillScene(std::size_t before, MediaTime play_time, const StreamState& stream,
+  void fillScene(std::size_t before, MediaTime play_time, const StreamTiming& stream,
                  const UserControls& user) noexcept;
 
   /// An instant between two frames, or after the newest.
@@ -90,9 +90,9 @@ class FrameLookup {
     double rate_1_s = 0.0;                               // 1 / interval
     std::array<const PlayObject*, kMaxObjects> after{};  // in `next`, for each object of `now`
     std::array<HermitePath, kMaxObjects> path;
-    std::array<Belief, kMaxObjects> belief;
+    std::array<PlausibilityBounds, kMaxObjects> plausibility;
   };
-  void pairUp(std::size_t before, const PlayFrame* next, double interval_s) noexcept;
+  void cacheInterval(std::size_t before, const PlayFrame* next, double interval_s) noexcept;
   /// In the frames around the pair, as far as they belong together.
   void believe(std::size_t before, const PlayFrame* next) noexcept;
 

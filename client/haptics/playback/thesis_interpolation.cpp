@@ -20,7 +20,7 @@ Contact touchFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip
   for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
     const PlayObject& object = frame->objects[i];
     if (findObject(&now, keyOf(object)) == nullptr) continue;
-    ObjectNow still;
+    InterpolatedObject still;
     still.before = &object;
     still.position_mm = object.motion.position_mm;
     still.angle_rad = object.motion.angle_rad;
@@ -41,9 +41,9 @@ Vec3 catmullRom(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3, 
 }
 
 /// The touched object at play time, for the dynamic force.
-ObjectNow objectNow(const PlayObject& touched, const PlayFrame& from, const PlayFrame* to,
-                    double s) noexcept {
-  ObjectNow now;
+InterpolatedObject objectNow(const PlayObject& touched, const PlayFrame& from, const PlayFrame* to,
+                             double s) noexcept {
+  InterpolatedObject now;
   const PlayObject* const before = findObject(&from, keyOf(touched));
   const PlayObject* const after = findObject(to, keyOf(touched));
   now.before = before != nullptr ? before : &touched;
@@ -102,7 +102,7 @@ bool ThesisInterpolation::enter(const PlayFrame& from, const Vec3& hip_mm) noexc
   return new_interval;
 }
 
-Contact ThesisInterpolation::evaluate(const FrameLookup& lookup, MediaTime play_time,
+Contact ThesisInterpolation::evaluate(const SceneInterpolator& lookup, MediaTime play_time,
                                       const Vec3& hip_mm, const Workspace& workspace) noexcept {
   const std::array<const PlayFrame*, 4> frames = lookup.neighbours(play_time);
   const PlayFrame* const from = frames[1];

@@ -20,7 +20,7 @@ class ThesisInterpolation {
   /// linear in between) holds until the next call. `jump` at the first look-up of an epoch and of
   /// an object that was not in frame i-1; one that is not in frame i is not yet there. The HIP
   /// freezes anew when the interval, and so the epoch, changes.
-  Contact evaluate(const FrameLookup& lookup, MediaTime play_time, const Vec3& hip_mm,
+  Contact evaluate(const SceneInterpolator& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 
  private:
@@ -30,7 +30,7 @@ class ThesisInterpolation {
   std::uint32_t epoch_ = 0;
   std::uint64_t frame_id_ = 0;  // i
   Vec3 frozen_hip_mm_ = Vec3::Zero();
-  ObjectNow object_;
+  InterpolatedObject object_;
 };
 
 }  // namespace hapticast::client

@@ -117,12 +117,13 @@ bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
 /// alone, and what is held back beyond that was the object's.
 Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                             SafetyOutput& out) const noexcept {
-  const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_);
+  const MotionExplainedStep hand =
+      measurement_jumped ? MotionExplainedStep{} : stepAllowedByMotion(now, last_);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
   if (!(out.step_excess_N > 0.0) || !links_.slew) return static_N;
   now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
-  out.interferences |= bit(Interference::kSlew);
+  out.interferences |= bit(SafetyAction::kSlew);
   return steps_.excess_N(static_N, static_N_, hand) > 0.0
              ? steps_.limited(static_N, static_N_, hand)
              : static_N;
@@ -176,7 +177,7 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
   tank_.take(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
-    out.interferences |= bit(Interference::kLatency);
+    out.interferences |= bit(SafetyAction::kLatency);
   }
   const Vec3& normal = now.contact ? geometry.normal : geometry_.normal;
   const double moved_mm =
@@ -203,21 +204,21 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
                  -kDamperSpeed_mm_s, kDamperSpeed_mm_s);
   const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
   const double insurance_Ns_m = links_.passivity ? ports_.damping_Ns_m(u_mm_s) : 0.0;
-  if (insurance_Ns_m > 0.0) out.interferences |= bit(Interference::kPassivity);
+  if (insurance_Ns_m > 0.0) out.interferences |= bit(SafetyAction::kPassivity);
   const double law_N = std::min(geometry.damping_Ns_m * u_mm_s * 1e-3, now.most_damper_N);
   const double damper_N = law_N + insurance_Ns_m * u_mm_s * 1e-3;
   const double pull_limit_N = -spring_N.dot(geometry.normal);
-  if (damper_N < pull_limit_N) out.interferences |= bit(Interference::kNoPull);
+  if (damper_N < pull_limit_N) out.interferences |= bit(SafetyAction::kNoPull);
   return spring_N + std::max(damper_N, pull_limit_N) * geometry.normal;
 }
 
 Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
                                SafetyOutput& out) noexcept {
-  if (in.doubted) out.interferences |= bit(Interference::kDoubted);
+  if (in.doubted) out.interferences |= bit(SafetyAction::kImplausible);
   const bool finite = in.dynamic_N.allFinite();
   if (!finite) {
     out.not_finite = true;
-    out.interferences |= bit(Interference::kNotFinite);
+    out.interferences |= bit(SafetyAction::kNotFinite);
   }
   const bool valid = finite && in.dynamic_valid;
   if (valid) dynamic_N_ = in.dynamic_N;
@@ -234,7 +235,7 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
     residue_static_N_ = links_.fade ? static_N_ : Vec3(Vec3::Zero());
     fade_ = 0.0;
     check_depth_ = true;
-    out.interferences |= bit(Interference::kJump);
+    out.interferences |= bit(SafetyAction::kJump);
   }
   if (touchable && check_depth_) {
     blocked_ = links_.arming && geometry.size_mm > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
@@ -252,24 +253,24 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
     const double left = residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
     residue_N_ *= left;
     residue_static_N_ *= left;
-    if (residue_N_ != Vec3::Zero()) out.interferences |= bit(Interference::kResidue);
+    if (residue_N_ != Vec3::Zero()) out.interferences |= bit(SafetyAction::kResidue);
   }
-  if (geometry.contact && blocked_) out.interferences |= bit(Interference::kUnarmed);
-  if (geometry.contact && fade_ < 1.0) out.interferences |= bit(Interference::kFade);
+  if (geometry.contact && blocked_) out.interferences |= bit(SafetyAction::kDisarmed);
+  if (geometry.contact && fade_ < 1.0) out.interferences |= bit(SafetyAction::kFade);
 }
 
 double SafetyChain::clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
   const double square_N2 = force_N.squaredNorm();
   if (square_N2 <= limit_N_ * limit_N_) return 1.0;
-  if (square_N2 > peak_N_ * peak_N_) out.interferences |= bit(Interference::kPeak);
-  if (limit_N_ < peak_N_) out.interferences |= bit(Interference::kThermal);
+  if (square_N2 > peak_N_ * peak_N_) out.interferences |= bit(SafetyAction::kPeak);
+  if (limit_N_ < peak_N_) out.interferences |= bit(SafetyAction::kThermal);
   return limit_N_ / std::sqrt(square_N2);
 }
 
 double SafetyChain::tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
   if (!links_.tank) return 1.0;
   const double factor = tank_.factor(force_N);
-  if (factor < 1.0) out.interferences |= bit(Interference::kTank);
+  if (factor < 1.0) out.interferences |= bit(SafetyAction::kTank);
   return factor;
 }
 

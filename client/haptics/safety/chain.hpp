@@ -37,7 +37,7 @@ struct SafetyInput {
   // The tip, by its counts.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  TipState ahead;  ///< where this tick's force will find it: there the wall is touched
+  HipState ahead;  ///< where this tick's force will find it: there the wall is touched
   bool measurement_jumped =
       false;                 ///< position and velocity are not connected with the last tick's
   bool device_lost = false;  ///< latched; only rearm() ends it
@@ -94,7 +94,7 @@ class SafetyChain {
   /// Why there is no force until somebody re-arms it.
   [[nodiscard]] Halt halt() const noexcept { return halt_; }
   /// Which interference cost most of the trust.
-  [[nodiscard]] Interference distrusted() const noexcept { return trust_.mostly(); }
+  [[nodiscard]] SafetyAction distrusted() const noexcept { return trust_.mostly(); }
   /// What the latency watch has learned is forgotten as soon as nothing is touched.
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
   /// Work of the force so far.
@@ -141,11 +141,11 @@ class SafetyChain {
   double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   DamperLimit damper_;
   StepLimit steps_;
-  EnergyPorts ports_;
-  UserTank tank_;
+  PassivityObserver ports_;
+  EnergyTank tank_;
   ThermalBudget thermal_;
-  LatencyWatch watch_;
-  BounceWatch bounces_;
+  OscillationDetector watch_;
+  BounceDetector bounces_;
   Trust trust_;
   bool forget_delay_ = false;
   StepState last_;

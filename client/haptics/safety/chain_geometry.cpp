@@ -31,7 +31,7 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   out.too_far = all_finite && in.displacement_mm.squaredNorm() > kFarthest_mm * kFarthest_mm;
   if (!all_finite || out.too_far) {
     out.not_finite = true;
-    out.interferences |= bit(Interference::kNotFinite);
+    out.interferences |= bit(SafetyAction::kNotFinite);
     return heldGeometry(in.ahead.position_mm);
   }
   Geometry geometry;
@@ -51,7 +51,7 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   const double speed2 = in.surface_velocity_mm_s.squaredNorm();
   if (speed2 > kSurfaceSpeed_mm_s * kSurfaceSpeed_mm_s) {
     geometry.surface_velocity_mm_s *= kSurfaceSpeed_mm_s / std::sqrt(speed2);
-    out.interferences |= bit(Interference::kSurfaceSpeed);
+    out.interferences |= bit(SafetyAction::kSurfaceSpeed);
   }
   const Vec3& from_mm_s =
       geometry_.contact ? geometry_.surface_velocity_mm_s : geometry.surface_velocity_mm_s;
@@ -70,13 +70,13 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
   geometry.stiffness_N_mm = std::max(0.0, in.stiffness_N_mm);
   if (links_.stiffness_limit && geometry.stiffness_N_mm > limit_N_mm) {
     geometry.stiffness_N_mm = limit_N_mm;
-    out.interferences |= bit(Interference::kStiffness);
+    out.interferences |= bit(SafetyAction::kStiffness);
   }
   if (!links_.damping) return;
   const double law_Ns_m = wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor,
                                            mass_kg_, stiffness_limit_N_mm_);
   const double most_Ns_m = std::max(0.0, damping_limit_Ns_m_ - law_Ns_m);
-  if (in.damping_Ns_m > most_Ns_m) out.interferences |= bit(Interference::kDamping);
+  if (in.damping_Ns_m > most_Ns_m) out.interferences |= bit(SafetyAction::kDamping);
   geometry.damping_Ns_m = law_Ns_m + std::clamp(in.damping_Ns_m, 0.0, most_Ns_m);
 }
 

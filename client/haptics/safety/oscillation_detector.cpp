@@ -19,7 +19,7 @@ constexpr int kLongestFlight_ticks = 250;
 constexpr double kSlowestBounce_mm_s = 100.0;  // two counts in a tick
 }  // namespace
 
-bool LatencyWatch::alarmed(double moved_mm, double surface_mm, bool acts) noexcept {
+bool OscillationDetector::alarmed(double moved_mm, double surface_mm, bool acts) noexcept {
   State& s = state_;
   s.idle_ticks = acts ? 0 : s.idle_ticks + 1;
   if (s.idle_ticks >= kLongestSwing_ticks) {
@@ -38,7 +38,7 @@ bool LatencyWatch::alarmed(double moved_mm, double surface_mm, bool acts) noexce
 }
 
 /// The tip has come back from its extreme by a swing's least: that swing is over.
-void LatencyWatch::judgeSwing() noexcept {
+void OscillationDetector::judgeSwing() noexcept {
   State& s = state_;
   const double swing_mm = std::abs(s.extreme.tip_mm - s.before.tip_mm);
   const double surface_mm = std::abs(s.extreme.surface_mm - s.before.surface_mm);
@@ -53,7 +53,7 @@ void LatencyWatch::judgeSwing() noexcept {
 }
 
 /// The contact that is over counted to the bounces before it, or none.
-int BounceWatch::bouncesUpToNow() const noexcept {
+int BounceDetector::bouncesUpToNow() const noexcept {
   const State& s = state_;
   const bool bounced = s.acted && s.contact_ticks <= s.longest_ticks &&
                        s.in_mm_s >= kSlowestBounce_mm_s && s.out_mm_s >= kLasting * s.in_mm_s;
@@ -62,7 +62,7 @@ int BounceWatch::bouncesUpToNow() const noexcept {
   return bounced && own && flew ? s.bounces + 1 : 0;
 }
 
-bool BounceWatch::alarmed(const Tick& tick, int delay_ticks) noexcept {
+bool BounceDetector::alarmed(const Tick& tick, int delay_ticks) noexcept {
   State& s = state_;
   if (tick.jump) s = State{};
   // The loop's delay, and two ticks that it may be later than told.

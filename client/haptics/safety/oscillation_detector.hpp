@@ -10,9 +10,9 @@ namespace hapticast::client {
 /// Twelve reversals of the tip along the normal of at least 3 counts each, none smaller than 0.9 of
 /// the one before, each within 33 ms of the last (a tremor is slower) and not the surface's own (it
 /// moved less than half the swing). Measured: client/haptics/README.md, 5.
-class LatencyWatch {
+class OscillationDetector {
  public:
-  explicit LatencyWatch(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
+  explicit OscillationDetector(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
 
   /// A tick: ways of tip and surface along the normal; `acts`: a force acts (a swing out of the
   /// wall and back is one, so it may pause for 33 ms). Returns whether this tick completes an
@@ -44,7 +44,7 @@ class LatencyWatch {
 /// than the bare device on the wall's spring can last, within 0.25 s of one another, under a force
 /// and not carried by the surface (less than half of the speed is its own): a damped wall gives
 /// back half of the speed at most, and a hand that taps brings its own mass.
-class BounceWatch {
+class BounceDetector {
  public:
   struct Tick {
     Vec3 tip_mm_s;
@@ -56,7 +56,7 @@ class BounceWatch {
     bool acts;  ///< a force acts
     bool jump;  ///< nothing connects this tick with the one before
   };
-  explicit BounceWatch(double mass_kg) noexcept : mass_kg_(mass_kg) {}
+  explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
   /// Returns whether this tick completes an alarm; then it starts over.
   bool alarmed(const Tick& tick, int delay_ticks) noexcept;

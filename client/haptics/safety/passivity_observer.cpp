@@ -26,11 +26,11 @@ constexpr double kReserve_s = 0.3;     // chosen: a rise of 30 mm under the hand
 constexpr double kLastingShare = 0.2;  // chosen: 0.04 W on an Omni, below a shake
 }  // namespace
 
-void EnergyPorts::setDelay(int delay_ticks) noexcept {
+void PassivityObserver::setDelay(int delay_ticks) noexcept {
   age_ = static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks));
 }
 
-Vec3 EnergyPorts::wayTo(const PortTick& tick) noexcept {
+Vec3 PassivityObserver::wayTo(const PortTick& tick) noexcept {
   const Vec3 before_mm = at_mm_;
   const Vec3 leap_mm = tick.position_mm - counted_mm_;
   counted_mm_ = tick.position_mm;
@@ -45,7 +45,7 @@ Vec3 EnergyPorts::wayTo(const PortTick& tick) noexcept {
   return tick.connected ? Vec3(at_mm_ - before_mm) : Vec3(Vec3::Zero());
 }
 
-double EnergyPorts::meter(const PortTick& tick) noexcept {
+double PassivityObserver::meter(const PortTick& tick) noexcept {
   const Sent& acted = sent_[(newest_ + sent_.size() - age_) % sent_.size()];
   const Vec3 static_N = acted.force_N - acted.dynamic_N;
   static_sum_N_ += static_N;
@@ -73,25 +73,25 @@ double EnergyPorts::meter(const PortTick& tick) noexcept {
   return static_mJ + object_mJ;
 }
 
-void EnergyPorts::sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept {
+void PassivityObserver::sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept {
   newest_ = (newest_ + 1) % sent_.size();
   sent_[newest_] = {force_N, dynamic_N};
 }
 
-double EnergyPorts::damping_Ns_m(double u_mm_s) const noexcept {
+double PassivityObserver::damping_Ns_m(double u_mm_s) const noexcept {
   const double excess_mJ = generated_mJ_ - kTolerated_mJ;
   if (!(excess_mJ > 0.0) || std::abs(u_mm_s) <= kSlowest_mm_s) return 0.0;
   return std::min(kMostPassivityDamping_Ns_m, 1e3 * excess_mJ / (kTick_s * u_mm_s * u_mm_s));
 }
 
-UserTank::UserTank(const DeviceProfile& profile) noexcept
+EnergyTank::EnergyTank(const DeviceProfile& profile) noexcept
     : most_mJ_(profile.tank_mJ),
       refill_W_(profile.tank_W),
       content_mJ_(profile.tank_mJ),
       most_reserve_mJ_(kReserve_s * profile.tank_W * 1e3),
       reserve_mJ_(most_reserve_mJ_) {}
 
-void UserTank::take(double work_mJ, const Vec3& velocity_mm_s) noexcept {
+void EnergyTank::take(double work_mJ, const Vec3& velocity_mm_s) noexcept {
   velocity_mm_s_ += kTick_s / kTankSmooth_s * (velocity_mm_s - velocity_mm_s_);
   const double refill_mJ = refill_W_ * kTick_s * 1e3;
   content_mJ_ = std::max(content_mJ_ - work_mJ, -most_mJ_);
@@ -103,7 +103,7 @@ void UserTank::take(double work_mJ, const Vec3& velocity_mm_s) noexcept {
   content_mJ_ += poured_mJ;
 }
 
-double UserTank::factor(const Vec3& force_N) const noexcept {
+double EnergyTank::factor(const Vec3& force_N) const noexcept {
   const double power = velocity_mm_s_.dot(force_N);  // mW
   const double drawn_mJ = power * kTankHorizon_s;
   if (!(drawn_mJ > content_mJ_)) return 1.0;

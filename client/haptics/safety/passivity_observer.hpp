@@ -37,9 +37,9 @@ struct PortTick {
 /// work that nobody did (F x count for each press). So the tip is where the count leaves it no
 /// other choice to be (half a count of play), and a way is paid with the mean force since the last
 /// one, axis by axis.
-class EnergyPorts {
+class PassivityObserver {
  public:
-  EnergyPorts(int delay_ticks, double count_mm) noexcept : half_count_mm_(0.5 * count_mm) {
+  PassivityObserver(int delay_ticks, double count_mm) noexcept : half_count_mm_(0.5 * count_mm) {
     setDelay(delay_ticks);
   }
   /// Ticks between reading a position and the begin of its force (0..kMostDelay_ticks).
@@ -86,9 +86,9 @@ class EnergyPorts {
 /// broken number does not end the touch). The power comes out of a reserve that is worth 0.3 s of
 /// it and grows by a fifth of it, and by what the hand gives to a full tank: over any 10 s a stream
 /// gives at most the tank, the reserve and 10 s of that fifth (Omni: 475 mJ), however it shakes.
-class UserTank {
+class EnergyTank {
  public:
-  explicit UserTank(const DeviceProfile& profile) noexcept;
+  explicit EnergyTank(const DeviceProfile& profile) noexcept;
   /// Takes out the work of a tick (mJ, > 0: into the hand); the tip's velocity is smoothed within
   /// 5 ms, since that of single counts would make the limit chatter.
   void take(double work_mJ, const Vec3& velocity_mm_s) noexcept;

@@ -17,7 +17,7 @@ Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
 }
 }  // namespace
 
-Explained explainedByHand(const StepState& now, const StepState& last) noexcept {
+MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept {
   if (!now.contact && !last.contact) return {};
   const StepState& wall = last.contact ? last : now;
   const Vec3 moved_mm = now.position_mm - last.position_mm;
@@ -41,7 +41,7 @@ StepLimit::StepLimit(const DeviceProfile& profile) noexcept
       peak_N_(profile.peak_N) {}
 
 StepLimit::Step StepLimit::stepOf(const Vec3& force_N, const Vec3& last_N,
-                                  const Explained& hand) const noexcept {
+                                  const MotionExplainedStep& hand) const noexcept {
   const Vec3 step_N = force_N - last_N;
   const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
   const bool rises = force_N.squaredNorm() > (last_N + explained_N).squaredNorm();
@@ -49,7 +49,7 @@ StepLimit::Step StepLimit::stepOf(const Vec3& force_N, const Vec3& last_N,
 }
 
 double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
-                           const Explained& hand) const noexcept {
+                           const MotionExplainedStep& hand) const noexcept {
   const Step step = stepOf(force_N, last_N, hand);
   constexpr double kRounding_N = 1e-9;
   const double most_N = step.allowed_N + kRounding_N;
@@ -60,7 +60,7 @@ double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
 }
 
 Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
-                        const Explained& hand) const noexcept {
+                        const MotionExplainedStep& hand) const noexcept {
   const Step step = stepOf(force_N, last_N, hand);
   Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;

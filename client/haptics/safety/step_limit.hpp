@@ -16,7 +16,7 @@ struct StepState {
   Vec3 force_N = Vec3::Zero();
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  TipState ahead;  ///< where the wall is touched
+  HipState ahead;  ///< where the wall is touched
   // Without contact: zero.
   bool contact = false;
   double local_stiffness_N_mm = 0.0;  ///< along the normal
@@ -27,7 +27,7 @@ struct StepState {
 };
 
 /// What the hand's own motion explains of a step of the force.
-struct Explained {
+struct MotionExplainedStep {
   Vec3 damper_N = Vec3::Zero();  ///< this vector or a part of it: the damper acts along the normal
   double spring_N = 0.0;         ///< this much in any direction: a relief is curved
 };
@@ -37,7 +37,7 @@ struct Explained {
 /// than the damper's limit. What the stream does to stiffness, surface or contact in this tick
 /// explains nothing, and a motion that is only foreseen explains nothing either: where it does not
 /// happen a stream would make the steps.
-Explained explainedByHand(const StepState& now, const StepState& last) noexcept;
+MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept;
 
 /// The step of the force that a device's user may feel in a tick: what the hand explains and the
 /// profile's slew more. Both functions know only the force before and after, not how it was made.
@@ -46,11 +46,11 @@ class StepLimit {
   explicit StepLimit(const DeviceProfile& profile) noexcept;
   /// How far the force exceeds the limit; infinite when it is not finite.
   [[nodiscard]] double excess_N(const Vec3& force_N, const Vec3& last_N,
-                                const Explained& hand) const noexcept;
+                                const MotionExplainedStep& hand) const noexcept;
   /// What of a force that exceeds the limit may be reached in this tick. Only what the hand does
   /// not explain is limited: a plain slew limit pumps energy into the hand.
   [[nodiscard]] Vec3 limited(const Vec3& force_N, const Vec3& last_N,
-                             const Explained& hand) const noexcept;
+                             const MotionExplainedStep& hand) const noexcept;
 
  private:
   struct Step {
@@ -59,7 +59,7 @@ class StepLimit {
     double allowed_N;  // of the rest
   };
   [[nodiscard]] Step stepOf(const Vec3& force_N, const Vec3& last_N,
-                            const Explained& hand) const noexcept;
+                            const MotionExplainedStep& hand) const noexcept;
 
   double rise_N_, fall_N_, peak_N_;
 };

@@ -16,7 +16,7 @@ void Trust::add(std::uint32_t interferences) noexcept {
   ticks_ = ticks_ * kKeep + (any ? 1.0 : 0.0);
 }
 
-Interference Trust::mostly() const noexcept {
+SafetyAction Trust::mostly() const noexcept {
   const auto* const most = std::max_element(of_each_.data(), of_each_.data() + of_each_.size());
   return kCounted[static_cast<std::size_t>(most - of_each_.data())];
 }

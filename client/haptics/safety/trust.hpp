@@ -17,9 +17,9 @@ class Trust {
   /// What counts, measured (client/haptics/README.md): what a stream does and a hand cannot. A hand
   /// reaches the peak, a cut leaves it unarmed, an author asks for stiff walls, a device that
   /// answers late makes a contact give energy: these do not count.
-  static constexpr std::array<Interference, 4> kCounted = {Interference::kDoubted,
-                                                           Interference::kTank, Interference::kSlew,
-                                                           Interference::kSurfaceSpeed};
+  static constexpr std::array<SafetyAction, 4> kCounted = {SafetyAction::kImplausible,
+                                                           SafetyAction::kTank, SafetyAction::kSlew,
+                                                           SafetyAction::kSurfaceSpeed};
 
   /// Measured: honest streams come to at most 44 (a ball that bounces: 14 ticks an impact, and the
   /// tank), in the thesis's method to 64. Chosen: far above them and below most lies that shake
@@ -34,7 +34,7 @@ class Trust {
   /// The ticks in which it was too much, forgotten within the memory.
   [[nodiscard]] double score() const noexcept { return ticks_; }
   /// What most of it was.
-  [[nodiscard]] Interference mostly() const noexcept;
+  [[nodiscard]] SafetyAction mostly() const noexcept;
   /// The user trusts it again.
   void renew() noexcept { *this = Trust(); }
 

@@ -11,11 +11,11 @@ DatagramCounts DatagramCounts::operator+(const DatagramCounts& other) const {
           astray + other.astray,     forged + other.forged,     over_budget + other.over_budget};
 }
 
-DatagramInbox::DatagramInbox(std::uint64_t token, std::uint32_t stream, VerifyingKey key)
+DatagramVerifier::DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key)
     : token_(token), stream_(stream), key_(std::move(key)) {}
 
-std::optional<Datagram> DatagramInbox::take(std::span<const std::uint8_t> bytes, LocalTime now,
-                                            const Look& want) {
+std::optional<Datagram> DatagramVerifier::take(std::span<const std::uint8_t> bytes, LocalTime now,
+                                               const Look& want) {
   const auto datagram = readDatagram(bytes);
   if (!datagram || datagram->token != token_ || datagram->header.stream != stream_) {
     ++counts_.foreign;
@@ -39,7 +39,7 @@ std::optional<Datagram> DatagramInbox::take(std::span<const std::uint8_t> bytes,
   return datagram;
 }
 
-bool DatagramInbox::mayVerify(LocalTime now) {
+bool DatagramVerifier::mayVerify(LocalTime now) {
   const LocalTime latest = std::max(budget_at_.value_or(now), now);
   const double since_s = toSeconds(latest - budget_at_.value_or(latest));
   budget_at_ = latest;

@@ -28,7 +28,7 @@ struct DatagramCounts {
   DatagramCounts operator+(const DatagramCounts& other) const;
 };
 
-class DatagramInbox {
+class DatagramVerifier {
  public:
   /// Chosen: 240 frames/s of eight datagrams; a fifth of a core on the machine it was measured on
   /// (some 100 us each).
@@ -36,7 +36,7 @@ class DatagramInbox {
   static constexpr double kBurst = 400.0;
 
   /// `token`: the session's or the group's; `stream` and `key` as the server announced them.
-  DatagramInbox(std::uint64_t token, std::uint32_t stream, VerifyingKey key);
+  DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key);
 
   using Look = std::function<FrameAssembler::Want(const DatagramHeader&)>;
   /// The datagram that the bytes are, where the server has sent it and it is new; `want` says what

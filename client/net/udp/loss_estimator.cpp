@@ -23,7 +23,7 @@ void takeIn(double& share, double now) {
 }
 }  // namespace
 
-void LossMeter::add(const DatagramHeader& header) {
+void LossEstimator::add(const DatagramHeader& header) {
   const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
   if (FrameAssembler::jump(newest, header.frame)) {  // another numbering, or the first frame
     frames_.clear();
@@ -35,16 +35,16 @@ void LossMeter::add(const DatagramHeader& header) {
   count(came, header.part);
 }
 
-void LossMeter::again(const DatagramHeader& header) {
+void LossEstimator::again(const DatagramHeader& header) {
   if (const auto found = frames_.find(header.frame); found != frames_.end())
     count(found->second, header.part);
 }
 
-void LossMeter::count(Came& came, std::size_t part) {
+void LossEstimator::count(Came& came, std::size_t part) {
   if (part < came.size() && came[part] < limits::kMostCopies) ++came[part];
 }
 
-std::uint32_t LossMeter::copies(LocalTime now) {
+std::uint32_t LossEstimator::copies(LocalTime now) {
   if (now - judged_at_ < kJudgeEvery || frames_.size() < kLeastFrames + kSettled) return copies_;
   judged_at_ = now;
   judge();
@@ -59,7 +59,7 @@ std::uint32_t LossMeter::copies(LocalTime now) {
   return copies_;
 }
 
-LossMeter::Tally LossMeter::takeSettled() {
+LossEstimator::Tally LossEstimator::takeSettled() {
   const std::uint64_t newest = frames_.rbegin()->first;
   const std::uint64_t until = newest > kSettled ? newest - kSettled : 0;
   Tally tally;
@@ -82,7 +82,7 @@ LossMeter::Tally LossMeter::takeSettled() {
   return tally;
 }
 
-void LossMeter::judge() {
+void LossEstimator::judge() {
   const Tally tally = takeSettled();
   const double sent = tally.parts[0];
   if (sent == 0.0) return;

@@ -17,7 +17,7 @@
 
 namespace hapticast::client {
 
-class LossMeter {
+class LossEstimator {
  public:
   /// Of a network of which nothing is known yet.
   static constexpr std::uint32_t kFirstCopies = 3;
@@ -31,7 +31,7 @@ class LossMeter {
   static constexpr Duration kPatience = std::chrono::seconds(30);
 
   /// `fixed`: so many copies are sent whatever is lost.
-  explicit LossMeter(std::uint32_t copies = kFirstCopies, bool fixed = false)
+  explicit LossEstimator(std::uint32_t copies = kFirstCopies, bool fixed = false)
       : copies_(copies), fixed_(fixed) {}
 
   /// A datagram has come that the server has signed; no probe.

@@ -10,39 +10,41 @@ namespace hapticast::client {
 
 namespace {
 
-std::string inWords(Way way) {
+std::string toText(Transport way) {
   constexpr std::array<const char*, kWayNames.size()> kHow{"by multicast", "by UDP", "over TCP"};
   return kHow[static_cast<std::size_t>(way)];
 }
 
 }  // namespace
 
-DeliveryChoice::DeliveryChoice(std::vector<Way> ways) : ways_(std::move(ways)) { begin(0); }
+TransportSelector::TransportSelector(std::vector<Transport> ways) : ways_(std::move(ways)) {
+  begin(0);
+}
 
-void DeliveryChoice::begin(std::size_t at) {
+void TransportSelector::begin(std::size_t at) {
   at_ = at;
   works_ = doubted_ = probed_ = false;
   only_tcp_since_.reset();
   narrow_since_.reset();
 }
 
-bool DeliveryChoice::newer(std::uint64_t id) const {
+bool TransportSelector::newer(std::uint64_t id) const {
   return id > newest_ || FrameAssembler::jump(newest_, id);
 }
 
-void DeliveryChoice::impossible(const std::string& why, LocalTime now) {
-  const Way failed = way();
-  if (failed == Way::kTcp) return;
+void TransportSelector::impossible(const std::string& why, LocalTime now) {
+  const Transport failed = way();
+  if (failed == Transport::kTcp) return;
   failed_at_ = now;
   begin(at_ + 1);
   // A way that is tried again and fails again is no news.
-  if (std::find(told_.begin(), told_.end(), failed) != told_.end()) return;
-  told_.push_back(failed);
-  news_ = "no frames come " + inWords(failed) + " (" + why + "): taking them " + inWords(way()) +
-          (way() == Way::kTcp ? ", trying again every 30 s" : "");
+  if (std::find(logged_.begin(), logged_.end(), failed) != logged_.end()) return;
+  logged_.push_back(failed);
+  news_ = "no frames come " + toText(failed) + " (" + why + "): taking them " + toText(way()) +
+          (way() == Transport::kTcp ? ", trying again every 30 s" : "");
 }
 
-void DeliveryChoice::wholeFrame(std::uint64_t id, LocalTime now) {
+void TransportSelector::wholeFrame(std::uint64_t id, LocalTime now) {
   if (newer(id)) newest_ = id;
   came_at_ = now;
   only_tcp_since_.reset();
@@ -51,15 +53,15 @@ void DeliveryChoice::wholeFrame(std::uint64_t id, LocalTime now) {
   if (!probed_ && !narrow_since_) narrow_since_ = now;
   if (works_ || !probed_) return;
   works_ = true;
-  if (at_ == 0 && !std::exchange(told_, {}).empty())
-    news_ = "frames come " + inWords(way()) + " again";
+  if (at_ == 0 && !std::exchange(logged_, {}).empty())
+    news_ = "frames come " + toText(way()) + " again";
 }
 
-void DeliveryChoice::tcpFrame(std::uint64_t id, LocalTime now) {
-  if (way() != Way::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
+void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
+  if (way() != Transport::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
 }
 
-void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
+void TransportSelector::turn(LocalTime now, std::uint32_t copies) {
   copies_ = copies;
   if (works_ && now - came_at_ >= kPatience) {
     // Either nothing is sent, or it does not arrive: TCP will tell.
@@ -75,17 +77,17 @@ void DeliveryChoice::turn(LocalTime now, std::uint32_t copies) {
   if (at_ > 0 && now - failed_at_ >= kTryAgain) begin(0);
 }
 
-Delivery DeliveryChoice::wanted() const {
-  return {.on_tcp = !works_, .datagrams = way() == Way::kDatagrams, .copies = copies_};
+Delivery TransportSelector::wanted() const {
+  return {.on_tcp = !works_, .datagrams = way() == Transport::kDatagrams, .copies = copies_};
 }
 
-std::optional<Delivery> DeliveryChoice::order() {
+std::optional<Delivery> TransportSelector::order() {
   if (ordered_ && *ordered_ == wanted()) return std::nullopt;
   ordered_ = wanted();
   return ordered_;
 }
 
-std::optional<std::string> DeliveryChoice::news() {
+std::optional<std::string> TransportSelector::news() {
   if (news_.empty()) return std::nullopt;
   return std::exchange(news_, {});
 }

@@ -17,27 +17,29 @@
 
 namespace hapticast::client {
 
-enum class Way : std::uint8_t { kGroup, kDatagrams, kTcp };
+enum class Transport : std::uint8_t { kGroup, kDatagrams, kTcp };
 /// On the command line and in the summary.
 inline constexpr std::array<const char*, 3> kWayNames{"multicast", "udp", "tcp"};
-constexpr const char* wayName(Way way) noexcept { return kWayNames[static_cast<std::size_t>(way)]; }
+constexpr const char* transportName(Transport way) noexcept {
+  return kWayNames[static_cast<std::size_t>(way)];
+}
 
 /// How frames shall travel where there is a choice.
 struct DeliverySettings {
-  Way best = Way::kDatagrams;  ///< kGroup falls back to kDatagrams, this to kTcp
-  std::uint32_t copies = 0;    ///< of each datagram; 0: as many as the loss asks for
+  Transport best = Transport::kDatagrams;  ///< kGroup falls back to kDatagrams, this to kTcp
+  std::uint32_t copies = 0;                ///< of each datagram; 0: as many as the loss asks for
   /// That joins a group, by name or address; empty: the one that leads to the server.
   std::string interface_name{};
 };
 
 /// How frames travel now.
-struct DeliveryState {
-  Way way = Way::kTcp;
+struct DeliveryStats {
+  Transport way = Transport::kTcp;
   double loss = 0.0;         ///< of datagrams, 0..1, as last measured
   std::uint32_t copies = 1;  ///< of each datagram
 };
 
-class DeliveryChoice {
+class TransportSelector {
  public:
   /// Frames come over TCP and by nothing else for so long: the way has failed. One that has worked
   /// until now has this time to go on, and is then given up at the next frames over TCP.
@@ -49,10 +51,10 @@ class DeliveryChoice {
   static constexpr Duration kProbePatience = std::chrono::seconds(2);
 
   /// The ways that there are, the best one first; the last one is kTcp.
-  explicit DeliveryChoice(std::vector<Way> ways);
+  explicit TransportSelector(std::vector<Transport> ways);
 
   /// The way that is used or tried.
-  [[nodiscard]] Way way() const { return ways_[at_]; }
+  [[nodiscard]] Transport way() const { return ways_[at_]; }
   /// Whether frames come that way, so that TCP's are not needed.
   [[nodiscard]] bool works() const { return works_; }
 
@@ -79,7 +81,7 @@ class DeliveryChoice {
   [[nodiscard]] bool newer(std::uint64_t id) const;
   [[nodiscard]] Delivery wanted() const;
 
-  std::vector<Way> ways_;
+  std::vector<Transport> ways_;
   std::size_t at_ = 0;
   bool works_ = false;
   bool doubted_ = false;  // it worked, and nothing has come for a while
@@ -91,7 +93,7 @@ class DeliveryChoice {
   LocalTime failed_at_{};                    // a way, the last time
   std::uint32_t copies_ = 1;
   std::optional<Delivery> ordered_;
-  std::vector<Way> told_;  // ways of which it is told that they fail
+  std::vector<Transport> logged_;  // ways of which it is told that they fail
   std::string news_;
 };
 

@@ -18,37 +18,36 @@ constexpr std::uint64_t kFlood = 400;
 // to verify is what drowns the server's own.
 constexpr std::uint64_t kForgedFlood = 100;
 
-std::vector<Way> waysOf(const DeliverySettings& settings, const Welcome& welcome) {
-  std::vector<Way> ways;
-  if (settings.best == Way::kGroup && welcome.group) ways.push_back(Way::kGroup);
-  if (settings.best != Way::kTcp) ways.push_back(Way::kDatagrams);
-  ways.push_back(Way::kTcp);
+std::vector<Transport> waysOf(const DeliverySettings& settings, const Welcome& welcome) {
+  std::vector<Transport> ways;
+  if (settings.best == Transport::kGroup && welcome.group) ways.push_back(Transport::kGroup);
+  if (settings.best != Transport::kTcp) ways.push_back(Transport::kDatagrams);
+  ways.push_back(Transport::kTcp);
   return ways;
 }
 
 }  // namespace
 
-std::shared_ptr<DatagramLink> DatagramLink::open(asio::io_context& io, const Clock& clock,
-                                                 Receiver& receiver,
-                                                 const DeliverySettings& settings,
-                                                 const Welcome& welcome, const Endpoint& server,
-                                                 Events events) {
-  if (settings.best == Way::kTcp) return nullptr;
+std::shared_ptr<UdpReceiver> UdpReceiver::open(asio::io_context& io, const Clock& clock,
+                                               Receiver& receiver, const DeliverySettings& settings,
+                                               const Welcome& welcome, const Endpoint& server,
+                                               Events events) {
+  if (settings.best == Transport::kTcp) return nullptr;
   if (welcome.datagram_token == 0 || !welcome.verifying_key) {
     events.news("this server sends no datagrams: taking frames over TCP");
     return nullptr;
   }
-  if (settings.best == Way::kGroup && !welcome.group)
+  if (settings.best == Transport::kGroup && !welcome.group)
     events.news("this server sends to no multicast group: taking frames by UDP");
-  std::shared_ptr<DatagramLink> link(
-      new DatagramLink(io, clock, receiver, settings, welcome, server, std::move(events)));
+  std::shared_ptr<UdpReceiver> link(
+      new UdpReceiver(io, clock, receiver, settings, welcome, server, std::move(events)));
   link->start();
   return link;
 }
 
-DatagramLink::DatagramLink(asio::io_context& io, const Clock& clock, Receiver& receiver,
-                           const DeliverySettings& settings, const Welcome& welcome,
-                           const Endpoint& server, Events events)
+UdpReceiver::UdpReceiver(asio::io_context& io, const Clock& clock, Receiver& receiver,
+                         const DeliverySettings& settings, const Welcome& welcome,
+                         const Endpoint& server, Events events)
     : io_(io),
       clock_(clock),
       receiver_(receiver),
@@ -58,24 +57,24 @@ DatagramLink::DatagramLink(asio::io_context& io, const Clock& clock, Receiver& r
       events_(std::move(events)),
       timer_(io),
       choice_(waysOf(settings, welcome)),
-      copies_(settings.copies > 0 ? settings.copies : LossMeter::kFirstCopies),
+      copies_(settings.copies > 0 ? settings.copies : LossEstimator::kFirstCopies),
       meter_(copies_, settings.copies > 0) {
   if (welcome_.datagram_port != 0) server_.port = welcome_.datagram_port;
 }
 
-void DatagramLink::start() {
+void UdpReceiver::start() {
   turn(clock_.now());
   asio::co_spawn(
       io_, [self = shared_from_this()] { return self->watch(); }, asio::detached);
 }
 
-void DatagramLink::close() {
+void UdpReceiver::close() {
   closed_ = true;
   timer_.cancel();
   if (path_) path_->close();
 }
 
-asio::awaitable<void> DatagramLink::watch() {
+asio::awaitable<void> UdpReceiver::watch() {
   while (!closed_) {
     const LocalTime now = clock_.now();
     const LocalTime due = receiver_.nextDue().value_or(now + kTurn);
@@ -88,7 +87,7 @@ asio::awaitable<void> DatagramLink::watch() {
   }
 }
 
-const char* DatagramLink::flood(LocalTime now) {
+const char* UdpReceiver::flood(LocalTime now) {
   if (!path_) return nullptr;
   const DatagramCounts& counts = path_->counts();
   if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
@@ -102,14 +101,14 @@ const char* DatagramLink::flood(LocalTime now) {
   return nullptr;
 }
 
-void DatagramLink::turn(LocalTime now) {
+void UdpReceiver::turn(LocalTime now) {
   if (const char* const why = flood(now)) choice_.impossible(why, now);
   copies_ = meter_.copies(now);
   choice_.turn(now, copies_);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
   followChoice(now);
   const Duration pause = choice_.wasProbed() ? kEchoEvery : kEchoUntilProbed;
-  if (opened_ == Way::kDatagrams && path_ && (!echoed_at_ || now - *echoed_at_ >= pause)) {
+  if (opened_ == Transport::kDatagrams && path_ && (!echoed_at_ || now - *echoed_at_ >= pause)) {
     echoed_at_ = now;
     path_->send(echoBytes({welcome_.datagram_token, welcome_.stream}));
   }
@@ -117,7 +116,7 @@ void DatagramLink::turn(LocalTime now) {
   if (const auto news = choice_.news()) events_.news(*news);
 }
 
-void DatagramLink::followChoice(LocalTime now) {
+void UdpReceiver::followChoice(LocalTime now) {
   while (opened_ != choice_.way()) {
     if (path_) {
       counts_ = counts();
@@ -125,19 +124,19 @@ void DatagramLink::followChoice(LocalTime now) {
       path_->close();
       path_.reset();
     }
-    const Way way = choice_.way();
+    const Transport way = choice_.way();
     opened_ = way;
     echoed_at_.reset();
-    if (way == Way::kTcp) return;
+    if (way == Transport::kTcp) return;
     auto key = VerifyingKey::from(*welcome_.verifying_key);
     if (!key.ok()) return choice_.impossible(key.error().message, now);
-    const bool group = way == Way::kGroup;
-    DatagramInbox inbox(group ? welcome_.group->token : welcome_.datagram_token, welcome_.stream,
-                        std::move(key).value());
+    const bool group = way == Transport::kGroup;
+    DatagramVerifier verifier(group ? welcome_.group->token : welcome_.datagram_token,
+                              welcome_.stream, std::move(key).value());
     auto path =
-        group ? DatagramPath::ofGroup(io_, clock_, {welcome_.group->address, welcome_.group->port},
-                                      settings_.interface_name, server_, std::move(inbox))
-              : DatagramPath::toServer(io_, clock_, server_, std::move(inbox));
+        group ? UdpSocket::ofGroup(io_, clock_, {welcome_.group->address, welcome_.group->port},
+                                   settings_.interface_name, server_, std::move(verifier))
+              : UdpSocket::toServer(io_, clock_, server_, std::move(verifier));
     if (!path.ok()) {
       choice_.impossible(path.error().message, now);
       continue;
@@ -154,7 +153,7 @@ void DatagramLink::followChoice(LocalTime now) {
   }
 }
 
-void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
+void UdpReceiver::take(Transport way, const Datagram& datagram, LocalTime now) {
   if (closed_ || way != choice_.way()) return;
   if (datagram.header.probe()) return choice_.probed();
   meter_.add(datagram.header);
@@ -163,15 +162,15 @@ void DatagramLink::take(Way way, const Datagram& datagram, LocalTime now) {
   }
 }
 
-void DatagramLink::tcpFrame(std::uint64_t id) { choice_.tcpFrame(id, clock_.now()); }
+void UdpReceiver::tcpFrame(std::uint64_t id) { choice_.tcpFrame(id, clock_.now()); }
 
-DatagramCounts DatagramLink::counts() const { return path_ ? counts_ + path_->counts() : counts_; }
+DatagramCounts UdpReceiver::counts() const { return path_ ? counts_ + path_->counts() : counts_; }
 
-DeliveryState DatagramLink::state() const {
-  return {choice_.works() ? choice_.way() : Way::kTcp, meter_.loss(), copies_};
+DeliveryStats UdpReceiver::state() const {
+  return {choice_.works() ? choice_.way() : Transport::kTcp, meter_.loss(), copies_};
 }
 
-std::uint64_t DatagramLink::bytesReceived() const {
+std::uint64_t UdpReceiver::bytesReceived() const {
   return bytes_ + (path_ ? path_->bytesReceived() : 0);
 }
 

@@ -18,7 +18,7 @@
 
 namespace hapticast::client {
 
-class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
+class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
  public:
   struct Events {
     std::function<void(const Delivery&)> order;    ///< the server is to be told
@@ -26,10 +26,10 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   };
   /// `server`: the address that the TCP connection leads to. Null where the server offers no way
   /// but TCP, or none is wanted. `clock` and `receiver` outlive the work on `io`.
-  static std::shared_ptr<DatagramLink> open(asio::io_context& io, const Clock& clock,
-                                            Receiver& receiver, const DeliverySettings& settings,
-                                            const Welcome& welcome, const Endpoint& server,
-                                            Events events);
+  static std::shared_ptr<UdpReceiver> open(asio::io_context& io, const Clock& clock,
+                                           Receiver& receiver, const DeliverySettings& settings,
+                                           const Welcome& welcome, const Endpoint& server,
+                                           Events events);
 
   /// A frame has come over TCP.
   void tcpFrame(std::uint64_t id);
@@ -37,12 +37,12 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   void close();
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::uint64_t bytesReceived() const;
-  [[nodiscard]] DeliveryState state() const;
+  [[nodiscard]] DeliveryStats state() const;
 
  private:
-  DatagramLink(asio::io_context& io, const Clock& clock, Receiver& receiver,
-               const DeliverySettings& settings, const Welcome& welcome, const Endpoint& server,
-               Events events);
+  UdpReceiver(asio::io_context& io, const Clock& clock, Receiver& receiver,
+              const DeliverySettings& settings, const Welcome& welcome, const Endpoint& server,
+              Events events);
   void start();
   asio::awaitable<void> watch();
   void turn(LocalTime now);
@@ -50,7 +50,7 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   [[nodiscard]] const char* flood(LocalTime now);
   /// Opens and closes paths as the choice asks for them.
   void followChoice(LocalTime now);
-  void take(Way way, const Datagram& datagram, LocalTime now);
+  void take(Transport way, const Datagram& datagram, LocalTime now);
 
   asio::io_context& io_;
   const Clock& clock_;
@@ -60,11 +60,11 @@ class DatagramLink : public std::enable_shared_from_this<DatagramLink> {
   Endpoint server_;
   Events events_;
   asio::steady_timer timer_;
-  DeliveryChoice choice_;
+  TransportSelector choice_;
   std::uint32_t copies_;
-  LossMeter meter_;
-  std::optional<Way> opened_;
-  std::shared_ptr<DatagramPath> path_;
+  LossEstimator meter_;
+  std::optional<Transport> opened_;
+  std::shared_ptr<UdpSocket> path_;
   std::optional<LocalTime> echoed_at_;
   DatagramCounts counted_;  // of the path, by counted_at_
   LocalTime counted_at_{};

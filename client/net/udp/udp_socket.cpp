@@ -57,13 +57,12 @@ Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
 
 }  // namespace
 
-DatagramPath::DatagramPath(udp::socket socket, const Clock& clock, DatagramInbox inbox)
-    : socket_(std::move(socket)), clock_(clock), inbox_(std::move(inbox)) {}
+UdpSocket::UdpSocket(udp::socket socket, const Clock& clock, DatagramVerifier verifier)
+    : socket_(std::move(socket)), clock_(clock), verifier_(std::move(verifier)) {}
 
-Result<std::shared_ptr<DatagramPath>> DatagramPath::toServer(asio::io_context& io,
-                                                             const Clock& clock,
-                                                             const Endpoint& server,
-                                                             DatagramInbox inbox) {
+Result<std::shared_ptr<UdpSocket>> UdpSocket::toServer(asio::io_context& io, const Clock& clock,
+                                                       const Endpoint& server,
+                                                       DatagramVerifier verifier) {
   const auto to = endpointOf(server);
   if (!to.ok()) return to.error();
   udp::socket socket(io);
@@ -73,13 +72,14 @@ Result<std::shared_ptr<DatagramPath>> DatagramPath::toServer(asio::io_context& i
   if (!ec) socket.non_blocking(true, ec);
   if (ec) return failed(ec);
   enlargeBuffer(socket);
-  return std::shared_ptr<DatagramPath>(
-      new DatagramPath(std::move(socket), clock, std::move(inbox)));
+  return std::shared_ptr<UdpSocket>(new UdpSocket(std::move(socket), clock, std::move(verifier)));
 }
 
-Result<std::shared_ptr<DatagramPath>> DatagramPath::ofGroup(
-    asio::io_context& io, const Clock& clock, const Endpoint& group, const std::string& interface,
-    const Endpoint& server, DatagramInbox inbox) {
+Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, const Clock& clock,
+                                                      const Endpoint& group,
+                                                      const std::string& interface,
+                                                      const Endpoint& server,
+                                                      DatagramVerifier verifier) {
   auto at = endpointOf(group);
   if (!at.ok()) return at.error();
   const auto index = interfaceFor(io, interface, server);
@@ -104,11 +104,10 @@ Result<std::shared_ptr<DatagramPath>> DatagramPath::ofGroup(
   if (::setsockopt(socket.native_handle(), level, MCAST_JOIN_GROUP, &join, sizeof join) != 0)
     return failed({errno, boost::system::system_category()});
   enlargeBuffer(socket);
-  return std::shared_ptr<DatagramPath>(
-      new DatagramPath(std::move(socket), clock, std::move(inbox)));
+  return std::shared_ptr<UdpSocket>(new UdpSocket(std::move(socket), clock, std::move(verifier)));
 }
 
-void DatagramPath::start(Look look, Take take) {
+void UdpSocket::start(Look look, Take take) {
   look_ = std::move(look);
   take_ = std::move(take);
   asio::co_spawn(
@@ -116,17 +115,17 @@ void DatagramPath::start(Look look, Take take) {
       asio::detached);
 }
 
-void DatagramPath::close() {
+void UdpSocket::close() {
   boost::system::error_code ignored;
   socket_.close(ignored);
 }
 
-void DatagramPath::send(std::span<const std::uint8_t> bytes) {
+void UdpSocket::send(std::span<const std::uint8_t> bytes) {
   boost::system::error_code ignored;
   socket_.send(asio::buffer(bytes.data(), bytes.size()), 0, ignored);
 }
 
-asio::awaitable<void> DatagramPath::readAll() {
+asio::awaitable<void> UdpSocket::readAll() {
   while (socket_.is_open()) {
     boost::system::error_code ec;
     co_await socket_.async_wait(udp::socket::wait_read,
@@ -136,7 +135,7 @@ asio::awaitable<void> DatagramPath::readAll() {
   }
 }
 
-bool DatagramPath::readSome() {
+bool UdpSocket::readSome() {
   for (int i = 0; i < kMostAtOnce && socket_.is_open(); ++i) {
     boost::system::error_code ec;
     const std::size_t size = socket_.receive(asio::buffer(buffer_), 0, ec);
@@ -144,7 +143,7 @@ bool DatagramPath::readSome() {
     if (ec) continue;  // that nobody listens there, say: what goes on is the choice's to judge
     bytes_ += size;
     const LocalTime now = clock_.now();
-    const auto datagram = inbox_.take(std::span(buffer_).first(size), now, look_);
+    const auto datagram = verifier_.take(std::span(buffer_).first(size), now, look_);
     if (datagram) take_(*datagram, now);
   }
   return true;

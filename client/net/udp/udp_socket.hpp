@@ -16,20 +16,21 @@
 
 namespace hapticast::client {
 
-class DatagramPath : public std::enable_shared_from_this<DatagramPath> {
+class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
  public:
   using Take = std::function<void(const Datagram&, LocalTime)>;
-  using Look = DatagramInbox::Look;
+  using Look = DatagramVerifier::Look;
 
   /// `server`: an address, no name. An error is one line for a person.
-  static Result<std::shared_ptr<DatagramPath>> toServer(asio::io_context& io, const Clock& clock,
-                                                        const Endpoint& server,
-                                                        DatagramInbox inbox);
+  static Result<std::shared_ptr<UdpSocket>> toServer(asio::io_context& io, const Clock& clock,
+                                                     const Endpoint& server,
+                                                     DatagramVerifier verifier);
   /// Joins a group on an interface, by name or address; empty: the one that leads to `server`.
-  static Result<std::shared_ptr<DatagramPath>> ofGroup(asio::io_context& io, const Clock& clock,
-                                                       const Endpoint& group,
-                                                       const std::string& interface,
-                                                       const Endpoint& server, DatagramInbox inbox);
+  static Result<std::shared_ptr<UdpSocket>> ofGroup(asio::io_context& io, const Clock& clock,
+                                                    const Endpoint& group,
+                                                    const std::string& interface,
+                                                    const Endpoint& server,
+                                                    DatagramVerifier verifier);
 
   /// Begins to read; `look` and `take` are called until close().
   void start(Look look, Take take);
@@ -37,18 +38,18 @@ class DatagramPath : public std::enable_shared_from_this<DatagramPath> {
   /// To the server, as it is; what is lost is lost.
   void send(std::span<const std::uint8_t> bytes);
 
-  [[nodiscard]] const DatagramCounts& counts() const { return inbox_.counts(); }
+  [[nodiscard]] const DatagramCounts& counts() const { return verifier_.counts(); }
   [[nodiscard]] std::uint64_t bytesReceived() const { return bytes_; }
 
  private:
-  DatagramPath(asio::ip::udp::socket socket, const Clock& clock, DatagramInbox inbox);
+  UdpSocket(asio::ip::udp::socket socket, const Clock& clock, DatagramVerifier verifier);
   asio::awaitable<void> readAll();
   /// Reads what is there, a bounded number; true where there may be more.
   bool readSome();
 
   asio::ip::udp::socket socket_;
   const Clock& clock_;
-  DatagramInbox inbox_;
+  DatagramVerifier verifier_;
   Look look_;
   Take take_;
   std::uint64_t bytes_ = 0;

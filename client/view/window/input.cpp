@@ -24,19 +24,19 @@ bool within(const ImVec4& box, const ImVec2& point) {
 
 }  // namespace
 
-bool ViewerWindow::turn(Desk& desk) {
+bool ViewerWindow::turn(UiState& ui_state) {
   if (displayIsLost()) return false;
   SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) hear(event, desk);
+  while (SDL_PollEvent(&event) != 0) hear(event, ui_state);
   const std::uint64_t now_ms = SDL_GetTicks64();
   if (now_ms - drawn_ms_ >= kFrame_ms && !displayIsLost()) {
     drawn_ms_ = now_ms;
-    draw(desk);
+    draw(ui_state);
   }
   return !closed_ && !displayIsLost();
 }
 
-void ViewerWindow::hear(const SDL_Event& event, Desk& desk) {
+void ViewerWindow::hear(const SDL_Event& event, UiState& ui_state) {
   hearDisplay(event);
   ImGui_ImplSDL2_ProcessEvent(&event);
   const ImGuiIO& io = ImGui::GetIO();
@@ -48,13 +48,13 @@ void ViewerWindow::hear(const SDL_Event& event, Desk& desk) {
     case SDL_KEYDOWN:
       if (io.WantTextInput || event.key.repeat != 0) break;
       if (event.key.keysym.sym == SDLK_p) save_ = true;
-      (void)pressKey(event.key.keysym.sym, desk, state_);
+      (void)pressKey(event.key.keysym.sym, ui_state, state_);
       break;
     case SDL_MOUSEMOTION:
-      point(event.motion, desk);
+      point(event.motion, ui_state);
       break;
     case SDL_MOUSEWHEEL:
-      if (!io.WantCaptureMouse) press(-kWheel_mm * double{event.wheel.preciseY}, desk);
+      if (!io.WantCaptureMouse) press(-kWheel_mm * double{event.wheel.preciseY}, ui_state);
       break;
     case SDL_MOUSEBUTTONDOWN:
       if (event.button.button == SDL_BUTTON_LEFT && place_.contains(cursor) && !io.WantCaptureMouse)
@@ -68,23 +68,23 @@ void ViewerWindow::hear(const SDL_Event& event, Desk& desk) {
   }
 }
 
-void ViewerWindow::point(const SDL_MouseMotionEvent& motion, Desk& desk) {
-  if (drag_ == Drag::kPresses) press(kDrag_mm_per_px * motion.yrel, desk);
+void ViewerWindow::point(const SDL_MouseMotionEvent& motion, UiState& ui_state) {
+  if (drag_ == Drag::kPresses) press(kDrag_mm_per_px * motion.yrel, ui_state);
   if (drag_ == Drag::kTurns)
     relief_.turn(static_cast<float>(motion.xrel), static_cast<float>(motion.yrel));
   if (drag_ != Drag::kNone) return;
   const ImVec2 at(static_cast<float>(motion.x), static_cast<float>(motion.y));
   if (!place_.contains(at) || turnsRelief(at) || ImGui::GetIO().WantCaptureMouse) return;
-  if (!desk.pointer.known) {  // in depth it begins where the tip is
-    desk.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
-    press(0.0, desk);
+  if (!ui_state.pointer.known) {  // in depth it begins where the tip is
+    ui_state.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
+    press(0.0, ui_state);
   }
-  desk.pointer.position_mm.head<2>() = place_.toNominal(at);
+  ui_state.pointer.position_mm.head<2>() = place_.toNominal(at);
 }
 
 /// Into the picture.
-void ViewerWindow::press(double by_mm, Desk& desk) const {
-  double& z_mm = desk.pointer.position_mm.z();
+void ViewerWindow::press(double by_mm, UiState& ui_state) const {
+  double& z_mm = ui_state.pointer.position_mm.z();
   z_mm = std::clamp(z_mm - by_mm, kFarthest_mm, kNearest_mm);
 }
 

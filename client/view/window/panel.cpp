@@ -58,12 +58,12 @@ void showForce(const TickReport& report, const ForceHistory& history, float plot
        kDepth);
 }
 
-void showNetwork(const TickWatch& ticks, const Desk& desk, double picture_off_ms) {
+void showNetwork(const TickWatch& ticks, const UiState& ui_state, double picture_off_ms) {
   heading("Stream");
-  const StreamStatus& stream = desk.stream;
+  const ConnectionStats& stream = ui_state.stream;
   // Play time that stands still falls behind by as much as the pause lasts, which says nothing.
   const double behind_ms = toSeconds(ticks.last().playout_delay) * 1e3;
-  text((desk.user.paused ? "paused" : fmt::format("behind by {:.0f} ms", behind_ms)) +
+  text((ui_state.user.paused ? "paused" : fmt::format("behind by {:.0f} ms", behind_ms)) +
        fmt::format(", clock ± {:.2f} ms", stream.clock_error_us * 1e-3));
   text(fmt::format("{} frames, {} lost, {} late", stream.frames_received, stream.frames_lost,
                    stream.frames_late));
@@ -105,9 +105,9 @@ void chooseFriction(UserControls& user, PanelState& state) {
   if (!authors) user.friction = state.friction;
 }
 
-void showControls(Desk& desk, PanelState& state) {
+void showControls(UiState& ui_state, PanelState& state) {
   heading("Feel");
-  UserControls& user = desk.user;
+  UserControls& user = ui_state.user;
   ImGui::Checkbox("pause (space)", &user.paused);
   ImGui::SameLine();
   bool thesis = user.method == Method::kThesis;
@@ -124,15 +124,15 @@ void showControls(Desk& desk, PanelState& state) {
   ImGui::PopItemWidth();
   if (ImGui::Button("re-arm (R)")) ++user.rearm;
   ImGui::SameLine();
-  ImGui::Checkbox("record (L)", &desk.record);
+  ImGui::Checkbox("record (L)", &ui_state.record);
   ImGui::SameLine();
   if (ImGui::Button("help (F1)")) state.help = !state.help;
 }
 
 }  // namespace
 
-bool pressKey(int sdl_key, Desk& desk, PanelState& state) {
-  UserControls& user = desk.user;
+bool pressKey(int sdl_key, UiState& ui_state, PanelState& state) {
+  UserControls& user = ui_state.user;
   const auto flip = [](bool& value) { value = !value; };
   switch (sdl_key) {
     case SDLK_SPACE:
@@ -151,7 +151,7 @@ bool pressKey(int sdl_key, Desk& desk, PanelState& state) {
       ++user.rearm;
       return true;
     case SDLK_l:
-      flip(desk.record);
+      flip(ui_state.record);
       return true;
     case SDLK_o:
       flip(state.outline);
@@ -168,7 +168,7 @@ bool pressKey(int sdl_key, Desk& desk, PanelState& state) {
 }
 
 void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
-               const ForceHistory& history, Desk& desk, PanelState& state) {
+               const ForceHistory& history, UiState& ui_state, PanelState& state) {
   ImGui::SetNextWindowPos(corner);
   ImGui::SetNextWindowSize(size);
   constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration & ~ImGuiWindowFlags_NoScrollbar;
@@ -177,9 +177,9 @@ void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(6.0F, 2.0F));
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4.0F, 2.0F));
   showForce(ticks.last(), history, (size.y < 600.0F ? 0.09F : 0.13F) * size.y);
-  showControls(desk, state);
-  showNetwork(ticks, desk, state.picture_off_ms);
-  if (!desk.recording.empty()) ImGui::TextWrapped("%s", desk.recording.c_str());
+  showControls(ui_state, state);
+  showNetwork(ticks, ui_state, state.picture_off_ms);
+  if (!ui_state.recording.empty()) ImGui::TextWrapped("%s", ui_state.recording.c_str());
   if (!state.note.empty()) ImGui::TextWrapped("%s", state.note.c_str());
   ImGui::PopStyleVar(2);
   ImGui::End();

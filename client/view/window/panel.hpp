@@ -24,11 +24,11 @@ struct PanelState {
 };
 
 /// A key that changes what the user asks for; whether it was one. Keys: helpText().
-bool pressKey(int sdl_key, Desk& desk, PanelState& state);
+bool pressKey(int sdl_key, UiState& ui_state, PanelState& state);
 
 /// The panel, from `corner` on and `size` large; its controls change `desk.user`.
 void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
-               const ForceHistory& history, Desk& desk, PanelState& state);
+               const ForceHistory& history, UiState& ui_state, PanelState& state);
 
 /// The list of keys, in the middle of the part of the window of this size.
 void showHelp(const ImVec2& room, bool& open);

@@ -112,7 +112,7 @@ void drawTouch(ImDrawList& list, const Aside& aside, const TickReport& report) {
 
 }  // namespace
 
-void WindowRelief::takeFrame(const FeltFrame& frame) {
+void WindowRelief::takeFrame(const PlayableReliefs& frame) {
   const std::lock_guard lock(mutex_);
   // An older one than the newest belongs to a server that has started anew.
   if (!frames_.empty() && frame.media_time < frames_.back().media_time) frames_.clear();
@@ -124,7 +124,7 @@ void WindowRelief::follow(MediaTime play_time, const Workspace& workspace) {
   const auto off = [play_time](MediaTime time) { return std::abs((time - play_time).count()); };
   const std::lock_guard lock(mutex_);
   const auto nearest = std::min_element(frames_.begin(), frames_.end(),
-                                        [&off](const FeltFrame& a, const FeltFrame& b) {
+                                        [&off](const PlayableReliefs& a, const PlayableReliefs& b) {
                                           return off(a.media_time) < off(b.media_time);
                                         });
   if (nearest == frames_.end()) return;

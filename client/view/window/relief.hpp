@@ -25,7 +25,7 @@ class WindowRelief {
   static constexpr std::size_t kMostFrames = 32;
 
   /// Remembers the frame without keeping its reliefs.
-  void takeFrame(const FeltFrame& frame);
+  void takeFrame(const PlayableReliefs& frame);
   /// Takes the frame that is felt at this time; while time stands, it stays.
   void follow(MediaTime play_time, const Workspace& workspace);
   /// Seen from another side: px that it was dragged by.
@@ -42,7 +42,7 @@ class WindowRelief {
   const ReliefMesh& mesh(const ScenePlace& place);
 
   std::mutex mutex_;
-  std::deque<FeltFrame> frames_;  // guarded by mutex_
+  std::deque<PlayableReliefs> frames_;  // guarded by mutex_
   std::optional<MediaTime> shown_;
   Reliefs reliefs_;  // of that frame
   Workspace workspace_;

@@ -49,18 +49,18 @@ void TickWatch::add(const TickReport& report) {
 std::string TickWatch::chain() const {
   std::string words;
   for (std::size_t i = 0; i < acted_.size(); ++i) {
-    const char* const what = inWords(static_cast<Interference>(i));
+    const char* const what = toText(static_cast<SafetyAction>(i));
     if (*what == '\0' || !ever_[i] || last_.time - acted_[i] > kSecond) continue;
     words.append(words.empty() ? "" : "; ").append(what);
   }
   return words.empty() ? "nothing to do" : words;
 }
 
-std::string statusLine(const TickReport& report, const Desk& desk) {
+std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (report.halt != Halt::kNone) return haltLine(report);
-  if (!desk.stream.connected) return "no server yet: waiting for one";
+  if (!ui_state.stream.connected) return "no server yet: waiting for one";
   if (!report.enabled) return "the device's button is not held: no force";
-  const std::string paused = desk.user.paused ? "paused; " : "";
+  const std::string paused = ui_state.user.paused ? "paused; " : "";
   if (report.lookup == Lookup::kFaded) return paused + "no fresh frames: the force has faded";
   if (report.lookup == Lookup::kNone) return paused + "waiting for the first frames";
   if (report.contact) return fmt::format("{}in contact, {:.1f} N", paused, report.force_N.norm());

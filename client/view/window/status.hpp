@@ -41,6 +41,6 @@ class TickWatch {
 };
 
 /// A plain line: "in contact, 1.2 N", or why there is no force.
-[[nodiscard]] std::string statusLine(const TickReport& report, const Desk& desk);
+[[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
 }  // namespace hapticast::client

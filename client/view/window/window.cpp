@@ -111,7 +111,7 @@ void ViewerWindow::finish() {
   if (displayIsLost()) throw std::runtime_error("the window is gone: its display took it away");
 }
 
-void ViewerWindow::draw(Desk& desk) {
+void ViewerWindow::draw(UiState& ui_state) {
   const ImGuiIO& io = ImGui::GetIO();
   int width = 0;
   int height = 0;
@@ -122,8 +122,8 @@ void ViewerWindow::draw(Desk& desk) {
   ImGui_ImplSDL2_NewFrame();
   ImGui::NewFrame();
   const float panel = panelWidth(io.DisplaySize);
-  showScene(desk);
-  showPanel({io.DisplaySize.x - panel, 0.0F}, {panel, io.DisplaySize.y}, ticks_, history_, desk,
+  showScene(ui_state);
+  showPanel({io.DisplaySize.x - panel, 0.0F}, {panel, io.DisplaySize.y}, ticks_, history_, ui_state,
             state_);
   showHelp({io.DisplaySize.x - panel, io.DisplaySize.y}, state_.help);
   ImGui::Render();
@@ -168,7 +168,7 @@ void ViewerWindow::show(std::shared_ptr<const StreamPicture> picture_of_stream) 
   SDL_UpdateTexture(texture_.get(), nullptr, picture.data, static_cast<int>(picture.step));
 }
 
-void ViewerWindow::showScene(Desk& desk) {
+void ViewerWindow::showScene(UiState& ui_state) {
   const ImVec2& window = ImGui::GetIO().DisplaySize;
   const float head = 1.8F * ImGui::GetFontSize();
   place_ = ScenePlace(workspace_, {0.0F, head},
@@ -184,9 +184,9 @@ void ViewerWindow::showScene(Desk& desk) {
   if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(list, place_);
   if (state_.outline) relief_.drawOutline(list, place_);
   list.PopClipRect();
-  drawScene(list, place_, ticks_.last(), desk.pointer);
+  drawScene(list, place_, ticks_.last(), ui_state.pointer);
   if (state_.relief == ReliefLook::kInSpace) relief_.drawInSpace(list, place_, ticks_.last());
-  const std::string status = statusLine(ticks_.last(), desk);
+  const std::string status = statusLine(ticks_.last(), ui_state);
   list.AddText({0.5F * ImGui::GetFontSize(), 0.4F * ImGui::GetFontSize()},
                IM_COL32(235, 235, 235, 255), status.c_str());
 }
@@ -202,7 +202,7 @@ cv::Mat ViewerWindow::pixels() const {
 
 void ViewerWindow::savePicture() {
   save_ = false;
-  const std::string file = freshFile(".png");
+  const std::string file = nextFreeFilename(".png");
   bool written = false;
   try {
     written = cv::imwrite(file, pixels());

@@ -29,33 +29,33 @@ class ViewerWindow final : public View {
   ~ViewerWindow() override;
 
   void takePicture(VideoFrame picture, const Workspace& workspace) override;
-  void takeFrame(const FeltFrame& frame) override { relief_.takeFrame(frame); }
+  void takeFrame(const PlayableReliefs& frame) override { relief_.takeFrame(frame); }
   void takeReport(const TickReport& report) override;
   /// Hears what the user does; draws when it is time to. False when the window was closed.
-  [[nodiscard]] bool turn(Desk& desk) override;
+  [[nodiscard]] bool turn(UiState& ui_state) override;
   /// Throws where the display took it away.
   void finish() override;
   [[nodiscard]] bool points() const override { return true; }
   [[nodiscard]] const Histogram* eyeHand() const override { return &eye_hand_ns_; }
 
   /// Draws now, whatever time it is.
-  void draw(Desk& desk);
+  void draw(UiState& ui_state);
   /// What was drawn last, CV_8UC3.
   [[nodiscard]] cv::Mat pixels() const;
   /// Where the picture was drawn last.
   [[nodiscard]] const ScenePlace& place() const { return place_; }
 
  private:
-  void hear(const SDL_Event& event, Desk& desk);
-  void point(const SDL_MouseMotionEvent& motion, Desk& desk);
-  void press(double by_mm, Desk& desk) const;
+  void hear(const SDL_Event& event, UiState& ui_state);
+  void point(const SDL_MouseMotionEvent& motion, UiState& ui_state);
+  void press(double by_mm, UiState& ui_state) const;
   enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
   void drag(Drag what);
   /// Whether a drag there turns the relief, and does not move the tip.
   [[nodiscard]] bool turnsRelief(const ImVec2& point) const;
   void showPicture();
   void show(std::shared_ptr<const StreamPicture> picture_of_stream);
-  void showScene(Desk& desk);
+  void showScene(UiState& ui_state);
   void savePicture();
 
   struct Gui;  // SDL, ImGui and what they own, in the order of their ends

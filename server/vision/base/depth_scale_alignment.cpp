@@ -32,14 +32,14 @@ constexpr int kRounds = 5;            // of reweighting; measured: it rests by t
 constexpr double kNearlyNone = 0.05;  // of 1/z: what would lie behind the farthest
 constexpr double kTukey = 4.685;      // Beaton and Tukey 1974
 
-DepthHop through(const auto& a, const auto& b) {
+ScaleShift through(const auto& a, const auto& b) {
   const double along = b.now - a.now;
   if (std::abs(along) < 1e-9) return {};
   const double scale = (b.before - a.before) / along;
   return {scale, a.before - scale * a.now};
 }
 
-double medianOff(const auto& pairs, std::size_t step, const DepthHop& hop) {
+double medianOff(const auto& pairs, std::size_t step, const ScaleShift& hop) {
   std::vector<double> offs;
   offs.reserve(pairs.size() / step + 1);
   for (std::size_t i = 0; i < pairs.size(); i += step)
@@ -48,7 +48,7 @@ double medianOff(const auto& pairs, std::size_t step, const DepthHop& hop) {
 }
 
 // Weighted least squares; what is far off counts nothing.
-DepthHop refined(const auto& pairs, DepthHop hop) {
+ScaleShift refined(const auto& pairs, ScaleShift hop) {
   for (int round = 0; round < kRounds; ++round) {
     const double limit = kTukey * 1.48 * medianOff(pairs, 1, hop) + 1e-9;
     double w = 0, x = 0, y = 0, xx = 0, xy = 0;
@@ -72,13 +72,13 @@ DepthHop refined(const auto& pairs, DepthHop hop) {
 }
 
 // The hop that most agree on (least median of squares, Rousseeuw 1984), then refined.
-DepthHop hopOf(const auto& pairs) {
+ScaleShift hopOf(const auto& pairs) {
   const std::size_t step = pairs.size() / kJudges + 1;
-  DepthHop best;
+  ScaleShift best;
   double least = medianOff(pairs, step, best);
   std::minstd_rand random(1);
   for (int i = 0; i < kTries; ++i) {
-    const DepthHop hop = through(pairs[random() % pairs.size()], pairs[random() % pairs.size()]);
+    const ScaleShift hop = through(pairs[random() % pairs.size()], pairs[random() % pairs.size()]);
     if (!(hop.scale > 0.5 && hop.scale < 2.0)) continue;
     const double off = medianOff(pairs, step, hop);
     if (off >= least) continue;
@@ -118,9 +118,9 @@ float gainOf(const cv::Mat& now, const cv::Mat& before) {
 }  // namespace
 
 // Places of the background that look as they did: their depth now and as it was.
-std::vector<DepthFlicker::Pair> DepthFlicker::restingPairs(const cv::Mat& depth,
-                                                           const cv::Mat& gray,
-                                                           const cv::Mat& objects) {
+std::vector<DepthScaleAlignment::Pair> DepthScaleAlignment::restingPairs(const cv::Mat& depth,
+                                                                         const cv::Mat& gray,
+                                                                         const cv::Mat& objects) {
   const float gain = gainOf(gray, gray_);
   std::vector<Pair> pairs;
   pairs.reserve(depth.total());
@@ -146,7 +146,7 @@ std::vector<DepthFlicker::Pair> DepthFlicker::restingPairs(const cv::Mat& depth,
 }
 
 // Whether the source hops: all that rests to and fro, or far at once.
-void DepthFlicker::judge(const std::vector<Pair>& pairs, const DepthHop& hop) {
+void DepthScaleAlignment::judge(const std::vector<Pair>& pairs, const ScaleShift& hop) {
   std::vector<double> values;
   values.reserve(pairs.size());
   for (const Pair& pair : pairs) values.push_back(pair.now);
@@ -160,7 +160,8 @@ void DepthFlicker::judge(const std::vector<Pair>& pairs, const DepthHop& hop) {
 }
 
 // What rests is averaged, what has changed begins anew.
-void DepthFlicker::remember(const cv::Mat& depth, const cv::Mat& gray, const DepthHop& hop) {
+void DepthScaleAlignment::remember(const cv::Mat& depth, const cv::Mat& gray,
+                                   const ScaleShift& hop) {
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       if (depth.at<float>(v, u) <= 0) continue;
@@ -176,7 +177,8 @@ void DepthFlicker::remember(const cv::Mat& depth, const cv::Mat& gray, const Dep
   }
 }
 
-cv::Mat DepthFlicker::steady(const cv::Mat& depth, const cv::Mat& gray, const cv::Mat& objects) {
+cv::Mat DepthScaleAlignment::steady(const cv::Mat& depth, const cv::Mat& gray,
+                                    const cv::Mat& objects) {
   ++frame_;
   if (!shown_ && frame_ > kFirstLook && frame_ % kLookEvery != 0) return depth;
   const cv::Mat small_depth = sparse(depth);
@@ -189,7 +191,7 @@ cv::Mat DepthFlicker::steady(const cv::Mat& depth, const cv::Mat& gray, const cv
   }
   const cv::Mat around = objects.empty() ? cv::Mat() : sparse(dilatedBy(objects, kAsWide_px));
   const std::vector<Pair> pairs = restingPairs(small_depth, small_gray, around);
-  DepthHop hop;
+  ScaleShift hop;
   if (camera_rests_ && pairs.size() >= kFewestPairs) {
     hop = hopOf(pairs);
     judge(pairs, hop);

@@ -12,15 +12,15 @@ namespace hapticast::server {
 
 /// The scale and shift that carry a frame's depth back to what it was: in 1/z of metric depth, in
 /// working depth of 8-bit levels.
-struct DepthHop {
+struct ScaleShift {
   double scale = 1.0;
   double shift = 0.0;
   [[nodiscard]] bool none() const { return scale == 1.0 && shift == 0.0; }
 };
 
-class DepthFlicker {
+class DepthScaleAlignment {
  public:
-  explicit DepthFlicker(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
+  explicit DepthScaleAlignment(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
 
   /// Working depth as it would be if its scale and shift had stayed; `depth` itself unless the
   /// source has shown that it hops, or while the camera moves. `gray`: CV_8UC1. `objects`: 0 / 255,
@@ -35,8 +35,8 @@ class DepthFlicker {
   };
   [[nodiscard]] std::vector<Pair> restingPairs(const cv::Mat& depth, const cv::Mat& gray,
                                                const cv::Mat& objects);
-  void judge(const std::vector<Pair>& pairs, const DepthHop& hop);
-  void remember(const cv::Mat& depth, const cv::Mat& gray, const DepthHop& hop);
+  void judge(const std::vector<Pair>& pairs, const ScaleShift& hop);
+  void remember(const cv::Mat& depth, const cv::Mat& gray, const ScaleShift& hop);
   [[nodiscard]] double valueOf(float depth_mm) const {
     return inverse_ ? 1e3 / double(depth_mm) : double(depth_mm);
   }

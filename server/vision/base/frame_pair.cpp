@@ -18,7 +18,7 @@ FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s, const cv::Ma
   pair_.cut = cuts_.next(raw);
   if (pair_.cut) {
     pair_.last = {};
-    flicker_ = DepthFlicker(info_.depth_kind);
+    flicker_ = DepthScaleAlignment(info_.depth_kind);
   }
   if (first || pair_.cut) {
     pair_.noise = measureNoise(raw.depth);

@@ -43,7 +43,7 @@ class FramePairs {
   SourceInfo info_;
   bool compare_;
   SceneCuts cuts_;
-  DepthFlicker flicker_;
+  DepthScaleAlignment flicker_;
   FrameImages raw_;  // the last frame as the source gave it
   FramePair pair_;
   double time_s_ = 0.0;

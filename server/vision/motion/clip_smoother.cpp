@@ -210,7 +210,7 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
     const std::vector<State> states = smoothed(series, intervals);
     for (std::size_t i = 0; i < states.size(); ++i) take(out[i], states[i]);
   };
-  const bool pans = !steadied(samples).empty();
+  const bool pans = !panCompensated(samples).empty();
   for (int axis = 0; axis < 3; ++axis) {
     const auto value = [axis](const Sample& s) { return s.position_mm[axis]; };
     each(seriesOf(samples, axis == 2, value), [&](Motion& motion, const State& x) {
@@ -219,7 +219,7 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
       motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
     });
     if (!pans || axis == 2) continue;
-    each(seriesOf(samples, false, [axis](const Sample& s) { return s.steady_mm()[axis]; }),
+    each(seriesOf(samples, false, [axis](const Sample& s) { return s.panCompensated_mm()[axis]; }),
          [&](Motion& motion, const State& x) {
            motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
          });

@@ -140,7 +140,7 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
 }
 
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
-                      const Surface& now, const Explained& explained) {
+                      const Surface& now, const PredictedMotion& explained) {
   CellFlow out = cellsOver(now.box);
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
   const cv::Rect area = grown(before.box | now.box, kWindowMargin_px, last_gray.size());

@@ -32,12 +32,12 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
                   const Surface& before, const Surface& now, MotionMode mode);
 
 /// Where a point of the surface went by the rigid motion: px, px (centres at whole numbers) and mm.
-using Explained = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
+using PredictedMotion = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
 
 /// What `explained` leaves over, px, px and mm of working depth per frame; 0 where nothing was
 /// measured.
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
-                      const Surface& now, const Explained& explained);
+                      const Surface& now, const PredictedMotion& explained);
 
 /// The grid of frame `at` from the flows of the frames around it (those of other sizes are matched
 /// by position in the box): velocity is the mean of the steps into and out of the frame,

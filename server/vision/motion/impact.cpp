@@ -31,7 +31,8 @@ struct Parabola {  // of the time since some instant
 // Through three samples: Newton's divided differences.
 Parabola through(const Sample* s, double from_s) {
   const std::array<double, 3> t{s[0].time_s - from_s, s[1].time_s - from_s, s[2].time_s - from_s};
-  const std::array<Vec3, 3> p{s[0].steady_mm(), s[1].steady_mm(), s[2].steady_mm()};
+  const std::array<Vec3, 3> p{s[0].panCompensated_mm(), s[1].panCompensated_mm(),
+                              s[2].panCompensated_mm()};
   const Vec3 first = (p[1] - p[0]) / (t[1] - t[0]);
   const Vec3 second = ((p[2] - p[1]) / (t[2] - t[1]) - first) / (t[2] - t[0]);
   return {p[0] - first * t[0] + second * (t[0] * t[1]), first - second * (t[0] + t[1]), second};

@@ -152,7 +152,7 @@ RigidStep RigidTemplate::align(const FrameImages& images, const Vector3d& pivot_
   const DepthRange depths{depth_.near_mm + std::min(0.0, guess.shift_mm.z()),
                           depth_.far_mm + std::max(0.0, guess.shift_mm.z())};
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
-    const RigidCrop crop = cropOf(images, area, level->factor, depths);
+    const RigidRoi crop = cropOf(images, area, level->factor, depths);
     if (crop.texels.empty() || level->points.size() < kFewestPoints / 2) continue;
     RigidFit fit(camera_, crop, level->points, pivot_mm, expected_turn_rad);
     if (!fit.improve(now)) return guess;

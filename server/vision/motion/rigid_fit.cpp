@@ -58,7 +58,7 @@ struct RigidFit::Normal {
   }
 };
 
-RigidFit::RigidFit(const CameraModel& camera, const RigidCrop& crop,
+RigidFit::RigidFit(const CameraModel& camera, const RigidRoi& crop,
                    const std::vector<RigidPoint>& points, const Vector3d& pivot_mm,
                    const Vector3d& expected_turn_rad)
     : camera_(camera),

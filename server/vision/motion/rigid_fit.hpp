@@ -34,7 +34,7 @@ struct RigidPoint {
 class RigidFit {
  public:
   /// All must outlive it. `expected_turn_rad`: where nothing shows a rotation it is this one.
-  RigidFit(const CameraModel& camera, const RigidCrop& crop, const std::vector<RigidPoint>& points,
+  RigidFit(const CameraModel& camera, const RigidRoi& crop, const std::vector<RigidPoint>& points,
            const Eigen::Vector3d& pivot_mm, const Eigen::Vector3d& expected_turn_rad);
   /// Improves `step` until it rests, at most eight times, and sets its share of inliers. False: no
   /// solution, `step` is of no use.
@@ -57,7 +57,7 @@ class RigidFit {
                 double depth_sigma, Normal& normal) const;
 
   const CameraModel& camera_;
-  const RigidCrop& crop_;
+  const RigidRoi& crop_;
   const std::vector<RigidPoint>& points_;
   Eigen::Vector3d pivot_mm_;
   Eigen::Vector3d expected_turn_rad_;

@@ -40,9 +40,9 @@ cv::Mat smoothedGray(const cv::Mat& gray, int factor) {
   return out;
 }
 
-RigidCrop cropOf(const FrameImages& images, const cv::Rect& area, int factor,
-                 const DepthRange& depths) {
-  RigidCrop out;
+RigidRoi cropOf(const FrameImages& images, const cv::Rect& area, int factor,
+                const DepthRange& depths) {
+  RigidRoi out;
   out.origin = area.tl();
   out.factor = factor;
   const cv::Rect whole(area.x, area.y, area.width / factor * factor, area.height / factor * factor);
@@ -77,7 +77,7 @@ RigidCrop cropOf(const FrameImages& images, const cv::Rect& area, int factor,
   return out;
 }
 
-bool RigidCrop::sample(const Eigen::Vector2d& at, Texel& out) const {
+bool RigidRoi::sample(const Eigen::Vector2d& at, Texel& out) const {
   const double u = std::floor(at.x());
   const double v = std::floor(at.y());
   if (!(u >= 0 && v >= 0 && u + 1 < columns && v + 1 < rows)) return false;

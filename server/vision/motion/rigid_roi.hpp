@@ -19,7 +19,7 @@ struct Texel {
 };
 
 /// Part of a picture on one level: its pixel (0, 0) covers factor x factor pixels from `origin`.
-struct RigidCrop {
+struct RigidRoi {
   cv::Point origin;
   int factor = 1;
   int columns = 0, rows = 0;
@@ -36,8 +36,8 @@ struct RigidCrop {
 
 /// `area` is cut to whole level pixels. Depths further than 80 mm from `depths` are not the
 /// object's and count as not known.
-RigidCrop cropOf(const FrameImages& images, const cv::Rect& area, int factor,
-                 const DepthRange& depths);
+RigidRoi cropOf(const FrameImages& images, const cv::Rect& area, int factor,
+                const DepthRange& depths);
 
 /// `image` in 1/factor of its size each way; the size a multiple of `factor`.
 cv::Mat shrunk(const cv::Mat& image, int factor);

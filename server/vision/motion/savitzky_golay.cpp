@@ -104,14 +104,14 @@ int lookaheadFrames(double fps) {
   return std::clamp(static_cast<int>(std::lround(kLookahead_s * fps)), 3, 20);
 }
 
-std::vector<Sample> steadied(const std::vector<Sample>& samples) {
+std::vector<Sample> panCompensated(const std::vector<Sample>& samples) {
   const auto moved = [&](const Sample& s) {
     return s.background_mm != samples.front().background_mm;
   };
   if (std::none_of(samples.begin(), samples.end(), moved)) return {};
   std::vector<Sample> out = samples;
   for (Sample& sample : out) {
-    sample.position_mm = sample.steady_mm();
+    sample.position_mm = sample.panCompensated_mm();
     sample.background_mm.setZero();
   }
   return out;
@@ -151,7 +151,7 @@ Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookah
   }
   out.angle_rad = coefficient(best.axes[3], 0);
   out.angular_velocity_rad_s = coefficient(best.axes[3], 1) / h_s;
-  if (const std::vector<Sample> steady = steadied(samples); !steady.empty())
+  if (const std::vector<Sample> steady = panCompensated(samples); !steady.empty())
     out.acceleration_mm_s2 = motionFrom(steady, at, lookahead).acceleration_mm_s2;
   return out;
 }

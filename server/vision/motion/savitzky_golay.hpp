@@ -23,11 +23,11 @@ struct Sample {
   Vec3 background_mm = Vec3::Zero();
 
   /// Where it would be seen by a camera that does not pan.
-  [[nodiscard]] Vec3 steady_mm() const { return position_mm - background_mm; }
+  [[nodiscard]] Vec3 panCompensated_mm() const { return position_mm - background_mm; }
 };
 
 /// The samples as a camera that does not pan would have seen them; empty where it did not.
-std::vector<Sample> steadied(const std::vector<Sample>& samples);
+std::vector<Sample> panCompensated(const std::vector<Sample>& samples);
 
 /// Frames of lookahead: a window constant in time (7 frames at 25-30 fps, 11 at 60).
 int lookaheadFrames(double fps);

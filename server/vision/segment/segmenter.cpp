@@ -74,21 +74,21 @@ class SourceSegmenter final : public Segmenter {
 }  // namespace
 
 std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
-                                         std::uint32_t& next_id, ClipLessons* lessons) {
+                                         std::uint32_t& next_id, ClipAnnotations* annotations) {
   switch (settings.segment) {
     case SegmentMode::kSource:
       return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
     case SegmentMode::kEdges:
       return makeEdgeSegmenter(settings, next_id);
     case SegmentMode::kBand:
-      return std::make_unique<BandSegmenter>(settings, next_id, lessons);
+      return std::make_unique<NarrowBandTracker>(settings, next_id, annotations);
     case SegmentMode::kAuto:
       break;
   }
   if (has_mask)
     return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
   if (settings.method == Method::kThesis) return makeEdgeSegmenter(settings, next_id);
-  return std::make_unique<BandSegmenter>(settings, next_id, lessons);
+  return std::make_unique<NarrowBandTracker>(settings, next_id, annotations);
 }
 
 void throwNothingAt(const Vec2& point_px, const std::string& why) {

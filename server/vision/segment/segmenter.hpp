@@ -32,7 +32,7 @@ class Segmenter {
   virtual std::vector<Segment> next(const FramePair& frames, const Flows& flows) = 0;
   /// Whether the author's word changes something in this frame, so that it is to be looked at even
   /// where everything rests. Before next().
-  [[nodiscard]] virtual bool hasWord(const FramePair& /*frames*/) const { return false; }
+  [[nodiscard]] virtual bool hasAnnotation(const FramePair& /*frames*/) const { return false; }
 };
 
 /// Below this many pixels an object is lost; chosen, in a usual picture 1.5 mm across.
@@ -41,7 +41,8 @@ inline constexpr int kSmallestObject_px = 40;
 /// Which segmenter `settings` ask for, given whether the source brings masks. `next_id` is counted
 /// up; it and `lessons` (of a recorded clip, else null) must outlive the segmenter.
 std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
-                                         std::uint32_t& next_id, ClipLessons* lessons = nullptr);
+                                         std::uint32_t& next_id,
+                                         ClipAnnotations* annotations = nullptr);
 std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
                                              std::uint32_t& next_id);
 

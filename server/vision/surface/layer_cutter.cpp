@@ -46,7 +46,7 @@ cv::Mat named(const Layers& now, const cv::Mat& before) {
 }
 
 // Crumbs of a name go to their neighbours.
-cv::Mat withoutCrumbs(const Surface& surface, const cv::Mat& names) {
+cv::Mat withoutSmallComponents(const Surface& surface, const cv::Mat& names) {
   cv::Mat seeds = cv::Mat::zeros(names.size(), CV_8UC1);
   for (int name = 1; name <= kMaxLayers; ++name) {
     cv::Mat pieces;
@@ -100,7 +100,7 @@ cv::Mat LayerCutter::settled(const Surface& surface, const cv::Mat& now, const c
   now.copyTo(names, changes);
   doubts.setTo(0, changes);
   doubts_ = doubts;
-  return withoutCrumbs(surface, names);
+  return withoutSmallComponents(surface, names);
 }
 
 cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm, const DepthRange& felt) {

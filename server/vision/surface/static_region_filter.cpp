@@ -35,16 +35,16 @@ cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, 
 
 }  // namespace
 
-RestNoise restNoiseOf(const DepthNoise& noise, const Surface& surface) {
+StaticNoise restNoiseOf(const DepthNoise& noise, const Surface& surface) {
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
-  RestNoise out{noise.at(depth_mm)};
+  StaticNoise out{noise.at(depth_mm)};
   // What is left of a flicker trembles like a sensor, however clean a single frame is.
   out.clean = noise.clean(depth_mm) && !noise.flickers;
   if (out.clean) out.drift_mm = kCleanDrift * noise.quantum_mm;
   return out;
 }
 
-void Hold::moveTo(const cv::Rect& area) {
+void StaticRegionFilter::moveTo(const cv::Rect& area) {
   if (area == area_) return;
   held_.gray = movedTo(held_.gray, area_, area, CV_32FC1);
   held_.depth = movedTo(held_.depth, area_, area, CV_32FC1);
@@ -55,7 +55,7 @@ void Hold::moveTo(const cv::Rect& area) {
   area_ = area;
 }
 
-HoldImages Hold::imagesIn(const cv::Mat& gray, const Surface& now) const {
+HoldImages StaticRegionFilter::imagesIn(const cv::Mat& gray, const Surface& now) const {
   HoldImages out;
   cv::boxFilter(gray(area_), out.gray, CV_32F, {3, 3});
   out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
@@ -64,7 +64,7 @@ HoldImages Hold::imagesIn(const cv::Mat& gray, const Surface& now) const {
   return out;
 }
 
-void Hold::countPixels() {
+void StaticRegionFilter::countPixels() {
   pixels_.clear();
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column)
@@ -73,7 +73,7 @@ void Hold::countPixels() {
 }
 
 // Tiles without the object go with the ones beside them: what moves behind it is not its motion.
-double Hold::weightAround(int column, int row) const {
+double StaticRegionFilter::weightAround(int column, int row) const {
   double weight = 0.0;
   for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
     for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u) {
@@ -84,7 +84,7 @@ double Hold::weightAround(int column, int row) const {
 }
 
 // How much of this frame enters each pixel: per tile, with soft borders between the tiles.
-cv::Mat Hold::weights() const {
+cv::Mat StaticRegionFilter::weights() const {
   cv::Mat out(area_.size(), CV_32FC1);
   double lowest = 1.0;
   double highest = 0.0;
@@ -101,7 +101,7 @@ cv::Mat Hold::weights() const {
   return out;
 }
 
-void Hold::keepReference(const HoldImages& now) {
+void StaticRegionFilter::keepReference(const HoldImages& now) {
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
       const int frames = tiles_.tileAt(column, row).frames;
@@ -114,7 +114,7 @@ void Hold::keepReference(const HoldImages& now) {
   last_gray_ = now.gray;
 }
 
-void Hold::blend(const HoldImages& now) {
+void StaticRegionFilter::blend(const HoldImages& now) {
   const auto takesPart = [&](int column, int row) {
     const Tile& tile = tiles_.tileAt(column, row);
     return !tile.mask_held || tile.weight > 0.0;
@@ -138,8 +138,8 @@ void Hold::blend(const HoldImages& now) {
   }
 }
 
-void Hold::blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight,
-                     const HoldImages& now) {
+void StaticRegionFilter::blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight,
+                                   const HoldImages& now) {
   for (int v = rect.y; v < rect.br().y; ++v) {
     const auto* w = weight.ptr<float>(v);
     const auto* new_inside = now.mask.ptr<uchar>(v);
@@ -163,7 +163,7 @@ void Hold::blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight
   }
 }
 
-void Hold::countShare() {
+void StaticRegionFilter::countShare() {
   countPixels();
   int still = 0;
   int all = 0;
@@ -178,14 +178,14 @@ void Hold::countShare() {
   share_ = all > 0 ? double(still) / all : 0.0;
 }
 
-Surface Hold::surface(double quantum_mm) const {
+Surface StaticRegionFilter::surface(double quantum_mm) const {
   const cv::Rect tight = cv::boundingRect(held_.mask);
   return {tight + area_.tl(), held_.mask(tight).clone(), held_.depth(tight).clone(),
           held_.measured(tight) & held_.mask(tight), quantum_mm};
 }
 
-Surface Hold::apply(const cv::Mat& gray, const Surface& now, const RestNoise& noise,
-                    bool repeated) {
+Surface StaticRegionFilter::apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise,
+                                  bool repeated) {
   cv::Rect box = now.box;
   if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
   moveTo(tilesAround(box, gray.size()));
@@ -199,14 +199,14 @@ Surface Hold::apply(const cv::Mat& gray, const Surface& now, const RestNoise& no
   return surface(now.quantum_mm);
 }
 
-Hold Hold::copy() const {
-  Hold out = *this;
+StaticRegionFilter StaticRegionFilter::copy() const {
+  StaticRegionFilter out = *this;
   out.held_ = {held_.gray.clone(), held_.depth.clone(), held_.mask.clone(), held_.measured.clone()};
   out.last_gray_ = last_gray_.clone();
   return out;
 }
 
-bool Hold::stays(const FrameImages& images, const RestNoise& noise) {
+bool StaticRegionFilter::stays(const FrameImages& images, const StaticNoise& noise) {
   if (share_ < 1.0) return false;
   // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
   // released and looked at in full.
@@ -217,7 +217,7 @@ bool Hold::stays(const FrameImages& images, const RestNoise& noise) {
   now.depth = images.depth(now.box).clone();
   now.measured = held_.measured(tight) & (now.depth > 0);
   held_.depth(tight).copyTo(now.depth, now.measured == 0);
-  Hold next = copy();
+  StaticRegionFilter next = copy();
   (void)next.apply(images.gray, now, noise, false);
   if (next.share_ < 1.0) return false;
   *this = next;

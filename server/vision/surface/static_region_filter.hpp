@@ -14,18 +14,18 @@
 namespace hapticast::server {
 
 /// What the depth of `surface` reads while it is at rest.
-RestNoise restNoiseOf(const DepthNoise& noise, const Surface& surface);
+StaticNoise restNoiseOf(const DepthNoise& noise, const Surface& surface);
 
-class Hold {
+class StaticRegionFilter {
  public:
   /// The surface of the next frame as it is to be felt: averaged over the first 16 frames and then
   /// kept, depth and mask, in tiles at rest; `now` elsewhere. `gray`: the whole picture, CV_8UC1.
   /// `repeated`: this depth is no new observation. Reads the object's box only.
-  Surface apply(const cv::Mat& gray, const Surface& now, const RestNoise& noise, bool repeated);
+  Surface apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise, bool repeated);
 
   /// Whether a frame shows the object as it is held, all of it at rest: then the frame is counted
   /// as apply() would have. Else nothing is changed.
-  bool stays(const FrameImages& images, const RestNoise& noise);
+  bool stays(const FrameImages& images, const StaticNoise& noise);
 
   /// The part of the object, 0..1, that lies in tiles at rest, unchanged by this frame. 1: the
   /// surface equals the last frame's bit by bit.
@@ -34,7 +34,7 @@ class Hold {
   [[nodiscard]] Cause cause() const { return tiles_.cause(); }
 
  private:
-  [[nodiscard]] Hold copy() const;
+  [[nodiscard]] StaticRegionFilter copy() const;
   void moveTo(const cv::Rect& area);
   [[nodiscard]] HoldImages imagesIn(const cv::Mat& gray, const Surface& now) const;
   void countPixels();
@@ -53,7 +53,7 @@ class Hold {
   cv::Rect area_;    // px, corners on tiles
   HoldImages held_;  // over area_; gray: the reference. Nobody else has these images
   cv::Mat last_gray_;
-  HoldTiles tiles_;
+  StaticTiles tiles_;
   std::vector<int> pixels_;  // of the object, per tile
   double share_ = 0.0;
 };

@@ -41,7 +41,7 @@ double evidenceOf(double off_mm, double limit_mm) {
 }  // namespace
 
 // What one tile shows in this frame.
-struct HoldTiles::Reading {
+struct StaticTiles::Reading {
   bool known = false;        // it was there in the frame before
   int pixels = 0;            // of the held object
   int flipped = 0;           // of which the new mask thinks otherwise
@@ -55,13 +55,13 @@ struct HoldTiles::Reading {
   double depth_off_mm = 0;  // over core_measured, but for the farthest off
 };
 
-cv::Rect HoldTiles::rectOf(int column, int row) const {
+cv::Rect StaticTiles::rectOf(int column, int row) const {
   const cv::Rect tile(column * Tile::kSize_px, row * Tile::kSize_px, Tile::kSize_px,
                       Tile::kSize_px);
   return tile & cv::Rect(cv::Point(), box_.size());
 }
 
-void HoldTiles::moveTo(const cv::Rect& box) {
+void StaticTiles::moveTo(const cv::Rect& box) {
   if (box == box_) return;
   const int columns = (box.width + Tile::kSize_px - 1) / Tile::kSize_px;
   const int rows = (box.height + Tile::kSize_px - 1) / Tile::kSize_px;
@@ -83,7 +83,7 @@ void HoldTiles::moveTo(const cv::Rect& box) {
 }
 
 // Exposure and mains flicker change all tiles alike: the median of their gains is divided out.
-double HoldTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
+double StaticTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
   std::vector<double> gains;
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
@@ -103,9 +103,9 @@ double HoldTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
   return gains.size() < kFewestForGain ? 1.0 : std::clamp(medianOf(gains), 0.5, 2.0);
 }
 
-HoldTiles::Reading HoldTiles::readTile(int column, int row, const HoldImages& held,
-                                       const cv::Mat& last_gray, const HoldImages& now,
-                                       const cv::Mat& core) const {
+StaticTiles::Reading StaticTiles::readTile(int column, int row, const HoldImages& held,
+                                           const cv::Mat& last_gray, const HoldImages& now,
+                                           const cv::Mat& core) const {
   Reading out;
   out.known = tileAt(column, row).frames > 0;
   const cv::Rect rect = rectOf(column, row);
@@ -140,8 +140,8 @@ HoldTiles::Reading HoldTiles::readTile(int column, int row, const HoldImages& he
 }
 
 // The part of a reading that tells of the outline and of the depth.
-void HoldTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
-                            const cv::Mat& core, Reading& out) {
+void StaticTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
+                              const cv::Mat& core, Reading& out) {
   std::vector<float> offs;
   offs.reserve(static_cast<std::size_t>(rect.area()));
   for (int v = rect.y; v < rect.br().y; ++v) {
@@ -164,7 +164,7 @@ void HoldTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const 
   out.depth_off_mm = middleMean(offs);
 }
 
-void HoldTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm) {
+void StaticTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm) {
   std::vector<double> changes;
   std::vector<double> offs;
   for (const Reading& reading : readings) {
@@ -188,7 +188,7 @@ void HoldTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm
   depth_noise_mm_ = std::clamp(depth_noise_mm_, 0.02, largest_mm);
 }
 
-Cause HoldTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool repeated) const {
+Cause StaticTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool repeated) const {
   if (!reading.known) return Cause::kNew;
   // The mean over few pixels of a tile scatters more.
   const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, reading.compared)));
@@ -206,7 +206,7 @@ Cause HoldTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool
 }
 
 // The whole object drifts in depth: seen sooner and by less than in any one tile.
-bool HoldTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
+bool StaticTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
   if (repeated) return false;
   std::vector<double> offs;
   for (const Reading& reading : readings) {
@@ -218,7 +218,7 @@ bool HoldTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, 
   return evidence_of_all_ >= kEnoughOfAll;
 }
 
-void HoldTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
+void StaticTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
   for (Tile& tile : tiles_) {
     const bool averaging = tile.frames < Tile::kFrames && !repeated;
     tile.weight =
@@ -249,7 +249,7 @@ void HoldTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
 
 // Which tiles are no longer held, and how fast each goes over into what is seen: what moves at
 // once, what merely has another depth softly.
-void HoldTiles::release(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
+void StaticTiles::release(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
   const bool all = allMoved(readings, drift_mm, repeated);
   if (all) evidence_of_all_ = 0;
   std::array<int, 6> pixels{};
@@ -266,8 +266,8 @@ void HoldTiles::release(const std::vector<Reading>& readings, double drift_mm, b
   cause_ = *most > 0 ? static_cast<Cause>(most - pixels.begin()) : Cause::kNone;
 }
 
-cv::Mat HoldTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
-                         const RestNoise& noise, bool repeated) {
+cv::Mat StaticTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
+                           const StaticNoise& noise, bool repeated) {
   const cv::Mat gray = seen.gray / gainOf(held, seen);
   const HoldImages now{gray, seen.depth, seen.mask, seen.measured};
   const cv::Mat core = erodedBy(held.mask, kCore_px);

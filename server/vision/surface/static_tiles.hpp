@@ -43,14 +43,14 @@ struct Tile {
 };
 
 /// What depth reads of something at rest.
-struct RestNoise {
+struct StaticNoise {
   double sigma_mm = 0.0;  ///< of a pixel
   double drift_mm = 1.0;  ///< of a tile: sensors wander (1 mm is chosen); clean depth does not
   bool clean = false;     ///< nothing trembles
 };
 
 /// The tiles of one object and the noise they are judged by. Thread: vision's.
-class HoldTiles {
+class StaticTiles {
  public:
   /// Tiles over another box (px, corners on tiles); those of both boxes stay.
   void moveTo(const cv::Rect& box);
@@ -59,7 +59,7 @@ class HoldTiles {
   /// released, its weight and whether its mask is held, and counts the frame. Returns the grey of
   /// `now` with changes of exposure divided out.
   cv::Mat judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& now,
-                const RestNoise& noise, bool repeated);
+                const StaticNoise& noise, bool repeated);
 
   [[nodiscard]] const Tile& tileAt(int column, int row) const {
     return tiles_[static_cast<std::size_t>(row * columns_ + column)];

@@ -25,22 +25,22 @@ sockaddr_in resolve(const Endpoint& endpoint) {
   return address;
 }
 
-Way wayOf(Contestant who) {
+Transport wayOf(Contestant who) {
   switch (who) {
     case Contestant::kTcp:
-      return Way::kTcp;
+      return Transport::kTcp;
     case Contestant::kUdp:
-      return Way::kUdp;
+      return Transport::kUdp;
     case Contestant::kBareTcp:
-      return Way::kPlainTcp;
+      return Transport::kPlainTcp;
     case Contestant::kBareUdp:
-      return Way::kPlainUdp;
+      return Transport::kPlainUdp;
     case Contestant::kMosquitto:
-      return Way::kMqtt;
+      return Transport::kMqtt;
     case Contestant::kNats:
-      return Way::kNats;
+      return Transport::kNats;
   }
-  return Way::kTcp;
+  return Transport::kTcp;
 }
 
 ServerProcess::Serve serverOf(Contestant who, const Frames& frames, const Switch& playing) {
@@ -62,17 +62,17 @@ ServerProcess::Serve serverOf(Contestant who, const Frames& frames, const Switch
 }  // namespace
 
 Contender::Contender(Contestant who, const Frames& frames) : frames_(frames) {
-  const Way way = wayOf(who);
+  const Transport way = wayOf(who);
   processes_.push_back(std::make_unique<ServerProcess>(serverOf(who, frames_, playing_)));
   pid_ = processes_.front()->id();
   const std::uint16_t port = processes_.front()->port();
-  if (way == Way::kMqtt || way == Way::kNats) {
+  if (way == Transport::kMqtt || way == Transport::kNats) {
     processes_.push_back(std::make_unique<ServerProcess>(publisher(way, port, frames_, playing_)));
   }
   crowd_ = std::make_unique<Crowd>(resolve({"127.0.0.1", port}), frames_.viewers, way);
 }
 
-Contender::Contender(Way way, const Endpoint& server, std::optional<pid_t> pid,
+Contender::Contender(Transport way, const Endpoint& server, std::optional<pid_t> pid,
                      const Frames& frames)
     : frames_(frames),
       runs_already_(true),

@@ -30,7 +30,7 @@ class Contender {
   /// Starts the server.
   Contender(Contestant who, const Frames& frames);
   /// A server that runs already, and may be on this machine; it plays all the time.
-  Contender(Way way, const Endpoint& server, std::optional<pid_t> pid, const Frames& frames);
+  Contender(Transport way, const Endpoint& server, std::optional<pid_t> pid, const Frames& frames);
 
   void join();
   /// Plays and counts, while `all` receive.

@@ -110,7 +110,7 @@ struct Crowd::Viewer {
   std::array<Frame, 4> frames;  // by their id; of which not all parts have come
 };
 
-Crowd::Crowd(const sockaddr_in& server, std::size_t viewers, Way way)
+Crowd::Crowd(const sockaddr_in& server, std::size_t viewers, Transport way)
     : server_(server), way_(way), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
   viewers_.resize(viewers);
 }
@@ -121,9 +121,9 @@ Crowd::~Crowd() {
 }
 
 void Crowd::connect(Viewer& viewer) {
-  viewer.welcomed = !ours(way_) && way_ != Way::kPlainUdp;
+  viewer.welcomed = !ours(way_) && way_ != Transport::kPlainUdp;
   if (viewer.welcomed) ++welcomed_;
-  if (way_ == Way::kPlainUdp) {
+  if (way_ == Transport::kPlainUdp) {
     openDatagrams(viewer, server_);
     require(::send(viewer.datagrams, "", 1, 0) == 1, "cannot send");
     return;
@@ -138,7 +138,8 @@ void Crowd::connect(Viewer& viewer) {
   greet(way_, viewer.socket, true);
   epoll_event event{EPOLLIN, {.ptr = &viewer}};
   ::epoll_ctl(epoll_, EPOLL_CTL_ADD, viewer.socket, &event);
-  if (ours(way_)) say(viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ == Way::kTcp});
+  if (ours(way_))
+    say(viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ == Transport::kTcp});
 }
 
 void Crowd::join() {
@@ -290,7 +291,8 @@ bool Crowd::take(Viewer& viewer) {
   const std::size_t here = std::min(viewer.held, whole);
   const std::span<const std::uint8_t> held(viewer.head.data(), here);
   if (const auto head = frameHead(held.subspan(message->head))) {
-    if (way_ != Way::kUdp) frame(viewer, head->id, Duration(head->media_time_ns), message->payload);
+    if (way_ != Transport::kUdp)
+      frame(viewer, head->id, Duration(head->media_time_ns), message->payload);
     viewer.skip = whole - here;
   } else if (!ours(way_)) {
     viewer.skip = whole - here;
@@ -313,7 +315,7 @@ void Crowd::message(Viewer& viewer, std::span<const std::uint8_t> payload) {
   if (const auto* const welcome = std::get_if<Welcome>(&decoded.value())) {
     viewer.welcomed = true;
     ++welcomed_;
-    if (way_ == Way::kUdp) askForDatagrams(viewer, *welcome);
+    if (way_ == Transport::kUdp) askForDatagrams(viewer, *welcome);
   }
   const auto* const pong = std::get_if<Pong>(&decoded.value());
   if (pong != nullptr && &viewer == viewers_[0].get())

@@ -43,7 +43,7 @@ struct Passage {
 
 class Crowd {
  public:
-  Crowd(const sockaddr_in& server, std::size_t viewers, Way way);
+  Crowd(const sockaddr_in& server, std::size_t viewers, Transport way);
   ~Crowd();
   Crowd(const Crowd&) = delete;
   Crowd& operator=(const Crowd&) = delete;
@@ -90,7 +90,7 @@ class Crowd {
 
   SteadyClock clock_;
   sockaddr_in server_;
-  Way way_;
+  Transport way_;
   int epoll_ = -1;
   std::vector<std::unique_ptr<Viewer>> viewers_;
   std::size_t welcomed_ = 0;

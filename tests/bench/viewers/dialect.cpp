@@ -131,18 +131,18 @@ void sendAll(int socket, std::span<const std::uint8_t> bytes) {
   }
 }
 
-std::optional<Envelope> envelope(Way way, std::span<const std::uint8_t> bytes) {
-  if (way == Way::kMqtt) return mqttEnvelope(bytes);
-  if (way == Way::kNats) return natsEnvelope(bytes);
+std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> bytes) {
+  if (way == Transport::kMqtt) return mqttEnvelope(bytes);
+  if (way == Transport::kNats) return natsEnvelope(bytes);
   std::uint32_t length = 0;
   if (bytes.size() < sizeof length) return std::nullopt;
   std::memcpy(&length, bytes.data(), sizeof length);
   return Envelope{kPrefixBytes, length, 0};
 }
 
-std::vector<std::uint8_t> published(Way way, std::span<const std::uint8_t> payload) {
-  if (way == Way::kMqtt) return mqttMessage(kPublish, counted(kTopic), payload);
-  if (way != Way::kNats) return framed(payload);
+std::vector<std::uint8_t> published(Transport way, std::span<const std::uint8_t> payload) {
+  if (way == Transport::kMqtt) return mqttMessage(kPublish, counted(kTopic), payload);
+  if (way != Transport::kNats) return framed(payload);
   const std::string line =
       "PUB " + std::string(kTopic) + " " + std::to_string(payload.size()) + std::string(kEnd);
   std::vector<std::uint8_t> bytes(line.begin(), line.end());
@@ -151,9 +151,9 @@ std::vector<std::uint8_t> published(Way way, std::span<const std::uint8_t> paylo
   return bytes;
 }
 
-void greet(Way way, int socket, bool subscribe) {
-  if (way == Way::kMqtt) greetMqtt(socket, subscribe);
-  if (way == Way::kNats) greetNats(socket, subscribe);
+void greet(Transport way, int socket, bool subscribe) {
+  if (way == Transport::kMqtt) greetMqtt(socket, subscribe);
+  if (way == Transport::kNats) greetNats(socket, subscribe);
 }
 
 }  // namespace hapticast::testing

@@ -11,7 +11,7 @@
 
 namespace hapticast::testing {
 
-enum class Way {
+enum class Transport {
   kTcp,
   kUdp,
   kPlainTcp,  ///< frames unasked, with this machine's steady clock as their media time
@@ -21,9 +21,11 @@ enum class Way {
 };
 
 /// Whether it speaks the protocol, with hello and pings.
-[[nodiscard]] constexpr bool ours(Way way) { return way == Way::kTcp || way == Way::kUdp; }
-[[nodiscard]] constexpr bool byDatagrams(Way way) {
-  return way == Way::kUdp || way == Way::kPlainUdp;
+[[nodiscard]] constexpr bool ours(Transport way) {
+  return way == Transport::kTcp || way == Transport::kUdp;
+}
+[[nodiscard]] constexpr bool byDatagrams(Transport way) {
+  return way == Transport::kUdp || way == Transport::kPlainUdp;
 }
 
 /// A message on a TCP stream.
@@ -37,13 +39,14 @@ struct Envelope {
 inline constexpr std::size_t kMostEnvelopeHead = 24;
 
 /// What begins with these bytes; nullopt: more of them are needed.
-[[nodiscard]] std::optional<Envelope> envelope(Way way, std::span<const std::uint8_t> bytes);
+[[nodiscard]] std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> bytes);
 /// A message that publishes a payload.
-[[nodiscard]] std::vector<std::uint8_t> published(Way way, std::span<const std::uint8_t> payload);
+[[nodiscard]] std::vector<std::uint8_t> published(Transport way,
+                                                  std::span<const std::uint8_t> payload);
 
 /// Introduces a fresh connection to a broker; who subscribes gets every frame from then on. Waits
 /// for its answer; throws std::runtime_error where that is wrong.
-void greet(Way way, int socket, bool subscribe);
+void greet(Transport way, int socket, bool subscribe);
 
 /// A TCP connection to a port of this machine; -1 where nobody listens there.
 [[nodiscard]] int connectedTo(std::uint16_t port);

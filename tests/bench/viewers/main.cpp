@@ -114,10 +114,11 @@ Contest contest(const Settings& settings) {
     for (const std::string& other : settings.beside) add(other);
   } else {
     const auto pid = static_cast<pid_t>(settings.server_pid);
-    contest.emplace_back(settings.transport,
-                         std::make_unique<Contender>(
-                             settings.transport == "udp" ? Way::kUdp : Way::kTcp, settings.server,
-                             pid > 0 ? std::optional(pid) : std::nullopt, settings.frames));
+    contest.emplace_back(
+        settings.transport,
+        std::make_unique<Contender>(settings.transport == "udp" ? Transport::kUdp : Transport::kTcp,
+                                    settings.server, pid > 0 ? std::optional(pid) : std::nullopt,
+                                    settings.frames));
   }
   return contest;
 }

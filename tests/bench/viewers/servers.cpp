@@ -161,7 +161,7 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
       const CodedFrame frame = frameWith(id, now, relief);
       const SharedBytes payload = encodeShared(frame);
       broadcaster.publish(
-          server::EncodedFrame{0, id, now, payload, std::make_shared<server::WholeFrame>(payload),
+          server::EncodedFrame{0, id, now, payload, std::make_shared<server::LazyKeyFrame>(payload),
                                broadcaster.datagramsWanted() ? signer.sign(frame) : nullptr});
     });
   };
@@ -198,7 +198,7 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
     server::DatagramSigner signer;
     const auto relief = reliefOf(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
-      const server::SharedBodies bodies = signer.sign(frameWith(id, steadyNow(), relief));
+      const server::SignedDatagrams bodies = signer.sign(frameWith(id, steadyNow(), relief));
       for (const auto& body : *bodies) {
         std::vector<std::uint8_t> bytes(kTokenBytes);
         bytes.insert(bytes.end(), body.begin(), body.end());
@@ -211,7 +211,7 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
   };
 }
 
-ServerProcess::Serve broker(Way way) {
+ServerProcess::Serve broker(Transport way) {
   return [way](const std::function<void(std::uint16_t)>& tell) {
     (void)server::raiseFileLimit(10'000);  // which the program keeps
     const Bound place = bound(SOCK_STREAM);
@@ -219,7 +219,7 @@ ServerProcess::Serve broker(Way way) {
     const std::string port = std::to_string(place.port);
     const int file = ::memfd_create("settings", 0);
     const std::string path = "/proc/self/fd/" + std::to_string(file);
-    const std::string settings = way == Way::kMqtt
+    const std::string settings = way == Transport::kMqtt
                                      ? "listener " + port +
                                            " 127.0.0.1\nallow_anonymous true\nuser root\n"
                                            "set_tcp_nodelay true\nlog_type error\n"
@@ -230,13 +230,14 @@ ServerProcess::Serve broker(Way way) {
     tell(place.port);
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, STDERR_FILENO);
-    if (way == Way::kMqtt) ::execlp("mosquitto", "mosquitto", "-c", path.c_str(), nullptr);
-    if (way == Way::kNats) ::execlp("nats-server", "nats-server", "-c", path.c_str(), nullptr);
+    if (way == Transport::kMqtt) ::execlp("mosquitto", "mosquitto", "-c", path.c_str(), nullptr);
+    if (way == Transport::kNats)
+      ::execlp("nats-server", "nats-server", "-c", path.c_str(), nullptr);
     ::_exit(1);
   };
 }
 
-ServerProcess::Serve publisher(Way way, std::uint16_t port, const Frames& frames,
+ServerProcess::Serve publisher(Transport way, std::uint16_t port, const Frames& frames,
                                const Switch& playing) {
   return [=, &playing](const std::function<void(std::uint16_t)>& tell) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);

@@ -63,9 +63,9 @@ struct Frames {
 /// The same around sendto(), with each datagram ready in one piece.
 [[nodiscard]] ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing);
 /// The broker of this way, as Debian installs it, set up to listen on loopback only.
-[[nodiscard]] ServerProcess::Serve broker(Way way);
+[[nodiscard]] ServerProcess::Serve broker(Transport way);
 /// Publishes frames to a broker; its port is that one.
-[[nodiscard]] ServerProcess::Serve publisher(Way way, std::uint16_t port, const Frames& frames,
-                                             const Switch& playing);
+[[nodiscard]] ServerProcess::Serve publisher(Transport way, std::uint16_t port,
+                                             const Frames& frames, const Switch& playing);
 
 }  // namespace hapticast::testing

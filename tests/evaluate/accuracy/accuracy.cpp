@@ -29,9 +29,9 @@ class Work {
   void tell(std::size_t i, Outcome outcome) {
     const std::lock_guard lock(mutex_);
     outcomes_[i] = std::move(outcome);
-    for (; told_ < cases_.size() && outcomes_[told_]; ++told_) {
-      for (const Row& row : outcomes_[told_]->rows) report_.add(row);
-      for (const Goal& goal : outcomes_[told_]->goals) report_.add(goal);
+    for (; logged_ < cases_.size() && outcomes_[logged_]; ++logged_) {
+      for (const Row& row : outcomes_[logged_]->rows) report_.add(row);
+      for (const Goal& goal : outcomes_[logged_]->goals) report_.add(goal);
     }
   }
 
@@ -39,7 +39,7 @@ class Work {
   Report& report_;
   std::mutex mutex_;  // guards what follows
   std::vector<std::optional<Outcome>> outcomes_;
-  std::size_t told_ = 0;
+  std::size_t logged_ = 0;
 };
 
 }  // namespace

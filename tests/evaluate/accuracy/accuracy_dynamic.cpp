@@ -38,11 +38,11 @@ std::vector<DynamicTick> dynamicForce(const TouchScene& scene, const Stream& str
   std::vector<DynamicTick> out;
   const Hand hand = [&](double t) { return HandPoint{scene.motion(t).position_mm, Vec3::Zero()}; };
   feel(stream, variant, hand, {},
-       [&](const client::Scene& now, const client::StreamState& stream, const client::Contact&,
+       [&](const client::Scene& now, const client::StreamTiming& stream, const client::Contact&,
            const Tick& tick) {
          if (now.object_count == 0) return;
          mass_kg = dynamic.objectMass_kg(stream, 1.0);
-         const client::ObjectNow& object = now.objects[0];
+         const client::InterpolatedObject& object = now.objects[0];
          const double kg_m = 1e-3 * mass_kg;
          out.push_back({tick.time_s,
                         dynamic.evaluate(&object, 1.0, Vec3::Zero(), now.play_time, stream, 1.0),
@@ -127,7 +127,7 @@ struct Cursor {
 };
 
 std::vector<Cursor> cursors(const client::DeviceProfile& profile) {
-  const auto motion = std::make_shared<client::HipMotion>(profile);
+  const auto motion = std::make_shared<client::HipEstimator>(profile);
   const auto last = std::make_shared<std::array<Vec3, 2>>();
   const auto known = std::make_shared<int>(0);
   return {

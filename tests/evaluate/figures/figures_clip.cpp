@@ -37,7 +37,7 @@ void drawRealClip(const Options& options, Report& report) {
         return HandPoint{{0, 0, 100}, Vec3::Zero()};
       },
       {},
-      [&](const client::Scene& scene, const client::StreamState& stream, const client::Contact&,
+      [&](const client::Scene& scene, const client::StreamTiming& stream, const client::Contact&,
           const Tick& tick) {
         if (scene.object_count == 0) return;
         Vec3 at = scene.objects[0].position_mm;

@@ -29,10 +29,10 @@ std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const
                              const HandAcceleration& hand_m_s2, const MotionAt& body) {
   static const client::PlantProfile profile = client::loadDeviceProfile("omni");
   client::DynamicForce dynamic(profile);
-  client::HipMotion motion(profile);
+  client::HipEstimator motion(profile);
   std::vector<Moment> out;
   feel(stream, variant, hand, {},
-       [&](const client::Scene& scene, const client::StreamState& stream,
+       [&](const client::Scene& scene, const client::StreamTiming& stream,
            const client::Contact& contact, const Tick& tick) {
          client::DeviceState device;
          device.position_mm = kCount_mm * (tick.hand.hip_mm / kCount_mm).array().round().matrix();

@@ -48,7 +48,8 @@ cv::Mat depthPicture(const server::RgbdFrame& frame, const server::SourceInfo& i
   return levels;
 }
 
-void drawSheet(const Recording& recording, const Run& run, const std::filesystem::path& sheets) {
+void drawContactSheet(const Recording& recording, const Run& run,
+                      const std::filesystem::path& sheets) {
   ContactSheet sheet(1);
   const std::size_t every = std::max<std::size_t>(1, recording.frames.size() / 8);
   for (std::size_t i = 0; i < run.masks.size(); i += every) {
@@ -137,7 +138,7 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, double c
   const Run run = watch(recording, click);
   out.one_click = scoresOf(recording, run);
   out.refused = run.refused;
-  if (!sheets.empty()) drawSheet(recording, run, sheets);
+  if (!sheets.empty()) drawContactSheet(recording, run, sheets);
   out.starts = clickAround(recording, clicks_to_try);
   Words points = click;
   Words masks = click;

@@ -151,9 +151,9 @@ std::optional<cv::Mat> startOf(const Recording& recording, const Words& words) {
   const cv::Size size(recording.info.width_px, recording.info.height_px);
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   std::uint32_t next_id = 1;
-  server::ClipLessons lessons;
+  server::ClipAnnotations annotations;
   try {
-    server::Tracker tracker(recording.info, settingsOf(words), nullptr, next_id, lessons);
+    server::Tracker tracker(recording.info, settingsOf(words), nullptr, next_id, annotations);
     for (const server::TrackedObject& object : tracker.next(recording.frames.front(), 0.0)) {
       if (object.seen)
         cv::bitwise_or(mask(object.surface.box), object.surface.mask, mask(object.surface.box));

@@ -49,8 +49,8 @@ std::vector<Sample> posesOf(const TestSource& source, const std::vector<server::
   server::VisionSettings settings;
   settings.motion = mode;
   std::uint32_t ids = 1;
-  server::ClipLessons lessons;
-  server::Tracker tracker(source.info(), settings, nullptr, ids, lessons);
+  server::ClipAnnotations annotations;
+  server::Tracker tracker(source.info(), settings, nullptr, ids, annotations);
   const server::NominalFrame nominal{source.view().workspace, source.view().range};
   std::vector<Sample> out;
   for (const server::RgbdFrame& frame : clip) {

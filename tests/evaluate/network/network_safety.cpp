@@ -68,18 +68,18 @@ std::vector<BadNetwork> badNetworks(bool quick) {
 
 void play(SafetyRun& run) {
   const client::HandScript script{run.kind, {}};
-  VirtualViewer viewer(client::RoomSettings{}, client::PlantProfile{}, client::Hand::light(),
+  VirtualViewer viewer(client::RendererSettings{}, client::PlantProfile{}, client::Hand::light(),
                        &script);
   double ticks = 0.0;
-  (void)converse(run.scene->stream, run.bad->network, kSeconds, viewer,
-                 [&](const Wire& wire, const client::TickReport& report) {
-                   ++ticks;
-                   run.contact += report.contact ? 1.0 : 0.0;
-                   run.excess_N = std::max(run.excess_N, report.step_excess_N);
-                   if (report.play_time - wire.newest() < kSilentAfter) return;
-                   ++run.stale_ticks;
-                   run.stale_N = std::max(run.stale_N, report.force_N.norm());
-                 });
+  (void)runSession(run.scene->stream, run.bad->network, kSeconds, viewer,
+                   [&](const Wire& wire, const client::TickReport& report) {
+                     ++ticks;
+                     run.contact += report.contact ? 1.0 : 0.0;
+                     run.excess_N = std::max(run.excess_N, report.step_excess_N);
+                     if (report.play_time - wire.newest() < kSilentAfter) return;
+                     ++run.stale_ticks;
+                     run.stale_N = std::max(run.stale_N, report.force_N.norm());
+                   });
   run.contact /= ticks;
   run.unexplained_N = viewer.felt.max_unexplained_N;
 }

@@ -16,9 +16,9 @@ class ScriptedViewer {
  public:
   explicit ScriptedViewer(Hand hand)
       : hand_(std::move(hand)),
-        preparer_(*pool_, clock_, Method::kHapticast,
-                  [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
-        receiver_(preparer_, state_, 1),
+        decode_thread_(*pool_, clock_, Method::kHapticast,
+                       [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        receiver_(decode_thread_, state_, 1),
         lookup_(*pool_, defaultVariant().interpolation),
         touch_(defaultVariant().make()) {}
 
@@ -48,7 +48,7 @@ class ScriptedViewer {
     clock_.advance(kTickPeriod);
     receiver_.release(now());
     prepareAll();
-    const client::StreamState& stream = receiver_.stream();
+    const client::StreamTiming& stream = receiver_.stream();
     const MediaTime play = playout_.advance(now(), stream, in_contact_);
     NetworkTick tick;
     tick.time_s = toSeconds(play);
@@ -65,18 +65,18 @@ class ScriptedViewer {
 
  private:
   void prepareAll() {
-    while (preparer_.step()) {
+    while (decode_thread_.step()) {
     }
   }
 
   Hand hand_;
   ManualClock clock_{localTime(10.0)};
   std::unique_ptr<client::FramePool> pool_ = std::make_unique<client::FramePool>();
-  LatestValue<client::StreamState> state_;
-  client::Preparer preparer_;
+  LatestValue<client::StreamTiming> state_;
+  client::DecodeThread decode_thread_;
   client::Receiver receiver_;
   client::Playout playout_;
-  client::FrameLookup lookup_;
+  client::SceneInterpolator lookup_;
   Touch touch_;
   bool in_contact_ = false;
 };
@@ -89,7 +89,7 @@ NetworkFelt feelThrough(const SentStream& stream, const Network& network, const 
   NetworkFelt felt;
   felt.ticks.reserve(static_cast<std::size_t>(seconds * 1e3));
   felt.conversation =
-      converse(stream, network, seconds, viewer, [&](const Wire& wire, NetworkTick tick) {
+      runSession(stream, network, seconds, viewer, [&](const Wire& wire, NetworkTick tick) {
         const LocalTime now = viewer.now();
         if (tick.clock_offset)
           tick.clock_error_ms = 1e3 * toSeconds(now.time_since_epoch() + *tick.clock_offset -

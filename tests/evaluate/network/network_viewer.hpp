@@ -38,11 +38,11 @@ struct NetworkFelt {
 /// Plays a stream through a network to a viewer, of whatever class: it pings, takes what comes and
 /// asks for copies as the client does. `ticked` gets the wire and what the viewer's tick() returns.
 template <class Viewer, class Ticked>
-Conversation converse(const SentStream& stream, const Network& network, double seconds,
-                      Viewer& viewer, const Ticked& ticked) {
+Conversation runSession(const SentStream& stream, const Network& network, double seconds,
+                        Viewer& viewer, const Ticked& ticked) {
   Wire wire(stream, network, viewer.now());
-  client::LossMeter meter;
-  std::uint32_t copies = network.copies > 0 ? network.copies : client::LossMeter::kFirstCopies;
+  client::LossEstimator meter;
+  std::uint32_t copies = network.copies > 0 ? network.copies : client::LossEstimator::kFirstCopies;
   double copies_sum = 0.0;
   int pings = 0;
   double next_ping_s = 0.0;

@@ -53,7 +53,7 @@ Wire::Wire(const SentStream& stream, const Network& network, LocalTime start)
       up_stream_(up_),
       down_stream_(down_),
       down_datagrams_(down_, 1),
-      copies_(network.copies > 0 ? network.copies : client::LossMeter::kFirstCopies) {}
+      copies_(network.copies > 0 ? network.copies : client::LossEstimator::kFirstCopies) {}
 
 MediaTime Wire::mediaNow(LocalTime now) const {
   return mediaTime(toSeconds(now - start_) * (1.0 + network_.drift));

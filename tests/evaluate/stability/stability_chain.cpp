@@ -33,8 +33,8 @@ void runAll(std::vector<ChainCell>& cells, bool quick) {
     rig.damping_Ns_m = c.damping_Ns_m;
     c.result = battery(rig, c.hand->hand, quick);
     c.excess_N = rig.max_excess_N;
-    c.alarms = rig.count(Interference::kLatency);
-    c.insured = rig.count(Interference::kPassivity);
+    c.alarms = rig.count(SafetyAction::kLatency);
+    c.insured = rig.count(SafetyAction::kPassivity);
   });
 }
 

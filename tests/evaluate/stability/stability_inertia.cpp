@@ -125,7 +125,7 @@ class Product final : public Estimator {
   }
 
  private:
-  HipMotion motion_{DeviceProfile{}};
+  HipEstimator motion_{DeviceProfile{}};
   std::int64_t ticks_ = 0;
 };
 
@@ -159,7 +159,7 @@ bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int del
             const Hand& hand) {
   PlantProfile profile = omni(stiffness_N_mm, delay);
   AxisPlant plant(profile, hand);
-  HipMotion motion(profile);
+  HipEstimator motion(profile);
   const auto estimator = what.make(delay);
   const double k = std::min(stiffness_N_mm, stiffnessLimit_N_mm(profile));
   const double damping_Ns_m = wallDamping_Ns_m(k, kOmniMass_kg, stiffnessLimit_N_mm(profile));
@@ -175,7 +175,7 @@ bool stable(const Named& what, double mass_ratio, double stiffness_N_mm, int del
     state.time = localTime(1.0) + Duration(1'000'000) * i;
     motion.sent({0.0, 0.0, sent_N[0]}, k);
     estimator->sent(sent_N[0], k);
-    const TipState& ahead = motion.update(state).ahead;
+    const HipState& ahead = motion.update(state).ahead;
     const double force_N = -k * ahead.position_mm.z() -
                            damping_Ns_m * 1e-3 * ahead.velocity_mm_s.z() -
                            mass_ratio * kOmniMass_kg * estimator->next(x_mm);

@@ -38,8 +38,8 @@ void live(Run& run, int seconds) {
   run.step_N = rig.max_step_N;
   run.excess_N = rig.max_excess_N;
   run.allowed_N = profile.peak_N;
-  run.tank = rig.count(Interference::kTank);
-  run.passivity = rig.count(Interference::kPassivity);
+  run.tank = rig.count(SafetyAction::kTank);
+  run.passivity = rig.count(SafetyAction::kPassivity);
   run.finite = rig.finite;
 }
 

@@ -270,7 +270,7 @@ std::vector<ExtremeCase> roomCases() {
   onAllCores(all.size(), [&](std::size_t i) {
     ExtremeCase& out = cases[i];
     out.name = all[i].name;
-    out.allowed_N = client::RoomSettings{}.profile.peak_N;
+    out.allowed_N = client::RendererSettings{}.profile.peak_N;
     RoomReliefs reliefs;
     for (const bool naive : {true, false}) {
       const auto scene = std::make_unique<RoomScene>(naive, reliefs);

@@ -52,8 +52,8 @@ class RoomScene {
   static constexpr double kBegin_s = 1.0;      // of the stream
 
   RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_() {
-    room =
-        std::make_unique<client::Room>(settings_, pool, stream_door, user_door, reports, nullptr);
+    renderer = std::make_unique<client::HapticRenderer>(settings_, pool, stream_door, user_door,
+                                                        reports, nullptr);
     device = std::make_unique<client::VirtualDevice>(
         client::PlantProfile{settings_.profile, kFriction_N}, client::Hand::light(), clock);
     stream.connected = true;
@@ -97,13 +97,13 @@ class RoomScene {
 
   RoomReliefs& reliefs;
   client::FramePool pool;
-  LatestValue<client::StreamState> stream_door;
+  LatestValue<client::StreamTiming> stream_door;
   LatestValue<client::UserControls> user_door;
   LatestValue<client::TickReport> reports;
-  std::unique_ptr<client::Room> room;
+  std::unique_ptr<client::HapticRenderer> renderer;
   std::unique_ptr<client::VirtualDevice> device;
   ManualClock clock;
-  client::StreamState stream;
+  client::StreamTiming stream;
   client::UserControls user;
   std::uint32_t epoch = 1;
   std::uint64_t id = 0;
@@ -133,7 +133,7 @@ class RoomScene {
     const client::DeviceState state = device->exchange(force_N_);
     work_mJ_ += sent_N_[1].dot(device->truePosition_mm() - before_mm);  // the profile's delay is 1
     sent_N_[1] = sent_N_[0];
-    const client::TickReport& report = room->tick(clock.now(), state);
+    const client::TickReport& report = renderer->tick(clock.now(), state);
     last_N_ = force_N_;
     force_N_ = naive_ ? naiveForce(report) : report.force_N;
     sent_N_[0] = force_N_;
@@ -152,7 +152,7 @@ class RoomScene {
                                              : force_N;
   }
   void see(CaseOutcome& out, double begin_mJ) {
-    const client::TickReport& report = room->report();
+    const client::TickReport& report = renderer->report();
     out.peak_N = std::max(out.peak_N, force_N_.norm());
     out.step_N = std::max(out.step_N, (force_N_ - last_N_).norm());
     out.excess_N = std::max(out.excess_N, report.step_excess_N);
@@ -165,7 +165,7 @@ class RoomScene {
   }
 
   bool naive_;
-  client::RoomSettings settings_;
+  client::RendererSettings settings_;
   double next_frame_s_ = 0.0;
   Vec3 force_N_ = Vec3::Zero();
   Vec3 last_N_ = Vec3::Zero();

@@ -183,17 +183,18 @@ struct ShapeCell {
 void pressShape(ShapeCell& c) {
   ManualClock clock;
   FramePool pool;
-  LatestValue<StreamState> stream;
+  LatestValue<StreamTiming> stream;
   LatestValue<UserControls> user;
   LatestValue<TickReport> reports;
-  RoomSettings settings;
+  RendererSettings settings;
   static_cast<DeviceProfile&>(settings.profile) =
       batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N);
   settings.stiffness_N_mm = c.stiffness_N_mm;
-  const auto room = std::make_unique<Room>(settings, pool, stream, user, reports, nullptr);
+  const auto renderer =
+      std::make_unique<HapticRenderer>(settings, pool, stream, user, reports, nullptr);
   VirtualDevice device(batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N), c.hand->hand,
                        clock);
-  StreamState control;
+  StreamTiming control;
   control.connected = true;
   control.first_epoch = 1;
   control.playout_delay_target = Duration(60'000'000);
@@ -222,14 +223,15 @@ void pressShape(ShapeCell& c) {
     }
     const double s = std::clamp((i - 500) / 500.0, 0.0, 1.0);
     device.setTarget(surface_mm + (s * (5.0 + deep_mm) - 5.0) * inwards);
-    const TickReport& report = room->tick(clock.now(), device.exchange(room->report().force_N));
+    const TickReport& report =
+        renderer->tick(clock.now(), device.exchange(renderer->report().force_N));
     for (int axis = 0; axis < 3; ++axis) {
       const double fast_N = filters[static_cast<std::size_t>(axis)].next(report.force_N[axis]);
       if (i >= kTicks - 1000) square += fast_N * fast_N / 1000.0;
     }
   }
   c.above_50Hz_N = std::sqrt(square);
-  c.force_N = room->report().force_N.norm();
+  c.force_N = renderer->report().force_N.norm();
 }
 
 void onShapes(const StabilityReport& to) {

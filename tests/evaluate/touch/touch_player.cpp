@@ -18,9 +18,9 @@ namespace hapticast::evaluate {
 namespace {
 
 using client::Contact;
-using client::FrameLookup;
 using client::Interpolation;
 using client::Scene;
+using client::SceneInterpolator;
 using client::SurfaceKind;
 
 // Frames and ticks that fall together in decimal do so in spite of rounding.
@@ -32,9 +32,9 @@ class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        preparer_(pool_, clock_, variant.method,
-                  [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
-        receiver_(preparer_, state_, 2),
+        decode_thread_(pool_, clock_, variant.method,
+                       [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        receiver_(decode_thread_, state_, 2),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());
   }
@@ -49,14 +49,14 @@ class Viewer {
       if (!message.ok())
         throw std::runtime_error("a frame cannot be read: " + stream_.description.name);
       receiver_.frame(std::get<CodedFrame>(std::move(message.value())), clock_.now());
-      (void)preparer_.step();
+      (void)decode_thread_.step();
     }
     return next_ > first;
   }
 
   // Within an interval of frames in any order.
   void touch(const Touch& surface, Tick& tick, const Look& look) {
-    const client::StreamState& stream = receiver_.stream();
+    const client::StreamTiming& stream = receiver_.stream();
     const Scene& scene = lookup_.at(mediaTime(tick.time_s + kInstant_s), stream);
     const Contact contact = surface(lookup_, scene, tick.hand.hip_mm, stream.workspace);
     tick.contact = contact.contact;
@@ -69,15 +69,15 @@ class Viewer {
   const Stream& stream_;
   const ManualClock clock_{localTime(0.0)};  // stands: a frame is ready when it comes
   client::FramePool pool_;
-  LatestValue<client::StreamState> state_;
-  client::Preparer preparer_;
+  LatestValue<client::StreamTiming> state_;
+  client::DecodeThread decode_thread_;
   client::Receiver receiver_;
-  FrameLookup lookup_;
+  SceneInterpolator lookup_;
   std::size_t next_ = 0;
 };
 
 Touch surfaceModel(SurfaceKind kind) {
-  return [kind](const FrameLookup&, const Scene& scene, const Vec3& hip_mm,
+  return [kind](const SceneInterpolator&, const Scene& scene, const Vec3& hip_mm,
                 const Workspace& workspace) {
     return client::findContact(kind, scene, hip_mm, workspace);
   };
@@ -88,31 +88,31 @@ Touch proxy() {
   const double deepest_mm =
       client::armDepth_mm(client::DeviceProfile{}.stiffness_N_mm, client::DeviceProfile{}.peak_N);
   const auto state = std::make_shared<client::ProxySurface>();
-  return
-      [=](const FrameLookup&, const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) {
-        return state->touch(scene, hip_mm, workspace, deepest_mm);
-      };
+  return [=](const SceneInterpolator&, const Scene& scene, const Vec3& hip_mm,
+             const Workspace& workspace) {
+    return state->touch(scene, hip_mm, workspace, deepest_mm);
+  };
 }
 
 // Memoryless, by other samples or another K than the client's own.
-using Sampler =
-    std::function<client::SurfacePoint(const client::ObjectNow&, const Vec2&, const Workspace&)>;
+using Sampler = std::function<client::SurfacePoint(const client::InterpolatedObject&, const Vec2&,
+                                                   const Workspace&)>;
 Touch memoryless(const Sampler& sampler,
                  const std::function<Vec3(double, const SurfaceSample&)>& law) {
-  return
-      [=](const FrameLookup&, const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) {
-        Contact deepest;
-        for (std::size_t i = 0; i < scene.object_count; ++i) {
-          const client::SurfacePoint point = sampler(scene.objects[i], hip_mm.head<2>(), workspace);
-          const double depth_mm = point.sample.height_mm - hip_mm.z();
-          if (!point.inside || !(depth_mm > deepest.depth_mm)) continue;
-          deepest.contact = true;
-          deepest.depth_mm = depth_mm;
-          deepest.object = &scene.objects[i];
-          deepest.displacement_mm = law(depth_mm, point.sample);
-        }
-        return deepest;
-      };
+  return [=](const SceneInterpolator&, const Scene& scene, const Vec3& hip_mm,
+             const Workspace& workspace) {
+    Contact deepest;
+    for (std::size_t i = 0; i < scene.object_count; ++i) {
+      const client::SurfacePoint point = sampler(scene.objects[i], hip_mm.head<2>(), workspace);
+      const double depth_mm = point.sample.height_mm - hip_mm.z();
+      if (!point.inside || !(depth_mm > deepest.depth_mm)) continue;
+      deepest.contact = true;
+      deepest.depth_mm = depth_mm;
+      deepest.object = &scene.objects[i];
+      deepest.displacement_mm = law(depth_mm, point.sample);
+    }
+    return deepest;
+  };
 }
 
 Touch perturbed(double texture_K_mm) {
@@ -123,7 +123,7 @@ Touch perturbed(double texture_K_mm) {
 }
 
 // What the proxy reads, for the tangent plane.
-client::SurfacePoint splineAt(const client::ObjectNow& object, const Vec2& nominal_mm,
+client::SurfacePoint splineAt(const client::InterpolatedObject& object, const Vec2& nominal_mm,
                               const Workspace& workspace) {
   client::SurfacePoint point;
   if (object.before->field == nullptr || object.before->field->empty()) return point;
@@ -131,7 +131,7 @@ client::SurfacePoint splineAt(const client::ObjectNow& object, const Vec2& nomin
   relief.follow(object, workspace);
   const Eigen::Rotation2Dd turn(object.angle_rad);
   const Vec2 q_mm = turn.inverse() * (nominal_mm - object.position_mm.head<2>());
-  const client::HeightNow height = relief.now(relief.heights(q_mm));
+  const client::BlendedHeight height = relief.now(relief.heights(q_mm));
   point.sample = {height.height_mm + object.position_mm.z(), turn * height.gradient};
   point.inside = relief.now(relief.edges(q_mm)).distance_mm > 0.0;
   return point;
@@ -145,7 +145,7 @@ Touch normalBySpline() {
 
 Touch thesisInTime() {
   const auto state = std::make_shared<client::ThesisInterpolation>();
-  return [state](const FrameLookup& lookup, const Scene& scene, const Vec3& hip_mm,
+  return [state](const SceneInterpolator& lookup, const Scene& scene, const Vec3& hip_mm,
                  const Workspace& workspace) {
     return state->evaluate(lookup, scene.play_time, hip_mm, workspace);
   };

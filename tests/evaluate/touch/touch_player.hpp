@@ -15,7 +15,7 @@
 namespace hapticast::evaluate {
 
 /// What feels: called once a tick, in order. It may keep state.
-using Touch = std::function<client::Contact(const client::FrameLookup&, const client::Scene&,
+using Touch = std::function<client::Contact(const client::SceneInterpolator&, const client::Scene&,
                                             const Vec3& hip_mm, const Workspace&)>;
 
 /// A way to the force: surface model, sampler and interpolation in time.
@@ -71,7 +71,7 @@ std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
                           const PlayTimes& times = {});
 
 /// One variant. `look`: what else is wanted of each tick; its time counts.
-using Look = std::function<void(const client::Scene&, const client::StreamState&,
+using Look = std::function<void(const client::Scene&, const client::StreamTiming&,
                                 const client::Contact&, const Tick&)>;
 Felt feel(const Stream& stream, const Variant& variant, const Hand& hand,
           const PlayTimes& times = {}, const Look& look = nullptr);

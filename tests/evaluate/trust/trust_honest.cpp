@@ -116,9 +116,10 @@ struct HonestRun {
 
 void play(HonestRun& run) {
   const HandScript script = scriptOf(run.kind);
-  auto viewer = std::make_unique<VirtualViewer>(RoomSettings{}, PlantProfile{}, run.hand, &script);
+  auto viewer =
+      std::make_unique<VirtualViewer>(RendererSettings{}, PlantProfile{}, run.hand, &script);
   HonestServer server(run.stream->stream, run.lost);
-  run.last = converse(server, *viewer, run.stream->stream.frames.back().time_s + 1.0);
+  run.last = runSession(server, *viewer, run.stream->stream.frames.back().time_s + 1.0);
   run.felt = std::move(viewer->felt);
 }
 
@@ -129,7 +130,7 @@ struct Worst {
   int lost_trust = 0;
 };
 
-double share(const client::Felt& felt, Interference which) {
+double share(const client::Felt& felt, SafetyAction which) {
   return double(felt.ticksWith(bit(which))) / double(felt.interferences.size());
 }
 
@@ -145,9 +146,9 @@ double highestScore(const client::Felt& felt) {
 }
 
 void take(Worst& worst, const HonestRun& run) {
-  worst.doubted = std::max(worst.doubted, share(run.felt, Interference::kDoubted));
-  worst.tank = std::max(worst.tank, share(run.felt, Interference::kTank));
-  worst.slew = std::max(worst.slew, share(run.felt, Interference::kSlew));
+  worst.doubted = std::max(worst.doubted, share(run.felt, SafetyAction::kImplausible));
+  worst.tank = std::max(worst.tank, share(run.felt, SafetyAction::kTank));
+  worst.slew = std::max(worst.slew, share(run.felt, SafetyAction::kSlew));
   worst.score_ticks = std::max(worst.score_ticks, highestScore(run.felt));
   worst.work_mJ = std::max(worst.work_mJ, run.felt.mostWork_mJ(10.0));
   worst.lost_trust += run.last.halt == Halt::kNone ? 0 : 1;

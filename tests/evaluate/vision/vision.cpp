@@ -65,7 +65,7 @@ class Summary {
   std::map<std::tuple<std::string, std::string, std::string>, std::vector<Row>> groups_;
 };
 
-void drawSheet(const Clip& clip, const MaskRun& run, const Options& options) {
+void drawContactSheet(const Clip& clip, const MaskRun& run, const Options& options) {
   ContactSheet sheet(5);
   for (std::size_t i = 0; i < run.masks.size(); ++i)
     sheet.show(clip.frames[i].color, run.masks[i], clip.truth[i].mask);
@@ -76,7 +76,7 @@ void measureMasks(const Clip& clip, const Options& options, Summary& summary) {
   for (const Variant& variant : kVariants) {
     const MaskRun run = runSegmenter(clip, variant.mode, variant.method);
     const MaskErrors errors = errorsOf(run, clip);
-    if (variant.is_default) drawSheet(clip, run, options);
+    if (variant.is_default) drawContactSheet(clip, run, options);
     const auto row = [&](const char* stage, double error, double time_us) {
       const bool flicker = stage == std::string("flicker");
       summary.add({clip.name(), stage, variant.name, error,

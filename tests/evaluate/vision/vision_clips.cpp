@@ -58,8 +58,8 @@ Result follow(const RealObject& object, const Options& options) {
   settings.segment = server::SegmentMode::kBand;
   settings.object_points = {{object.point_px}};
   std::uint32_t next_id = 1;
-  server::ClipLessons lessons;
-  server::Tracker tracker(source->info(), settings, nullptr, next_id, lessons);
+  server::ClipAnnotations annotations;
+  server::Tracker tracker(source->info(), settings, nullptr, next_id, annotations);
   ContactSheet sheet;
   Result out;
   std::size_t changes = 0;

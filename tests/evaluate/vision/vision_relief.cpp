@@ -35,8 +35,8 @@ Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method) {
   settings.method = method;
   settings.object_points = {{centroidOf_px(clip.truth[0].mask)}};
   std::uint32_t next_id = 1;
-  server::ClipLessons lessons;
-  server::Tracker tracker(clip.info, settings, nullptr, next_id, lessons);
+  server::ClipAnnotations annotations;
+  server::Tracker tracker(clip.info, settings, nullptr, next_id, annotations);
   server::RangeFinder finder;
   std::vector<std::optional<Surface>> surfaces;
   for (std::size_t i = 0; i < clip.frames.size(); ++i) {

@@ -23,20 +23,20 @@ class DatagramInboxTest : public ::testing::Test {
     return withToken(signedBody({stream, 1, frame, mediaTime(1.0), 0, 1}, payload, key));
   }
   bool takes(const std::vector<std::uint8_t>& bytes, double now_s = 1.0, Want want = Want::kNew) {
-    return inbox.take(bytes, localTime(now_s), [want](const auto&) { return want; }).has_value();
+    return verifier.take(bytes, localTime(now_s), [want](const auto&) { return want; }).has_value();
   }
 
   SigningKey key{KeyBytes{5}};
-  DatagramInbox inbox{kToken, kStream, VerifyingKey::from(key.verifyingKey()).value()};
+  DatagramVerifier verifier{kToken, kStream, VerifyingKey::from(key.verifyingKey()).value()};
 };
 
 TEST_F(DatagramInboxTest, TakesWhatTheServerHasSigned) {
   const auto bytes = datagram(9);
-  const auto taken = inbox.take(bytes, localTime(1), [](const auto&) { return Want::kNew; });
+  const auto taken = verifier.take(bytes, localTime(1), [](const auto&) { return Want::kNew; });
   ASSERT_TRUE(taken);
   EXPECT_EQ(taken->header.frame, 9U);
   EXPECT_EQ(taken->payload.size(), 3U);
-  EXPECT_EQ(inbox.counts().received, 1U);
+  EXPECT_EQ(verifier.counts().received, 1U);
 }
 
 TEST_F(DatagramInboxTest, CountsEachCauseApart) {
@@ -44,15 +44,15 @@ TEST_F(DatagramInboxTest, CountsEachCauseApart) {
   EXPECT_FALSE(takes(std::vector<std::uint8_t>(1233, 1)));
   EXPECT_FALSE(takes(datagram(1, kStream + 1)));
   EXPECT_FALSE(takes(withToken(signedBody({kStream, 1, 1, {}, 0, 1}, {}, key), kToken + 1)));
-  EXPECT_EQ(inbox.counts().foreign, 4U);
+  EXPECT_EQ(verifier.counts().foreign, 4U);
   EXPECT_FALSE(takes(datagram(1), 1.0, Want::kHad));
   EXPECT_FALSE(takes(datagram(1), 1.0, Want::kAstray));
   SigningKey other;
   EXPECT_FALSE(takes(withToken(signedBody({kStream, 1, 1, {}, 0, 1}, {}, other))));
-  EXPECT_EQ(inbox.counts().repeated, 1U);
-  EXPECT_EQ(inbox.counts().astray, 1U);
-  EXPECT_EQ(inbox.counts().forged, 1U);
-  EXPECT_EQ(inbox.counts().received, 0U);
+  EXPECT_EQ(verifier.counts().repeated, 1U);
+  EXPECT_EQ(verifier.counts().astray, 1U);
+  EXPECT_EQ(verifier.counts().forged, 1U);
+  EXPECT_EQ(verifier.counts().received, 0U);
 }
 
 TEST_F(DatagramInboxTest, NoByteOfADatagramCanBeChanged) {
@@ -72,8 +72,9 @@ TEST_F(DatagramInboxTest, AFloodCostsABoundedNumberOfSignatures) {
   for (int i = 0; i < 500'000; ++i) {
     if (i % 10 == 0) (void)takes(forged, 1.0 + i / 50'000.0);
   }
-  EXPECT_LE(inbox.counts().forged, 10 * DatagramInbox::kVerifications_Hz + DatagramInbox::kBurst);
-  EXPECT_GT(inbox.counts().over_budget, 20'000U);
+  EXPECT_LE(verifier.counts().forged,
+            10 * DatagramVerifier::kVerifications_Hz + DatagramVerifier::kBurst);
+  EXPECT_GT(verifier.counts().over_budget, 20'000U);
   EXPECT_TRUE(takes(datagram(2), 12.0)) << "the flood is over";
 }
 
@@ -81,7 +82,7 @@ TEST_F(DatagramInboxTest, ATimeThatGoesBackGivesNothing) {
   auto forged = datagram(1);
   forged.back() ^= 1U;
   for (int i = 0; i < 2000; ++i) (void)takes(forged, i % 2 == 0 ? 1.0 : 0.0);
-  EXPECT_LE(inbox.counts().forged, DatagramInbox::kBurst);
+  EXPECT_LE(verifier.counts().forged, DatagramVerifier::kBurst);
 }
 
 }  // namespace

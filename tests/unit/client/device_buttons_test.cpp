@@ -13,7 +13,7 @@ TEST(DeviceButtons, AreHeardOncePerPress) {
   DeviceButtons buttons(profile);
   EXPECT_TRUE(buttons.take(0b0100).pause);
   EXPECT_FALSE(buttons.take(0b0100).pause) << "it is held";
-  const DeviceButtons::Wish both = buttons.take(0b0101);
+  const DeviceButtons::ButtonActions both = buttons.take(0b0101);
   EXPECT_TRUE(both.rearm && !both.pause && !both.other);
   (void)buttons.take(0);
   EXPECT_TRUE(buttons.take(0b0100).pause);
@@ -24,7 +24,7 @@ TEST(DeviceButtons, WithoutAMeaningNothingIsSaid) {
   DeviceProfile dead_man;
   dead_man.enable_button = 1;
   DeviceButtons buttons(dead_man);
-  const DeviceButtons::Wish wish = buttons.take(0b1111);
+  const DeviceButtons::ButtonActions wish = buttons.take(0b1111);
   EXPECT_FALSE(wish.pause || wish.rearm || wish.other);
 }
 

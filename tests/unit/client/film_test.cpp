@@ -19,9 +19,9 @@ class FilmTest : public ::testing::Test {
   template <class PlayTime>
   void run(int ticks, PlayTime play_s) {
     FilmView film(file);
-    Desk desk;
-    desk.stream.connected = true;
-    desk.stream.fps = kFps;
+    UiState ui_state;
+    ui_state.stream.connected = true;
+    ui_state.stream.fps = kFps;
     for (int tick = 0; tick < ticks; ++tick) {
       if (tick % 40 == 0) {
         VideoFrame picture{0, 0, mediaTime(1e-3 * tick), {}};
@@ -34,7 +34,7 @@ class FilmTest : public ::testing::Test {
       report.play_time = mediaTime(play_s(tick));
       film.takeReport(report);
       if (tick % 10 == 0) {
-        EXPECT_TRUE(film.turn(desk)) << "a film never ends a run";
+        EXPECT_TRUE(film.turn(ui_state)) << "a film never ends a run";
       }
     }
     film.finish();

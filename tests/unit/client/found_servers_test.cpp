@@ -74,17 +74,17 @@ TEST(FoundServers, WhatStrangersSayIsBoundedAndClean) {
   evil.version = kProtocolVersion + 1;
   ServerList list;
   list.update({evil});
-  const std::string words = list.inWords();
+  const std::string words = list.toText();
   EXPECT_EQ(words.find_first_of("\x1b\n\x07"), std::string::npos) << words;
   EXPECT_LT(words.size(), 400U);
-  EXPECT_NE(words.find("speaks version "), std::string::npos) << words;
+  EXPECT_NE(words.find("protocol version "), std::string::npos) << words;
 
   std::vector<FoundServer> crowd;
   crowd.reserve(100);
   for (int i = 0; i < 100; ++i) crowd.push_back(announced("s" + std::to_string(100 + i)));
   list.update(crowd);
   EXPECT_FALSE(list.update(crowd));
-  const std::string all = list.inWords();
+  const std::string all = list.toText();
   EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), static_cast<long>(ServerList::kMost) - 1)
       << all;
   EXPECT_NE(all.find("and more, which are not shown"), std::string::npos) << all;

@@ -25,20 +25,20 @@ struct Network {
     return copies;
   }
 
-  LossMeter meter;
+  LossEstimator meter;
   std::mt19937 random{3};
   std::uint64_t id = 1000;
   double now_s = 50.0;
 };
 
-TEST(LossMeter, AsksForNothingWhereNothingIsLostOnceItIsSure) {
+TEST(LossEstimator, AsksForNothingWhereNothingIsLostOnceItIsSure) {
   Network network;
-  EXPECT_EQ(network.play(5.0, 0.0), LossMeter::kFirstCopies);
+  EXPECT_EQ(network.play(5.0, 0.0), LossEstimator::kFirstCopies);
   EXPECT_EQ(network.play(75.0, 0.0), 1U);
   EXPECT_LT(network.meter.loss(), 1e-6);
 }
 
-TEST(LossMeter, MeasuresWhatIsLostWhateverTheCopies) {
+TEST(LossEstimator, MeasuresWhatIsLostWhateverTheCopies) {
   for (const double loss : {0.01, 0.05, 0.1, 0.2}) {
     Network network;
     (void)network.play(60.0, loss);
@@ -46,17 +46,17 @@ TEST(LossMeter, MeasuresWhatIsLostWhateverTheCopies) {
   }
 }
 
-TEST(LossMeter, MoreCopiesForMoreLossAndFewerAfterAWhile) {
+TEST(LossEstimator, MoreCopiesForMoreLossAndFewerAfterAWhile) {
   Network network;
-  EXPECT_EQ(network.play(10.0, 0.02), LossMeter::kFirstCopies);
+  EXPECT_EQ(network.play(10.0, 0.02), LossEstimator::kFirstCopies);
   EXPECT_GE(network.play(10.0, 0.1), 3U);
   EXPECT_EQ(network.play(10.0, 0.3), 4U);
   EXPECT_EQ(network.play(5.0, 0.0), 4U) << "patience";
   EXPECT_EQ(network.play(100.0, 0.0), 1U);
 }
 
-TEST(LossMeter, CopiesThatAreLostTogetherAskForMore) {
-  LossMeter meter;
+TEST(LossEstimator, CopiesThatAreLostTogetherAskForMore) {
+  LossEstimator meter;
   std::uint32_t copies = meter.copies(localTime(50.0));
   for (std::uint64_t id = 1000; id < 1500; ++id) {
     if (id % 50 < 2) continue;  // of independent losses so rare two copies would be enough
@@ -67,13 +67,13 @@ TEST(LossMeter, CopiesThatAreLostTogetherAskForMore) {
   EXPECT_EQ(copies, 3U);
 }
 
-TEST(LossMeter, FramesOfWhichNothingComesCount) {
+TEST(LossEstimator, FramesOfWhichNothingComesCount) {
   Network network;
   (void)network.play(30.0, 0.5, 1);
   EXPECT_NEAR(network.meter.loss(), 0.5, 0.15);
 }
 
-TEST(LossMeter, AnotherNumberingIsNoLoss) {
+TEST(LossEstimator, AnotherNumberingIsNoLoss) {
   Network network;
   for (const std::uint64_t from : {1'000'000'000ULL, ~0ULL - 2000, 5000ULL, 20'000ULL, 0ULL}) {
     (void)network.play(75.0, 0.0);
@@ -84,7 +84,7 @@ TEST(LossMeter, AnotherNumberingIsNoLoss) {
   EXPECT_NEAR(network.meter.loss(), 0.1, 0.06) << "and loss is seen";
 }
 
-TEST(LossMeter, WhatNobodyHasSignedBeginsNoFrame) {
+TEST(LossEstimator, WhatNobodyHasSignedBeginsNoFrame) {
   Network network;
   (void)network.play(75.0, 0.0);
   for (std::uint64_t i = 0; i < 10'000; ++i)
@@ -94,8 +94,8 @@ TEST(LossMeter, WhatNobodyHasSignedBeginsNoFrame) {
   EXPECT_LT(network.meter.loss(), 1e-6);
 }
 
-TEST(LossMeter, MeasuresFixedCopiesToo) {
-  Network network{.meter = LossMeter(3, true)};
+TEST(LossEstimator, MeasuresFixedCopiesToo) {
+  Network network{.meter = LossEstimator(3, true)};
   EXPECT_EQ(network.play(60.0, 0.1), 3U);
   EXPECT_NEAR(network.meter.loss(), 0.1, 0.06);
 }

@@ -29,7 +29,7 @@ AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief
 
 class PreparerTest : public ::testing::Test {
  protected:
-  PreparerTest() { preparer.reset(Workspace{}); }
+  PreparerTest() { decode_thread.reset(Workspace{}); }
 
   /// The id of the next frame the loop gets, and what its object points to; 0 when none is there.
   std::uint64_t take() {
@@ -44,36 +44,36 @@ class PreparerTest : public ::testing::Test {
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   ManualClock clock;
   std::vector<PreparedFrame> done;
-  Preparer preparer{*pool, clock, Method::kHapticast,
-                    [this](const PreparedFrame& frame) { done.push_back(frame); }};
+  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
+                             [this](const PreparedFrame& frame) { done.push_back(frame); }};
   const HeightField* field = nullptr;
 };
 
 TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
-  EXPECT_FALSE(preparer.step());
-  (void)preparer.push(frameOf(1, 1, true));
+  EXPECT_FALSE(decode_thread.step());
+  (void)decode_thread.push(frameOf(1, 1, true));
   EXPECT_EQ(take(), 0U) << "pushing does not wait for the preparation";
   clock.set(localTime(3.0));
-  EXPECT_TRUE(preparer.step());
+  EXPECT_TRUE(decode_thread.step());
   EXPECT_EQ(take(), 1U);
   EXPECT_NE(field, nullptr);
   ASSERT_EQ(done.size(), 1U);
   EXPECT_EQ(done[0].ready, localTime(3.0));
   EXPECT_EQ(done[0].place.media_time, mediaTime(0.04));
   EXPECT_TRUE(done[0].handed_on);
-  EXPECT_FALSE(preparer.step());
+  EXPECT_FALSE(decode_thread.step());
 }
 
 TEST_F(PreparerTest, WhatIsLeftOutMayBeCalledUnchangedLater) {
-  (void)preparer.push(frameOf(1, 1, true));
-  (void)preparer.push(frameOf(2, 2, true));
+  (void)decode_thread.push(frameOf(1, 1, true));
+  (void)decode_thread.push(frameOf(2, 2, true));
   std::size_t left_out = 0;
   for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
-    left_out += preparer.push(frameOf(id, 2, false));
+    left_out += decode_thread.push(frameOf(id, 2, false));
   }
   EXPECT_EQ(left_out, 2U);
   for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
-    ASSERT_TRUE(preparer.step());
+    ASSERT_TRUE(decode_thread.step());
     EXPECT_EQ(done.back().reliefs_missing, 0U) << id;
     EXPECT_EQ(take(), id);
     ASSERT_NE(field, nullptr) << id;
@@ -83,34 +83,34 @@ TEST_F(PreparerTest, WhatIsLeftOutMayBeCalledUnchangedLater) {
 
 TEST_F(PreparerTest, WhatTheLoopHadNoRoomForMayBeCalledUnchangedLater) {
   for (std::uint64_t id = 1; id <= FramePool::kSlots + 1; ++id) {
-    (void)preparer.push(frameOf(id, id, true));
-    (void)preparer.step();
+    (void)decode_thread.push(frameOf(id, id, true));
+    (void)decode_thread.step();
   }
   EXPECT_FALSE(done.back().handed_on);
   while (take() != 0) {
   }
-  (void)preparer.push(frameOf(FramePool::kSlots + 2, FramePool::kSlots + 1, false));
-  (void)preparer.step();
+  (void)decode_thread.push(frameOf(FramePool::kSlots + 2, FramePool::kSlots + 1, false));
+  (void)decode_thread.step();
   EXPECT_EQ(take(), FramePool::kSlots + 2);
   EXPECT_NE(field, nullptr);
 }
 
 TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
-  (void)preparer.push(frameOf(1, 1, true));
-  (void)preparer.step();
-  (void)preparer.push(frameOf(2, 1, false));
-  preparer.reset(Workspace{});
-  EXPECT_FALSE(preparer.step()) << "frames that waited are void";
-  (void)preparer.push(frameOf(3, 1, false));
-  (void)preparer.step();
+  (void)decode_thread.push(frameOf(1, 1, true));
+  (void)decode_thread.step();
+  (void)decode_thread.push(frameOf(2, 1, false));
+  decode_thread.reset(Workspace{});
+  EXPECT_FALSE(decode_thread.step()) << "frames that waited are void";
+  (void)decode_thread.push(frameOf(3, 1, false));
+  (void)decode_thread.step();
   EXPECT_EQ(done.back().reliefs_missing, 1U) << "reliefs of before are forgotten";
 }
 
 TEST_F(PreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {
-  (void)preparer.push(frameOf(1, 1, true));
-  (void)preparer.push(frameOf(2, 1, true));
-  (void)preparer.push(frameOf(3, 1, false));
-  while (preparer.step()) {
+  (void)decode_thread.push(frameOf(1, 1, true));
+  (void)decode_thread.push(frameOf(2, 1, true));
+  (void)decode_thread.push(frameOf(3, 1, false));
+  while (decode_thread.step()) {
   }
   EXPECT_EQ(take(), 1U);
   const HeightField* const first = field;
@@ -125,14 +125,14 @@ TEST(PreparerThread, BringsFramesFromTheNetworkToTheLoop) {
   const SteadyClock clock;
   const auto pool = std::make_unique<FramePool>();
   std::atomic<std::uint64_t> dropped{0};
-  Preparer preparer(*pool, clock, Method::kHapticast, [&](const PreparedFrame& frame) {
+  DecodeThread decode_thread(*pool, clock, Method::kHapticast, [&](const PreparedFrame& frame) {
     if (!frame.handed_on) ++dropped;
   });
-  preparer.reset(Workspace{});
-  preparer.start();
+  decode_thread.reset(Workspace{});
+  decode_thread.start();
   std::jthread network([&] {
     for (std::uint64_t id = 1; id <= kFrames; ++id) {
-      dropped += preparer.push(frameOf(id, 1 + id / 10, id % 10 == 0 || id == 1));
+      dropped += decode_thread.push(frameOf(id, 1 + id / 10, id % 10 == 0 || id == 1));
     }
   });
   std::uint64_t last = 0;
@@ -152,9 +152,9 @@ TEST(PreparerThread, BringsFramesFromTheNetworkToTheLoop) {
     pool->giveBack(index);
   }
   network.join();
-  preparer.stop();
+  decode_thread.stop();
   EXPECT_EQ(got + dropped, kFrames);
-  preparer.stop();  // a second time is no harm
+  decode_thread.stop();  // a second time is no harm
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ class ReceiverTest : public ::testing::Test {
     clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
                         fromSeconds(kLatency_s + lateness_s)));
     receiver.frame(testing::coded(frame), clock.now());
-    (void)preparer.step();
+    (void)decode_thread.step();
   }
   /// What the loop gets next; null when nothing came.
   const PlayFrame* take() {
@@ -60,11 +60,11 @@ class ReceiverTest : public ::testing::Test {
   }
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
-  LatestValue<StreamState> stream;
+  LatestValue<StreamTiming> stream;
   ManualClock clock;
-  Preparer preparer{*pool, clock, Method::kHapticast,
-                    [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
-  Receiver receiver{preparer, stream, 1};
+  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
+                             [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+  Receiver receiver{decode_thread, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;
 };
@@ -77,7 +77,7 @@ TEST_F(ReceiverTest, IsConnectedOnceStreamAndClockAreKnown) {
   receiver.connected(description, localTime(1));
   EXPECT_FALSE(stream.load().connected);
   syncClock(1.1);
-  const StreamState now = stream.load();
+  const StreamTiming now = stream.load();
   EXPECT_TRUE(now.connected);
   EXPECT_EQ(now.clock_offset, fromSeconds(kOffset_s));
   EXPECT_EQ(now.pipeline_latency, fromSeconds(kLatency_s));
@@ -220,9 +220,9 @@ TEST_F(ReceiverTest, AFrameWaitsForItsPartsAQuarterOfAnIntervalBeyondItsTime) {
                            stream.load().playout_delay_target;
   EXPECT_NEAR(toSeconds(*due() - played), 0.010, 1e-6);
   receiver.release(*due() - Duration(1));
-  EXPECT_FALSE(preparer.step());
+  EXPECT_FALSE(decode_thread.step());
   receiver.release(*due());
-  EXPECT_TRUE(preparer.step());
+  EXPECT_TRUE(decode_thread.step());
   EXPECT_FALSE(due());
 }
 

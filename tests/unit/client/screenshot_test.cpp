@@ -37,13 +37,13 @@ class ScreenshotTest : public ::testing::Test {
   const TempFolder folder;
   const std::string file = (folder / "screenshot.png").string();
   Screenshot screenshot{file};
-  Desk desk;
+  UiState ui_state;
 };
 
 TEST_F(ScreenshotTest, ShowsTheStrongestTouchEvenIfNoPictureComes) {
   for (const double force_N : {0.0, 0.5, 2.0, 1.0, 0.0}) {
     screenshot.takeReport(touching(force_N, force_N));
-    EXPECT_TRUE(screenshot.turn(desk)) << "a screenshot never ends a run";
+    EXPECT_TRUE(screenshot.turn(ui_state)) << "a screenshot never ends a run";
   }
   EXPECT_EQ(screenshot.moment().force_N.z(), 2.0);
   EXPECT_EQ(written().cols, 960);
@@ -59,7 +59,7 @@ TEST_F(ScreenshotTest, ShowsThePictureOfTheStrongestMoment) {
     const double time_s = 0.04 * i;
     screenshot.takePicture(greyPicture(time_s, i), Workspace{});
     screenshot.takeReport(touching(time_s, i == 100 ? 2.0 : 1.0));
-    (void)screenshot.turn(desk);
+    (void)screenshot.turn(ui_state);
   }
   const cv::Mat picture = written();
   ASSERT_FALSE(picture.empty());

@@ -30,7 +30,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_FALSE(run.settings.sound);
   EXPECT_EQ(run.settings.stiffness_limit_N_mm, 0.0);
   EXPECT_EQ(run.settings.fault_folder, "");
-  EXPECT_EQ(run.settings.delivery.best, Way::kDatagrams);
+  EXPECT_EQ(run.settings.delivery.best, Transport::kDatagrams);
   EXPECT_EQ(run.settings.delivery.copies, 0U);
   EXPECT_EQ(run.settings.delivery.interface_name, "");
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
@@ -61,7 +61,7 @@ void expectAll(const Settings& settings) {
   EXPECT_TRUE(settings.hand_given);
   EXPECT_EQ(settings.view, ViewChoice::kOff);
   EXPECT_EQ(settings.forces, Forces::kStatic);
-  EXPECT_EQ(settings.delivery.best, Way::kTcp);
+  EXPECT_EQ(settings.delivery.best, Transport::kTcp);
   EXPECT_EQ(settings.delivery.copies, 3U);
   EXPECT_EQ(settings.delivery.interface_name, "lo");
   EXPECT_EQ(settings.surface, SurfaceKind::kPerturbed);

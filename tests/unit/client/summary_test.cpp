@@ -62,7 +62,7 @@ RunResult eventful() {
   result.frames.slices_lost = 12;
   result.frames.slices_refused = 13;
   result.datagrams = {14, 15, 16, 17, 18, 19};
-  result.delivery = {Way::kGroup, 0.25, 2};
+  result.delivery = {Transport::kGroup, 0.25, 2};
   result.bytes_received = 12'345'678'901ULL;
   result.playout_delay_ms = 41.5;
   result.clock_offset_us = -1234567890.125;
@@ -143,7 +143,7 @@ TEST(Summary, AFileThatCannotBeWrittenIsNamed) {
 
 TEST(SummaryInWords, OfARun) {
   EXPECT_EQ(
-      inWords(eventful()),
+      toText(eventful()),
       "10.0 s at 1 kHz, 3 ticks late; a tick takes 10.0 us (median), 10.0 us (99.9 %).\n"
       "In contact for 20 % of the time, 75.0 % of it between two received frames; strongest "
       "force 1.25 N.\n"
@@ -160,11 +160,11 @@ TEST(SummaryInWords, OfARun) {
 
 TEST(SummaryInWords, OfAChainThatHadLittleToDo) {
   RunResult result;
-  result.loop.interferences[static_cast<std::size_t>(Interference::kFade)] = 300;
-  EXPECT_NE(inWords(result).find("No force step that the hand's own motion does not explain.\n"),
+  result.loop.interferences[static_cast<std::size_t>(SafetyAction::kFade)] = 300;
+  EXPECT_NE(toText(result).find("No force step that the hand's own motion does not explain.\n"),
             std::string::npos);
-  result.loop.interferences[static_cast<std::size_t>(Interference::kTank)] = 1;
-  const std::string words = inWords(result);
+  result.loop.interferences[static_cast<std::size_t>(SafetyAction::kTank)] = 1;
+  const std::string words = toText(result);
   EXPECT_NE(words.find("worked: energy into the hand was held back (1 tick).\n"),
             std::string::npos);
   EXPECT_EQ(words.find("No force step"), std::string::npos);
@@ -172,11 +172,11 @@ TEST(SummaryInWords, OfAChainThatHadLittleToDo) {
 
 TEST(SummaryInWords, OfNothingFaultsAndSteps) {
   RunResult result;
-  EXPECT_NE(inWords(result).find("Nothing was touched.\n"), std::string::npos);
-  EXPECT_EQ(inWords(result).find("Faults"), std::string::npos);
+  EXPECT_NE(toText(result).find("Nothing was touched.\n"), std::string::npos);
+  EXPECT_EQ(toText(result).find("Faults"), std::string::npos);
   result.loop.step_excess_max_N = 0.5;
   result.loop.faults[static_cast<std::size_t>(Fault::kDeviceLost)] = 1;
-  const std::string words = inWords(result);
+  const std::string words = toText(result);
   EXPECT_NE(words.find("WARNING: a force step exceeded its limit by 0.500 N.\n"),
             std::string::npos);
   EXPECT_NE(words.find("Faults: [\"device_lost\"]\n"), std::string::npos);

@@ -18,7 +18,7 @@ class WindowTest : public ::testing::Test {
   WindowTest() {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
     setenv("SDL_RENDER_DRIVER", "software", 1);
-    desk.stream.connected = true;
+    ui_state.stream.connected = true;
   }
   static VideoFrame grey(int level) {
     VideoFrame frame{0, 0, mediaTime(1.0), {}};
@@ -55,7 +55,7 @@ class WindowTest : public ::testing::Test {
     }
     return farthest;
   }
-  Desk desk;
+  UiState ui_state;
 };
 
 TEST_F(WindowTest, ArrowsPointWhereTheForceDoesInEverySize) {
@@ -64,7 +64,7 @@ TEST_F(WindowTest, ArrowsPointWhereTheForceDoesInEverySize) {
     window.takePicture(grey(90), Workspace{});
     const TickReport report = touch();
     window.takeReport(report);
-    window.draw(desk);
+    window.draw(ui_state);
     const cv::Mat pixels = window.pixels();
     ASSERT_EQ(pixels.size(), size);
     const ScenePlace& place = window.place();
@@ -86,7 +86,7 @@ TEST_F(WindowTest, ArrowsPointWhereTheForceDoesInEverySize) {
 TEST_F(WindowTest, ThePictureOfAPausedFrameStaysHoweverLongThePauseIs) {
   ViewerWindow window(640, 480);
   const auto shown = [&] {
-    window.draw(desk);
+    window.draw(ui_state);
     return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y) - 3, 3)[1];
   };
   window.takePicture(grey(90), Workspace{});
@@ -109,23 +109,23 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   window.takePicture(grey(90), Workspace{});
   TickReport report = touch();
   window.takeReport(report);
-  EXPECT_TRUE(window.turn(desk));
+  EXPECT_TRUE(window.turn(ui_state));
   const auto key = [&](SDL_Keycode code) {
     SDL_Event event{};
     event.type = SDL_KEYDOWN;
     event.key.keysym.sym = code;
     SDL_PushEvent(&event);
-    EXPECT_TRUE(window.turn(desk));
+    EXPECT_TRUE(window.turn(ui_state));
   };
   key(SDLK_SPACE);
-  EXPECT_TRUE(desk.user.paused);
+  EXPECT_TRUE(ui_state.user.paused);
   key(SDLK_s);
   key(SDLK_d);
-  EXPECT_FALSE(desk.user.static_on || desk.user.dynamic_on);
+  EXPECT_FALSE(ui_state.user.static_on || ui_state.user.dynamic_on);
   key(SDLK_m);
-  EXPECT_EQ(desk.user.method, Method::kThesis);
+  EXPECT_EQ(ui_state.user.method, Method::kThesis);
   key(SDLK_r);
-  EXPECT_EQ(desk.user.rearm, 1U);
+  EXPECT_EQ(ui_state.user.rearm, 1U);
 
   SDL_Event motion{};
   motion.type = SDL_MOUSEMOTION;
@@ -133,21 +133,21 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   motion.motion.x = static_cast<int>(at.x);
   motion.motion.y = static_cast<int>(at.y);
   SDL_PushEvent(&motion);
-  EXPECT_TRUE(window.turn(desk));
-  ASSERT_TRUE(desk.pointer.known);
-  EXPECT_LT((desk.pointer.position_mm - Vec3(-10.0, 20.0, 12.0)).norm(), 1.0)
+  EXPECT_TRUE(window.turn(ui_state));
+  ASSERT_TRUE(ui_state.pointer.known);
+  EXPECT_LT((ui_state.pointer.position_mm - Vec3(-10.0, 20.0, 12.0)).norm(), 1.0)
       << "in depth it begins where the tip is";
   SDL_Event wheel{};
   wheel.type = SDL_MOUSEWHEEL;
   wheel.wheel.preciseY = -4.0F;
   SDL_PushEvent(&wheel);
-  EXPECT_TRUE(window.turn(desk));
-  EXPECT_DOUBLE_EQ(desk.pointer.position_mm.z(), 8.0);
+  EXPECT_TRUE(window.turn(ui_state));
+  EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 8.0);
 
   SDL_Event quit{};
   quit.type = SDL_QUIT;
   SDL_PushEvent(&quit);
-  EXPECT_FALSE(window.turn(desk));
+  EXPECT_FALSE(window.turn(ui_state));
 }
 
 TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
@@ -171,10 +171,10 @@ TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
     event.type = SDL_KEYDOWN;
     event.key.keysym.sym = code;
     SDL_PushEvent(&event);
-    EXPECT_TRUE(window.turn(desk));
-    window.draw(desk);
+    EXPECT_TRUE(window.turn(ui_state));
+    window.draw(ui_state);
   };
-  window.draw(desk);
+  window.draw(ui_state);
   EXPECT_NEAR(at(400, 140)[1], 60, 3) << "not asked for";
   press(SDLK_o);
   for (const Vec2& edge : {Vec2(400, 140), Vec2(519, 140), Vec2(460, 100), Vec2(460, 179)})
@@ -190,7 +190,7 @@ TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
   press(SDLK_v);
   EXPECT_NEAR(at(20, 460)[1], 60, 3);
   press(SDLK_l);
-  EXPECT_TRUE(desk.record);
+  EXPECT_TRUE(ui_state.record);
 }
 
 TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
@@ -200,11 +200,11 @@ TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
   const auto field = std::make_shared<const HeightField>(
       HeightField::prepare(*flatRelief({400, 100, 120, 80}), Workspace{}));
   window.takeFrame({touch().play_time, {field}});
-  window.draw(desk);
+  window.draw(ui_state);
   const auto send = [&](SDL_Event event) {
     SDL_PushEvent(&event);
-    EXPECT_TRUE(window.turn(desk));
-    window.draw(desk);
+    EXPECT_TRUE(window.turn(ui_state));
+    window.draw(ui_state);
   };
   SDL_Event key{};
   key.type = SDL_KEYDOWN;
@@ -228,7 +228,7 @@ TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
   motion.motion.x = button.button.x;
   motion.motion.y = button.button.y;
   send(motion);
-  EXPECT_FALSE(desk.pointer.known);
+  EXPECT_FALSE(ui_state.pointer.known);
   EXPECT_GT(cv::norm(before, window.pixels()(inside), cv::NORM_L1), 10'000.0);
   button.type = SDL_MOUSEBUTTONUP;
   send(button);
@@ -241,7 +241,7 @@ TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
     TickReport report = touch();
     report.play_time = mediaTime(play_s);
     window.takeReport(report);
-    window.draw(desk);
+    window.draw(ui_state);
   }
   ASSERT_NE(window.eyeHand(), nullptr);
   EXPECT_EQ(window.eyeHand()->count(), 3U) << "time that stands says nothing";
@@ -253,7 +253,7 @@ TEST_F(WindowTest, TheChainSpeaksInPlainWords) {
   TickReport report = touch();
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "nothing to do");
-  report.interferences = bit(Interference::kSlew) | bit(Interference::kFade);
+  report.interferences = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "a step was slowed");
 }
@@ -273,14 +273,15 @@ TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
 TEST_F(WindowTest, TheLineOfStatusSaysWhyThereIsNoForce) {
   TickReport report = touch();
   report.force_N = {0.0, 0.0, 1.2};
-  EXPECT_EQ(statusLine(report, desk), "in contact, 1.2 N");
+  EXPECT_EQ(statusLine(report, ui_state), "in contact, 1.2 N");
   report.lookup = Lookup::kFaded;
-  EXPECT_EQ(statusLine(report, desk), "no fresh frames: the force has faded");
+  EXPECT_EQ(statusLine(report, ui_state), "no fresh frames: the force has faded");
   report.halt = Halt::kTrustLost;
-  EXPECT_EQ(statusLine(report, desk), "the stream is not trusted any more: no force (R re-arms)");
+  EXPECT_EQ(statusLine(report, ui_state),
+            "the stream is not trusted any more: no force (R re-arms)");
   report.halt = Halt::kNone;
-  desk.stream.connected = false;
-  EXPECT_EQ(statusLine(report, desk), "no server yet: waiting for one");
+  ui_state.stream.connected = false;
+  EXPECT_EQ(statusLine(report, ui_state), "no server yet: waiting for one");
 }
 
 }  // namespace

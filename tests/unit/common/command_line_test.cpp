@@ -117,19 +117,19 @@ TEST_F(CommandLineTest, ComplaintsNameTheCause) {
 
 TEST(CommandLine, SuggestsWhatIsNearOnly) {
   const std::vector<std::string> words = {"--seconds", "--summary", "--log", "on"};
-  EXPECT_EQ(didYouMean("--second", words), "; did you mean --seconds?");
-  EXPECT_EQ(didYouMean("--sumamry", words), "; did you mean --summary?") << "swapped";
-  EXPECT_EQ(didYouMean("--lgo", words), "; did you mean --log?");
-  EXPECT_EQ(didYouMean("no", words), "; did you mean on?");
-  EXPECT_EQ(didYouMean("x", words), "");
-  EXPECT_EQ(didYouMean("--other", words), "");
-  EXPECT_EQ(didYouMean("", words), "");
-  EXPECT_EQ(didYouMean(std::string(100'000, '-'), words), "");
+  EXPECT_EQ(spellingHint("--second", words), "; did you mean --seconds?");
+  EXPECT_EQ(spellingHint("--sumamry", words), "; did you mean --summary?") << "swapped";
+  EXPECT_EQ(spellingHint("--lgo", words), "; did you mean --log?");
+  EXPECT_EQ(spellingHint("no", words), "; did you mean on?");
+  EXPECT_EQ(spellingHint("x", words), "");
+  EXPECT_EQ(spellingHint("--other", words), "");
+  EXPECT_EQ(spellingHint("", words), "");
+  EXPECT_EQ(spellingHint(std::string(100'000, '-'), words), "");
 }
 
 TEST(CommandLine, ForeignTextCannotSteerATerminal) {
-  EXPECT_EQ(oneLine("a\x1b[2J\r\n\tb\x7f"), "a?[2J???b?");
-  EXPECT_EQ(oneLine("größer"), "größer");
+  EXPECT_EQ(stripControls("a\x1b[2J\r\n\tb\x7f"), "a?[2J???b?");
+  EXPECT_EQ(stripControls("größer"), "größer");
 }
 
 TEST_F(CommandLineTest, ConfigFileHoldsTheSameKeys) {

@@ -116,7 +116,7 @@ TEST(DatagramGoldenTest, ItIsReadAsItWasMeant) {
   const auto bytes = exampleDatagram();
   const auto datagram = readDatagram(bytes);
   ASSERT_TRUE(datagram);
-  JoinedFrame join(datagram->header);
+  Reassembly join(datagram->header);
   EXPECT_FALSE(join.add(datagram->header, datagram->payload));
   ASSERT_TRUE(join.whole());
   const CodedFrame frame = join.frame();

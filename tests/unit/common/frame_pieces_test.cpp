@@ -74,9 +74,9 @@ DatagramHeader headerOf(const CodedFrame& frame, std::size_t part, std::size_t p
           static_cast<std::uint16_t>(parts)};
 }
 
-JoinedFrame joined(const CodedFrame& frame, const Payloads& payloads,
-                   const std::vector<std::size_t>& order) {
-  JoinedFrame join(headerOf(frame, order.front(), payloads.size()));
+Reassembly joined(const CodedFrame& frame, const Payloads& payloads,
+                  const std::vector<std::size_t>& order) {
+  Reassembly join(headerOf(frame, order.front(), payloads.size()));
   for (const std::size_t part : order) {
     const DatagramHeader header = headerOf(frame, part, payloads.size());
     EXPECT_TRUE(join.lacks(header));
@@ -96,7 +96,7 @@ TEST(FramePiecesTest, WhatIsPackedComesOutWhateverTheOrder) {
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), std::mt19937(seed));
     for (const auto& payload : payloads) EXPECT_LE(payload.size(), kMostPieceBytes);
-    const JoinedFrame join = joined(frame, payloads, order);
+    const Reassembly join = joined(frame, payloads, order);
     EXPECT_TRUE(join.whole());
     const CodedFrame out = join.frame();
     for (const CodedObject& object : out.objects)
@@ -114,7 +114,7 @@ TEST(FramePiecesTest, WhatArrivesIsUsable) {
     for (std::size_t i = 1; i < payloads.size(); ++i) {
       if (random() % 3 != 0) order.push_back(i);
     }
-    const JoinedFrame join = joined(frame, payloads, order);
+    const Reassembly join = joined(frame, payloads, order);
     const CodedFrame out = join.frame();
     EXPECT_EQ(join.whole(), order.size() == payloads.size());
     EXPECT_FALSE(out.objects.empty());
@@ -160,7 +160,7 @@ TEST(FramePiecesTest, PartsThatContradictEachOtherMakeNoFrame) {
   const Payloads payloads = packFrame(frame);
   const DatagramHeader first = headerOf(frame, 0, payloads.size());
   const auto fails = [&](const std::vector<std::uint8_t>& second) {
-    JoinedFrame join(first);
+    Reassembly join(first);
     EXPECT_FALSE(join.add(first, payloads[0]));
     DatagramHeader header = first;
     header.part = 1;
@@ -177,11 +177,11 @@ TEST(FramePiecesTest, PartsThatContradictEachOtherMakeNoFrame) {
   }
   EXPECT_TRUE(fails(packFrame(moved).back())) << "a slice of a rectangle elsewhere";
   EXPECT_TRUE(fails({0xFF}));
-  JoinedFrame twice(first);
+  Reassembly twice(first);
   EXPECT_FALSE(twice.add(headerOf(frame, 1, payloads.size()), payloads.back()));
   EXPECT_TRUE(twice.add(headerOf(frame, 2, payloads.size()), payloads.back()))
       << "the same slices again";
-  JoinedFrame join(first);
+  Reassembly join(first);
   for (const auto& change : std::vector<std::function<void(DatagramHeader&)>>{
            [](auto& h) { ++h.frame; }, [](auto& h) { ++h.epoch; }, [](auto& h) { ++h.parts; },
            [](auto& h) { h.media_time += Duration(1); }, [](auto& h) { ++h.stream; }}) {
@@ -202,7 +202,7 @@ TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
     object.relief = relief;
   }
   const Payloads few = packFrame(frame);
-  JoinedFrame join(headerOf(frame, 0, honest.size()));
+  Reassembly join(headerOf(frame, 0, honest.size()));
   EXPECT_FALSE(join.add(headerOf(frame, 0, honest.size()), few[0]));
   bool refused = false;
   for (std::size_t part = 1; part < honest.size() && !refused; ++part)

@@ -26,8 +26,8 @@ TEST(Text, NumbersAreWholeAndFinite) {
 }
 
 TEST(Text, QuotesAreCutAfterFortyBytes) {
-  EXPECT_EQ(inQuotes("a b"), "'a b'");
-  EXPECT_EQ(inQuotes(std::string(41, 'x')), "'" + std::string(40, 'x') + "...'");
+  EXPECT_EQ(quote("a b"), "'a b'");
+  EXPECT_EQ(quote(std::string(41, 'x')), "'" + std::string(40, 'x') + "...'");
 }
 
 TEST(Text, KeyValueLinesWithCommentsSpaceAndQuotes) {

@@ -18,16 +18,16 @@ using MotionAt = std::function<Motion(double time_s)>;
 class BeliefTest : public ::testing::Test {
  protected:
   /// Five frames of a body whose relief moves with it, the third at `time_s`.
-  Belief of(const MotionAt& motion, double time_s, bool moves = true) {
-    Sightings seen;
-    for (std::size_t i = 0; i < Sightings::kFrames; ++i) {
+  PlausibilityBounds of(const MotionAt& motion, double time_s, bool moves = true) {
+    ObjectHistory seen;
+    for (std::size_t i = 0; i < ObjectHistory::kFrames; ++i) {
       objects_[i] = PlayObject{};
       objects_[i].motion = motion(time_s + kStep_s * (static_cast<double>(i) - 2.0));
       objects_[i].field = &fields_[moves ? i : 0];
       seen.object[i] = &objects_[i];
     }
     seen.interval_s.fill(kStep_s);
-    return beliefIn(seen);
+    return boundsFrom(seen);
   }
   static MotionAt swinging(double hz, double amplitude_mm) {
     return [=](double t) {
@@ -40,22 +40,22 @@ class BeliefTest : public ::testing::Test {
     };
   }
 
-  std::array<PlayObject, Sightings::kFrames> objects_;
-  std::array<HeightField, Sightings::kFrames> fields_;
+  std::array<PlayObject, ObjectHistory::kFrames> objects_;
+  std::array<HeightField, ObjectHistory::kFrames> fields_;
 };
 
 TEST_F(BeliefTest, ABodyAtRestHasNoAccelerationWhateverItSays) {
   Motion lie;
   lie.acceleration_mm_s2.z() = 1e8;
-  const Belief belief = of([&](double) { return lie; }, 1.0);
-  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
-  EXPECT_EQ(belief.impact_mm_s, 0.0);
-  EXPECT_EQ(belief.turn_rad_s, 0.0);
-  EXPECT_EQ(belief.turn_rate_rad_s2, 0.0);
+  const PlausibilityBounds plausibility = of([&](double) { return lie; }, 1.0);
+  EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(plausibility.impact_mm_s, 0.0);
+  EXPECT_EQ(plausibility.turn_rad_s, 0.0);
+  EXPECT_EQ(plausibility.turn_rate_rad_s2, 0.0);
 }
 
 TEST_F(BeliefTest, VelocitiesThatThePositionsDoNotFollowBearNothingOut) {
-  const Belief belief = of(
+  const PlausibilityBounds plausibility = of(
       [](double t) {
         Motion motion;
         motion.velocity_mm_s.x() = std::fmod(t, 0.08) < 0.04 ? 1000.0 : -1000.0;
@@ -63,27 +63,27 @@ TEST_F(BeliefTest, VelocitiesThatThePositionsDoNotFollowBearNothingOut) {
         return motion;
       },
       1.0);
-  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
-  EXPECT_EQ(belief.impact_mm_s, 0.0);
-  EXPECT_EQ(belief.turn_rate_rad_s2, 0.0);
+  EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(plausibility.impact_mm_s, 0.0);
+  EXPECT_EQ(plausibility.turn_rate_rad_s2, 0.0);
 }
 
 TEST_F(BeliefTest, PositionsThatAReliefDoesNotFollowBearNothingOut) {
-  const Belief belief = of(swinging(4.0, 5.0), 1.0, /*moves=*/false);
-  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
-  EXPECT_EQ(belief.grid_mm_s2, 0.0);
+  const PlausibilityBounds plausibility = of(swinging(4.0, 5.0), 1.0, /*moves=*/false);
+  EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(plausibility.grid_mm_s2, 0.0);
 }
 
 TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
   for (const double hz : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
     for (int i = 0; i < 100; ++i) {
       const double time_s = i * 0.013;
-      const Belief belief = of(swinging(hz, 5.0), time_s);
+      const PlausibilityBounds plausibility = of(swinging(hz, 5.0), time_s);
       const Motion told = swinging(hz, 5.0)(time_s);
-      EXPECT_GE(belief.acceleration_mm_s2, told.acceleration_mm_s2.norm())
+      EXPECT_GE(plausibility.acceleration_mm_s2, told.acceleration_mm_s2.norm())
           << hz << " Hz at " << time_s;
       const double w = 2.0 * M_PI * hz;
-      EXPECT_LE(belief.acceleration_mm_s2, 3.1 * 5.0 * w * w) << hz << " Hz at " << time_s;
+      EXPECT_LE(plausibility.acceleration_mm_s2, 3.1 * 5.0 * w * w) << hz << " Hz at " << time_s;
     }
   }
 }
@@ -91,7 +91,7 @@ TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
 TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
   for (const double into : {0.1, 0.5, 0.9}) {  // of the interval
     const double hit_s = 1.0 + into * kStep_s;
-    const Belief belief = of(
+    const PlausibilityBounds plausibility = of(
         [=](double t) {
           const double speed_mm_s = t < hit_s ? -400.0 : 400.0;
           Motion motion;
@@ -100,31 +100,31 @@ TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
           return motion;
         },
         1.0);
-    EXPECT_GE(belief.impact_mm_s, 800.0) << into;
-    EXPECT_LE(belief.impact_mm_s, 2.0 * 800.0) << into;
+    EXPECT_GE(plausibility.impact_mm_s, 800.0) << into;
+    EXPECT_LE(plausibility.impact_mm_s, 2.0 * 800.0) << into;
   }
 }
 
 TEST_F(BeliefTest, FramesCloserThanAnyStreamsBearNothingOut) {
-  Sightings seen;
-  for (std::size_t i = 0; i < Sightings::kFrames; ++i) {
+  ObjectHistory seen;
+  for (std::size_t i = 0; i < ObjectHistory::kFrames; ++i) {
     objects_[i].motion.position_mm.z() = i % 2 == 0 ? 10.0 : 10.01;
     objects_[i].field = &fields_[i];
     seen.object[i] = &objects_[i];
   }
   seen.interval_s = {1e-6, 0.08, 1e-6, 0.08};
-  EXPECT_LE(beliefIn(seen).acceleration_mm_s2, 20.0);
+  EXPECT_LE(boundsFrom(seen).acceleration_mm_s2, 20.0);
   seen.interval_s.fill(1.0 / 240.0);
-  EXPECT_GE(beliefIn(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0) << "the fastest stream's do";
+  EXPECT_GE(boundsFrom(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0) << "the fastest stream's do";
 }
 
 TEST_F(BeliefTest, WithoutNeighboursOnlyWhatIsThereCounts) {
   const PlayObject alone;
-  Sightings seen;
-  seen.object[Sightings::kNow] = &alone;
-  const Belief belief = beliefIn(seen);
-  EXPECT_EQ(belief.acceleration_mm_s2, 0.0);
-  EXPECT_EQ(belief.impact_mm_s, 0.0);
+  ObjectHistory seen;
+  seen.object[ObjectHistory::kNow] = &alone;
+  const PlausibilityBounds plausibility = boundsFrom(seen);
+  EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
+  EXPECT_EQ(plausibility.impact_mm_s, 0.0);
 }
 
 }  // namespace

@@ -28,9 +28,9 @@ class DynamicForceTest : public ::testing::Test {
 
   DeviceProfile profile;
   DynamicForce dynamic{profile};
-  StreamState stream;
+  StreamTiming stream;
   PlayObject before = makeObject(1, nullptr, Vec3::Zero());
-  ObjectNow now;
+  InterpolatedObject now;
 };
 
 TEST_F(DynamicForceTest, PushesTheWayTheBallAccelerates) {
@@ -92,7 +92,7 @@ TEST_F(DynamicForceTest, MassIsTheAuthorsOrAHandfulWithinTheDevicesShare) {
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 5.0, 1e-12);
   stream.largest_acceleration_mm_s2 = 20000;  // unless the device forces it
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88 / 20, 1e-12);
-  stream = StreamState{};
+  stream = StreamTiming{};
   EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
   for (const double bad :
        {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1.0}) {
@@ -213,9 +213,9 @@ TEST_F(DynamicForceTest, AnImpactIsRenderedOnceThoughFramesDisagreeOrForgetIt) {
 
 TEST_F(DynamicForceTest, AnImpactIsDoubtedByWhatIsFeltOfIt) {
   before.impact_count = 1;
-  const auto doubts = [&](double time_s, double told_mm_s, double believed_mm_s) {
-    before.impacts[0] = {mediaTime(time_s), {0, 0, told_mm_s}};
-    now.belief.impact_mm_s = believed_mm_s;
+  const auto doubts = [&](double time_s, double logged_mm_s, double believed_mm_s) {
+    before.impacts[0] = {mediaTime(time_s), {0, 0, logged_mm_s}};
+    now.plausibility.impact_mm_s = believed_mm_s;
     (void)force(time_s + 0.001);
     return dynamic.doubted();
   };

@@ -30,9 +30,9 @@ class Tip {
 constexpr double kForce_N = 2.0;
 const Vec3 kForce(0.0, 0.0, kForce_N);
 
-TEST(EnergyPorts, MetersTheForceThatActed) {
+TEST(PassivityObserver, MetersTheForceThatActed) {
   for (int delay = 0; delay <= kMostDelay_ticks; ++delay) {
-    EnergyPorts ports(delay, 0.0);
+    PassivityObserver ports(delay, 0.0);
     Tip tip;
     ports.sent(kForce, Vec3::Zero());
     for (int age = 0; age <= kMostDelay_ticks; ++age) {
@@ -44,11 +44,11 @@ TEST(EnergyPorts, MetersTheForceThatActed) {
   }
 }
 
-TEST(EnergyPorts, CountsAreNoWork) {
+TEST(PassivityObserver, CountsAreNoWork) {
   // In and out of a spring of 1 N/mm, a tenth of a count per tick: whole counts would be paid in
   // with one force and out with the next, and 1 mm of it would read 0.055 mJ.
   constexpr double kCount_mm = 0.055;
-  EnergyPorts ports(0, kCount_mm);
+  PassivityObserver ports(0, kCount_mm);
   double force_N = 0.0;
   for (int i = 0; i < 400; ++i) {
     const double true_mm = -0.0055 * (i < 200 ? i : 400 - i);
@@ -63,8 +63,8 @@ TEST(EnergyPorts, CountsAreNoWork) {
   EXPECT_LE(ports.work().user_mJ(), 0.0055 * 1.1);  // what the tick of delay gives at most
 }
 
-TEST(EnergyPorts, AWayIsPaidWithTheMeanForceSinceTheLast) {
-  EnergyPorts ports(0, 0.0);
+TEST(PassivityObserver, AWayIsPaidWithTheMeanForceSinceTheLast) {
+  PassivityObserver ports(0, 0.0);
   Tip tip;
   for (const double force_N : {1.0, 4.0, 1.0}) {
     ports.sent({0.0, 0.0, force_N}, Vec3::Zero());
@@ -76,8 +76,8 @@ TEST(EnergyPorts, AWayIsPaidWithTheMeanForceSinceTheLast) {
   EXPECT_EQ(ports.meter(elsewhere), 0.0);
 }
 
-TEST(EnergyPorts, TellsTheSurfacesPushFromTheContactsOwnWork) {
-  EnergyPorts ports(0, 0.0);
+TEST(PassivityObserver, TellsTheSurfacesPushFromTheContactsOwnWork) {
+  PassivityObserver ports(0, 0.0);
   Tip tip;
   ports.sent(kForce, {0.0, 0.0, 0.5});
   (void)ports.meter(tip.upwards(1.0, 0.8));
@@ -87,8 +87,8 @@ TEST(EnergyPorts, TellsTheSurfacesPushFromTheContactsOwnWork) {
   EXPECT_DOUBLE_EQ(ports.work().user_mJ(), kForce_N);
 }
 
-TEST(EnergyPorts, ObserverCountsWhatIsStoredAsNotGenerated) {
-  EnergyPorts ports(0, 0.0);
+TEST(PassivityObserver, ObserverCountsWhatIsStoredAsNotGenerated) {
+  PassivityObserver ports(0, 0.0);
   Tip tip;
   ports.sent(kForce, Vec3::Zero());
   PortTick tick = tip.upwards(-1.0);  // 2 mJ paid in ...
@@ -102,8 +102,8 @@ TEST(EnergyPorts, ObserverCountsWhatIsStoredAsNotGenerated) {
   EXPECT_DOUBLE_EQ(ports.generated_mJ(), 1.0);
 }
 
-TEST(EnergyPorts, ObserverForgetsAndKeepsNoDeepDebt) {
-  EnergyPorts ports(0, 0.0);
+TEST(PassivityObserver, ObserverForgetsAndKeepsNoDeepDebt) {
+  PassivityObserver ports(0, 0.0);
   Tip tip;
   ports.sent(kForce, Vec3::Zero());
   (void)ports.meter(tip.upwards(2.0));  // 4 mJ
@@ -115,9 +115,9 @@ TEST(EnergyPorts, ObserverForgetsAndKeepsNoDeepDebt) {
   EXPECT_DOUBLE_EQ(ports.generated_mJ(), -2.0);
 }
 
-TEST(EnergyPorts, ObserverStartsOverAfterAJumpAndOutOfContact) {
+TEST(PassivityObserver, ObserverStartsOverAfterAJumpAndOutOfContact) {
   for (const bool jump : {true, false}) {
-    EnergyPorts ports(0, 0.0);
+    PassivityObserver ports(0, 0.0);
     Tip tip;
     ports.sent(kForce, Vec3::Zero());
     (void)ports.meter(tip.upwards(5.0));
@@ -135,8 +135,8 @@ TEST(EnergyPorts, ObserverStartsOverAfterAJumpAndOutOfContact) {
   }
 }
 
-TEST(EnergyPorts, InsuranceActsAboveItsToleranceOnly) {
-  EnergyPorts ports(0, 0.0);
+TEST(PassivityObserver, InsuranceActsAboveItsToleranceOnly) {
+  PassivityObserver ports(0, 0.0);
   Tip tip;
   ports.sent(kForce, Vec3::Zero());
   (void)ports.meter(tip.upwards(1.4));  // 2.8 mJ
@@ -154,8 +154,8 @@ TEST(EnergyPorts, InsuranceActsAboveItsToleranceOnly) {
 
 const Vec3 kRest = Vec3::Zero();
 
-TEST(UserTank, IsEmptiedByTheForceAndFilledByTheHandAndByPower) {
-  UserTank tank{DeviceProfile{}};
+TEST(EnergyTank, IsEmptiedByTheForceAndFilledByTheHandAndByPower) {
+  EnergyTank tank{DeviceProfile{}};
   EXPECT_EQ(tank.content_mJ(), 15.0);
   tank.take(10.0, kRest);
   EXPECT_NEAR(tank.content_mJ(), 5.2, 1e-12);
@@ -166,8 +166,8 @@ TEST(UserTank, IsEmptiedByTheForceAndFilledByTheHandAndByPower) {
   EXPECT_EQ(tank.content_mJ(), 15.0);
 }
 
-TEST(UserTank, RemembersWhatWasGivenBeyondItsContent) {
-  UserTank tank{DeviceProfile{}};
+TEST(EnergyTank, RemembersWhatWasGivenBeyondItsContent) {
+  EnergyTank tank{DeviceProfile{}};
   const Vec3 fast_mm_s(500.0, 0.0, 0.0);
   tank.take(20.0, fast_mm_s);
   EXPECT_NEAR(tank.content_mJ(), -4.8, 1e-12);
@@ -179,7 +179,7 @@ TEST(UserTank, RemembersWhatWasGivenBeyondItsContent) {
 }
 
 /// Takes what the tank has for as long as it lasts; mJ in so many ticks.
-double drained_mJ(UserTank& tank, int ticks, double hand_mJ = 0.0) {
+double drained_mJ(EnergyTank& tank, int ticks, double hand_mJ = 0.0) {
   double sum_mJ = 0.0;
   for (int i = 0; i < ticks; ++i) {
     const double work_mJ = i % 2 == 0 ? std::max(0.0, tank.content_mJ()) : -hand_mJ;
@@ -189,12 +189,12 @@ double drained_mJ(UserTank& tank, int ticks, double hand_mJ = 0.0) {
   return sum_mJ;
 }
 
-TEST(UserTank, ShakesForAMomentOnly) {
-  UserTank tank{DeviceProfile{}};
+TEST(EnergyTank, ShakesForAMomentOnly) {
+  EnergyTank tank{DeviceProfile{}};
   EXPECT_NEAR(drained_mJ(tank, 300), 15.0 + 0.2 * 300, 0.5);  // as ever
   EXPECT_LT(drained_mJ(tank, 9700), 15.0 + 0.04 * 9700 + 15.0);
   // What the hand gives back fills the reserve again: a bouncing surface is not tired out.
-  UserTank given{DeviceProfile{}};
+  EnergyTank given{DeviceProfile{}};
   double sum_mJ = 0.0;
   for (int i = 0; i < 20; ++i) {
     sum_mJ += drained_mJ(given, 250);
@@ -206,12 +206,12 @@ TEST(UserTank, ShakesForAMomentOnly) {
 
 /// What a full (or empty) tank leaves of `force_N` at a lasting velocity.
 double factorAt(const Vec3& force_N, const Vec3& velocity_mm_s, bool empty = false) {
-  UserTank tank{DeviceProfile{}};
+  EnergyTank tank{DeviceProfile{}};
   for (int i = 0; i < 100; ++i) tank.take(empty ? 1.0 : 0.0, velocity_mm_s);
   return tank.factor(force_N);
 }
 
-TEST(UserTank, LimitsOnlyAForceThatDrivesTheHand) {
+TEST(EnergyTank, LimitsOnlyAForceThatDrivesTheHand) {
   const Vec3 force_N(3.0, 0.0, 0.0);
   EXPECT_EQ(factorAt(force_N, {-500.0, 0.0, 0.0}), 1.0);  // it brakes
   EXPECT_EQ(factorAt(force_N, {0.0, 500.0, 0.0}), 1.0);   // across
@@ -223,8 +223,8 @@ TEST(UserTank, LimitsOnlyAForceThatDrivesTheHand) {
   EXPECT_EQ(factorAt(force_N, {11.0, 0.0, 0.0}, true), 0.0);
 }
 
-TEST(UserTank, ASingleCountDoesNotShakeIt) {
-  UserTank tank{DeviceProfile{}};
+TEST(EnergyTank, ASingleCountDoesNotShakeIt) {
+  EnergyTank tank{DeviceProfile{}};
   const Vec3 force_N(3.0, 0.0, 0.0);
   double low = 1.0;
   double high = 0.0;

@@ -89,8 +89,8 @@ class FaultFilesTest : public ::testing::Test {
 
 TEST_F(FaultFilesTest, OfEveryRunStay) {
   for (int run = 0; run < 2; ++run) {
-    FaultFiles out(folder_ / "made");
-    for (int i = 0; i < 2 * FaultFiles::kMaxFiles; ++i) {
+    FaultLogWriter out(folder_ / "made");
+    for (int i = 0; i < 2 * FaultLogWriter::kMaxFiles; ++i) {
       fault();
       out.take(*recorder_, localTime(0.0));
     }
@@ -98,7 +98,7 @@ TEST_F(FaultFilesTest, OfEveryRunStay) {
   }
   folder_ /= "made";
   const auto names = files();
-  EXPECT_EQ(names.size(), 2U * FaultFiles::kMaxFiles) << "ten of each run";
+  EXPECT_EQ(names.size(), 2U * FaultLogWriter::kMaxFiles) << "ten of each run";
   const std::regex form(R"(hapticast-fault-\d{8}T\d{6}Z-\d+\.csv)");
   for (const std::string& name : names) EXPECT_TRUE(std::regex_match(name, form)) << name;
   folder_ = folder_.parent_path();
@@ -107,7 +107,7 @@ TEST_F(FaultFilesTest, OfEveryRunStay) {
 TEST_F(FaultFilesTest, AFolderThatCannotBeMadeIsToldAtOnce) {
   std::ofstream(folder_.string()) << "a file";
   try {
-    const FaultFiles out(folder_ / "below");
+    const FaultLogWriter out(folder_ / "below");
     FAIL() << "taken";
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(std::string(error.what()).find("--fault-dir " + folder_.string()), 0U)
@@ -119,14 +119,14 @@ TEST_F(FaultFilesTest, WithoutAFlagLieInTheStateFolderAndTheRunGoesOnWithoutOne)
   std::filesystem::create_directories(folder_);
   ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
   EXPECT_EQ(stateFolder(), folder_ / "hapticast");
-  FaultFiles out("");
+  FaultLogWriter out("");
   EXPECT_TRUE(files().empty()) << "made when it is needed";
   fault();
   out.take(*recorder_, localTime(0.0));
   EXPECT_EQ(files(), std::set<std::string>{"hapticast"});
   std::ofstream((folder_ / "file").string()) << "in the way";
   ::setenv("XDG_STATE_HOME", (folder_ / "file").c_str(), 1);
-  FaultFiles nowhere("");
+  FaultLogWriter nowhere("");
   fault();
   nowhere.take(*recorder_, localTime(0.0));
   EXPECT_FALSE(recorder_->frozen()) << "it records again";

@@ -16,7 +16,7 @@ DeviceState stateAt(double t_s, double z_mm) {
   return state;
 }
 
-TEST(HipMotion, SteadyGainsAreThePrototypes) {
+TEST(HipEstimator, SteadyGainsAreThePrototypes) {
   struct Row {
     double count_mm, k1, k2, k3;
   };
@@ -29,8 +29,8 @@ TEST(HipMotion, SteadyGainsAreThePrototypes) {
   }
 }
 
-TEST(HipMotion, FollowsAConstantAccelerationExactly) {
-  HipMotion motion(DeviceProfile{});
+TEST(HipEstimator, FollowsAConstantAccelerationExactly) {
+  HipEstimator motion(DeviceProfile{});
   HipEstimate estimate;
   for (int i = 0; i <= 400; ++i) {
     const double t = i * 1e-3;
@@ -41,10 +41,10 @@ TEST(HipMotion, FollowsAConstantAccelerationExactly) {
   EXPECT_DOUBLE_EQ(estimate.velocity_mm_s.x(), 0.0);
 }
 
-TEST(HipMotion, CountsDoNotDrownTheAcceleration) {
+TEST(HipEstimator, CountsDoNotDrownTheAcceleration) {
   // 2 Hz, 30 mm, counts of 0.055 mm: a double difference is off by 38 m/s² rms, the filter by 0.7
   // (lag included).
-  HipMotion motion(DeviceProfile{});
+  HipEstimator motion(DeviceProfile{});
   double square = 0.0;
   int count = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -59,8 +59,8 @@ TEST(HipMotion, CountsDoNotDrownTheAcceleration) {
   EXPECT_LT(std::sqrt(square / count), 0.95);
 }
 
-TEST(HipMotion, LateTickTakesTheMeanVelocityOfTheGap) {
-  HipMotion motion(DeviceProfile{});
+TEST(HipEstimator, LateTickTakesTheMeanVelocityOfTheGap) {
+  HipEstimator motion(DeviceProfile{});
   for (int i = 0; i < 50; ++i) (void)motion.update(stateAt(i * 1e-3, 0.0));
   const HipEstimate& late = motion.update(stateAt(49e-3 + 10e-3, 1.0));
   EXPECT_FALSE(late.restarted);
@@ -70,9 +70,9 @@ TEST(HipMotion, LateTickTakesTheMeanVelocityOfTheGap) {
               1e-6);  // goes on straight: nothing was predicted through the gap
 }
 
-TEST(HipMotion, StartsOverWhenTimeJumps) {
+TEST(HipEstimator, StartsOverWhenTimeJumps) {
   for (const double t : {0.0, 0.1, -5.0}) {  // standing, too late, backwards
-    HipMotion motion(DeviceProfile{});
+    HipEstimator motion(DeviceProfile{});
     (void)motion.update(stateAt(-1e-3, -1.0));
     (void)motion.update(stateAt(0.0, 0.0));
     const HipEstimate& estimate = motion.update(stateAt(t, 5.0));
@@ -82,15 +82,15 @@ TEST(HipMotion, StartsOverWhenTimeJumps) {
   }
 }
 
-TEST(HipMotion, ALeapIsNotAMovement) {
-  HipMotion motion(DeviceProfile{});
+TEST(HipEstimator, ALeapIsNotAMovement) {
+  HipEstimator motion(DeviceProfile{});
   (void)motion.update(stateAt(0.0, 0.0));
   EXPECT_FALSE(motion.update(stateAt(1e-3, 2.0)).restarted);  // 2 m/s: a hand
   EXPECT_TRUE(motion.update(stateAt(2e-3, 60.0)).restarted);  // 58 m/s: the device was re-homed
 }
 
-TEST(HipMotion, KeepsTheLastWhenTheDeviceSaysNothingOrNonsense) {
-  HipMotion motion(DeviceProfile{});
+TEST(HipEstimator, KeepsTheLastWhenTheDeviceSaysNothingOrNonsense) {
+  HipEstimator motion(DeviceProfile{});
   for (int i = 0; i < 20; ++i) (void)motion.update(stateAt(i * 1e-3, 0.1 * i));
   const double before_mm_s = motion.update(stateAt(20e-3, 2.0)).velocity_mm_s.z();
   const HipEstimate nan = motion.update(stateAt(21e-3, std::nan("")));

@@ -17,7 +17,7 @@ int alarms(
     int ticks, const std::function<double(int)>& tip_mm,
     const std::function<double(int)>& surface_mm = [](int) { return 0.0; },
     const std::function<bool(int)>& acts = [](int) { return true; }) {
-  LatencyWatch watch(kCount_mm);
+  OscillationDetector watch(kCount_mm);
   const auto counted = [&](int i) { return std::round(tip_mm(i) / kCount_mm) * kCount_mm; };
   int count = 0;
   for (int i = 1; i <= ticks; ++i) {
@@ -32,7 +32,7 @@ std::function<double(int)> wave(double amplitude_mm, double frequency_Hz, double
   };
 }
 
-TEST(LatencyWatch, SeesALastingOrGrowingSwing) {
+TEST(OscillationDetector, SeesALastingOrGrowingSwing) {
   for (const double frequency_Hz : {18.0, 30.0, 60.0, 100.0}) {
     EXPECT_GE(alarms(1000, wave(0.5, frequency_Hz)), 1) << frequency_Hz;
     EXPECT_GE(alarms(1000, wave(0.05, frequency_Hz, 5.0)), 1) << frequency_Hz;
@@ -41,7 +41,7 @@ TEST(LatencyWatch, SeesALastingOrGrowingSwing) {
   EXPECT_EQ(alarms(260, wave(0.5, 30.0)), 1);
 }
 
-TEST(LatencyWatch, LeavesAHandAlone) {
+TEST(OscillationDetector, LeavesAHandAlone) {
   EXPECT_EQ(alarms(10'000, wave(2.0, 14.0)), 0);                // tremor
   EXPECT_EQ(alarms(10'000, wave(0.08, 60.0)), 0);               // less than three counts
   EXPECT_EQ(alarms(10'000, wave(3.0, 30.0, -8.0)), 0);          // rings down after an impact
@@ -49,13 +49,13 @@ TEST(LatencyWatch, LeavesAHandAlone) {
   EXPECT_EQ(alarms(10'000, [](int) { return 0.0; }), 0);
 }
 
-TEST(LatencyWatch, LeavesASwingingSurfaceAlone) {
+TEST(OscillationDetector, LeavesASwingingSurfaceAlone) {
   EXPECT_EQ(alarms(5000, wave(0.5, 30.0), wave(0.5, 30.0)), 0);
   EXPECT_EQ(alarms(5000, wave(0.5, 30.0), wave(0.3, 30.0)), 0);
   EXPECT_GE(alarms(5000, wave(0.5, 30.0), wave(0.2, 30.0)), 1);  // less than half of it
 }
 
-TEST(LatencyWatch, WatchesOnlyWhileAForceActs) {
+TEST(OscillationDetector, WatchesOnlyWhileAForceActs) {
   EXPECT_EQ(alarms(5000, wave(0.5, 30.0), wave(0.0, 1.0), [](int) { return false; }), 0);
   // A tip that bounces is without a force for a part of each swing.
   EXPECT_GE(alarms(5000, wave(0.5, 30.0), wave(0.0, 1.0), [](int i) { return i % 33 < 10; }), 1);
@@ -73,7 +73,7 @@ struct Bounces {
 
 /// Alarms in ten contacts with a flight between them.
 int bounceAlarms(const Bounces& what) {
-  BounceWatch watch(0.045);
+  BounceDetector watch(0.045);
   int count = 0;
   const auto tick = [&](double tip_mm_s, bool contact) {
     const Vec3 normal = contact ? Vec3::UnitX() : Vec3::UnitZ();  // none without contact
@@ -95,13 +95,13 @@ int bounceAlarms(const Bounces& what) {
   return count;
 }
 
-TEST(BounceWatch, SeesATipThatIsThrownBackAsFastAsItCame) {
+TEST(BounceDetector, SeesATipThatIsThrownBackAsFastAsItCame) {
   EXPECT_EQ(bounceAlarms({.share = 0.95}), 2);  // of nine that are judged, three and one between
   EXPECT_EQ(bounceAlarms({.share = 1.3, .flight_ticks = 200}), 2);
   EXPECT_EQ(bounceAlarms({.surface_mm_s = 100.0}), 2);
 }
 
-TEST(BounceWatch, LeavesHandsAndDampedBouncesAlone) {
+TEST(BounceDetector, LeavesHandsAndDampedBouncesAlone) {
   EXPECT_EQ(bounceAlarms({.share = 0.8}), 0);           // a wall that takes its share
   EXPECT_EQ(bounceAlarms({.contact_ticks = 45}), 0);    // a hand's mass stays longer
   EXPECT_EQ(bounceAlarms({.flight_ticks = 300}), 0);    // taps, one by one

@@ -23,9 +23,9 @@ class LookupTest : public ::testing::Test {
   }
 
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
-  FrameLookup lookup{*pool, Interpolation::kHermite};
-  StreamState stream = [] {
-    StreamState c;
+  SceneInterpolator lookup{*pool, Interpolation::kHermite};
+  StreamTiming stream = [] {
+    StreamTiming c;
     c.connected = true;
     c.first_epoch = 1;
     return c;

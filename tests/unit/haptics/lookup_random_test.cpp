@@ -54,7 +54,7 @@ TEST_F(LookupTest, RandomJitteredStreamIsContinuousAndFinite) {
     const double play = now - 0.09;
     const Scene& scene = at(play);
     ASSERT_NE(scene.kind, Lookup::kNone);
-    const ObjectNow& object = scene.objects[0];
+    const InterpolatedObject& object = scene.objects[0];
     ASSERT_TRUE(object.position_mm.allFinite() && object.velocity_mm_s.allFinite());
     if (scene.kind == Lookup::kInterpolated) ++interpolated;
     const double excess =
@@ -113,7 +113,7 @@ TEST_F(LookupTest, RandomFramesNeverBreakIt) {
     const Scene& scene =
         lookup.at(MediaTime(Duration(static_cast<std::int64_t>(random() % 2'100'000'000))), stream);
     for (std::size_t i = 0; i < scene.object_count; ++i) {
-      const ObjectNow& object = scene.objects[i];
+      const InterpolatedObject& object = scene.objects[i];
       ASSERT_NE(object.before, nullptr);
       ASSERT_TRUE(object.position_mm.allFinite() && object.velocity_mm_s.allFinite() &&
                   object.acceleration_mm_s2.allFinite());

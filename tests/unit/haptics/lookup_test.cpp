@@ -55,10 +55,10 @@ TEST_F(LookupTest, ALateFrameIsBlendedInFromWhereItCame) {
 TEST_F(LookupTest, LinearAndHold) {
   for (const Interpolation kind : {Interpolation::kLinear, Interpolation::kHold}) {
     pool = std::make_unique<FramePool>();
-    FrameLookup other(*pool, kind);
+    SceneInterpolator other(*pool, kind);
     sendAt(0, Vec3(0, 0, 0), Vec3(500, 0, 0), Vec3(10, 0, 0));
     sendAt(1, Vec3(4, 0, 0), Vec3(500, 0, 0), Vec3(30, 0, 0));
-    const ObjectNow& object = other.at(mediaTime(0.01), stream).objects[0];
+    const InterpolatedObject& object = other.at(mediaTime(0.01), stream).objects[0];
     const bool hold = kind == Interpolation::kHold;
     EXPECT_NEAR(object.position_mm.x(), hold ? 0.0 : 1.0, 1e-9);
     EXPECT_NEAR(object.velocity_mm_s.x(), hold ? 0.0 : 100.0, 1e-6);
@@ -91,7 +91,7 @@ TEST_F(LookupTest, AnImpactBetweenFramesIsMetExactly) {
   };
   for (const bool in_after : {true, false}) {
     pool = std::make_unique<FramePool>();
-    FrameLookup other(*pool, Interpolation::kHermite);
+    SceneInterpolator other(*pool, Interpolation::kHermite);
     PlayObject a = makeObject(7, nullptr, p(0), v0, {0, g, 0});
     PlayObject b = makeObject(7, nullptr, p(0.04), v0 + dv + Vec3(0, g * 0.04, 0), {0, g, 0});
     (in_after ? b : a).impacts[0] = {mediaTime(hit), dv};
@@ -99,7 +99,7 @@ TEST_F(LookupTest, AnImpactBetweenFramesIsMetExactly) {
     send(*pool, makeFrame(1, 0, 0.0, {a}));
     send(*pool, makeFrame(1, 1, 0.04, {b}));
     for (double t = 0.0005; t < 0.04; t += 0.001) {
-      const ObjectNow& object = other.at(mediaTime(t), stream).objects[0];
+      const InterpolatedObject& object = other.at(mediaTime(t), stream).objects[0];
       EXPECT_NEAR((object.position_mm - p(t)).norm(), 0.0, 1e-5) << t;
       const Vec3 v = v0 + Vec3(0, g * t, 0) + (t >= hit ? dv : Vec3(Vec3::Zero()));
       EXPECT_NEAR((object.velocity_mm_s - v).norm(), 0.0, 1e-3) << t;
@@ -173,7 +173,7 @@ TEST_F(LookupTest, ObjectsComeAndGoWithTheirFrames) {
   EXPECT_NEAR(scene.objects[0].position_mm.x(), 3.0, 1e-9);
   EXPECT_FALSE(scene.objects[0].appeared);
   ASSERT_EQ(at(0.05).object_count, 2U);
-  FrameLookup again(*pool, Interpolation::kHermite);
+  SceneInterpolator again(*pool, Interpolation::kHermite);
   EXPECT_FALSE(at(0.051).objects[0].appeared);
 }
 
@@ -189,7 +189,8 @@ TEST_F(LookupTest, AppearedHoldsForOneLookUp) {
 TEST_F(LookupTest, PausedStandsStill) {
   sendAt(0, Vec3(0, 0, 0), Vec3(100, 0, 0), Vec3(9, 9, 9));
   sendAt(1, Vec3(4, 0, 0), Vec3(100, 0, 0), Vec3(9, 9, 9));
-  const ObjectNow& object = lookup.at(mediaTime(0.02), stream, {.paused = true}).objects[0];
+  const InterpolatedObject& object =
+      lookup.at(mediaTime(0.02), stream, {.paused = true}).objects[0];
   EXPECT_NEAR(object.position_mm.x(), 2.0, 1e-9);
   EXPECT_EQ(object.velocity_mm_s.norm() + object.acceleration_mm_s2.norm(), 0.0);
   EXPECT_EQ(object.blend_rate_1_s, 0.0);

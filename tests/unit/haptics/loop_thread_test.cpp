@@ -48,7 +48,7 @@ struct Threaded {
 
 TEST(LoopThread, StopRampsToZeroAndCountsStay) {
   Threaded on;
-  LoopThread loop(on.device, *on.stage.room, on.stage.clock);
+  LoopThread loop(on.device, *on.stage.renderer, on.stage.clock);
   on.waitFor([&] { return on.pushes.load(); });
   loop.stop();
   const int ticks = on.ticks;
@@ -62,7 +62,7 @@ TEST(LoopThread, StopRampsToZeroAndCountsStay) {
 TEST(LoopThread, WhateverIsThrownInItsOwnersScopeTheForceEndsAndSoDoesTheThread) {
   Threaded on;
   const auto touchAndThrow = [&] {
-    const LoopThread loop(on.device, *on.stage.room, on.stage.clock);
+    const LoopThread loop(on.device, *on.stage.renderer, on.stage.clock);
     on.waitFor([&] { return on.pushes.load(); });
     throw std::bad_alloc();
   };
@@ -79,16 +79,17 @@ TEST(LoopThread, WhateverIsThrownInItsOwnersScopeTheForceEndsAndSoDoesTheThread)
 
 TEST(LoopThread, ALostDeviceThatIsBackWaitsForTheUsersDoor) {
   Threaded on;
-  auto log = std::make_unique<Room::Log>();
-  on.stage.room = std::make_unique<Room>(on.stage.settings, on.stage.pool, on.stage.stream,
-                                         on.stage.user, on.stage.published, log.get());
+  auto log = std::make_unique<HapticRenderer::Log>();
+  on.stage.renderer =
+      std::make_unique<HapticRenderer>(on.stage.settings, on.stage.pool, on.stage.stream,
+                                       on.stage.user, on.stage.published, log.get());
   TickReport last;
   const auto newest = [&] {
     while (log->tryPop(last)) {
     }
     return last;
   };
-  LoopThread loop(on.device, *on.stage.room, on.stage.clock);
+  LoopThread loop(on.device, *on.stage.renderer, on.stage.clock);
   on.waitFor([&] { return on.pushes.load(); });
   on.lost = true;
   on.waitFor([&] { return newest().device == DeviceStatus::kLost; });
@@ -113,7 +114,7 @@ TEST(LoopThread, FlushesDenormals) {
     half = smallest * 0.5;
     return DeviceState{};
   };
-  LoopThread loop(on.device, *on.stage.room, on.stage.clock);
+  LoopThread loop(on.device, *on.stage.renderer, on.stage.clock);
   on.waitFor([&] { return half >= 0.0; });
   loop.stop();
   EXPECT_EQ(half, 0.0);
@@ -124,7 +125,7 @@ TEST(LoopThread, FlushesDenormals) {
 TEST(LoopThread, ATipAtRestMeetsNoDenormal) {
   std::thread([] {
     flushDenormals();
-    HipMotion motion(DeviceProfile{});
+    HipEstimator motion(DeviceProfile{});
     DeviceState state;
     const HipEstimate* hip = nullptr;
     for (int i = 0; i < 10'000; ++i) {

@@ -14,8 +14,8 @@
 namespace hapticast::client {
 namespace {
 
-TEST(MaterialRamp, TakesThreeTenthsOfASecondInContactAndNoTimeElsewhere) {
-  MaterialRamp ramp;
+TEST(ParameterRateLimiter, TakesThreeTenthsOfASecondInContactAndNoTimeElsewhere) {
+  ParameterRateLimiter ramp;
   EXPECT_EQ(ramp.step(2.0, false), 2.0);
   EXPECT_EQ(ramp.step(0.5, false), 0.5);
   for (int i = 1; i <= 300; ++i) EXPECT_NEAR(ramp.step(3.5, true), 0.5 + 0.01 * i, 1e-9);
@@ -23,8 +23,8 @@ TEST(MaterialRamp, TakesThreeTenthsOfASecondInContactAndNoTimeElsewhere) {
   EXPECT_NEAR(ramp.step(0.5, true), 3.49, 1e-9);
 }
 
-TEST(MaterialRamp, AStreamThatFlipsMovesItByAShareOnly) {
-  MaterialRamp ramp;
+TEST(ParameterRateLimiter, AStreamThatFlipsMovesItByAShareOnly) {
+  ParameterRateLimiter ramp;
   (void)ramp.step(0.0, false);
   double low = 1.0;
   double high = 0.0;
@@ -37,8 +37,8 @@ TEST(MaterialRamp, AStreamThatFlipsMovesItByAShareOnly) {
   EXPECT_LT(high - low, 0.2);
 }
 
-TEST(MaterialRamp, ANumberThatIsNoneLeavesNoTrace) {
-  MaterialRamp ramp;
+TEST(ParameterRateLimiter, ANumberThatIsNoneLeavesNoTrace) {
+  ParameterRateLimiter ramp;
   (void)ramp.step(1.0, false);
   EXPECT_TRUE(std::isnan(ramp.step(std::numeric_limits<double>::quiet_NaN(), true)));
   EXPECT_EQ(ramp.step(1.0, true), 1.0);
@@ -83,13 +83,14 @@ TEST(RoomMaterial, AnAuthorsStiffnessHasALimit) {
     double limit, asked, felt;
   };
   for (const Case& c : {Case{0.0, 3.0, 1.5}, Case{2.5, 3.0, 2.5}, Case{3.0, 2.0, 2.0}}) {
-    RoomSettings settings;
+    RendererSettings settings;
     settings.stiffness_limit_N_mm = c.limit;
     Stage stage(settings, nullptr);
     stage.material.stiffness_N_mm = c.asked;
     press(stage);
     EXPECT_NEAR(felt_N_mm(stage, 500), c.felt, 0.02 * c.felt);
-    const bool told = (stage.room->report().interferences & bit(Interference::kStiffness)) != 0U;
+    const bool told =
+        (stage.renderer->report().interferences & bit(SafetyAction::kStiffness)) != 0U;
     EXPECT_EQ(told, c.felt < c.asked);
   }
 }

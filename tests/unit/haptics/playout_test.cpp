@@ -15,8 +15,8 @@ using std::chrono::milliseconds;
 LocalTime localMs(int ms) { return LocalTime(milliseconds(ms)); }
 MediaTime mediaMs(int ms) { return MediaTime(milliseconds(ms)); }
 
-StreamState connected() {
-  StreamState stream;
+StreamTiming connected() {
+  StreamTiming stream;
   stream.connected = true;
   stream.first_epoch = 1;
   stream.clock_offset = std::chrono::seconds(100);
@@ -35,7 +35,7 @@ TEST(Playout, IsMediaClockMinusLatencyMinusDelay) {
 
 TEST(Playout, FollowsTheTargetAtTwoPercentInContactAndAtOnceWithout) {
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   (void)playout.advance(localMs(1000), stream, false);
   stream.playout_delay_target = milliseconds(60);
   for (int tick = 1; tick <= 250; ++tick) (void)playout.advance(localMs(1000 + tick), stream, true);
@@ -48,7 +48,7 @@ TEST(Playout, FollowsTheTargetAtTwoPercentInContactAndAtOnceWithout) {
 
 TEST(Playout, ALongerDelayWithoutContactStandsStillInsteadOfRunningBack) {
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   const MediaTime before = playout.advance(localMs(1000), stream, false);
   stream.playout_delay_target = milliseconds(150);
   EXPECT_EQ(playout.advance(localMs(1001), stream, false), before);
@@ -62,7 +62,7 @@ TEST(Playout, ALongerDelayWithoutContactStandsStillInsteadOfRunningBack) {
 
 TEST(Playout, ANewConnectionStartsOver) {
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   (void)playout.advance(localMs(1000), stream, true);
   stream.first_epoch = 2;
   stream.clock_offset = std::chrono::seconds(-5);  // a restarted server
@@ -71,7 +71,7 @@ TEST(Playout, ANewConnectionStartsOver) {
 
 TEST(Playout, PausedStandsStillAndGoesOnSmoothly) {
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   const MediaTime before = playout.advance(localMs(1000), stream, true);
   for (int tick = 1; tick < 500; ++tick) {
     EXPECT_EQ(playout.advance(localMs(1000 + tick), stream, true, {.paused = true}), before);
@@ -81,7 +81,7 @@ TEST(Playout, PausedStandsStillAndGoesOnSmoothly) {
 
 TEST(Playout, RejoiningStartsOverAsSoonAsThereIsAConnection) {
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   const MediaTime before = playout.advance(localMs(1000), stream, true);
   for (int tick = 1; tick < 500; ++tick) {
     (void)playout.advance(localMs(1000 + tick), stream, true, {.paused = true});
@@ -96,7 +96,7 @@ TEST(Playout, RejoiningStartsOverAsSoonAsThereIsAConnection) {
 
 TEST(Playout, WithoutAConnectionItRunsOn) {
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   const MediaTime before = playout.advance(localMs(1000), stream, false);
   stream.connected = false;
   stream.clock_offset = Duration{0};
@@ -115,7 +115,7 @@ TEST(Playout, PaceStaysWithinTwoPercentUnderRandomTargetsInContact) {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> wander(-3'000'000, 3'000'000);
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   MediaTime last = playout.advance(localMs(1000), stream, false);
   for (int tick = 1; tick <= 20000; ++tick) {
     if (tick % 37 == 0) stream.clock_offset = std::chrono::seconds(100) + Duration(wander(random));
@@ -131,7 +131,7 @@ TEST(Playout, PaceStaysWithinTwoPercentUnderRandomTargetsInContact) {
 TEST(Playout, StartsOverWhenTheClockBecomesKnown) {
   // A connection is announced (new epoch, offset still 0) before its clock is known.
   Playout playout;
-  StreamState stream = connected();
+  StreamTiming stream = connected();
   const Duration offset = stream.clock_offset;
   stream.connected = false;
   stream.clock_offset = Duration{0};
@@ -154,7 +154,7 @@ TEST(Playout, IsMonotoneWhateverIsAskedWithinAConnection) {
   };
   for (int run = 0; run < 100; ++run) {
     Playout playout;
-    StreamState stream;
+    StreamTiming stream;
     stream.first_epoch = 1;
     stream.connected = true;
     MediaTime last = playout.advance(LocalTime(any()), stream, false);

@@ -85,11 +85,11 @@ class Wander {
 class Table {
  public:
   /// `at_mm` is where its reference point is; the relief is where its pixels are.
-  ObjectNow& put(std::uint32_t id, std::shared_ptr<const HeightField> field,
-                 const Vec3& at_mm = Vec3::Zero()) {
+  InterpolatedObject& put(std::uint32_t id, std::shared_ptr<const HeightField> field,
+                          const Vec3& at_mm = Vec3::Zero()) {
     fields_.push_back(std::move(field));
     objects_.push_back(std::make_unique<PlayObject>(makeObject(id, fields_.back().get(), at_mm)));
-    ObjectNow& now = scene.objects[scene.object_count++];
+    InterpolatedObject& now = scene.objects[scene.object_count++];
     now = {};
     now.before = objects_.back().get();
     now.position_mm = at_mm;
@@ -97,7 +97,7 @@ class Table {
   }
   /// The object's frame is another one from now on.
   void show(std::size_t index, std::shared_ptr<const HeightField> field) {
-    ObjectNow now = scene.objects[index];
+    InterpolatedObject now = scene.objects[index];
     const PlayObject last = *now.before;
     fields_.push_back(std::move(field));
     objects_.push_back(std::make_unique<PlayObject>(last));
@@ -168,8 +168,8 @@ class Film {
  private:
   Frame frame_;
   std::unique_ptr<FramePool> pool_ = std::make_unique<FramePool>();
-  FrameLookup lookup_;
-  StreamState stream_;
+  SceneInterpolator lookup_;
+  StreamTiming stream_;
   int sent_ = 0;
   int tick_ = -1;
 };

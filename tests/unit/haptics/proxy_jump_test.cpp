@@ -102,7 +102,7 @@ TEST(ProxyJump, APoseThatJumpsUnderTheHandFadesIn) {
   for (const Vec3& jump : {Vec3(0.0, 0.0, 2.0), Vec3(-2.0, 0.0, 0.0)}) {
     Table table;
     const auto slope = [](const Vec2& at) { return 10.0 + 0.5 * at.x(); };
-    ObjectNow& now = table.put(1, relief(15.0, slope));
+    InterpolatedObject& now = table.put(1, relief(15.0, slope));
     Contact contact = table.move({0.0, 0.0, 12.0}, {0.0, 0.0, 9.5});
     ASSERT_TRUE(contact.contact);
     now.position_mm += jump;
@@ -113,7 +113,7 @@ TEST(ProxyJump, APoseThatJumpsUnderTheHandFadesIn) {
   }
   // New contact made by it begins at zero.
   Table table;
-  ObjectNow& now = table.put(1, relief(15.0, level(10.0)));
+  InterpolatedObject& now = table.put(1, relief(15.0, level(10.0)));
   (void)table.touch({0.0, 0.0, 10.5});
   now.position_mm.z() += 2.0;
   const Still still = stand(table, {0.0, 0.0, 10.5}, 200, Vec3::Zero());
@@ -123,7 +123,7 @@ TEST(ProxyJump, APoseThatJumpsUnderTheHandFadesIn) {
 
 TEST(ProxyJump, AnImpactIsNoJump) {
   Table table;
-  ObjectNow& now = table.put(1, relief(15.0, level(10.0)));
+  InterpolatedObject& now = table.put(1, relief(15.0, level(10.0)));
   now.velocity_mm_s.z() = -1000.0;
   (void)table.touch({0.0, 0.0, 9.9});  // 0.1 mm deep
   // Half a millisecond down, half up again.

@@ -67,9 +67,9 @@ void free(void* old) {
 namespace hapticast::client {
 namespace {
 
-void live(const RoomSettings& settings) {
+void live(const RendererSettings& settings) {
   HandScript hand{HandKind::kSlide, HandStiffness{}};
-  auto log = std::make_unique<Room::Log>();
+  auto log = std::make_unique<HapticRenderer::Log>();
   Stage stage(settings, &hand, 3.0, log.get());
   stage.before_tick = [] { heap_forbidden = true; };
   stage.after_tick = [] { heap_forbidden = false; };
@@ -95,7 +95,7 @@ TEST(RealtimeHeap, TheTickUsesNone) {
          {SurfaceKind::kPerturbed, SurfaceKind::kNormal, SurfaceKind::kProxy}) {
       for (const Interpolation interpolation :
            {Interpolation::kHermite, Interpolation::kLinear, Interpolation::kHold}) {
-        RoomSettings settings;
+        RendererSettings settings;
         settings.method = method;
         settings.surface = surface;
         settings.interpolation = interpolation;

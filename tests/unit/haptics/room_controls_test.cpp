@@ -70,13 +70,13 @@ TEST_F(RoomControls, MethodAndSurfaceAreSwitchedUnderTheHand) {
 }
 
 TEST(RoomPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
-  RoomSettings settings;
+  RendererSettings settings;
   settings.method = Method::kThesis;
   settings.surface = SurfaceKind::kPerturbed;
   Stage stage(settings, nullptr);
   (void)stage.run(100);
   const auto lead = [&](double z_mm) -> const TickReport& {
-    stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, z_mm}));
+    stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, z_mm}));
     return stage.run(1500);
   };
   EXPECT_FALSE(lead(25.0).contact);

@@ -7,8 +7,8 @@
 namespace hapticast::client {
 namespace {
 
-RoomSettings withButton() {
-  RoomSettings settings;
+RendererSettings withButton() {
+  RendererSettings settings;
   settings.profile.enable_button = 2;
   return settings;
 }
@@ -19,14 +19,14 @@ TEST(RoomEnable, NoForceBeforeTheButtonIsHeld) {
   stage.holds = false;
   (void)stage.run(3000);
   EXPECT_EQ(stage.max_force_N, 0.0);
-  EXPECT_FALSE(stage.room->report().enabled);
+  EXPECT_FALSE(stage.renderer->report().enabled);
 }
 
 TEST(RoomEnable, HeldItIsFeltAndLetGoItFadesToZeroWithoutAStep) {
   Stage stage(withButton(), &kFollows);
   (void)stage.run(3000);
-  EXPECT_TRUE(stage.room->report().enabled);
-  EXPECT_GT(stage.room->report().force_N.norm(), 0.2);
+  EXPECT_TRUE(stage.renderer->report().enabled);
+  EXPECT_GT(stage.renderer->report().force_N.norm(), 0.2);
   for (int again = 0; again < 5; ++again) {
     stage.holds = false;
     EXPECT_EQ(stage.run(150).force_N, Vec3(Vec3::Zero()));
@@ -40,16 +40,16 @@ TEST(RoomEnable, HeldItIsFeltAndLetGoItFadesToZeroWithoutAStep) {
 
 TEST(RoomEnable, ATipThatSankInMeanwhileIsNotThrownOut) {
   Stage stage(withButton(), nullptr);
-  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, 40.0}));
+  stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, 40.0}));
   (void)stage.run(2000);
   stage.holds = false;
-  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, 2.0}));
+  stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, 2.0}));
   (void)stage.run(2000);
   stage.max_force_N = 0.0;
   stage.holds = true;
   (void)stage.run(1000);
   EXPECT_EQ(stage.max_force_N, 0.0);
-  EXPECT_TRUE((stage.room->report().interferences & bit(Interference::kUnarmed)) != 0);
+  EXPECT_TRUE((stage.renderer->report().interferences & bit(SafetyAction::kDisarmed)) != 0);
 }
 
 TEST(RoomEnable, ADeviceWithoutTheButtonNeedsNone) {
@@ -71,17 +71,17 @@ TEST(RoomEnable, ADeviceThatHasNotAnsweredYetIsNotHeld) {
   Stage stage(withButton(), &kFollows);
   stage.silent = true;
   (void)stage.run(100);
-  EXPECT_FALSE(stage.room->report().enabled);
+  EXPECT_FALSE(stage.renderer->report().enabled);
   EXPECT_EQ(stage.max_force_N, 0.0);
 }
 
 TEST(RoomEnable, ATipThatSinksInWhileTheForceStillFadesIsNotThrownOut) {
   Stage stage(withButton(), nullptr);
-  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, 40.0}));
+  stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, 40.0}));
   (void)stage.run(2000);
   stage.holds = false;
   (void)stage.step();
-  stage.device.setTarget(stage.room->report().mapping.toDevice({10.0, 5.0, -20.0}));
+  stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, -20.0}));
   (void)stage.run(90);
   stage.max_force_N = 0.0;
   stage.holds = true;

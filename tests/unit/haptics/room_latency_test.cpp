@@ -11,11 +11,11 @@
 namespace hapticast::client {
 namespace {
 
-RoomSettings stiffRoom() {
-  RoomSettings room;
-  room.profile.peak_N = room.profile.continuous_N = 8.0;
-  room.stiffness_N_mm = 5.0;
-  return room;
+RendererSettings stiffRoom() {
+  RendererSettings renderer;
+  renderer.profile.peak_N = renderer.profile.continuous_N = 8.0;
+  renderer.stiffness_N_mm = 5.0;
+  return renderer;
 }
 
 /// A hand on a still plate with a device that takes `ticks` longer than the room was told.
@@ -40,7 +40,7 @@ struct SlowDevice {
     for (int i = 0; i < ticks; ++i) {
       const TickReport& report = attack.step();
       faults += report.fault == Fault::kLatency;
-      softened += (report.interferences & bit(Interference::kLatency)) != 0;
+      softened += (report.interferences & bit(SafetyAction::kLatency)) != 0;
     }
   }
   Attack attack;
@@ -59,7 +59,7 @@ TEST(RoomLatency, ADeviceSlowerThanItsProfileIsAFaultOnceAConnection) {
   slow.run(3000);
   EXPECT_EQ(slow.faults, 1);
   EXPECT_GT(slow.softened, 500);
-  EXPECT_TRUE(slow.attack.room->recorder().frozen());
+  EXPECT_TRUE(slow.attack.renderer->recorder().frozen());
 }
 
 TEST(RoomLatency, ANewConnectionTrustsTheProfileAgain) {
@@ -74,12 +74,12 @@ TEST(RoomLatency, ANewConnectionTrustsTheProfileAgain) {
   slow.softened = 0;
   slow.target(6.0);
   slow.run(60);
-  EXPECT_GT(slow.attack.room->report().force_N.norm(), 0.1);
+  EXPECT_GT(slow.attack.renderer->report().force_N.norm(), 0.1);
   EXPECT_EQ(slow.softened, 0);
 }
 
 TEST(RoomWork, ARisingPlatePushesAtTheSurfacesPort) {
-  Attack attack{RoomSettings{}};
+  Attack attack{RendererSettings{}};
   attack.name = "a plate to and fro";
   attack.scene = [&](PlayFrame& frame, double time_s) {
     const double height_mm = 9.0 + std::round(100.0 * std::sin(6.0 * time_s)) * 0.01;
@@ -93,7 +93,7 @@ TEST(RoomWork, ARisingPlatePushesAtTheSurfacesPort) {
   (void)attack.run(500);
   attack.device->setTarget(target_mm);
   (void)attack.run(1500);
-  const PortWork before = attack.room->report().work;
+  const PortWork before = attack.renderer->report().work;
   const PortWork after = attack.run(4000).work;
   std::printf("surface %.1f mJ, relative %.1f mJ\n", after.surface_mJ - before.surface_mJ,
               after.relative_mJ - before.relative_mJ);
@@ -105,7 +105,7 @@ TEST(RoomWork, ARisingPlatePushesAtTheSurfacesPort) {
 TEST(RoomWork, TheAuthorsDampingReachesTheWall) {
   double mean_N[2] = {0.0, 0.0};
   for (const bool damped : {false, true}) {
-    Attack attack{RoomSettings{}, 14.0};
+    Attack attack{RendererSettings{}, 14.0};
     attack.name = "a damped plate";
     attack.scene = [&](PlayFrame& frame, double) {
       attack.add(frame, plateAt(10.0));

@@ -14,7 +14,7 @@ namespace {
 
 HandScript presser() { return {HandKind::kPress, HandStiffness{}}; }
 
-TEST(Room, APressedDomePushesBackWithOneNewton) {
+TEST(HapticRenderer, APressedDomePushesBackWithOneNewton) {
   HandScript hand = presser();
   Stage stage({}, &hand);
   int contact = 0;
@@ -35,7 +35,7 @@ TEST(Room, APressedDomePushesBackWithOneNewton) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, PressPushesOneNewtonWithoutMuchOvershoot) {
+TEST(HapticRenderer, PressPushesOneNewtonWithoutMuchOvershoot) {
   HandScript hand = presser();
   Stage stage({}, &hand);
   (void)stage.run(8000);
@@ -43,7 +43,7 @@ TEST(Room, PressPushesOneNewtonWithoutMuchOvershoot) {
   EXPECT_LT(stage.max_force_N, 1.3);
 }
 
-TEST(Room, SlideStaysOneMillimetreDeepAtTwoCentimetresPerSecond) {
+TEST(HapticRenderer, SlideStaysOneMillimetreDeepAtTwoCentimetresPerSecond) {
   HandScript hand{HandKind::kSlide, HandStiffness{}};
   Stage stage({}, &hand);
   Vec3 last_mm = stage.run(2500).hip_mm;
@@ -68,7 +68,7 @@ TEST(Room, SlideStaysOneMillimetreDeepAtTwoCentimetresPerSecond) {
   EXPECT_NEAR(way_mm / 8.0, 15.0, 5.0);  // 20 at most; slower where the figure turns
 }
 
-TEST(Room, ReportsWhatIsBelowTheTip) {
+TEST(HapticRenderer, ReportsWhatIsBelowTheTip) {
   Stage stage({}, nullptr);
   stage.device.reset(DeviceMapping::fit(Workspace{}, {160, 120, 70}).toDevice({12.0, 5.0, 40.0}),
                      Vec3::Zero());
@@ -89,14 +89,14 @@ TEST(Room, ReportsWhatIsBelowTheTip) {
   EXPECT_EQ(published.tick, report.tick);
 }
 
-TEST(Room, StiffnessIsTheSettingsElseTheMaterialsElseTheProfiles) {
+TEST(HapticRenderer, StiffnessIsTheSettingsElseTheMaterialsElseTheProfiles) {
   struct Case {
     double setting;
     std::optional<double> material;
     double expected;
   };
   for (const Case& c : {Case{0.0, {}, 0.5}, Case{0.0, 0.3, 0.3}, Case{0.8, 0.3, 0.8}}) {
-    RoomSettings settings;
+    RendererSettings settings;
     settings.stiffness_N_mm = c.setting;
     Stage stage(settings, nullptr);
     stage.material.stiffness_N_mm = c.material;
@@ -116,7 +116,7 @@ TEST(Room, StiffnessIsTheSettingsElseTheMaterialsElseTheProfiles) {
   }
 }
 
-TEST(Room, AStreamThatEndsFadesAndComesBackFromZero) {
+TEST(HapticRenderer, AStreamThatEndsFadesAndComesBackFromZero) {
   HandScript hand{HandKind::kFollow, HandStiffness{}};
   Stage stage({}, &hand, 3.0);
   EXPECT_GT(stage.run(3000).force_N.norm(), 0.2);
@@ -126,18 +126,18 @@ TEST(Room, AStreamThatEndsFadesAndComesBackFromZero) {
   EXPECT_TRUE(seen[static_cast<int>(Lookup::kExtrapolated)]);
   EXPECT_TRUE(seen[static_cast<int>(Lookup::kHeld)]);
   EXPECT_TRUE(seen[static_cast<int>(Lookup::kFaded)]);
-  EXPECT_EQ(stage.room->report().force_N, Vec3(Vec3::Zero()));
+  EXPECT_EQ(stage.renderer->report().force_N, Vec3(Vec3::Zero()));
   stage.state.connected = false;
   stage.stream.store(stage.state);
   (void)stage.run(500);
-  EXPECT_FALSE(stage.room->report().object_present);
+  EXPECT_FALSE(stage.renderer->report().object_present);
   stage.state.connected = stage.streaming = true;  // and is back
   stage.newEpoch();
   EXPECT_GT(stage.run(3000).force_N.norm(), 0.2);
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, EpochsPausesAndAnotherWorkspaceDoNotStep) {
+TEST(HapticRenderer, EpochsPausesAndAnotherWorkspaceDoNotStep) {
   HandScript hand{HandKind::kSlide, HandStiffness{}};
   Stage stage({}, &hand, 3.0);
   (void)stage.run(2500);
@@ -154,7 +154,7 @@ TEST(Room, EpochsPausesAndAnotherWorkspaceDoNotStep) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, PausedTheFrameStandsStillWithoutDynamicForce) {
+TEST(HapticRenderer, PausedTheFrameStandsStillWithoutDynamicForce) {
   HandScript hand{HandKind::kFollow, HandStiffness{}};
   Stage stage({}, &hand, 3.0);
   double most_dynamic_N = 0.0;
@@ -170,11 +170,11 @@ TEST(Room, PausedTheFrameStandsStillWithoutDynamicForce) {
     ASSERT_EQ(report.dynamic_force_N, Vec3(Vec3::Zero()));
     ASSERT_EQ(report.object_velocity_mm_s, Vec3(Vec3::Zero()));
   }
-  EXPECT_GT(stage.room->report().force_N.norm(), 0.2) << "it stays to be explored";
+  EXPECT_GT(stage.renderer->report().force_N.norm(), 0.2) << "it stays to be explored";
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, AResumeRejoinsTheStreamLikeANewEpoch) {
+TEST(HapticRenderer, AResumeRejoinsTheStreamLikeANewEpoch) {
   HandScript hand{HandKind::kFollow, HandStiffness{}};
   Stage stage({}, &hand, 3.0);
   const TickReport& report = stage.run(3000);
@@ -192,26 +192,26 @@ TEST(Room, AResumeRejoinsTheStreamLikeANewEpoch) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, ALostDeviceIsAFaultAndWaitsForRearm) {
+TEST(HapticRenderer, ALostDeviceIsAFaultAndWaitsForRearm) {
   HandScript hand{HandKind::kFollow, HandStiffness{}};
   Stage stage({}, &hand);
   (void)stage.run(3000);
   stage.lost = true;
   EXPECT_EQ(stage.step().fault, Fault::kDeviceLost);
   EXPECT_EQ(stage.step().fault, Fault::kNone);  // once
-  EXPECT_TRUE(stage.room->recorder().frozen());
-  EXPECT_EQ(stage.room->report().device, DeviceStatus::kLost);
+  EXPECT_TRUE(stage.renderer->recorder().frozen());
+  EXPECT_EQ(stage.renderer->report().device, DeviceStatus::kLost);
   stage.lost = false;
   EXPECT_EQ(stage.run(2000).force_N, Vec3(Vec3::Zero()));
-  EXPECT_EQ(stage.room->report().device, DeviceStatus::kOk);
-  EXPECT_EQ(stage.room->report().halt, Halt::kDeviceLost);
+  EXPECT_EQ(stage.renderer->report().device, DeviceStatus::kOk);
+  EXPECT_EQ(stage.renderer->report().halt, Halt::kDeviceLost);
   stage.rearm();
   EXPECT_EQ(stage.step().halt, Halt::kNone);
   EXPECT_GT(stage.run(2000).force_N.norm(), 0.2);
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, BlindTicksAreAFaultButLeaveTheForceSmooth) {
+TEST(HapticRenderer, BlindTicksAreAFaultButLeaveTheForceSmooth) {
   HandScript hand{HandKind::kFollow, HandStiffness{}};
   Stage stage({}, &hand);
   (void)stage.run(3000);
@@ -223,31 +223,31 @@ TEST(Room, BlindTicksAreAFaultButLeaveTheForceSmooth) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, AFullLogIsCountedNotWaitedFor) {
-  auto log = std::make_unique<Room::Log>();
+TEST(HapticRenderer, AFullLogIsCountedNotWaitedFor) {
+  auto log = std::make_unique<HapticRenderer::Log>();
   Stage stage({}, nullptr, 0.0, log.get());
   (void)stage.run(5000);
-  EXPECT_EQ(stage.room->droppedReports(), 5000u - 4096u);
+  EXPECT_EQ(stage.renderer->droppedReports(), 5000u - 4096u);
   TickReport first;
   ASSERT_TRUE(log->tryPop(first));
   EXPECT_EQ(first.tick, 1u);
 }
 
-TEST(Room, StopRampsToZeroAndStaysThere) {
+TEST(HapticRenderer, StopRampsToZeroAndStaysThere) {
   HandScript hand{HandKind::kFollow, HandStiffness{}};
   Stage stage({}, &hand);
   (void)stage.run(3000);
-  stage.room->stop();
+  stage.renderer->stop();
   EXPECT_EQ(stage.run(40).force_N, Vec3(Vec3::Zero()));
   EXPECT_EQ(stage.run(1000).force_N, Vec3(Vec3::Zero()));
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(Room, TheSameTicksGiveTheSameBits) {
+TEST(HapticRenderer, TheSameTicksGiveTheSameBits) {
   for (const Method method : {Method::kHapticast, Method::kThesis}) {
     std::vector<std::uint64_t> bits[2];
     for (auto& run : bits) {
-      RoomSettings settings;
+      RendererSettings settings;
       settings.method = method;
       HandScript hand{HandKind::kSlide, HandStiffness{}};
       Stage stage(settings, &hand, 3.0);

@@ -69,7 +69,7 @@ TEST(SafetyMeters, WhatTheSlewLimitHoldsBackIsNotTheWalls) {
         rig.dynamic_N = (positive ? 1.0 : -1.0) * axis;
         book.step();
       }
-      ASSERT_GT(rig.count(Interference::kSlew), 100U);
+      ASSERT_GT(rig.count(SafetyAction::kSlew), 100U);
       const PortWork& end = rig.chain.work();
       // Into the wall at 16 Hz a tip moves by few counts at a time: measured 9 and 18 mJ off.
       const bool few_counts = frequency_hz > 8.0 && axis.z() > 0.0;
@@ -127,7 +127,7 @@ Pumped pump(bool passivity, double frequency_hz) {
     book.step();
   }
   return {rig.chain.work().relative_mJ - start.relative_mJ, book.all_mJ,
-          rig.count(Interference::kPassivity)};
+          rig.count(SafetyAction::kPassivity)};
 }
 
 TEST(SafetyMeters, AStreamThatPumpsStiffnessIsMeteredAndGivesLittle) {

@@ -13,7 +13,8 @@ namespace {
 class StepMeter {
  public:
   double excess_N(const StepState& now, bool measurement_jumped) {
-    const Explained hand = measurement_jumped ? Explained{} : explainedByHand(now, last_);
+    const MotionExplainedStep hand =
+        measurement_jumped ? MotionExplainedStep{} : stepAllowedByMotion(now, last_);
     const double excess_N = limit_.excess_N(now.force_N, last_.force_N, hand);
     last_ = now;
     return excess_N;

@@ -16,18 +16,18 @@ namespace {
 
 constexpr double kRadius_mm = 20.0;
 
-ObjectNow standing(const PlayObject& object) {
-  ObjectNow now;
+InterpolatedObject standing(const PlayObject& object) {
+  InterpolatedObject now;
   now.before = &object;
   now.position_mm = object.motion.position_mm;
   now.angle_rad = object.motion.angle_rad;
   return now;
 }
 
-Scene sceneOf(std::initializer_list<ObjectNow> objects) {
+Scene sceneOf(std::initializer_list<InterpolatedObject> objects) {
   Scene scene;
   scene.kind = Lookup::kInterpolated;
-  for (const ObjectNow& object : objects) scene.objects[scene.object_count++] = object;
+  for (const InterpolatedObject& object : objects) scene.objects[scene.object_count++] = object;
   return scene;
 }
 
@@ -163,8 +163,8 @@ TEST(SurfaceModel, CarriesAReliefAtFortyPixelsPerFrame) {
   const auto a = makeBall(from, kRadius_mm, 19.0, kWorkspace);
   const auto b = makeBall(to, kRadius_mm, 19.0, kWorkspace);
   const auto pool = std::make_unique<FramePool>();
-  FrameLookup lookup(*pool, Interpolation::kHermite);
-  StreamState stream;
+  SceneInterpolator lookup(*pool, Interpolation::kHermite);
+  StreamTiming stream;
   stream.first_epoch = 1;
   const Vec3 v(250.0, 0.0, 0.0);
   send(*pool, makeFrame(1, 0, 0.0, {makeObject(1, a.get(), from, v)}));
@@ -172,7 +172,7 @@ TEST(SurfaceModel, CarriesAReliefAtFortyPixelsPerFrame) {
   double carried = 0.0;
   double blended = 0.0;
   for (double t = 0.001; t < 0.04; t += 0.002) {
-    const ObjectNow& object = lookup.at(mediaTime(t), stream).objects[0];
+    const InterpolatedObject& object = lookup.at(mediaTime(t), stream).objects[0];
     for (double x = -12.0; x <= 12.0; x += 0.77) {
       const Vec2 centre(-5.0 + 250.0 * t, 2.0);
       const Vec2 at = centre + Vec2(x, 0.5 * x);
@@ -212,7 +212,7 @@ TEST(SurfaceModel, TurnsTheReliefAboutTheReferencePoint) {
   PlayObject after = makeObject(1, b.get(), {3.0, -2.0, 1.0});
   before.motion.angle_rad = 0.2;
   after.motion.angle_rad = 0.2 + quarter;
-  ObjectNow now = standing(before);
+  InterpolatedObject now = standing(before);
   now.after = &after;
   for (const double s : {0.0, 0.25, 0.5, 1.0}) {
     now.blend = s;
@@ -233,7 +233,7 @@ TEST(SurfaceModel, SurfaceVelocityIsMotionTurnAndChangeOfShape) {
   const auto b = makeField({280, 200, 80, 80}, kWorkspace, flat(12.0), all);
   const PlayObject before = makeObject(1, a.get(), Vec3::Zero());
   const PlayObject after = makeObject(1, b.get(), Vec3::Zero());
-  ObjectNow now = standing(before);
+  InterpolatedObject now = standing(before);
   now.after = &after;
   now.blend = 0.5;
   now.blend_rate_1_s = 25.0;
@@ -290,7 +290,7 @@ TEST(SurfaceModel, MissingReliefOfTheNextFrameIsReplacedByThisOne) {
   const auto field = makeBall(Vec3::Zero(), kRadius_mm, 10.0, kWorkspace);
   const PlayObject before = makeObject(1, field.get(), Vec3::Zero());
   const PlayObject after = makeObject(1, nullptr, {4.0, 0.0, 0.0});
-  ObjectNow now = standing(before);
+  InterpolatedObject now = standing(before);
   now.after = &after;
   now.blend = 0.75;
   now.position_mm = {3.0, 0.0, 0.0};
@@ -313,7 +313,7 @@ TEST(SurfaceModel, RandomScenesStayFinite) {
     PlayObject after = makeObject(1, ball.get(), {draw(), draw(), draw()});
     before.motion.angle_rad = draw();
     before.material.texture_K_mm = draw();
-    ObjectNow now = standing(before);
+    InterpolatedObject now = standing(before);
     now.position_mm = {draw(), draw(), draw()};
     now.velocity_mm_s = {draw(), draw(), draw()};
     if (random() % 2 == 0) now.after = &after;

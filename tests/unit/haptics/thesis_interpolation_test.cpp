@@ -28,9 +28,9 @@ class ThesisInterpolationTest : public ::testing::Test {
 
   std::vector<std::shared_ptr<const HeightField>> fields;
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
-  FrameLookup lookup{*pool, Interpolation::kHermite};
+  SceneInterpolator lookup{*pool, Interpolation::kHermite};
   ThesisInterpolation thesis;
-  StreamState stream;
+  StreamTiming stream;
 };
 
 TEST_F(ThesisInterpolationTest, CatmullRomReproducesAParabola) {

@@ -11,7 +11,7 @@
 namespace hapticast::client {
 namespace {
 
-constexpr std::uint32_t kTankBit = bit(Interference::kTank);
+constexpr std::uint32_t kTankBit = bit(SafetyAction::kTank);
 
 TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
   Trust lasting;
@@ -20,20 +20,20 @@ TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
   EXPECT_NEAR(ticks, 210, 5) << "0.2 s of nothing but interference";
   Trust rare;  // a blow of 14 ticks twice a second, for a minute
   for (int i = 0; i < 60000; ++i) {
-    rare.add(i % 500 < 14 ? bit(Interference::kSlew) : 0);
+    rare.add(i % 500 < 14 ? bit(SafetyAction::kSlew) : 0);
     ASSERT_FALSE(rare.lost()) << i;
   }
   Trust often;  // a shake that is slowed in every seventh tick
-  for (int i = 0; i < 60000; ++i) often.add(i % 7 == 0 ? bit(Interference::kSlew) : 0);
+  for (int i = 0; i < 60000; ++i) often.add(i % 7 == 0 ? bit(SafetyAction::kSlew) : 0);
   EXPECT_TRUE(often.lost());
 }
 
 TEST(Trust, CountsWhatAStreamDoesAndAHandCannot) {
-  using enum Interference;
+  using enum SafetyAction;
   for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
-    const auto which = static_cast<Interference>(i);
+    const auto which = static_cast<SafetyAction>(i);
     const bool counts =
-        which == kDoubted || which == kTank || which == kSlew || which == kSurfaceSpeed;
+        which == kImplausible || which == kTank || which == kSlew || which == kSurfaceSpeed;
     Trust trust;
     for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which));
     EXPECT_EQ(trust.lost(), counts) << kInterferenceNames[i];
@@ -45,11 +45,11 @@ TEST(Trust, CountsWhatAStreamDoesAndAHandCannot) {
 
 TEST(Trust, SeveralInOneTickAreOne) {
   Trust trust;
-  for (int i = 0; i < 150; ++i) trust.add(kTankBit | bit(Interference::kSlew));
+  for (int i = 0; i < 150; ++i) trust.add(kTankBit | bit(SafetyAction::kSlew));
   EXPECT_FALSE(trust.lost());
   for (int i = 0; i < 100; ++i) trust.add(kTankBit);
   EXPECT_TRUE(trust.lost());
-  EXPECT_EQ(trust.mostly(), Interference::kTank);
+  EXPECT_EQ(trust.mostly(), SafetyAction::kTank);
   trust.renew();
   EXPECT_FALSE(trust.lost());
 }
@@ -86,17 +86,17 @@ TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
   report.time = localTime(time_s);
   report.halt = halt;
   report.interferences = interferences;
-  report.distrusted = Interference::kTank;
+  report.distrusted = SafetyAction::kTank;
   report.lookup = Lookup::kInterpolated;
   return report;
 }
 
 /// One that has forgiven so often.
-Rearm rearmAfter(int times) {
-  Rearm rearm(true);
+RearmPolicy rearmAfter(int times) {
+  RearmPolicy rearm(true);
   for (int i = 0; i < times; ++i) {
     const double lost_s = 10.0 + 20.0 * i;
-    EXPECT_EQ(rearm.left(), Rearm::kTimes - i);
+    EXPECT_EQ(rearm.left(), RearmPolicy::kMaxCount - i);
     EXPECT_FALSE(rearm.take(at(lost_s, Halt::kTrustLost, kTankBit)));
     EXPECT_FALSE(rearm.take(at(lost_s + 4.9, Halt::kTrustLost)));
     EXPECT_TRUE(rearm.take(at(lost_s + 5.1, Halt::kTrustLost)));
@@ -106,15 +106,15 @@ Rearm rearmAfter(int times) {
   return rearm;
 }
 
-TEST(Rearm, ForgivesThreeTimesFiveSecondsLater) {
-  Rearm rearm = rearmAfter(3);
+TEST(RearmPolicy, ForgivesThreeTimesFiveSecondsLater) {
+  RearmPolicy rearm = rearmAfter(3);
   EXPECT_EQ(rearm.left(), 0);
   EXPECT_FALSE(rearm.take(at(100.0, Halt::kTrustLost)));
   EXPECT_FALSE(rearm.take(at(200.0, Halt::kTrustLost)));
 }
 
-TEST(Rearm, BringsADeviceBackAsOftenAsItComes) {
-  Rearm rearm(true);
+TEST(RearmPolicy, BringsADeviceBackAsOftenAsItComes) {
+  RearmPolicy rearm(true);
   for (int i = 0; i < 10; ++i) {
     TickReport lost = at(i, Halt::kDeviceLost);
     lost.device = DeviceStatus::kLost;
@@ -124,8 +124,8 @@ TEST(Rearm, BringsADeviceBackAsOftenAsItComes) {
   }
 }
 
-TEST(Rearm, BringsADeviceBackThatIsLostAgainBeforeTheLoopAnswers) {
-  Rearm rearm(true);
+TEST(RearmPolicy, BringsADeviceBackThatIsLostAgainBeforeTheLoopAnswers) {
+  RearmPolicy rearm(true);
   TickReport lost = at(1.0, Halt::kDeviceLost);
   lost.device = DeviceStatus::kLost;
   for (int i = 0; i < 3; ++i) {
@@ -135,81 +135,81 @@ TEST(Rearm, BringsADeviceBackThatIsLostAgainBeforeTheLoopAnswers) {
   }
 }
 
-TEST(Rearm, WithoutTheFlagNothingComesBack) {
-  Rearm rearm(false);
+TEST(RearmPolicy, WithoutTheFlagNothingComesBack) {
+  RearmPolicy rearm(false);
   EXPECT_EQ(rearm.left(), 0);
   EXPECT_FALSE(rearm.take(at(1.0, Halt::kDeviceLost)));
   EXPECT_FALSE(rearm.take(at(100.0, Halt::kTrustLost)));
   EXPECT_FALSE(rearm.take(at(200.0, Halt::kStopped)));
 }
 
-const Rearm kNever(false);
+const RearmPolicy kNever(false);
 
-TEST(TouchTeller, SaysWhyThereIsNoForceAndThatItIsBack) {
-  TouchTeller teller;
-  EXPECT_FALSE(teller.take(at(1.0, Halt::kNone), kNever));
-  EXPECT_EQ(teller.take(at(2.0, Halt::kTrustLost), kNever),
+TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
+  HapticStatusLog log;
+  EXPECT_FALSE(log.take(at(1.0, Halt::kNone), kNever));
+  EXPECT_EQ(log.take(at(2.0, Halt::kTrustLost), kNever),
             "the stream is not trusted any more, too much of it had to be held back (mostly: "
             "energy into the hand was held back): no force from now on; start again, or with "
             "--rearm, to touch it");
-  EXPECT_FALSE(teller.take(at(3.0, Halt::kTrustLost), kNever));
-  EXPECT_EQ(teller.take(at(4.0, Halt::kNone), kNever), "re-armed: the force comes back");
-  EXPECT_EQ(teller.take(at(5.0, Halt::kTrustLost), rearmAfter(2)),
+  EXPECT_FALSE(log.take(at(3.0, Halt::kTrustLost), kNever));
+  EXPECT_EQ(log.take(at(4.0, Halt::kNone), kNever), "re-armed: the force comes back");
+  EXPECT_EQ(log.take(at(5.0, Halt::kTrustLost), rearmAfter(2)),
             "the stream is not trusted any more, too much of it had to be held back (mostly: "
             "energy into the hand was held back): no force for 5 s, which is forgiven 1 more time");
   EXPECT_TRUE(
-      teller.take(at(6.0, Halt::kDeviceLost), kNever)->starts_with("the device does not answer"));
-  EXPECT_FALSE(teller.take(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
+      log.take(at(6.0, Halt::kDeviceLost), kNever)->starts_with("the device does not answer"));
+  EXPECT_FALSE(log.take(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
 }
 
-TEST(TouchTeller, SaysThatFramesStayOutAndComeAgain) {
-  TouchTeller teller;
+TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
+  HapticStatusLog log;
   TickReport report = at(1.0, Halt::kNone);
-  EXPECT_FALSE(teller.take(report, kNever));
+  EXPECT_FALSE(log.take(report, kNever));
   report.lookup = Lookup::kHeld;
-  EXPECT_FALSE(teller.take(report, kNever));
+  EXPECT_FALSE(log.take(report, kNever));
   report.lookup = Lookup::kFaded;
-  EXPECT_EQ(teller.take(report, kNever), "no new frames come: the force has faded");
-  EXPECT_FALSE(teller.take(report, kNever));
+  EXPECT_EQ(log.take(report, kNever), "no new frames come: the force has faded");
+  EXPECT_FALSE(log.take(report, kNever));
   report.lookup = Lookup::kInterpolated;
-  EXPECT_EQ(teller.take(report, kNever), "frames come again");
+  EXPECT_EQ(log.take(report, kNever), "frames come again");
 }
 
-TEST(TouchTeller, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
-  TouchTeller teller;
-  EXPECT_EQ(teller.take(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
+TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
+  HapticStatusLog log;
+  EXPECT_EQ(log.take(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
             "the device does not answer: no force until it is back");
-  EXPECT_TRUE(teller.take(at(2.0, Halt::kTrustLost), rearmAfter(3))
+  EXPECT_TRUE(log.take(at(2.0, Halt::kTrustLost), rearmAfter(3))
                   ->ends_with("no force from now on; start again to touch it"));
 }
 
-TEST(TouchTeller, SaysAHaltWhateverElseHasUsedUpTheLines) {
-  TouchTeller teller;
+TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
+  HapticStatusLog log;
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
     report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
-    EXPECT_EQ(teller.take(report, kNever).has_value(), i < LineLimit::kLines);
+    EXPECT_EQ(log.take(report, kNever).has_value(), i < LogRateLimiter::kLines);
   }
-  EXPECT_TRUE(teller.take(at(20.0, Halt::kTrustLost), kNever));
+  EXPECT_TRUE(log.take(at(20.0, Halt::kTrustLost), kNever));
 }
 
-TEST(TouchTeller, SaysAtMostTwelveHaltsAndTwelveThingsAMinute) {
-  TouchTeller teller;
+TEST(HapticStatusLog, SaysAtMostTwelveHaltsAndTwelveThingsAMinute) {
+  HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 59'000; ++i) {
     TickReport report = at(1.0 + i * 1e-3, i % 7 < 3 ? Halt::kTrustLost : Halt::kNone,
-                           bit(Interference::kStiffness));
+                           bit(SafetyAction::kStiffness));
     report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
-    lines += teller.take(report, kNever) ? 1 : 0;
+    lines += log.take(report, kNever) ? 1 : 0;
   }
-  EXPECT_EQ(lines, 2 * LineLimit::kLines);
+  EXPECT_EQ(lines, 2 * LogRateLimiter::kLines);
 }
 
-TEST(TouchTeller, SaysOnceAMinuteThatAWallIsSofter) {
-  TouchTeller teller;
+TEST(HapticStatusLog, SaysOnceAMinuteThatAWallIsSofter) {
+  HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {
-    lines += teller.take(at(i, Halt::kNone, bit(Interference::kStiffness)), kNever) ? 1 : 0;
+    lines += log.take(at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever) ? 1 : 0;
   }
   EXPECT_EQ(lines, 3);
 }
@@ -217,17 +217,17 @@ TEST(TouchTeller, SaysOnceAMinuteThatAWallIsSofter) {
 TEST(Trust, WhereThereIsAWindowItsKeyIsNamed) {
   TickReport report;
   report.halt = Halt::kTrustLost;
-  EXPECT_NE(TouchTeller()
-                .take(report, Rearm(false, true))
+  EXPECT_NE(HapticStatusLog()
+                .take(report, RearmPolicy(false, true))
                 .value_or("")
                 .find("no force until R is pressed in the window"),
             std::string::npos);
-  EXPECT_NE(TouchTeller().take(report, Rearm(false)).value_or("").find("with --rearm"),
+  EXPECT_NE(HapticStatusLog().take(report, RearmPolicy(false)).value_or("").find("with --rearm"),
             std::string::npos);
   report.halt = Halt::kDeviceLost;
-  EXPECT_EQ(TouchTeller().take(report, Rearm(false, true)),
+  EXPECT_EQ(HapticStatusLog().take(report, RearmPolicy(false, true)),
             "the device does not answer: no force until it is back and R is pressed in the window");
-  EXPECT_EQ(TouchTeller().take(report, Rearm(true, true)),
+  EXPECT_EQ(HapticStatusLog().take(report, RearmPolicy(true, true)),
             "the device does not answer: no force until it is back");
 }
 

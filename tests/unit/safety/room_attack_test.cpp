@@ -12,8 +12,8 @@ namespace hapticast::client {
 namespace {
 
 TEST(RoomAttack, EpochsIdsAndHolesInContact) {
-  for (const RoomSettings& room : everyRoom()) {
-    Attack attack(room);
+  for (const RendererSettings& renderer : everyRoom()) {
+    Attack attack(renderer);
     attack.name = "a plate 2 mm above the tip";
     attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
     EXPECT_GT(attack.run(1500).force_N.z(), 0.3);
@@ -48,9 +48,9 @@ TEST(RoomAttack, EpochsIdsAndHolesInContact) {
 TEST(RoomAttack, ADeepObjectThatVanishesLetsTheForceRampDown) {
   for (const SurfaceKind surface :
        {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
-    RoomSettings room;
-    room.surface = surface;
-    Attack attack(room);
+    RendererSettings renderer;
+    renderer.surface = surface;
+    Attack attack(renderer);
     bool there = true;
     attack.scene = [&](PlayFrame& frame, double) {
       if (there) attack.add(frame, plateAt(13.0));
@@ -60,14 +60,14 @@ TEST(RoomAttack, ADeepObjectThatVanishesLetsTheForceRampDown) {
     there = false;
     attack.max_step_N = 0.0;
     EXPECT_EQ(attack.run(300).force_N, Vec3(Vec3::Zero()));
-    EXPECT_LE(attack.max_step_N, room.profile.residue_N_per_tick + 1e-9);
+    EXPECT_LE(attack.max_step_N, renderer.profile.residue_N_per_tick + 1e-9);
   }
 }
 
 TEST(RoomAttack, AnObjectThatAppearsAboveTheTip) {
-  for (const RoomSettings& room : everyRoom()) {
+  for (const RendererSettings& renderer : everyRoom()) {
     for (const double above_mm : {1.0, 3.0, 20.0}) {
-      Attack attack(room);
+      Attack attack(renderer);
       attack.name = "appears";
       bool there = false;
       attack.scene = [&](PlayFrame& frame, double) {
@@ -75,24 +75,25 @@ TEST(RoomAttack, AnObjectThatAppearsAboveTheTip) {
       };
       (void)attack.run(500);
       there = true;
-      const double scale = DeviceMapping::fit(Workspace{}, room.profile.workspace_mm).scale;
+      const double scale = DeviceMapping::fit(Workspace{}, renderer.profile.workspace_mm).scale;
       const TickReport& report = attack.run(1000);
-      const double limit_mm = std::max(2.0, room.profile.peak_N / room.profile.stiffness_N_mm);
+      const double limit_mm =
+          std::max(2.0, renderer.profile.peak_N / renderer.profile.stiffness_N_mm);
       if (above_mm * scale > limit_mm) {
         EXPECT_EQ(attack.max_force_N, 0.0);
       } else {
         EXPECT_GT(report.force_N.norm(), 0.1);
         // It fades in: the chain's way, or with the proxy's 40 ms.
         EXPECT_LT(attack.max_step_N,
-                  std::max(0.1, room.profile.stiffness_N_mm * above_mm * scale / 39.0));
+                  std::max(0.1, renderer.profile.stiffness_N_mm * above_mm * scale / 39.0));
       }
     }
   }
 }
 
 TEST(RoomAttack, TwoObjectsThatSwapWhichIsDeepest) {
-  for (const RoomSettings& room : everyRoom()) {
-    Attack attack(room);
+  for (const RendererSettings& renderer : everyRoom()) {
+    Attack attack(renderer);
     attack.name = "opposite slopes";
     attack.scene = [&](PlayFrame& frame, double time_s) {
       const double by_mm = 0.4 * std::sin(9.0 * time_s);
@@ -107,8 +108,8 @@ TEST(RoomAttack, TwoObjectsThatSwapWhichIsDeepest) {
 }
 
 TEST(RoomAttack, StiffnessFromTheStream) {
-  for (const RoomSettings& room : everyRoom()) {
-    Attack attack(room);
+  for (const RendererSettings& renderer : everyRoom()) {
+    Attack attack(renderer);
     attack.name = "stiffness";
     const double values[] = {0.05, 10.0, 0.3, 1e9, 1e-9, -1.0, kNaN, 0.5, kInfinity, 2.0, 0.0};
     attack.scene = [&](PlayFrame& frame, double) {
@@ -121,9 +122,9 @@ TEST(RoomAttack, StiffnessFromTheStream) {
 }
 
 TEST(RoomAttack, LateFramesThatCorrectAnExtrapolation) {
-  for (const RoomSettings& room : everyRoom()) {
+  for (const RendererSettings& renderer : everyRoom()) {
     for (const double speed_mm_s : {60.0, 300.0, 900.0}) {
-      Attack attack(room, 5.0);
+      Attack attack(renderer, 5.0);
       attack.name = "late correction";
       // It is said to move, but does not: every extrapolation is wrong by up to 72 mm.
       attack.streaming = false;
@@ -144,12 +145,12 @@ TEST(RoomAttack, LateFramesThatCorrectAnExtrapolation) {
 }
 
 TEST(RoomAttack, FramesOfTheFarFutureOrPastDoNotKeepOldDataAlive) {
-  for (const RoomSettings& room : everyRoom()) {
+  for (const RendererSettings& renderer : everyRoom()) {
     for (const std::int64_t when_ns :
          {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max() / 2,
           std::int64_t{60'000'000'000}, std::int64_t{0},
           std::numeric_limits<std::int64_t>::min()}) {
-      Attack attack(room);
+      Attack attack(renderer);
       attack.name = "a frame at " + std::to_string(when_ns);
       attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
       (void)attack.run(1000);
@@ -169,9 +170,9 @@ TEST(RoomAttack, FramesOfTheFarFutureOrPastDoNotKeepOldDataAlive) {
 }
 
 TEST(RoomAttack, AStaleStreamFadesToExactlyZeroAndComesBackByDepth) {
-  for (const RoomSettings& room : everyRoom()) {
+  for (const RendererSettings& renderer : everyRoom()) {
     for (const double above_mm : {1.5, 25.0}) {
-      Attack attack(room);
+      Attack attack(renderer);
       attack.name = "stale";
       double height_mm = 9.5;
       attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(height_mm)); };

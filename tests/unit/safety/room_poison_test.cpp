@@ -49,11 +49,11 @@ constexpr Poison kPoisons[] = {
 
 TEST(RoomPoison, PoisonInEveryFieldAndThenItComesBack) {
   std::size_t number = 0;
-  for (const RoomSettings& room : everyRoom()) {
+  for (const RendererSettings& renderer : everyRoom()) {
     for (std::size_t field = 0; field < std::size(kPoisons); ++field) {
       for (const double value : {kNaN, kInfinity, -kInfinity, 1e308, -1e308, 1e12, -1e12, 5e3}) {
         if (++number % 7 != 0) continue;  // 120 a room: over seven rooms, each once
-        Attack attack(room);
+        Attack attack(renderer);
         attack.name = "field " + std::to_string(field) + " = " + std::to_string(value);
         bool poisoned = false;
         attack.scene = [&](PlayFrame& frame, double) {
@@ -79,35 +79,35 @@ TEST(RoomPoison, PoisonInEveryFieldAndThenItComesBack) {
 TEST(RoomPoison, AnAbsurdStreamState) {
   static constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   static constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
-  const std::function<void(StreamState&)> changes[] = {
-      [](StreamState& c) { c.workspace.width_mm = 0.0; },
-      [](StreamState& c) { c.workspace.width_mm = kNaN; },
-      [](StreamState& c) { c.workspace.height_mm = kInfinity; },
-      [](StreamState& c) { c.workspace.depth_mm = -kInfinity; },
-      [](StreamState& c) { c.workspace.width_mm = c.workspace.height_mm = 1e-300; },
-      [](StreamState& c) { c.workspace.width_px = c.workspace.height_px = 0; },
-      [](StreamState& c) { c.workspace.width_px = 1; },
-      [](StreamState& c) { c.workspace.stretch = true; },
-      [](StreamState& c) { c.frame_interval = Duration(0); },
-      [](StreamState& c) { c.frame_interval = Duration(kMost); },
-      [](StreamState& c) { c.frame_interval = Duration(kLeast); },
-      [](StreamState& c) { c.clock_offset = Duration(kMost); },
-      [](StreamState& c) { c.clock_offset = Duration(kLeast); },
-      [](StreamState& c) { c.pipeline_latency = Duration(kLeast); },
-      [](StreamState& c) { c.playout_delay_target = Duration(kMost); },
-      [](StreamState& c) { c.playout_delay_target = Duration(kLeast); },
-      [](StreamState& c) { c.largest_acceleration_mm_s2 = 1e-300; },
-      [](StreamState& c) { c.author_mass_kg = 1e300; },
-      [](StreamState& c) { c.first_epoch = 1000; },
+  const std::function<void(StreamTiming&)> changes[] = {
+      [](StreamTiming& c) { c.workspace.width_mm = 0.0; },
+      [](StreamTiming& c) { c.workspace.width_mm = kNaN; },
+      [](StreamTiming& c) { c.workspace.height_mm = kInfinity; },
+      [](StreamTiming& c) { c.workspace.depth_mm = -kInfinity; },
+      [](StreamTiming& c) { c.workspace.width_mm = c.workspace.height_mm = 1e-300; },
+      [](StreamTiming& c) { c.workspace.width_px = c.workspace.height_px = 0; },
+      [](StreamTiming& c) { c.workspace.width_px = 1; },
+      [](StreamTiming& c) { c.workspace.stretch = true; },
+      [](StreamTiming& c) { c.frame_interval = Duration(0); },
+      [](StreamTiming& c) { c.frame_interval = Duration(kMost); },
+      [](StreamTiming& c) { c.frame_interval = Duration(kLeast); },
+      [](StreamTiming& c) { c.clock_offset = Duration(kMost); },
+      [](StreamTiming& c) { c.clock_offset = Duration(kLeast); },
+      [](StreamTiming& c) { c.pipeline_latency = Duration(kLeast); },
+      [](StreamTiming& c) { c.playout_delay_target = Duration(kMost); },
+      [](StreamTiming& c) { c.playout_delay_target = Duration(kLeast); },
+      [](StreamTiming& c) { c.largest_acceleration_mm_s2 = 1e-300; },
+      [](StreamTiming& c) { c.author_mass_kg = 1e300; },
+      [](StreamTiming& c) { c.first_epoch = 1000; },
   };
-  for (const RoomSettings& room : everyRoom()) {
+  for (const RendererSettings& renderer : everyRoom()) {
     int number = 0;
     for (const auto& change : changes) {
-      Attack attack(room);
+      Attack attack(renderer);
       attack.name = "change " + std::to_string(number++);
       attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
       (void)attack.run(700);
-      const StreamState good = attack.control;
+      const StreamTiming good = attack.control;
       change(attack.control);
       (void)attack.run(400);
       attack.control = good;
@@ -119,13 +119,13 @@ TEST(RoomPoison, AnAbsurdStreamState) {
 }
 
 /// Everything at once, by chance; the largest force it met.
-double chaos(const RoomSettings& room, unsigned seed, bool moving) {
+double chaos(const RendererSettings& renderer, unsigned seed, bool moving) {
   std::mt19937_64 random(seed);
   const auto chance = [&](double p) { return std::uniform_real_distribution(0., 1.)(random) < p; };
   const auto between = [&](double a, double b) {
     return std::uniform_real_distribution(a, b)(random);
   };
-  Attack attack(room);
+  Attack attack(renderer);
   attack.name = "chaos " + std::to_string(seed);
   attack.scene = [&](PlayFrame& frame, double) {
     const int count = static_cast<int>(between(0.5, 4.0));
@@ -171,20 +171,20 @@ double chaos(const RoomSettings& room, unsigned seed, bool moving) {
 }
 
 /// Several lives in a room; each is checked at every tick, and somewhere in them there is a force.
-void liveThrough(const RoomSettings& room, unsigned& seed, bool moving) {
+void liveThrough(const RendererSettings& renderer, unsigned& seed, bool moving) {
   double max_force_N = 0.0;
-  for (int i = 0; i < 3; ++i) max_force_N = std::max(max_force_N, chaos(room, ++seed, moving));
+  for (int i = 0; i < 3; ++i) max_force_N = std::max(max_force_N, chaos(renderer, ++seed, moving));
   EXPECT_GT(max_force_N, 0.1) << "chaos up to " << seed;
 }
 
 TEST(RoomPoison, ChaosDoesNotStepAHandThatStandsStill) {
   unsigned seed = 0;
-  for (const RoomSettings& room : everyRoom()) liveThrough(room, seed, false);
+  for (const RendererSettings& renderer : everyRoom()) liveThrough(renderer, seed, false);
 }
 
 TEST(RoomPoison, ChaosDoesNotStepAHandThatMoves) {
   unsigned seed = 100;
-  for (const RoomSettings& room : everyRoom()) liveThrough(room, seed, true);
+  for (const RendererSettings& renderer : everyRoom()) liveThrough(renderer, seed, true);
 }
 
 }  // namespace

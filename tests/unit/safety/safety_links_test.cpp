@@ -33,16 +33,16 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
         Rig rig(profile, profile, hand);
         press(rig, 0.8);
         EXPECT_GT(rig.max_force_N, 0.6) << name << k;
-        for (const Interference link :
-             {Interference::kNotFinite, Interference::kPeak, Interference::kUnarmed,
-              Interference::kResidue, Interference::kDamping, Interference::kPassivity,
-              Interference::kTank, Interference::kThermal, Interference::kLatency,
-              Interference::kStiffness}) {
+        for (const SafetyAction link :
+             {SafetyAction::kNotFinite, SafetyAction::kPeak, SafetyAction::kDisarmed,
+              SafetyAction::kResidue, SafetyAction::kDamping, SafetyAction::kPassivity,
+              SafetyAction::kTank, SafetyAction::kThermal, SafetyAction::kLatency,
+              SafetyAction::kStiffness}) {
           EXPECT_EQ(rig.count(link), 0U)
               << name << " K " << k << ": " << kInterferenceNames[static_cast<std::size_t>(link)];
         }
         // The observer that finds the hand faster than it thought may step (measured: 2 of 9000).
-        EXPECT_LE(rig.count(Interference::kSlew), 3U) << name << " K " << k;
+        EXPECT_LE(rig.count(SafetyAction::kSlew), 3U) << name << " K " << k;
         // A count's worth of force a press: the play of a slow observer.
         EXPECT_LE(rig.chain.work().relative_mJ, 3.0 * rig.max_force_N * profile.count_mm)
             << name << k;
@@ -104,7 +104,7 @@ TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
   EXPECT_LT(relative_mJ, 0.0);
   EXPECT_NEAR(work.surface_mJ - start.surface_mJ, surface_mJ, 0.5);
   EXPECT_NEAR(work.relative_mJ - start.relative_mJ, relative_mJ, 1.5);
-  EXPECT_EQ(rig.count(Interference::kPassivity), 0U);
+  EXPECT_EQ(rig.count(SafetyAction::kPassivity), 0U);
 }
 
 /// Largest speed of a light hand away from a wall that rises 30 mm within one frame of 40 ms.
@@ -121,7 +121,7 @@ double thrown_mm_s(const SafetyLinks& links, std::uint64_t& tank_ticks) {
     rig.step();
     fastest_mm_s = std::max(fastest_mm_s, rig.device.trueVelocity_mm_s().z());
   }
-  tank_ticks = rig.count(Interference::kTank);
+  tank_ticks = rig.count(SafetyAction::kTank);
   return fastest_mm_s;
 }
 
@@ -144,11 +144,11 @@ TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   rig.device.setTarget({0.0, 0.0, -30.0});
   rig.run(700);
   EXPECT_NEAR(rig.out.force_N.z(), 3.3, 0.01);
-  EXPECT_EQ(rig.count(Interference::kThermal), 0U);
+  EXPECT_EQ(rig.count(SafetyAction::kThermal), 0U);
   rig.clear();
   rig.run(20'000);
   EXPECT_NEAR(rig.out.force_N.z(), 0.88, 0.03);
-  EXPECT_GT(rig.count(Interference::kThermal), 19'000U);
+  EXPECT_GT(rig.count(SafetyAction::kThermal), 19'000U);
   EXPECT_LE(rig.max_step_N, 0.05);  // eased, not dropped
   Rig warm(profile, profile, Hand::light(), {.thermal = false});
   warm.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
@@ -174,7 +174,7 @@ TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
       in.displacement_mm.z() = 0.1 * i;
       in.position_mm.z() = in.ahead.position_mm.z() = 1.0 - 0.1 * i;
       out = chain.step(in);
-      cut += (out.interferences & bit(Interference::kDamping)) != 0;
+      cut += (out.interferences & bit(SafetyAction::kDamping)) != 0;
     }
     return out.force_N.z();
   };
@@ -212,7 +212,7 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
       high = std::max(high, rig.device.truePosition_mm().z());
     }
     swing_mm[insured ? 0 : 1] = high - low;
-    EXPECT_EQ(rig.count(Interference::kPassivity) > 0, insured);
+    EXPECT_EQ(rig.count(SafetyAction::kPassivity) > 0, insured);
     EXPECT_EQ(rig.max_excess_N, 0.0);
   }
   std::printf("undamped: swing %.2f mm with the controller, %.2f mm without\n", swing_mm[0],
@@ -241,12 +241,12 @@ struct Told {
 TEST(SafetyLinks, TheLatencyWatchSeesALongerDelayAndSoftensTheWall) {
   Told wrong(5.0, 1, 3, Hand::lightGrip());
   EXPECT_EQ(wrong.alarms, 1);  // once a connection
-  EXPECT_GT(wrong.rig.count(Interference::kLatency), 100U);
-  EXPECT_GT(wrong.rig.count(Interference::kStiffness), 100U);  // K_max is now that of 2 ticks
+  EXPECT_GT(wrong.rig.count(SafetyAction::kLatency), 100U);
+  EXPECT_GT(wrong.rig.count(SafetyAction::kStiffness), 100U);  // K_max is now that of 2 ticks
   EXPECT_EQ(wrong.rig.max_excess_N, 0.0);
   const Told unwatched(5.0, 1, 3, Hand::lightGrip(), {.latency_watch = false});
   EXPECT_EQ(unwatched.alarms, 0);
-  EXPECT_EQ(unwatched.rig.count(Interference::kLatency), 0U);
+  EXPECT_EQ(unwatched.rig.count(SafetyAction::kLatency), 0U);
 }
 
 TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
@@ -254,7 +254,7 @@ TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
   wrong.rig.clear();
   wrong.rig.chain.newConnection();
   wrong.rig.run(1);
-  EXPECT_EQ(wrong.rig.count(Interference::kLatency), 1U);  // still touched
+  EXPECT_EQ(wrong.rig.count(SafetyAction::kLatency), 1U);  // still touched
   wrong.rig.device.setPush(Vec3::Zero());
   wrong.rig.device.setTarget({0.0, 0.0, 10.0});
   wrong.rig.run(300);
@@ -262,7 +262,7 @@ TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
   wrong.rig.device.setTarget({0.0, 0.0, -2.0});
   wrong.rig.run(60);
   EXPECT_GT(wrong.rig.max_force_N, 0.1);
-  EXPECT_EQ(wrong.rig.count(Interference::kLatency), 0U);
+  EXPECT_EQ(wrong.rig.count(SafetyAction::kLatency), 0U);
 }
 
 TEST(SafetyLinks, TheLatencyWatchIsSilentWhereTheDelayIsTold) {

@@ -27,33 +27,34 @@ FramePair at(double time_s, double gap = 1.0) {
   return out;
 }
 
-TEST(AuthorScript, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
+TEST(AnnotationTrack, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
   VisionSettings settings;
   settings.object_points = {{{5, 6}, 0.0}, {{7, 8}, 0.41}};
   settings.not_points = {{{9, 10}, 0.0}, {{11, 12}, 0.79}};
-  const AuthorScript script(settings);
+  const AnnotationTrack script(settings);
   EXPECT_EQ(script.atStart().on, std::vector<cv::Point>{cv::Point(5, 6)});
   EXPECT_EQ(script.atStart().off, std::vector<cv::Point>{cv::Point(9, 10)});
   EXPECT_TRUE(script.pointsLater());
   int spoken = 0;
   for (int i = 0; i < 30; ++i) {
-    const AuthorWord word = script.wordOn(at(i / kWordFps));
+    const Annotation word = script.annotationAt(at(i / kWordFps));
     EXPECT_EQ(word.on.size(), i == 10 ? 1U : 0U) << i;
     EXPECT_EQ(word.off.size(), i == 20 ? 1U : 0U) << i;
-    EXPECT_EQ(script.speaksAfter(at(i / kWordFps)), i < 20) << i;
+    EXPECT_EQ(script.hasLaterAnnotation(at(i / kWordFps)), i < 20) << i;
     if (!word.empty()) ++spoken;
   }
   EXPECT_EQ(spoken, 2);
 }
 
-TEST(AuthorScript, NoPointIsMissedWhereFramesAreMissingNorRightAfterTheStart) {
+TEST(AnnotationTrack, NoPointIsMissedWhereFramesAreMissingNorRightAfterTheStart) {
   VisionSettings settings;
   settings.object_points = {{{5, 6}, 0.001}};
   settings.not_points = {{{9, 10}, 0.41}};
-  const AuthorScript script(settings);
-  EXPECT_EQ(script.wordOn(at(0)).on.size(), 1U);
-  EXPECT_TRUE(script.wordOn(at(1 / kWordFps)).empty());
-  EXPECT_EQ(script.wordOn(at(13 / kWordFps, 6)).off.size(), 1U) << "frames 8 to 12 are missing";
+  const AnnotationTrack script(settings);
+  EXPECT_EQ(script.annotationAt(at(0)).on.size(), 1U);
+  EXPECT_TRUE(script.annotationAt(at(1 / kWordFps)).empty());
+  EXPECT_EQ(script.annotationAt(at(13 / kWordFps, 6)).off.size(), 1U)
+      << "frames 8 to 12 are missing";
 }
 
 // A red square with a blue bar that is one with it in depth, both grained.
@@ -86,7 +87,7 @@ struct SquareAndBar {
 TEST(AuthorWords, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
-  const BandScene scene{measureNoise(drawn.depth), {}, {}, {}};
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
   const cv::Mat both = drawn.square | drawn.bar;
   const cv::Mat left = corrected(scene.view(images), both, {{}, {{200, 95}}, {}});
   EXPECT_GT(test::overlap(left, drawn.square), 0.93);
@@ -97,7 +98,7 @@ TEST(AuthorWords, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
 TEST(AuthorWords, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
-  const BandScene scene{measureNoise(drawn.depth), {}, {}, {}};
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
   cv::Mat half = drawn.square.clone();
   half(cv::Rect(0, 0, 300, 85)).setTo(0);
   const cv::Mat whole = corrected(scene.view(images), half, {{{110, 75}}, {}, {}});
@@ -107,11 +108,11 @@ TEST(AuthorWords, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
 TEST(AuthorWords, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
-  const BandScene scene{measureNoise(drawn.depth), {}, {}, {}};
-  AvoidedColors avoided;
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
+  NegativeColors avoided;
   avoid(scene.view(images), {200, 95}, avoided);
   ContourMemory memory;
-  const Patch patch = patchAround(images, drawn.square);
+  const ObjectRoi patch = patchAround(images, drawn.square);
   learn(patch, drawn.square(patch.box), memory);
   const auto meanOver = [&](const cv::Mat& where) {
     const std::vector<float> evidence = colorEvidenceOf(memory);
@@ -127,7 +128,7 @@ TEST(AuthorWords, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
   memory.avoided = avoided.histogram;
   EXPECT_LT(meanOver(drawn.bar), -2.0);
   EXPECT_GT(meanOver(drawn.square), 2.0);
-  AvoidedColors own;
+  NegativeColors own;
   avoid(scene.view(images), {110, 95}, own);
   memory.avoided = own.histogram;
   EXPECT_GT(meanOver(drawn.square), 1.5) << "what looks like it cannot be told by colour";
@@ -137,7 +138,7 @@ TEST(AuthorWords, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
 struct Played {
   test::BallScene scene{.with_mask = false};
   VisionSettings settings;
-  ClipLessons lessons;
+  ClipAnnotations annotations;
   std::map<int, cv::Mat> drawn;  // by frame, 0 / 1
   int hidden_until = 0;
 
@@ -158,8 +159,8 @@ struct Played {
     SourceInfo info = scene.info(kWordFps);
     info.key_masks = !drawn.empty();
     std::uint32_t id = 1;
-    lessons.open = open;
-    const auto segmenter = makeSegmenter(settings, false, id, live ? nullptr : &lessons);
+    annotations.open = open;
+    const auto segmenter = makeSegmenter(settings, false, id, live ? nullptr : &annotations);
     FramePairs pairs(info, true);
     std::vector<std::vector<Segment>> out;
     std::vector<Segment> last;

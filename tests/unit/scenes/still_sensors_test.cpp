@@ -40,7 +40,7 @@ class StillBall {
     const Surface seen = cleanSurface(depth, mask, noise_, Method::kHapticast);
     return hold_.apply(now_gray_, seen, restNoiseOf(noise_, seen), false);
   }
-  [[nodiscard]] const Hold& hold() const { return hold_; }
+  [[nodiscard]] const StaticRegionFilter& hold() const { return hold_; }
 
  private:
   cv::Mat noise(double sigma, double blur_px) {
@@ -88,7 +88,7 @@ class StillBall {
   cv::RNG random_{42};
   cv::Mat fixed_;
   DepthNoise noise_;
-  Hold hold_;
+  StaticRegionFilter hold_;
 };
 
 class StillSensors : public ::testing::TestWithParam<Kind> {};

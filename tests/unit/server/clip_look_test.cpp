@@ -20,7 +20,7 @@ class ClipLook : public testing::Test {
  protected:
   bool look(const VisionSettings& settings = {}) {
     Vision vision(source.info(), settings);
-    return lookThrough(vision, source, media, stop, [this](double share) {
+    return scanClip(vision, source, media, stop, [this](double share) {
       shares.push_back(share);
       stop = shares.size() == stop_after;
     });

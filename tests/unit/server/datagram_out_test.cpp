@@ -15,13 +15,13 @@ using Udp = asio::ip::udp;
 
 Udp::endpoint loopback(std::uint16_t port = 0) { return {asio::ip::address_v4::loopback(), port}; }
 
-SharedBodies bodies(std::size_t count, std::uint8_t value) {
+SignedDatagrams bodies(std::size_t count, std::uint8_t value) {
   return std::make_shared<const std::vector<std::vector<std::uint8_t>>>(
       count, std::vector<std::uint8_t>(100, value));
 }
 
 /// Of these sizes, each full of its number.
-SharedBodies sized(const std::vector<std::size_t>& sizes) {
+SignedDatagrams sized(const std::vector<std::size_t>& sizes) {
   std::vector<std::vector<std::uint8_t>> made;
   made.reserve(sizes.size());
   for (const std::size_t size : sizes) made.emplace_back(size, made.size());
@@ -59,7 +59,7 @@ class DatagramOutTest : public ::testing::Test {
   asio::io_context io;
   Udp::socket socket{io, loopback()};
   Udp::socket reader{io, loopback()};
-  DatagramOut out{socket};
+  UdpFanout out{socket};
 };
 
 TEST_F(DatagramOutTest, AFrameGoesToAllAndCopiesComeLast) {
@@ -105,20 +105,20 @@ TEST_F(DatagramOutTest, WhatTheSystemDoesNotCutGoesOneByOne) {
 
 TEST_F(DatagramOutTest, ANewerFrameWinsOverWhatIsLeft) {
   const auto viewer = target(1);
-  out.send({bodies(DatagramOut::kAtOnce + 500, 1)}, {viewer});
-  EXPECT_EQ(viewer.counts->sent, DatagramOut::kAtOnce) << "then it lets others have their turn";
+  out.send({bodies(UdpFanout::kAtOnce + 500, 1)}, {viewer});
+  EXPECT_EQ(viewer.counts->sent, UdpFanout::kAtOnce) << "then it lets others have their turn";
   out.send({bodies(3, 2)}, {viewer});
   EXPECT_EQ(viewer.counts->dropped, 500U);
   io.run();
-  EXPECT_EQ(viewer.counts->sent, DatagramOut::kAtOnce + 3);
+  EXPECT_EQ(viewer.counts->sent, UdpFanout::kAtOnce + 3);
   EXPECT_EQ(viewer.counts->dropped, 500U);
 }
 
 TEST_F(DatagramOutTest, ALongRoundGoesOnByItself) {
   const auto viewer = target(1);
-  out.send({bodies(3 * DatagramOut::kAtOnce, 1)}, {viewer});
+  out.send({bodies(3 * UdpFanout::kAtOnce, 1)}, {viewer});
   io.run();
-  EXPECT_EQ(viewer.counts->sent, 3 * DatagramOut::kAtOnce);
+  EXPECT_EQ(viewer.counts->sent, 3 * UdpFanout::kAtOnce);
   EXPECT_EQ(viewer.counts->dropped, 0U);
 }
 

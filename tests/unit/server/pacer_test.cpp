@@ -120,23 +120,23 @@ TEST(Pacer, AStallMovesTheScheduleInsteadOfSkippingThroughTheClip) {
 
 TEST(Playback, EndsWithTheClip) {
   SyntheticSource source(SceneKind::kStill, 5.0, 32, 24);  // 24 frames
-  EXPECT_EQ(readOn(source, 22, false)->index, 22U);
-  EXPECT_EQ(readOn(source, 0, false)->index, 23U);
-  EXPECT_FALSE(readOn(source, 0, false));
+  EXPECT_EQ(readSkipping(source, 22, false)->index, 22U);
+  EXPECT_EQ(readSkipping(source, 0, false)->index, 23U);
+  EXPECT_FALSE(readSkipping(source, 0, false));
   source.rewind();
-  EXPECT_FALSE(readOn(source, 24, false));
+  EXPECT_FALSE(readSkipping(source, 24, false));
 }
 
 TEST(Playback, LoopsIntoANewEpochAndNeverSkipsItsFirstFrame) {
   SyntheticSource source(SceneKind::kStill, 5.0, 32, 24);
-  EXPECT_EQ(readOn(source, 20, true)->index, 20U);
-  const auto wrapped = readOn(source, 5, true);
+  EXPECT_EQ(readSkipping(source, 20, true)->index, 20U);
+  const auto wrapped = readSkipping(source, 5, true);
   EXPECT_EQ(wrapped->index, 0U);
   EXPECT_EQ(wrapped->epoch, 1U);
-  const auto far = readOn(source, 48, true);
+  const auto far = readSkipping(source, 48, true);
   EXPECT_EQ(far->index, 0U);
   EXPECT_EQ(far->epoch, 2U);
-  EXPECT_EQ(readOn(source, 0, true)->index, 1U);
+  EXPECT_EQ(readSkipping(source, 0, true)->index, 1U);
 }
 
 TEST(Playback, LoopingOverFramesThatHaveAllBecomeUnreadableIsAnError) {
@@ -146,10 +146,10 @@ TEST(Playback, LoopingOverFramesThatHaveAllBecomeUnreadableIsAnError) {
     folder.write(std::string("depth/") + name, cv::Mat(24, 32, CV_16UC1, cv::Scalar(700)));
   }
   ImageSequence source(folder.string(), 0.0);
-  EXPECT_EQ(readOn(source, 1, true)->index, 1U);
+  EXPECT_EQ(readSkipping(source, 1, true)->index, 1U);
   std::filesystem::remove_all(folder / "rgb");
   const LogLines log;
-  const std::string error = errorOf([&] { (void)readOn(source, 3, true); });
+  const std::string error = errorOf([&] { (void)readSkipping(source, 3, true); });
   EXPECT_NE(error.find("rgb/1.png: cannot be read"), std::string::npos) << error;
   EXPECT_EQ(log.count(), 0) << log.text();
 }

@@ -16,12 +16,12 @@ class PlanTellerTest : public ::testing::Test {
     PlanLine line;
     line.on = on;
     line.why = (on ? "it moves" : "it is at rest") + how;
-    teller_.tell({{id, {line}}}, {{id, 1234}}, mediaTime(at_s));
+    plan_log_.tell({{id, {line}}}, {{id, 1234}}, mediaTime(at_s));
     return log_.count();
   }
 
   LogLines log_;
-  PlanTeller teller_;
+  PlanLog plan_log_;
 };
 
 TEST_F(PlanTellerTest, TellsChangesOnceAndNotWhatIsTakenBackAtOnce) {

@@ -104,16 +104,16 @@ TEST(PreviewAdvice, PointsAtTheHandThatTheMaskHolds) {
   cv::Mat mask = cv::Mat::zeros(color.size(), CV_8UC1);
   cv::circle(color, {150, 120}, 40, {60, 120, 60}, cv::FILLED);
   cv::circle(mask, {150, 120}, 40, cv::Scalar(255), cv::FILLED);
-  EXPECT_FALSE(doubtOf(color, mask)) << "one colour, no edge";
+  EXPECT_FALSE(suggestCorrection(color, mask)) << "one colour, no edge";
   const cv::Rect hand(185, 100, 50, 30);
   color(hand).setTo(cv::Scalar(120, 150, 210));
   mask(hand).setTo(255);
-  const auto doubt = doubtOf(color, mask);
+  const auto doubt = suggestCorrection(color, mask);
   ASSERT_TRUE(doubt);
   EXPECT_TRUE(hand.contains(doubt->at_px)) << doubt->at_px;
   EXPECT_THAT(doubt->why, HasSubstr("skin"));
   mask(cv::Rect(185, 100, 135, 30)).setTo(255);
-  const auto arm = doubtOf(color, mask);
+  const auto arm = suggestCorrection(color, mask);
   ASSERT_TRUE(arm);
   EXPECT_GT(arm->at_px.x, 300);
   EXPECT_THAT(arm->why, HasSubstr("edge"));
@@ -127,7 +127,7 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
   settings.object_points = {{{10, 20}}, {{30, 40}, 1.96}, {{50, 60}, 2.0}};
   settings.not_points = {{{70, 80}, 99.0}};
   const LogLines log;
-  const VisionSettings left = withinClip(settings, info);
+  const VisionSettings left = dropInvalidPoints(settings, info);
   EXPECT_EQ(left.object_points.size(), 2U);
   EXPECT_TRUE(left.not_points.empty());
   EXPECT_EQ(log.count(), 2);
@@ -136,7 +136,7 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
                                 HasSubstr("--not 70,80@99: ")));
   info.frame_count.reset();
   info.live = true;
-  EXPECT_EQ(withinClip(settings, info).object_points.size(), 3U) << "no end is known";
+  EXPECT_EQ(dropInvalidPoints(settings, info).object_points.size(), 3U) << "no end is known";
 }
 
 TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
@@ -144,7 +144,7 @@ TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
   settings.object_points = {{{10, 20}}, {{30, 40}, 1.5}};
   settings.not_points = {{{31, 41}, 1.5}, {{30, 40}, 0.0}};
   const LogLines log;
-  const VisionSettings left = withinClip(settings, {});
+  const VisionSettings left = dropInvalidPoints(settings, {});
   ASSERT_EQ(left.object_points.size(), 1U);
   EXPECT_EQ(left.object_points[0].time_s, 0.0);
   ASSERT_EQ(left.not_points.size(), 1U) << "at another time it is no contradiction";

@@ -13,7 +13,7 @@ SharedBytes bytes(const std::string& text) {
 }
 EncodedFrame frame(std::uint64_t id, int media_ms) {
   return {0, id, MediaTime(std::chrono::milliseconds(media_ms)), bytes("lean" + std::to_string(id)),
-          std::make_shared<WholeFrame>(bytes("whole" + std::to_string(id)))};
+          std::make_shared<LazyKeyFrame>(bytes("whole" + std::to_string(id)))};
 }
 EncodedVideo video(std::uint64_t id) {
   return {id, MediaTime(), bytes("video" + std::to_string(id))};

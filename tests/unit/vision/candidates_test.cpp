@@ -81,8 +81,8 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   Drawn drawn(kGrey);
   drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
   const FrameImages images = drawn.finish(random);
-  const FrameView scene{images, drawn.planes, drawn.noise, drawn.skin};
-  const SmallView view = SmallView::of(scene, {{0, 0}, kDrawn}, 1e6);
+  const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
+  const GraphRoi view = GraphRoi::of(scene, {{0, 0}, kDrawn}, 1e6);
   cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
   cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
   cv::rectangle(unary, {70, 50, 160, 130}, cv::Scalar(0.2), 30);  // ... and perhaps
@@ -102,15 +102,15 @@ TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
     drawn.fill(whole, cv::Scalar(40, 40, 200), 700.0);
     drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
     const FrameImages images = drawn.finish(random);
-    const FrameView scene{images, drawn.planes, drawn.noise, drawn.skin};
-    const SmallView view = SmallView::of(scene, {{0, 0}, kDrawn}, 1e6);
+    const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
+    const GraphRoi view = GraphRoi::of(scene, {{0, 0}, kDrawn}, 1e6);
     cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
     mask(whole).setTo(255);
     mask(between).setTo(0);
     cv::Mat main = mask.clone();
     main.rowRange(between.br().y, mask.rows).setTo(0);
     const double px_per_mm = pixelsPerMm(700.0, kDrawn);
-    const cv::Mat joined = joinedPieces(view, mask, main, px_per_mm);
+    const cv::Mat joined = mergeOccludedParts(view, mask, main, px_per_mm);
     EXPECT_EQ(cv::countNonZero(joined), cv::countNonZero(finger ? mask : main));
   }
 }
@@ -124,10 +124,10 @@ TEST(ChooseAt, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
     drawn.fill({box.x + 20, box.br().y - 10, 35, kDrawn.height - box.br().y + 10}, kSkin, 705.0);
     drawn.fill(box, cv::Scalar(170, 60, 40), 700.0);
     const FrameImages images = drawn.finish(random);
-    const BandScene scene{drawn.noise, drawn.planes, drawn.skin, {}};
+    const SceneContext scene{drawn.noise, drawn.planes, drawn.skin, {}};
     const cv::Point click(box.x + 10 + static_cast<int>(random() % 40),
                           box.y + 10 + static_cast<int>(random() % 50));
-    const ChosenStart start = chooseAt(images, scene, click, {});
+    const ChosenStart start = selectInitialMask(images, scene, click, {});
     ASSERT_TRUE(start.object) << trial;
     cv::Mat truth = cv::Mat::zeros(kDrawn, CV_8UC1);
     truth(box).setTo(255);

@@ -18,7 +18,7 @@ constexpr double kStiffness_N_mm = 0.5;
 // The frames of a ball through Hold; beside it what they are without.
 struct Holding {
   NoisyBall ball;
-  Hold hold;
+  StaticRegionFilter hold;
   DepthNoise noise{{kSigma_mm}, 0.0};
   Surface held;
   Surface free;
@@ -55,7 +55,7 @@ bool equalSurfaces(const Surface& a, const Surface& b) {
          equalImages(a.measured, b.measured);
 }
 
-TEST(Hold, AStillObjectIsPerfectlyStillAfterSixteenFrames) {
+TEST(StaticRegionFilter, AStillObjectIsPerfectlyStillAfterSixteenFrames) {
   Holding run;
   for (int i = 0; i < 17; ++i) run.next(160);
   const Surface settled = run.held;
@@ -70,7 +70,7 @@ TEST(Hold, AStillObjectIsPerfectlyStillAfterSixteenFrames) {
   EXPECT_LT(run.error_mm(run.held, 160), 0.4 * run.error_mm(run.free, 160));
 }
 
-TEST(Hold, WhatStartsToMoveIsReleasedAtOnce) {
+TEST(StaticRegionFilter, WhatStartsToMoveIsReleasedAtOnce) {
   Holding run;
   for (int i = 0; i < 25; ++i) run.next(160);
   ASSERT_EQ(run.hold.share(), 1.0);
@@ -82,7 +82,7 @@ TEST(Hold, WhatStartsToMoveIsReleasedAtOnce) {
   }
 }
 
-TEST(Hold, AClipThatStartsInMotionIsNotHeld) {
+TEST(StaticRegionFilter, AClipThatStartsInMotionIsNotHeld) {
   for (const double step_px : {0.25, 0.5, 1.0, 3.0}) {
     Holding run;
     double held = 0;
@@ -97,7 +97,7 @@ TEST(Hold, AClipThatStartsInMotionIsNotHeld) {
   }
 }
 
-TEST(Hold, ASlowDriftInDepthIsNoticed) {
+TEST(StaticRegionFilter, ASlowDriftInDepthIsNoticed) {
   Holding run;
   for (int i = 0; i < 25; ++i) run.next(160);
   double worst_mm = 0;
@@ -119,7 +119,7 @@ TEST(Hold, ASlowDriftInDepthIsNoticed) {
   EXPECT_LT(worst_mm, 3.0);
 }
 
-TEST(Hold, AFastMoveInDepthIsReleasedAtOnce) {
+TEST(StaticRegionFilter, AFastMoveInDepthIsReleasedAtOnce) {
   Holding run;
   for (int i = 0; i < 25; ++i) run.next(160);
   for (int i = 1; i <= 6; ++i) {
@@ -132,7 +132,7 @@ TEST(Hold, AFastMoveInDepthIsReleasedAtOnce) {
   }
 }
 
-TEST(Hold, AStepInBrightnessReleasesNothing) {
+TEST(StaticRegionFilter, AStepInBrightnessReleasesNothing) {
   Holding run;
   for (int i = 0; i < 25; ++i) run.next(160);
   const Surface settled = run.held;
@@ -143,7 +143,7 @@ TEST(Hold, AStepInBrightnessReleasesNothing) {
   }
 }
 
-TEST(Hold, ABodyAtRestIsHeldBesideAHandThatMoves) {
+TEST(StaticRegionFilter, ABodyAtRestIsHeldBesideAHandThatMoves) {
   Holding run;
   double least = 1.0;
   for (int i = 0; i < 40; ++i) {
@@ -162,7 +162,7 @@ TEST(Hold, ABodyAtRestIsHeldBesideAHandThatMoves) {
   EXPECT_GT(least, 0.3);
 }
 
-TEST(Hold, RepeatedDepthDoesNotCount) {
+TEST(StaticRegionFilter, RepeatedDepthDoesNotCount) {
   Holding run;
   run.next(160);
   for (int i = 0; i < 30; ++i) run.next(160, 120, 0, true);
@@ -171,8 +171,8 @@ TEST(Hold, RepeatedDepthDoesNotCount) {
 }
 
 // A clean depth has no drift that would hide the slow moments of a motion.
-TEST(Hold, CleanDepthThatTurnsRoundIsFollowed) {
-  const auto worst_mm = [](const RestNoise& noise) {
+TEST(StaticRegionFilter, CleanDepthThatTurnsRoundIsFollowed) {
+  const auto worst_mm = [](const StaticNoise& noise) {
     Holding run;
     double worst = 0.0;
     for (std::uint64_t i = 0; i < 60; ++i) {
@@ -234,7 +234,7 @@ StillRun runStill(Method method, bool with_mask = true) {
   return out;
 }
 
-TEST(Hold, AStillSceneHasNoForceNoiseNoMotionAndNothingToSend) {
+TEST(StaticRegionFilter, AStillSceneHasNoForceNoiseNoMotionAndNothingToSend) {
   const StillRun held = runStill(Method::kHapticast);
   EXPECT_EQ(held.force_noise_N, 0.0);
   EXPECT_EQ(held.changed, 0U);
@@ -245,7 +245,7 @@ TEST(Hold, AStillSceneHasNoForceNoiseNoMotionAndNothingToSend) {
   EXPECT_GT(thesis.changed, 10U);
 }
 
-TEST(Hold, AStillSceneIsStillWithMasksOfOurOwn) {
+TEST(StaticRegionFilter, AStillSceneIsStillWithMasksOfOurOwn) {
   const StillRun held = runStill(Method::kHapticast, false);
   EXPECT_EQ(held.force_noise_N, 0.0);
   EXPECT_EQ(held.changed, 0U);

@@ -17,7 +17,7 @@ namespace {
 struct Findings {
   std::vector<Impact> impacts;  // each once
   // Frames right before and after an impact, and how many of them carried it.
-  int before = 0, told_before = 0, after = 0, told_after = 0;
+  int before = 0, logged_before = 0, after = 0, logged_after = 0;
 };
 
 // As the stream does it: a window of three frames on either side.
@@ -48,8 +48,8 @@ Findings findAll(const std::vector<Sample>& samples) {
       };
       ++out.before;
       ++out.after;
-      out.told_before += has(told[i]) ? 1 : 0;
-      out.told_after += has(told[i + 1]) ? 1 : 0;
+      out.logged_before += has(told[i]) ? 1 : 0;
+      out.logged_after += has(told[i + 1]) ? 1 : 0;
     }
   }
   return out;
@@ -83,10 +83,10 @@ TEST(Impact, ABounceIsFoundOnceWhereverItFallsBetweenFrames) {
     ASSERT_EQ(found.impacts.size(), 1U) << place;
     EXPECT_NEAR(toSeconds(found.impacts[0].time), when, 1e-4) << place;
     EXPECT_LT((found.impacts[0].delta_velocity_mm_s - Vec3(0, 1200, 0)).norm(), 5) << place;
-    EXPECT_EQ(found.told_after, found.after) << place;
+    EXPECT_EQ(found.logged_after, found.after) << place;
     // Only one that falls next to the later frame has to wait for what that frame shows.
     if (place < 0.84) {
-      EXPECT_EQ(found.told_before, found.before) << place;
+      EXPECT_EQ(found.logged_before, found.before) << place;
     }
   }
 }

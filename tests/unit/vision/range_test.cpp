@@ -65,11 +65,11 @@ TEST(Range, HoldsWhatMovesInDepthAndSaysThatItIsWide) {
   EXPECT_TRUE(mapped.wide);
   EXPECT_NEAR(mapped.usual_mm, 62, 12);
   LogLines log;
-  RangeTeller teller;
-  teller.tell(std::nullopt);
+  DepthRangeLog range_log;
+  range_log.tell(std::nullopt);
   EXPECT_EQ(log.count(), 0);
-  teller.tell(mapped);
-  teller.tell(mapped);
+  range_log.tell(mapped);
+  range_log.tell(mapped);
   EXPECT_EQ(log.count(), 2);
   EXPECT_NE(log.text().find("--not"), std::string::npos);
 }

@@ -69,10 +69,10 @@ TEST(Segment, AClipThatBeginsAgainStartsAsItDid) {
   scene.with_mask = false;
   VisionSettings settings;
   settings.object_points = {{{100, 100}}};
-  ClipLessons lessons;
+  ClipAnnotations annotations;
   std::vector<cv::Mat> masks;
   for (int round = 0; round < 2; ++round) {
-    Runner runner{scene.info(), makeSegmenter(settings, false, id, &lessons), {}, {}};
+    Runner runner{scene.info(), makeSegmenter(settings, false, id, &annotations), {}, {}};
     for (std::uint64_t i = 0; i < 5; ++i) {
       runner.next(scene.frame(i, 100 + 4.0 * double(i), 100));
       ASSERT_EQ(runner.segments.size(), 1U);
@@ -82,7 +82,7 @@ TEST(Segment, AClipThatBeginsAgainStartsAsItDid) {
     }
   }
   // Another first frame is decided anew.
-  Runner other{scene.info(), makeSegmenter(settings, false, id, &lessons), {}, {}};
+  Runner other{scene.info(), makeSegmenter(settings, false, id, &annotations), {}, {}};
   const RgbdFrame moved = scene.frame(0, 106, 104);
   other.next(moved);
   ASSERT_EQ(other.segments.size(), 1U);
@@ -249,9 +249,9 @@ TEST(Segment, TwoPointsOnOneBodyAreOneObject) {
   VisionSettings settings;
   settings.object_points = {{{100, 100}}, {{104, 100}}};
   std::uint32_t id = 1;
-  ClipLessons lessons;
+  ClipAnnotations annotations;
   for (int round = 0; round < 2; ++round) {  // a loop, too
-    Runner runner{scene.info(), makeSegmenter(settings, false, id, &lessons), {}, {}};
+    Runner runner{scene.info(), makeSegmenter(settings, false, id, &annotations), {}, {}};
     for (std::uint64_t i = 0; i < 3; ++i)
       EXPECT_EQ(runner.next(scene.frame(i, 100 + double(i), 100)).size(), 1U) << round << " " << i;
   }
@@ -290,9 +290,9 @@ TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
   const test::BallScene scene{.radius_px = 30, .with_mask = false};
   VisionSettings settings;
   settings.object_points = {{{80, 120}}, {{240, 120}}};
-  ClipLessons lessons;
+  ClipAnnotations annotations;
   const FramePair frames = FramePairs(scene.info(), true).takeIn(twoBalls(scene), 0.0);
-  const auto segmenter = makeSegmenter(settings, false, id, &lessons);
+  const auto segmenter = makeSegmenter(settings, false, id, &annotations);
   const std::vector<Segment> begun = segmenter->next(frames, {});
   ASSERT_EQ(begun.size(), 2U);
   const cv::Mat second = begun[1].mask.clone();
@@ -306,7 +306,8 @@ TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
       segmenter->next(frames, {{begun[0].id, onto}, {begun[1].id, rests}});
   ASSERT_TRUE(shared.size() == 1 || overlap(shared[1].mask, second) < 0.5);
   EXPECT_EQ(overlap(begun[1].mask, second), 1.0) << "what was handed out stays, too";
-  const std::vector<Segment> again = makeSegmenter(settings, false, id, &lessons)->next(frames, {});
+  const std::vector<Segment> again =
+      makeSegmenter(settings, false, id, &annotations)->next(frames, {});
   ASSERT_EQ(again.size(), 2U);
   EXPECT_EQ(overlap(again[1].mask, second), 1.0);
 }

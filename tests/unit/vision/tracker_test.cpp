@@ -14,8 +14,8 @@ TEST(Tracker, ARepeatedFrameLeavesTheMotionOfTheFrameBeforeAsItWas) {
   VisionSettings settings;
   settings.method = Method::kThesis;
   std::uint32_t ids = 1;
-  ClipLessons lessons;
-  Tracker tracker(scene.info(), settings, nullptr, ids, lessons);
+  ClipAnnotations annotations;
+  Tracker tracker(scene.info(), settings, nullptr, ids, annotations);
   (void)tracker.next(scene.frame(0, 100, 120), 0.0);
   const std::vector<TrackedObject> moved = tracker.next(scene.frame(1, 104, 120), 0.04);
   const cv::Mat step = moved.at(0).cells.step.clone();

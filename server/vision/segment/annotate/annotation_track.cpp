@@ -35,7 +35,7 @@ void addDue(const std::vector<AuthorPoint>& points, const FramePair& frames,
 
 }  // namespace
 
-cv::Mat joinedTo(const SmallView& view, const cv::Point& at, int radius_px) {
+cv::Mat joinedTo(const GraphRoi& view, const cv::Point& at, int radius_px) {
   cv::Mat disc = cv::Mat::zeros(view.size(), CV_8UC1);
   cv::circle(disc, at, radius_px, cv::Scalar(255), cv::FILLED);
   const ColorMixture mixture(view.lab, disc);
@@ -46,7 +46,7 @@ cv::Mat joinedTo(const SmallView& view, const cv::Point& at, int radius_px) {
   return labels == labels.at<int>(at);
 }
 
-AuthorScript::AuthorScript(const VisionSettings& settings) {
+AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {
   const auto sort = [](const std::vector<AuthorPoint>& points, std::vector<cv::Point>& start,
                        std::vector<AuthorPoint>& later) {
     for (const AuthorPoint& point : points) {
@@ -61,21 +61,21 @@ AuthorScript::AuthorScript(const VisionSettings& settings) {
   sort(settings.not_points, start_.off, off_);
 }
 
-AuthorWord AuthorScript::wordOn(const FramePair& frames) const {
-  AuthorWord out;
+Annotation AnnotationTrack::annotationAt(const FramePair& frames) const {
+  Annotation out;
   addDue(on_, frames, out.on);
   addDue(off_, frames, out.off);
   out.masks = frames.now.key_mask;
   return out;
 }
 
-bool AuthorScript::speaksAfter(const FramePair& frames) const {
+bool AnnotationTrack::hasLaterAnnotation(const FramePair& frames) const {
   const double end_s = endOf(frames.clip_time_s, frames);
   const auto later = [end_s](const AuthorPoint& point) { return point.time_s > end_s; };
   return std::any_of(on_.begin(), on_.end(), later) || std::any_of(off_.begin(), off_.end(), later);
 }
 
-void avoid(const FrameView& scene, const cv::Point& point, AvoidedColors& colors) {
+void avoid(const FrameContext& scene, const cv::Point& point, NegativeColors& colors) {
   const cv::Size picture = scene.images.color.size();
   const float depth_mm = scene.images.depth.at<float>(point);
   const int reach_px =
@@ -85,7 +85,7 @@ void avoid(const FrameView& scene, const cv::Point& point, AvoidedColors& colors
   const cv::Rect box =
       cv::Rect(point.x - reach_px, point.y - reach_px, 2 * reach_px, 2 * reach_px) &
       cv::Rect({0, 0}, picture);
-  const SmallView view = SmallView::of(scene, box, 1e9);
+  const GraphRoi view = GraphRoi::of(scene, box, 1e9);
   const cv::Mat region = joinedTo(view, view.placeOf(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
   if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;

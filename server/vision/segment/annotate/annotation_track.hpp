@@ -16,7 +16,7 @@ namespace hapticast::server {
 inline constexpr int kPoint_px = 5;  ///< radius of what a person means by a point; chosen
 
 /// The author's word on one frame.
-struct AuthorWord {
+struct Annotation {
   std::vector<cv::Point> on;   ///< is the object
   std::vector<cv::Point> off;  ///< is none
   cv::Mat masks;               ///< empty, or CV_8UC1 with n for object n
@@ -24,29 +24,29 @@ struct AuthorWord {
   [[nodiscard]] bool empty() const { return on.empty() && off.empty() && masks.empty(); }
 };
 
-class AuthorScript {
+class AnnotationTrack {
  public:
-  explicit AuthorScript(const VisionSettings& settings);
+  explicit AnnotationTrack(const VisionSettings& settings);
 
   /// What is said of the clip's first frame, but for a drawn mask.
-  [[nodiscard]] const AuthorWord& atStart() const { return start_; }
+  [[nodiscard]] const Annotation& atStart() const { return start_; }
   /// What is said of this frame of `frames`: the one next in time to a point, and none before it.
-  [[nodiscard]] AuthorWord wordOn(const FramePair& frames) const;
+  [[nodiscard]] Annotation annotationAt(const FramePair& frames) const;
   /// Whether an object is pointed at after the first frame.
   [[nodiscard]] bool pointsLater() const { return !on_.empty(); }
   /// Whether anything is said of a frame after this one; of drawn masks nobody knows.
-  [[nodiscard]] bool speaksAfter(const FramePair& frames) const;
+  [[nodiscard]] bool hasLaterAnnotation(const FramePair& frames) const;
 
  private:
-  AuthorWord start_;
+  Annotation start_;
   std::vector<AuthorPoint> on_;  // of later frames
   std::vector<AuthorPoint> off_;
 };
 
 /// The pixels of the view that are joined to `at` by colours like those in a disc around it, 255.
-cv::Mat joinedTo(const SmallView& view, const cv::Point& at, int radius_px);
+cv::Mat joinedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
 
 /// Adds the colours of what is at `point` of the picture, and joined to it in colour and space.
-void avoid(const FrameView& scene, const cv::Point& point, AvoidedColors& colors);
+void avoid(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
 
 }  // namespace hapticast::server

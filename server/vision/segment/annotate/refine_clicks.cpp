@@ -26,7 +26,7 @@ constexpr double kCertain = 1e3;
 
 // Everything about a correction in one small view.
 struct Correction {
-  SmallView view;
+  GraphRoi view;
   cv::Mat old;                // 255
   cv::Mat said_on;            // 255: discs
   cv::Mat joined_on;          // 255: the discs and what is joined to them in colour and depth
@@ -35,11 +35,11 @@ struct Correction {
   cv::Mat near_on, near_off;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
 };
 
-int discRadius(const SmallView& view) {
+int discRadius(const GraphRoi& view) {
   return std::max(1, int(std::lround(kPoint_px * view.shrink)));
 }
 
-cv::Mat discsAt(const SmallView& view, const std::vector<cv::Point>& points) {
+cv::Mat discsAt(const GraphRoi& view, const std::vector<cv::Point>& points) {
   cv::Mat out = cv::Mat::zeros(view.size(), CV_8UC1);
   for (const cv::Point& point : points) {
     if (view.box.contains(point))
@@ -56,7 +56,7 @@ cv::Mat nearnessTo(const cv::Mat& said, double reach_px) {
 }
 
 // What is joined to a point of the object: of its colours, near in space, on no plane.
-cv::Mat meantAt(const SmallView& view, const cv::Point& at, double px_per_mm) {
+cv::Mat meantAt(const GraphRoi& view, const cv::Point& at, double px_per_mm) {
   const int radius = discRadius(view);
   cv::Mat out = joinedTo(view, at, radius);
   const auto depth_mm = double(view.depth.at<float>(at));
@@ -72,7 +72,7 @@ cv::Mat meantAt(const SmallView& view, const cv::Point& at, double px_per_mm) {
   return labels == labels.at<int>(at);
 }
 
-Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const AuthorWord& word) {
+Correction correctionOf(const FrameContext& scene, const cv::Mat& mask, const Annotation& word) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
   for (const cv::Point& point : word.on) {
@@ -80,7 +80,7 @@ Correction correctionOf(const FrameView& scene, const cv::Mat& mask, const Autho
                     2 * kWordMargin_px);
   }
   Correction out;
-  out.view = SmallView::of(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
+  out.view = GraphRoi::of(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
   out.old = out.view.shrunk(mask);
   out.said_on = discsAt(out.view, word.on);
   out.said_off = discsAt(out.view, word.off);
@@ -158,7 +158,7 @@ cv::Mat piecesOf(const Correction& c, const cv::Mat& cut) {
 
 }  // namespace
 
-cv::Mat corrected(const FrameView& scene, const cv::Mat& mask, const AuthorWord& word) {
+cv::Mat corrected(const FrameContext& scene, const cv::Mat& mask, const Annotation& word) {
   const Correction c = correctionOf(scene, mask, word);
   const cv::Mat cut = minimumCut(evidenceOf(c), c.view, scene.noise);
   return c.view.inPicture(piecesOf(c, cut), mask.size());

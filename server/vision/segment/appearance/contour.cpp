@@ -77,7 +77,7 @@ struct BesideContour {
   Local object, background;
   double hole = 0.0;  // log of how much rather the object has holes than the background
 
-  explicit BesideContour(const Patch& patch)
+  explicit BesideContour(const ObjectRoi& patch)
       : object(patch.depth.size()), background(patch.depth.size()) {
     for (int v = 0; v < patch.depth.rows; ++v) {
       const auto* z = patch.depth.ptr<float>(v);
@@ -109,7 +109,8 @@ struct BesideContour {
 };
 
 // The evidence of depth for the pixels of the band: 0 elsewhere.
-cv::Mat depthTerm(const Patch& patch, const std::vector<Plane>& planes, const DepthNoise& noise) {
+cv::Mat depthTerm(const ObjectRoi& patch, const std::vector<Plane>& planes,
+                  const DepthNoise& noise) {
   const BesideContour beside(patch);
   cv::Mat never = bandOnPlanes(patch, planes);
   if (!patch.farther.empty()) never |= patch.farther;
@@ -155,7 +156,7 @@ cv::Mat boxMean(const cv::Mat& image) {
 
 // 255 where slope x grey + offset is above 0 in the band or a pixel lies deeper inside; over the
 // patch's box at full size.
-cv::Mat thresholded(const Patch& patch, const cv::Mat& slope, const cv::Mat& offset) {
+cv::Mat thresholded(const ObjectRoi& patch, const cv::Mat& slope, const cv::Mat& offset) {
   cv::Mat out(patch.gray.size(), CV_8UC1);
   for (int v = 0; v < out.rows; ++v) {
     const auto* g = patch.gray.ptr<unsigned char>(v);
@@ -175,7 +176,7 @@ cv::Mat thresholded(const Patch& patch, const cv::Mat& slope, const cv::Mat& off
 // Guided filter (He, Sun and Tang 2010), which puts the zero line of the evidence on the edges of
 // the picture: its slopes and offsets are smooth and found at half size or less (boxes of 3 x 3
 // there), its guide is whole. 255 where it is above 0, over the patch's box at full size.
-cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
+cv::Mat guided(const ObjectRoi& patch, const cv::Mat& evidence, float lean) {
   cv::Mat values = evidence + lean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
   const int factor = std::max(2, patch.factor);
   const cv::Size size((patch.gray.cols + factor - 1) / factor,
@@ -199,7 +200,7 @@ cv::Mat guided(const Patch& patch, const cv::Mat& evidence, float lean) {
 
 // Keeps the largest piece, and others that are no crumbs and that the carried mask supports; fills
 // small holes.
-void keepMainPieces(cv::Mat& mask, const Patch& patch) {
+void keepMainPieces(cv::Mat& mask, const ObjectRoi& patch) {
   std::vector<std::vector<cv::Point>> contours;
   std::vector<cv::Vec4i> tree;
   cv::findContours(mask, contours, tree, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
@@ -229,7 +230,7 @@ void keepMainPieces(cv::Mat& mask, const Patch& patch) {
 
 }  // namespace
 
-void carryEvidence(ContourMemory& memory, const Patch& patch, const cv::Matx23d& similarity) {
+void carryEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity) {
   if (memory.evidence.empty() || patch.empty()) return;
   memory.evidence = carryPatch(memory.evidence, memory.to_picture, patch, similarity);
   memory.to_picture = patch.toPicture();
@@ -245,7 +246,7 @@ std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
   return colorEvidence(memory.first, memory.now, background);
 }
 
-ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
+ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory) {
   ContourResult result;
   const cv::Mat color = evidenceOf(patch.color, colorEvidenceOf(memory));
@@ -266,7 +267,7 @@ ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
   return result;
 }
 
-void learn(const Patch& patch, const cv::Mat& mask, ContourMemory& memory) {
+void learn(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
   const cv::Mat inside = atPatchSize(mask, patch);
   ColorHistogram object;
   ColorHistogram core;

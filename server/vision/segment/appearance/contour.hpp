@@ -24,7 +24,7 @@ struct ContourMemory {
 };
 
 /// Carries the last decision into the patch of this frame.
-void carryEvidence(ContourMemory& memory, const Patch& patch, const cv::Matx23d& similarity);
+void carryEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 
 /// By colour bin, above 0 speaks for the object; see colorEvidence().
 std::vector<float> colorEvidenceOf(const ContourMemory& memory);
@@ -36,11 +36,11 @@ struct ContourResult {
 
 /// `memory.evidence` must be carried to the patch (or empty); it is replaced by this frame's. The
 /// histograms are not touched; see learn().
-ContourResult decideContour(const Patch& patch, const DepthNoise& noise,
+ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
 
 /// Takes the colours of `mask` (0 / 255, over the patch's box at full size) and of the ring around
 /// it into the memory. Its contour is at most a band away from the patch's.
-void learn(const Patch& patch, const cv::Mat& mask, ContourMemory& memory);
+void learn(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
 
 }  // namespace hapticast::server

@@ -91,17 +91,17 @@ cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab) {
 
 namespace {
 
-struct Way {
+struct Offset {
   int u, v;
 };
-constexpr std::array kNeighbours{Way{1, 0}, Way{0, 1}, Way{1, 1}, Way{-1, 1}};
+constexpr std::array kNeighbours{Offset{1, 0}, Offset{0, 1}, Offset{1, 1}, Offset{-1, 1}};
 
 /// Calls take(a, b, square of the difference in Lab) for all pairs of neighbours.
 template <class Take>
 void forNeighbours(const cv::Mat& lab, Take take) {
   for (int v = 0; v < lab.rows; ++v) {
     for (int u = 0; u < lab.cols; ++u) {
-      for (const Way& way : kNeighbours) {
+      for (const Offset& way : kNeighbours) {
         const cv::Point to(u + way.u, v + way.v);
         if (to.x < 0 || to.x >= lab.cols || to.y >= lab.rows) continue;
         const cv::Vec3f off = lab.at<cv::Vec3f>(v, u) - lab.at<cv::Vec3f>(to);
@@ -113,7 +113,7 @@ void forNeighbours(const cv::Mat& lab, Take take) {
 
 }  // namespace
 
-cv::Mat minimumCut(const cv::Mat& unary, const SmallView& view, const DepthNoise& noise) {
+cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise& noise) {
   const int nodes = unary.rows * unary.cols;
   cv::detail::GCGraph<float> graph(static_cast<unsigned>(nodes), static_cast<unsigned>(8 * nodes));
   for (int v = 0; v < unary.rows; ++v) {

@@ -38,6 +38,6 @@ cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab);
 
 /// The labelling (255 = object) of least energy: `unary` (CV_32FC1, above 0 speaks for the object),
 /// and neighbours of like colour and depth rather stay together.
-cv::Mat minimumCut(const cv::Mat& unary, const SmallView& view, const DepthNoise& noise);
+cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise& noise);
 
 }  // namespace hapticast::server

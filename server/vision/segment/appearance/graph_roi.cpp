@@ -17,8 +17,8 @@ double pixelsPerMm(double depth_mm, const cv::Size& picture) {
   return kUsualFocal * picture.width / std::max(depth_mm, 1.0);
 }
 
-SmallView SmallView::of(const FrameView& scene, const cv::Rect& box, double most_px) {
-  SmallView out;
+GraphRoi GraphRoi::of(const FrameContext& scene, const cv::Rect& box, double most_px) {
+  GraphRoi out;
   out.box = box;
   out.shrink = std::min(1.0, std::sqrt(most_px / std::max(1, box.area())));
   const cv::Size size(std::max(1, int(std::lround(box.width * out.shrink))),
@@ -36,13 +36,13 @@ SmallView SmallView::of(const FrameView& scene, const cv::Rect& box, double most
   return out;
 }
 
-cv::Mat SmallView::shrunk(const cv::Mat& mask) const {
+cv::Mat GraphRoi::shrunk(const cv::Mat& mask) const {
   cv::Mat out;
   cv::resize(mask(box), out, size(), 0, 0, cv::INTER_AREA);
   return out > 127;
 }
 
-cv::Mat SmallView::inPicture(const cv::Mat& mask, const cv::Size& picture) const {
+cv::Mat GraphRoi::inPicture(const cv::Mat& mask, const cv::Size& picture) const {
   cv::Mat large;
   cv::resize(mask, large, box.size(), 0, 0, cv::INTER_LINEAR);
   cv::Mat out = cv::Mat::zeros(picture, CV_8UC1);
@@ -50,7 +50,7 @@ cv::Mat SmallView::inPicture(const cv::Mat& mask, const cv::Size& picture) const
   return out;
 }
 
-cv::Point SmallView::placeOf(const cv::Point& at) const {
+cv::Point GraphRoi::placeOf(const cv::Point& at) const {
   const cv::Size small = size();
   return {std::clamp(int((at.x - box.x + 0.5) * small.width / box.width), 0, small.width - 1),
           std::clamp(int((at.y - box.y + 0.5) * small.height / box.height), 0, small.height - 1)};

@@ -14,14 +14,14 @@
 namespace hapticast::server {
 
 /// A frame with what is known of the scene behind its objects.
-struct FrameView {
+struct FrameContext {
   const FrameImages& images;
   const std::vector<Plane>& planes;
   const DepthNoise& noise;
   const SkinColors& skin;
 };
 
-struct SmallView {
+struct GraphRoi {
   cv::Rect box;         ///< of the picture
   double shrink = 1.0;  ///< px of the view per px of the picture, at most 1
   cv::Mat color;        ///< CV_8UC3, BGR
@@ -31,7 +31,7 @@ struct SmallView {
   cv::Mat skin;         ///< CV_8UC1
 
   /// `box` of the scene's picture in at most `most_px` pixels.
-  static SmallView of(const FrameView& scene, const cv::Rect& box, double most_px);
+  static GraphRoi of(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// A mask (0 / 255) of the whole picture in this view, and one of this view in the whole picture.
   [[nodiscard]] cv::Mat shrunk(const cv::Mat& mask) const;

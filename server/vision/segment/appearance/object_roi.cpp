@@ -50,7 +50,7 @@ cv::Rect wholePixels(cv::Rect box, int factor) {
   return box;
 }
 
-void findDistance(Patch& patch) {
+void findDistance(ObjectRoi& patch) {
   // One transform for both sides: the distance to the outermost pixels inside.
   cv::Mat inner;
   cv::erode(patch.inside, inner, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
@@ -76,7 +76,7 @@ cv::Mat handIn(const cv::Mat& color, const ObjectLimits& limits) {
   return out;
 }
 
-void findHidden(Patch& patch, const ObjectLimits& limits) {
+void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
   if (limits.nearest_mm > 0 || limits.hand != nullptr) {
     patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
@@ -97,14 +97,14 @@ void findHidden(Patch& patch, const ObjectLimits& limits) {
 
 }  // namespace
 
-cv::Matx33d Patch::toPicture() const {
+cv::Matx33d ObjectRoi::toPicture() const {
   const double f = factor;
   return {f, 0, pictureU(0), 0, f, pictureV(0), 0, 0, 1};
 }
 
-Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
-                  const ObjectLimits& limits) {
-  Patch out;
+ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
+                      const ObjectLimits& limits) {
+  ObjectRoi out;
   const cv::Rect from = boxAround(mask, 1);
   if (from.empty()) return out;
   const cv::Rect to = movedBox(from, similarity, mask.size());
@@ -127,11 +127,11 @@ Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx
   return out;
 }
 
-Patch patchAround(const FrameImages& images, const cv::Mat& mask) {
+ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask) {
   return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, ObjectLimits{});
 }
 
-cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& to,
+cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
                    const cv::Matx23d& similarity) {
   const cv::Matx33d local = to.toPicture().inv() * homogeneous(similarity) * from;
   const cv::Size size(to.box.width / to.factor, to.box.height / to.factor);
@@ -141,27 +141,27 @@ cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& t
   return out;
 }
 
-cv::Mat atFullSize(const cv::Mat& mask, const Patch& patch) {
+cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch) {
   if (patch.factor == 1) return mask;
   cv::Mat out;
   cv::resize(mask, out, patch.box.size(), 0, 0, cv::INTER_LINEAR);
   return out > 127;
 }
 
-cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch) {
+cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch) {
   if (patch.factor == 1) return mask;
   cv::Mat out;
   cv::resize(mask, out, patch.inside.size(), 0, 0, cv::INTER_AREA);
   return out > 127;
 }
 
-cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const FrameImages& images) {
+cv::Mat wholePicture(const cv::Mat& mask, const ObjectRoi& patch, const FrameImages& images) {
   cv::Mat out = cv::Mat::zeros(images.gray.size(), CV_8UC1);
   mask.copyTo(out(patch.box));
   return out;
 }
 
-cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes) {
+cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes) {
   cv::Mat out = cv::Mat::zeros(patch.depth.size(), CV_8UC1);
   if (planes.empty()) return out;
   for (int v = 0; v < out.rows; ++v) {
@@ -189,7 +189,7 @@ double DepthSpan::farthest_mm(const DepthNoise& noise) const {
   return far_mm + 0.8 * (far_mm - near_mm) + 30.0 + 6 * noise.at(far_mm);
 }
 
-std::optional<DepthSpan> depthSpan(const Patch& patch, const cv::Mat& inside) {
+std::optional<DepthSpan> depthSpan(const ObjectRoi& patch, const cv::Mat& inside) {
   std::vector<float> values;
   for (int v = 0; v < inside.rows; v += 2) {
     const auto* depth = patch.depth.ptr<float>(v);

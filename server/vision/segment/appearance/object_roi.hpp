@@ -18,7 +18,7 @@ namespace hapticast::server {
 inline constexpr int kBand_px = 7;   ///< of a patch: what is decided anew, inwards and outwards
 inline constexpr int kRing_px = 20;  ///< of a patch: background beyond the band
 
-struct Patch {
+struct ObjectRoi {
   cv::Rect box;      ///< of the picture; whole multiples of `factor`. Empty: there is no object
   int factor = 1;    ///< px of the picture per px of the patch, each way
   cv::Mat color;     ///< CV_8UC3
@@ -48,25 +48,25 @@ struct ObjectLimits {
 };
 /// The patch around `mask` (of the last picture, 0 / 255) moved by `similarity` (last px -> this
 /// px).
-Patch patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
-                  const ObjectLimits& limits);
+ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
+                      const ObjectLimits& limits);
 /// Of a mask in this picture.
-Patch patchAround(const FrameImages& images, const cv::Mat& mask);
+ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 
 /// `image`, given over `from` of the last picture, carried into patch `to` of this one; 0 where it
 /// was not.
-cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const Patch& to,
+cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
                    const cv::Matx23d& similarity);
 
 /// A mask over the patch's box at full size, and back.
-cv::Mat atFullSize(const cv::Mat& mask, const Patch& patch);
-cv::Mat atPatchSize(const cv::Mat& mask, const Patch& patch);
+cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch);
+cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch);
 
 /// A mask over the patch's box at full size, in a picture of its own.
-cv::Mat wholePicture(const cv::Mat& mask, const Patch& patch, const FrameImages& images);
+cv::Mat wholePicture(const cv::Mat& mask, const ObjectRoi& patch, const FrameImages& images);
 
 /// 255 in the band where depth is on a plane or behind a support.
-cv::Mat bandOnPlanes(const Patch& patch, const std::vector<Plane>& planes);
+cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes);
 
 /// The depths of an object in one frame: between its 10 % and 90 % quantile.
 struct DepthSpan {
@@ -77,6 +77,6 @@ struct DepthSpan {
   [[nodiscard]] double farthest_mm(const DepthNoise& noise) const;
 };
 /// Of the pixels `inside` (0 / 255); nullopt where too few are known.
-std::optional<DepthSpan> depthSpan(const Patch& patch, const cv::Mat& inside);
+std::optional<DepthSpan> depthSpan(const ObjectRoi& patch, const cv::Mat& inside);
 
 }  // namespace hapticast::server

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the author's words in later frames do: BandSegmenter, continued.
+// What the author's words in later frames do: NarrowBandTracker, continued.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -17,13 +17,13 @@ constexpr double kAnother = 0.05;   // chosen, IoU
 constexpr double kNear = 2.0;       // chosen, of an object's width: so far off a point means it
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
-cv::Mat inPicture(const TaughtMask& taught, const cv::Size& size) {
+cv::Mat inPicture(const PropagatedMask& taught, const cv::Size& size) {
   cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
   taught.mask.copyTo(out(taught.box));
   return out;
 }
 
-TaughtMask taughtOf(const BandObject& object, bool given) {
+PropagatedMask taughtOf(const TrackedMask& object, bool given) {
   const cv::Rect box = boxAround(object.mask(), 0);
   return {object.number(), box, object.mask()(box).clone(), given};
 }
@@ -37,7 +37,7 @@ std::size_t bytesOf(const FrameImages& images) {
 template <class Objects>
 auto* numbered(Objects& objects, int number) {
   const auto found = std::find_if(objects.begin(), objects.end(),
-                                  [number](const BandObject& o) { return o.number() == number; });
+                                  [number](const TrackedMask& o) { return o.number() == number; });
   return found != objects.end() ? &*found : nullptr;
 }
 
@@ -59,32 +59,33 @@ double widthsOff(const cv::Mat& mask, const cv::Point& point) {
 
 }  // namespace
 
-bool BandSegmenter::hasWord(const FramePair& frames) const {
+bool NarrowBandTracker::hasAnnotation(const FramePair& frames) const {
   const auto* masks = taught(frames);
-  if (masks == nullptr) return !script_.wordOn(frames).empty();
-  return std::any_of(masks->begin(), masks->end(), [&](const TaughtMask& mask) {
-    const BandObject* object = numbered(objects_, mask.number);
+  if (masks == nullptr) return !annotation_track_.annotationAt(frames).empty();
+  return std::any_of(masks->begin(), masks->end(), [&](const PropagatedMask& mask) {
+    const TrackedMask* object = numbered(objects_, mask.number);
     if (object == nullptr || !object->present()) return !mask.box.empty();
     return mask.given || mask.box.empty() ||
            overlapOf(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
   });
 }
 
-const std::vector<TaughtMask>* BandSegmenter::taught(const FramePair& frames) const {
-  if (lessons_ == nullptr) return nullptr;
-  const auto found = lessons_->masks.find(frames.index);
-  return found != lessons_->masks.end() ? &found->second : nullptr;
+const std::vector<PropagatedMask>* NarrowBandTracker::taught(const FramePair& frames) const {
+  if (annotations_ == nullptr) return nullptr;
+  const auto found = annotations_->masks.find(frames.index);
+  return found != annotations_->masks.end() ? &found->second : nullptr;
 }
 
-void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<TaughtMask>& masks) {
-  for (const TaughtMask& taught : masks) {
+void NarrowBandTracker::adoptTaught(const FrameImages& images,
+                                    const std::vector<PropagatedMask>& masks) {
+  for (const PropagatedMask& taught : masks) {
     if (taught.box.empty()) {
-      BandObject* hidden = numbered(objects_, taught.number);
+      TrackedMask* hidden = numbered(objects_, taught.number);
       if (hidden != nullptr && hidden->present()) hidden->lose();
       continue;
     }
     const cv::Mat mask = inPicture(taught, images.color.size());
-    const BandObject* object = numbered(objects_, taught.number);
+    const TrackedMask* object = numbered(objects_, taught.number);
     const bool as_taught = object != nullptr && object->present() && !taught.given &&
                            overlapOf(object->mask(), mask) >= kAsTaught;
     if (!as_taught) place(taught.number, mask, images, taught.given);
@@ -92,8 +93,9 @@ void BandSegmenter::adoptTaught(const FrameImages& images, const std::vector<Tau
 }
 
 // The object of this number is where `mask` says; it may be lost, or not yet begun.
-void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& images, bool given) {
-  BandObject* object = numbered(objects_, number);
+void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages& images,
+                              bool given) {
+  TrackedMask* object = numbered(objects_, number);
   if (object == nullptr) {
     object = &objects_.emplace_back(next_id_++, mask, images, scene_, 0);
     object->setNumber(number);
@@ -103,17 +105,17 @@ void BandSegmenter::place(int number, const cv::Mat& mask, const FrameImages& im
   object->adopt(mask, images, scene_, given);
 }
 
-void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
+void NarrowBandTracker::hear(const Annotation& word, const FramePair& frames) {
   const FrameImages& images = frames.now;
   for (const cv::Point& point : word.off) avoid(scene_.view(images), point, scene_.avoided);
-  if (lessons_ != nullptr && lessons_->open) lessons_->avoided = scene_.avoided;
-  for (BandObject& object : objects_) {
+  if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;
+  for (TrackedMask& object : objects_) {
     const auto in_it = [&](const cv::Point& p) { return contains(object.mask(), p); };
     if (!object.present() || std::none_of(word.off.begin(), word.off.end(), in_it)) continue;
-    AuthorWord of_it{{}, word.off, {}};
+    Annotation of_it{{}, word.off, {}};
     std::copy_if(word.on.begin(), word.on.end(), std::back_inserter(of_it.on), in_it);
     object.correct(images, scene_, of_it);
-    teach(object, frames, false);
+    propagate(object, frames, false);
   }
   for (const cv::Point& point : word.on) hearPoint(point, word, frames);
   if (word.masks.empty()) return;
@@ -122,37 +124,37 @@ void BandSegmenter::hear(const AuthorWord& word, const FramePair& frames) {
   for (int number = 1; number <= int(numbers); ++number) {
     const cv::Mat mask = word.masks == double(number);
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
-    const BandObject* known = numbered(objects_, number);
+    const TrackedMask* known = numbered(objects_, number);
     if (known != nullptr && known->present() && overlapOf(known->mask(), mask) < kAnother)
       spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
                    frames.index, number);
     place(number, mask, images, true);
-    teach(*numbered(objects_, number), frames, true);
+    propagate(*numbered(objects_, number), frames, true);
   }
 }
 
 // The object that a point on none means: one that it is near to, else one that is lost.
-BandObject* BandSegmenter::meantBy(const cv::Point& point) {
-  BandObject* lost = nullptr;
-  for (BandObject& object : objects_) {
+TrackedMask* NarrowBandTracker::meantBy(const cv::Point& point) {
+  TrackedMask* lost = nullptr;
+  for (TrackedMask& object : objects_) {
     if (object.present() && widthsOff(object.mask(), point) < kNear) return &object;
     if (!object.present() && lost == nullptr) lost = &object;
   }
   return lost;
 }
 
-void BandSegmenter::hearPoint(const cv::Point& point, const AuthorWord& word,
-                              const FramePair& frames) {
-  const auto holds = [&](const BandObject& o) { return o.present() && contains(o.mask(), point); };
+void NarrowBandTracker::hearPoint(const cv::Point& point, const Annotation& word,
+                                  const FramePair& frames) {
+  const auto holds = [&](const TrackedMask& o) { return o.present() && contains(o.mask(), point); };
   if (std::any_of(objects_.begin(), objects_.end(), holds)) return;
   const FrameImages& images = frames.now;
-  BandObject* object = meantBy(point);
+  TrackedMask* object = meantBy(point);
   if (object != nullptr && object->present()) {
     object->correct(images, scene_, {{point}, word.off, {}});
-    teach(*object, frames, false);
+    propagate(*object, frames, false);
     return;
   }
-  ChosenStart start = chooseAt(images, scene_, point, word.off);
+  ChosenStart start = selectInitialMask(images, scene_, point, word.off);
   if (!start.object) {
     spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.x, point.y, frames.clip_time_s,
                  start.why_not);
@@ -161,28 +163,28 @@ void BandSegmenter::hearPoint(const cv::Point& point, const AuthorWord& word,
   int number = object != nullptr ? object->number() : 1;
   while (object == nullptr && numbered(objects_, number) != nullptr) ++number;
   place(number, start.object->mask(), images, false);
-  teach(*numbered(objects_, number), frames, false);
+  propagate(*numbered(objects_, number), frames, false);
 }
 
 // The frames before this one, while a later word may teach something about them.
-void BandSegmenter::keepHistory(const FramePair& frames) {
-  const bool more = frames.has_key_masks || script_.speaksAfter(frames);
-  if (lessons_ == nullptr || !lessons_->open || !more) {
+void NarrowBandTracker::keepHistory(const FramePair& frames) {
+  const bool more = frames.has_key_masks || annotation_track_.hasLaterAnnotation(frames);
+  if (annotations_ == nullptr || !annotations_->open || !more) {
     past_.clear();
     return;
   }
   Past past{frames.index, frames.now, {}};
-  for (const BandObject& object : objects_) {
+  for (const TrackedMask& object : objects_) {
     if (object.present()) past.masks[object.number()] = object.mask();
   }
   past_.push_back(std::move(past));
   while (past_.size() * bytesOf(frames.now) > kPast_bytes) past_.pop_front();
 }
 
-void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool given) {
-  if (lessons_ == nullptr || !lessons_->open) return;
+void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, bool given) {
+  if (annotations_ == nullptr || !annotations_->open) return;
   if (!object.present()) {
-    lessons_->masks[frames.index].push_back({object.number(), {}, {}, given});
+    annotations_->masks[frames.index].push_back({object.number(), {}, {}, given});
     last_word_[object.number()] = frames.index;
     return;
   }
@@ -190,16 +192,16 @@ void BandSegmenter::teach(BandObject& object, const FramePair& frames, bool give
   std::uint64_t until = 0;
   if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
   last_word_[object.number()] = frames.index;
-  lessons_->masks[frames.index].push_back(taughtOf(object, given));
-  teachBack(object, frames, until, given);
+  annotations_->masks[frames.index].push_back(taughtOf(object, given));
+  propagateBackwards(object, frames, until, given);
 }
 
 // What is only carried on, and not seen again, is not taught: it may be hidden there.
-void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::uint64_t until,
-                              bool given) {
-  BandScene scene = scene_;
+void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& frames,
+                                           std::uint64_t until, bool given) {
+  SceneContext scene = scene_;
   const FrameImages* later = &frames.now;
-  std::vector<std::pair<std::uint64_t, TaughtMask>> carried;
+  std::vector<std::pair<std::uint64_t, PropagatedMask>> carried;
   for (auto past = past_.rbegin(); past != past_.rend() && past->index >= until; ++past) {
     if (past->index >= frames.index) continue;
     const ObjectFlow flow = trackObject(later->gray, past->images.gray, object.mask(), {0, 0});
@@ -216,7 +218,7 @@ void BandSegmenter::teachBack(BandObject object, const FramePair& frames, std::u
     }
     carried.emplace_back(past->index, taughtOf(object, false));
     if (!object.decided()) continue;
-    for (auto& [index, mask] : carried) lessons_->masks[index].push_back(std::move(mask));
+    for (auto& [index, mask] : carried) annotations_->masks[index].push_back(std::move(mask));
     carried.clear();
   }
 }

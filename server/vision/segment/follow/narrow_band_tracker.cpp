@@ -21,39 +21,39 @@ constexpr double kPlaneIsObject = 0.3;  // chosen: of an object's pixels that li
 
 }  // namespace
 
-BandSegmenter::BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id,
-                             ClipLessons* lessons)
-    : script_(settings), next_id_(next_id), lessons_(lessons) {
-  if (lessons_ != nullptr) scene_.avoided = lessons_->avoided;
+NarrowBandTracker::NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
+                                     ClipAnnotations* annotations)
+    : annotation_track_(settings), next_id_(next_id), annotations_(annotations) {
+  if (annotations_ != nullptr) scene_.avoided = annotations_->avoided;
 }
 
-std::vector<Segment> BandSegmenter::next(const FramePair& frames, const Flows& flows) {
+std::vector<Segment> NarrowBandTracker::next(const FramePair& frames, const Flows& flows) {
   if (frames.cut) forgetScene();
   if (frame_ > 0 || !recall(frames.now)) decide(frames, flows);
   if (const auto* masks = taught(frames)) {
     adoptTaught(frames.now, *masks);
     shareOut();
-  } else if (const AuthorWord word = script_.wordOn(frames); !word.empty()) {
+  } else if (const Annotation word = annotation_track_.annotationAt(frames); !word.empty()) {
     hear(word, frames);
     shareOut();
   }
   keepHistory(frames);
   ++frame_;
   std::vector<Segment> out;
-  for (const BandObject& object : objects_) {
+  for (const TrackedMask& object : objects_) {
     if (object.present()) out.push_back({object.id(), object.mask(), object.quality()});
   }
   return out;
 }
 
-void BandSegmenter::forgetScene() {
+void NarrowBandTracker::forgetScene() {
   new_scene_ = true;
   past_.clear();
-  if (script_.atStart().on.empty()) objects_.clear();
-  for (BandObject& object : objects_) object.lose();
+  if (annotation_track_.atStart().on.empty()) objects_.clear();
+  for (TrackedMask& object : objects_) object.lose();
 }
 
-void BandSegmenter::decide(const FramePair& frames, const Flows& flows) {
+void NarrowBandTracker::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
   followPlanes(frames.now);
   if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::inLightOf(frames.now.color);
@@ -64,8 +64,8 @@ void BandSegmenter::decide(const FramePair& frames, const Flows& flows) {
   if (frame_ == 0) remember(frames.now);
 }
 
-void BandSegmenter::followObjects(const FrameImages& images, const Flows& flows) {
-  for (BandObject& object : objects_) {
+void NarrowBandTracker::followObjects(const FrameImages& images, const Flows& flows) {
+  for (TrackedMask& object : objects_) {
     if (!object.present()) {
       if (auto again = object.search(images, scene_); again && !isAnother(*again)) {
         again->rename(next_id_++);
@@ -79,37 +79,37 @@ void BandSegmenter::followObjects(const FrameImages& images, const Flows& flows)
   }
 }
 
-void BandSegmenter::remember(const FrameImages& images) {
-  if (lessons_ == nullptr) return;
-  lessons_->start =
-      std::make_shared<BandStart>(BandStart{images.color, images.depth, objects_, scene_});
-  lessons_->avoided = scene_.avoided;
+void NarrowBandTracker::remember(const FrameImages& images) {
+  if (annotations_ == nullptr) return;
+  annotations_->start =
+      std::make_shared<InitialState>(InitialState{images.color, images.depth, objects_, scene_});
+  annotations_->avoided = scene_.avoided;
 }
 
 // The same first frame again has the same start, but for the ids.
-bool BandSegmenter::recall(const FrameImages& images) {
-  if (lessons_ == nullptr || lessons_->start == nullptr) return false;
-  const BandStart& start = *lessons_->start;
+bool NarrowBandTracker::recall(const FrameImages& images) {
+  if (annotations_ == nullptr || annotations_->start == nullptr) return false;
+  const InitialState& start = *annotations_->start;
   if (!equalImages(start.color, images.color) || !equalImages(start.depth, images.depth))
     return false;
   objects_ = start.objects;
-  for (BandObject& object : objects_) object.rename(next_id_++);
+  for (TrackedMask& object : objects_) object.rename(next_id_++);
   scene_ = start.scene;
   new_scene_ = false;
   return true;
 }
 
-void BandSegmenter::followPlanes(const FrameImages& images) {
+void NarrowBandTracker::followPlanes(const FrameImages& images) {
   if (!new_scene_ && refitPlanes(images.depth, scene_.planes)) return;
   if (!new_scene_ && frame_ - planes_frame_ < kNewPlanesAfter) return;
   new_scene_ = false;
   scene_.planes = findPlanes(images.depth, scene_.noise);
-  for (const BandObject& object : objects_) removePlanesOf(object, images);
+  for (const TrackedMask& object : objects_) removePlanesOf(object, images);
   planes_frame_ = frame_;
 }
 
 // A plane found anew may be the object itself; of the others it is found out which it stands on.
-void BandSegmenter::removePlanesOf(const BandObject& object, const FrameImages& images) {
+void NarrowBandTracker::removePlanesOf(const TrackedMask& object, const FrameImages& images) {
   if (!object.present()) return;
   const double area = cv::countNonZero(object.mask() & (images.depth > 0));
   const cv::Rect whole({0, 0}, images.depth.size());
@@ -121,24 +121,25 @@ void BandSegmenter::removePlanesOf(const BandObject& object, const FrameImages& 
   findSupports(images.depth, object.mask(), scene_.planes);
 }
 
-void BandSegmenter::startAtPoints(const FrameImages& images) {
-  const AuthorWord& word = script_.atStart();
+void NarrowBandTracker::startAtPoints(const FrameImages& images) {
+  const Annotation& word = annotation_track_.atStart();
   for (const cv::Point& point : word.off) avoid(scene_.view(images), point, scene_.avoided);
   int number = 0;
   for (const cv::Point& point : word.on) {
-    ChosenStart start = chooseAt(images, scene_, point, word.off);
+    ChosenStart start = selectInitialMask(images, scene_, point, word.off);
     if (!start.object) throwNothingAt({double(point.x), double(point.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
-    start.object->knowItself(images, scene_);
+    start.object->rememberAppearance(images, scene_);
     add(std::move(*start.object), ++number);
   }
 }
 
-bool BandSegmenter::choosesByItself(const FramePair& frames) const {
-  return script_.atStart().on.empty() && !script_.pointsLater() && !frames.has_key_masks;
+bool NarrowBandTracker::choosesByItself(const FramePair& frames) const {
+  return annotation_track_.atStart().on.empty() && !annotation_track_.pointsLater() &&
+         !frames.has_key_masks;
 }
 
-void BandSegmenter::chooseByItself(const FrameImages& images) {
+void NarrowBandTracker::chooseByItself(const FrameImages& images) {
   const bool given_up = !objects_.empty() && objects_[0].framesLost() > kForgetAfter;
   if ((!objects_.empty() && !given_up) || frame_ % kChooseEvery != 0) return;
   const cv::Rect whole({0, 0}, images.depth.size());
@@ -149,28 +150,28 @@ void BandSegmenter::chooseByItself(const FrameImages& images) {
   objects_.clear();
   findSupports(images.depth, mask, scene_.planes);
   const cv::Rect box = boxAround(mask, 0);
-  const cv::Mat cut =
-      cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2, script_.atStart().off);
-  BandObject object(0, cut, images, scene_);
-  object.knowItself(images, scene_);
+  const cv::Mat cut = cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2,
+                                 annotation_track_.atStart().off);
+  TrackedMask object(0, cut, images, scene_);
+  object.rememberAppearance(images, scene_);
   add(std::move(object), 1);
 }
 
-void BandSegmenter::add(BandObject object, int number) {
+void NarrowBandTracker::add(TrackedMask object, int number) {
   if (isAnother(object)) return;  // two points on one body name one object
   object.rename(next_id_++);
   object.setNumber(number);
   objects_.push_back(std::move(object));
 }
 
-bool BandSegmenter::isAnother(const BandObject& found) const {
-  return std::any_of(objects_.begin(), objects_.end(), [&](const BandObject& other) {
+bool NarrowBandTracker::isAnother(const TrackedMask& found) const {
+  return std::any_of(objects_.begin(), objects_.end(), [&](const TrackedMask& other) {
     return other.present() && found.shareIn(other) > kSameObject;
   });
 }
 
 // No pixel belongs to two objects: where they touch, the first has it.
-void BandSegmenter::shareOut() {
+void NarrowBandTracker::shareOut() {
   for (std::size_t later = 1; later < objects_.size(); ++later) {
     for (std::size_t first = 0; first < later; ++first) {
       if (objects_[later].present() && objects_[first].present())

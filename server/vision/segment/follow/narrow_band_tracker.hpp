@@ -16,46 +16,48 @@ namespace hapticast::server {
 
 /// What a clip starts with, and the frame that it was found in. The images are shared with whoever
 /// has them: nobody writes into them.
-struct BandStart {
+struct InitialState {
   cv::Mat color;
   cv::Mat depth;
-  std::vector<BandObject> objects;
-  BandScene scene;
+  std::vector<TrackedMask> objects;
+  SceneContext scene;
 };
 
-class BandSegmenter final : public Segmenter {
+class NarrowBandTracker final : public Segmenter {
  public:
   /// `next_id` and `lessons` as in makeSegmenter().
-  BandSegmenter(const VisionSettings& settings, std::uint32_t& next_id, ClipLessons* lessons);
+  NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
+                    ClipAnnotations* annotations);
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override;
-  [[nodiscard]] bool hasWord(const FramePair& frames) const override;
+  [[nodiscard]] bool hasAnnotation(const FramePair& frames) const override;
 
  private:
   void forgetScene();
   void decide(const FramePair& frames, const Flows& flows);
   void followObjects(const FrameImages& images, const Flows& flows);
   void followPlanes(const FrameImages& images);
-  void removePlanesOf(const BandObject& object, const FrameImages& images);
+  void removePlanesOf(const TrackedMask& object, const FrameImages& images);
   void startAtPoints(const FrameImages& images);
   [[nodiscard]] bool choosesByItself(const FramePair& frames) const;
   void chooseByItself(const FrameImages& images);
-  void add(BandObject object, int number);
+  void add(TrackedMask object, int number);
   /// Whether what was just found is an object that is followed already.
-  [[nodiscard]] bool isAnother(const BandObject& found) const;
+  [[nodiscard]] bool isAnother(const TrackedMask& found) const;
   void shareOut();
   void remember(const FrameImages& images);
   bool recall(const FrameImages& images);
 
   // The author's words (band_author.cpp).
-  [[nodiscard]] const std::vector<TaughtMask>* taught(const FramePair& frames) const;
-  void adoptTaught(const FrameImages& images, const std::vector<TaughtMask>& masks);
-  void hear(const AuthorWord& word, const FramePair& frames);
-  void hearPoint(const cv::Point& point, const AuthorWord& word, const FramePair& frames);
+  [[nodiscard]] const std::vector<PropagatedMask>* taught(const FramePair& frames) const;
+  void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
+  void hear(const Annotation& word, const FramePair& frames);
+  void hearPoint(const cv::Point& point, const Annotation& word, const FramePair& frames);
   void place(int number, const cv::Mat& mask, const FrameImages& images, bool given);
-  BandObject* meantBy(const cv::Point& point);
+  TrackedMask* meantBy(const cv::Point& point);
   void keepHistory(const FramePair& frames);
-  void teach(BandObject& object, const FramePair& frames, bool given);
-  void teachBack(BandObject object, const FramePair& frames, std::uint64_t until, bool given);
+  void propagate(TrackedMask& object, const FramePair& frames, bool given);
+  void propagateBackwards(TrackedMask object, const FramePair& frames, std::uint64_t until,
+                          bool given);
 
   struct Past {
     std::uint64_t index;
@@ -63,13 +65,13 @@ class BandSegmenter final : public Segmenter {
     std::map<int, cv::Mat> masks;  // as followed forwards, by object number
   };
 
-  AuthorScript script_;
+  AnnotationTrack annotation_track_;
   std::uint32_t& next_id_;
-  ClipLessons* lessons_;
+  ClipAnnotations* annotations_;
   std::deque<Past> past_;                   // while the clip is looked through and more is said
   std::map<int, std::uint64_t> last_word_;  // the frame of it, by object number
-  BandScene scene_;
-  std::vector<BandObject> objects_;
+  SceneContext scene_;
+  std::vector<TrackedMask> objects_;
   int frame_ = 0;
   int planes_frame_ = 0;
   bool new_scene_ = true;

@@ -28,14 +28,14 @@ constexpr double kForColors = 1.5;
 constexpr double kForArea = 0.5;
 
 // The colours' evidence, averaged down: patterns must not blur before they are looked up.
-cv::Mat colorsOf(const FrameView& scene, const SmallView& view, const ContourMemory& memory) {
+cv::Mat colorsOf(const FrameContext& scene, const GraphRoi& view, const ContourMemory& memory) {
   const cv::Mat full = evidenceOf(scene.images.color(view.box), colorEvidenceOf(memory));
   cv::Mat out;
   cv::resize(full, out, view.size(), 0, 0, cv::INTER_AREA);
   return kOfColor * out;
 }
 
-cv::Mat evidenceOf(const FrameView& scene, const SmallView& view, const KnownObject& known) {
+cv::Mat evidenceOf(const FrameContext& scene, const GraphRoi& view, const KnownObject& known) {
   cv::Mat out = colorsOf(scene, view, known.memory);
   cv::Mat beyond = (view.depth > 0) & (view.depth < known.limits.nearest_mm);
   if (known.limits.farthest_mm > 0) beyond |= view.depth > known.limits.farthest_mm;
@@ -74,7 +74,7 @@ cv::Mat mainPiece(const cv::Mat& cut, const cv::Mat& expected) {
 
 }  // namespace
 
-cv::Mat lookedFor(const FrameView& scene, const KnownObject& known) {
+cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
   const cv::Size picture = scene.images.color.size();
   cv::Rect box({0, 0}, picture);
   if (!known.mask.empty()) {
@@ -83,21 +83,22 @@ cv::Mat lookedFor(const FrameView& scene, const KnownObject& known) {
   }
   if (box.area() < 100) return {};
   const double most_px = known.mask.empty() ? kWhole_px : kAround_px;
-  const SmallView view = SmallView::of(scene, box, most_px);
+  const GraphRoi view = GraphRoi::of(scene, box, most_px);
   const cv::Mat cut = minimumCut(evidenceOf(scene, view, known), view, scene.noise);
   const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrunk(known.mask);
   const cv::Mat main = mainPiece(cut, expected);
   if (main.empty()) return {};
   const double depth_mm = 0.5 * (known.limits.nearest_mm + known.limits.farthest_mm);
   const double px_per_mm = view.shrink * pixelsPerMm(depth_mm, picture);
-  return view.inPicture(joinedPieces(view, cut, main, px_per_mm), picture);
+  return view.inPicture(mergeOccludedParts(view, cut, main, px_per_mm), picture);
 }
 
-double resemblance(const FrameView& scene, const KnownObject& known, const cv::Mat& mask) {
+double reidentificationScore(const FrameContext& scene, const KnownObject& known,
+                             const cv::Mat& mask) {
   const double area = std::max(1, cv::countNonZero(mask));
   const double like = overlapOf(ColorHistogram::of(scene.images.color, mask), known.memory.first);
   const double size = std::log(area / std::max(known.usual_px, 1.0));
-  return likenessToThing(scene, mask) + kForColors * like - kForArea * size * size;
+  return objectness(scene, mask) + kForColors * like - kForArea * size * size;
 }
 
 }  // namespace hapticast::server

@@ -19,9 +19,10 @@ struct KnownObject {
 };
 
 /// The mask of it in this picture; empty: nothing is like it.
-cv::Mat lookedFor(const FrameView& scene, const KnownObject& known);
+cv::Mat redetect(const FrameContext& scene, const KnownObject& known);
 
 /// How much `mask` is like one thing, and this one: its first colours, its usual area. About 4.
-double resemblance(const FrameView& scene, const KnownObject& known, const cv::Mat& mask);
+double reidentificationScore(const FrameContext& scene, const KnownObject& known,
+                             const cv::Mat& mask);
 
 }  // namespace hapticast::server

@@ -27,17 +27,17 @@ constexpr double kBody_mm = 260.0;
 constexpr double kHand_mm = 60.0;  // chosen: a hand, its fingers alone as well, is wider
 
 struct Candidate {
-  BandObject object;
+  TrackedMask object;
   double likeness;
 };
 
-bool isBody(const FrameView& scene, const BandObject& part, const BandObject& whole) {
+bool isBody(const FrameContext& scene, const TrackedMask& part, const TrackedMask& whole) {
   return widthInSpace_mm(scene, part.mask()) > kHeld_mm &&
          widthInSpace_mm(scene, whole.mask()) > kBody_mm;
 }
 
 // Who points at a hand means it with its arm; a skin-coloured patch of something else is small.
-bool isHand(const FrameView& scene, const cv::Mat& component, const cv::Point& at) {
+bool isHand(const FrameContext& scene, const cv::Mat& component, const cv::Point& at) {
   const cv::Rect box = boxAround(component, 0);
   if (!box.contains(at)) return false;
   const cv::Mat skin = scene.skin.in(scene.images.color(box)) & component(box);
@@ -52,33 +52,33 @@ bool isHand(const FrameView& scene, const cv::Mat& component, const cv::Point& a
 
 }  // namespace
 
-ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv::Point& point,
-                     const std::vector<cv::Point>& not_points) {
+ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
+                              const cv::Point& point, const std::vector<cv::Point>& not_points) {
   ObjectStart start = objectAt(images.depth, point, scene.noise, scene.planes);
-  BandScene own = scene;
+  SceneContext own = scene;
   if (start.why_not == nullptr) own.planes = start.planes;
-  const FrameView view = own.view(images);
+  const FrameContext view = own.view(images);
   std::vector<Candidate> candidates;
-  const auto take = [&](const BandObject& object, double more) {
+  const auto take = [&](const TrackedMask& object, double more) {
     if (cv::countNonZero(object.mask()) < kSmallestObject_px) return;
-    candidates.push_back({object, likenessToThing(view, object.mask()) + more});
+    candidates.push_back({object, objectness(view, object.mask()) + more});
   };
   if (start.why_not == nullptr) {
     const cv::Mat cut = cutByColor(images, start.mask, own.planes, point, not_points);
-    take(BandObject(0, cut, images, own), kForComponent);
+    take(TrackedMask(0, cut, images, own), kForComponent);
   }
-  std::vector<cv::Mat> cuts = cutsAround(view, {point, not_points, scene.avoided, start.mask});
+  std::vector<cv::Mat> cuts = candidateMasks(view, {point, not_points, scene.avoided, start.mask});
   std::vector<std::pair<double, cv::Mat>> scored;
   scored.reserve(cuts.size());
-  for (const cv::Mat& cut : cuts) scored.emplace_back(likenessToThing(view, cut), cut);
+  for (const cv::Mat& cut : cuts) scored.emplace_back(objectness(view, cut), cut);
   std::sort(scored.begin(), scored.end(),
             [](const auto& a, const auto& b) { return a.first > b.first; });
   if (scored.size() > kSettledCuts) scored.resize(kSettledCuts);
   // A cut is coarser in a large picture.
   const int rounds = kFewRounds * std::max(1, images.color.cols / kUsualWidth_px);
   for (const auto& [likeness, cut] : scored) {
-    take(BandObject(0, cut, images, own, rounds), kForSettled);
-    take(BandObject(0, cut, images, own, 0), 0.0);
+    take(TrackedMask(0, cut, images, own, rounds), kForSettled);
+    take(TrackedMask(0, cut, images, own, 0), 0.0);
   }
   auto best = std::max_element(
       candidates.begin(), candidates.end(),

@@ -12,13 +12,13 @@
 namespace hapticast::server {
 
 struct ChosenStart {
-  std::optional<BandObject> object;  ///< without an id yet; none: there is nothing
+  std::optional<TrackedMask> object;  ///< without an id yet; none: there is nothing
   const char* why_not = nullptr;
   std::vector<Plane> planes;  ///< of the scene, without those that go through the object
 };
 
 /// `point` and `not_points`: px of the picture.
-ChosenStart chooseAt(const FrameImages& images, const BandScene& scene, const cv::Point& point,
-                     const std::vector<cv::Point>& not_points);
+ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
+                              const cv::Point& point, const std::vector<cv::Point>& not_points);
 
 }  // namespace hapticast::server

@@ -70,20 +70,20 @@ double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv:
 
 }  // namespace
 
-BandObject::BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
-                       const BandScene& scene, int most_rounds)
+TrackedMask::TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
+                         const SceneContext& scene, int most_rounds)
     : id_(id), mask_(first_mask), whole_(first_mask) {
   settle(images, scene, most_rounds);
 }
 
-void BandObject::forgetColors(const BandScene& scene) {
+void TrackedMask::forgetColors(const SceneContext& scene) {
   memory_ = {};
   memory_.avoided = scene.avoided.histogram;
 }
 
-void BandObject::settle(const FrameImages& images, const BandScene& scene, int most_rounds) {
+void TrackedMask::settle(const FrameImages& images, const SceneContext& scene, int most_rounds) {
   for (int round = 0; round < most_rounds; ++round) {
-    const Patch patch = patchAround(images, mask_);
+    const ObjectRoi patch = patchAround(images, mask_);
     if (patch.empty()) return;
     forgetColors(scene);
     learn(patch, mask_(patch.box), memory_);
@@ -97,8 +97,8 @@ void BandObject::settle(const FrameImages& images, const BandScene& scene, int m
   learnLooks(patchAround(images, mask_), images, scene, kLikeSkin);
 }
 
-void BandObject::learnLooks(const Patch& patch, const FrameImages& images, const BandScene& scene,
-                            double most_skin) {
+void TrackedMask::learnLooks(const ObjectRoi& patch, const FrameImages& images,
+                             const SceneContext& scene, double most_skin) {
   forgetColors(scene);
   learn(patch, mask_(patch.box), memory_);
   memory_.elsewhere = elsewhere(images, mask_);
@@ -108,7 +108,7 @@ void BandObject::learnLooks(const Patch& patch, const FrameImages& images, const
   seenWell(patch);
 }
 
-void BandObject::seenWell(const Patch& patch) {
+void TrackedMask::seenWell(const ObjectRoi& patch) {
   const double area = cv::countNonZero(whole_(patch.box));
   // One that leaves the picture has not become smaller.
   if (clearOfBorder(whole_) || area > area_px_) area_px_ = area;
@@ -118,13 +118,13 @@ void BandObject::seenWell(const Patch& patch) {
   weak_ = 0;
 }
 
-ObjectLimits BandObject::limits(const BandScene& scene) const {
+ObjectLimits TrackedMask::limits(const SceneContext& scene) const {
   return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
           like_skin_ ? nullptr : &scene.skin, own_.empty() ? nullptr : &own_};
 }
 
 // Whether what was decided is to be believed.
-bool BandObject::convinces(const ContourResult& now, double expected_px) const {
+bool TrackedMask::convinces(const ContourResult& now, double expected_px) const {
   const double area = cv::countNonZero(now.mask);
   const double growth = area / expected_px;
   if (growth > kMostGrowth)  // uncovered again
@@ -134,10 +134,10 @@ bool BandObject::convinces(const ContourResult& now, double expected_px) const {
 
 // The patch where the object is expected. Where most of it seems hidden or past, but has its own
 // colours, it is the depth that jumps.
-Patch BandObject::expected(const FrameImages& images, const cv::Matx23d& similarity,
-                           const BandScene& scene) const {
+ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& similarity,
+                                const SceneContext& scene) const {
   ObjectLimits within = limits(scene);
-  Patch patch = patchAround(images, whole_, similarity, within);
+  ObjectRoi patch = patchAround(images, whole_, similarity, within);
   if (patch.empty() || patch.hidden.empty()) return patch;
   const int hidden = cv::countNonZero(patch.hidden);
   if (hidden <= cv::countNonZero(patch.inside)) return patch;
@@ -146,12 +146,13 @@ Patch BandObject::expected(const FrameImages& images, const cv::Matx23d& similar
   return patchAround(images, whole_, similarity, within);
 }
 
-void BandObject::follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene) {
+void TrackedMask::follow(const FrameImages& images, const ObjectFlow& flow,
+                         const SceneContext& scene) {
   cv::Matx23d similarity = flow.similarity;
-  Patch patch = expected(images, similarity, scene);
+  ObjectRoi patch = expected(images, similarity, scene);
   // A motion that leads to other colours was not its own.
   if (patch.empty() || meanEvidence(memory_, patch.color, patch.inside) < 0.0) {
-    const Patch still = expected(images, ObjectFlow{}.similarity, scene);
+    const ObjectRoi still = expected(images, ObjectFlow{}.similarity, scene);
     if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > kOwnColors) {
       patch = still;
       similarity = ObjectFlow{}.similarity;
@@ -180,7 +181,7 @@ void BandObject::follow(const FrameImages& images, const ObjectFlow& flow, const
 }
 
 // `seen` over the patch's box is where it is seen now.
-void BandObject::take(const cv::Mat& seen, const Patch& patch, const FrameImages& images) {
+void TrackedMask::take(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images) {
   mask_ = wholePicture(seen, patch, images);
   const bool hidden = !patch.hidden.empty() && cv::countNonZero(patch.hidden) > 0;
   whole_ = hidden ? wholePicture(seen | atFullSize(patch.hidden, patch), patch, images) : mask_;
@@ -188,14 +189,14 @@ void BandObject::take(const cv::Mat& seen, const Patch& patch, const FrameImages
 
 // One graph cut by what is known of it. True where that decides: it is better than what is carried
 // on, or neither is like the object.
-bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
+bool TrackedMask::lookAgain(const FrameImages& images, const SceneContext& scene) {
   since_look_ = 0;
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
-  const FrameView view = scene.view(images);
-  const cv::Mat mask = lookedFor(view, known);
+  const FrameContext view = scene.view(images);
+  const cv::Mat mask = redetect(view, known);
   if (mask.empty() || cv::countNonZero(mask) < kSmallestObject_px) return false;
-  const double now = resemblance(view, known, mask_);
-  const double then = resemblance(view, known, mask);
+  const double now = reidentificationScore(view, known, mask_);
+  const double then = reidentificationScore(view, known, mask);
   if (std::max(now, then) < likeness_ - kMostUnlike) lose();
   const auto unusual = [this](const cv::Mat& m) {
     return std::abs(std::log(std::max(1, cv::countNonZero(m)) / usual_px_));
@@ -209,18 +210,18 @@ bool BandObject::lookAgain(const FrameImages& images, const BandScene& scene) {
   return true;
 }
 
-void BandObject::knowItself(const FrameImages& images, const BandScene& scene) {
+void TrackedMask::rememberAppearance(const FrameImages& images, const SceneContext& scene) {
   likeness_ = likeness(images, scene, mask_);
 }
 
-double BandObject::likeness(const FrameImages& images, const BandScene& scene,
-                            const cv::Mat& mask) const {
+double TrackedMask::likeness(const FrameImages& images, const SceneContext& scene,
+                             const cv::Mat& mask) const {
   const KnownObject known{memory_, limits(scene), usual_px_, mask};
-  return resemblance(scene.view(images), known, mask);
+  return reidentificationScore(scene.view(images), known, mask);
 }
 
-void BandObject::correct(const FrameImages& images, const BandScene& scene,
-                         const AuthorWord& word) {
+void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
+                          const Annotation& word) {
   memory_.avoided = scene.avoided.histogram;
   const cv::Mat mask = corrected(scene.view(images), mask_, word);
   if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
@@ -231,9 +232,9 @@ void BandObject::correct(const FrameImages& images, const BandScene& scene,
   adopt(mask, images, scene, false);
 }
 
-void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene,
-                       bool given) {
-  const Patch patch = patchAround(images, mask);
+void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene,
+                        bool given) {
+  const ObjectRoi patch = patchAround(images, mask);
   if (patch.empty()) return;
   const cv::Mat added = mask & ~mask_;
   if (present() && cv::countNonZero(added) >= kSmallestObject_px)
@@ -242,10 +243,10 @@ void BandObject::adopt(const cv::Mat& mask, const FrameImages& images, const Ban
   lost_ = 0;
   since_look_ = 0;
   learnLooks(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
-  knowItself(images, scene);
+  rememberAppearance(images, scene);
 }
 
-void BandObject::yieldTo(const BandObject& other) {
+void TrackedMask::yieldTo(const TrackedMask& other) {
   // A new image: the old one is the whole's, too, and perhaps a remembered start's.
   cv::Mat rest;
   cv::bitwise_and(mask_, ~other.mask_, rest);
@@ -253,34 +254,35 @@ void BandObject::yieldTo(const BandObject& other) {
   if (cv::countNonZero(mask_) < kSmallestObject_px) lose();
 }
 
-double BandObject::shareIn(const BandObject& other) const {
+double TrackedMask::shareIn(const TrackedMask& other) const {
   return double(cv::countNonZero(mask_ & other.mask_)) / std::max(1, cv::countNonZero(mask_));
 }
 
-void BandObject::lose() {
+void TrackedMask::lose() {
   lost_ = 1;
   quality_ = 0.0;
 }
 
-std::optional<BandObject> BandObject::search(const FrameImages& images, const BandScene& scene) {
+std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
+                                               const SceneContext& scene) {
   if (lost_++ % kSearchEvery != 0) return std::nullopt;
   const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
                               like_skin_ ? nullptr : &scene.skin};
   const KnownObject known{memory_, anywhere, usual_px_, {}};
-  const FrameView view = scene.view(images);
-  const cv::Mat found = lookedFor(view, known);
+  const FrameContext view = scene.view(images);
+  const cv::Mat found = redetect(view, known);
   if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
-  BandObject again = *this;
+  TrackedMask again = *this;
   again.mask_ = again.whole_ = found;
   for (int round = 0; round < kAgainRounds; ++round) {
-    const Patch patch = patchAround(images, again.mask_);
+    const ObjectRoi patch = patchAround(images, again.mask_);
     if (patch.empty()) return std::nullopt;
     again.memory_.evidence.release();  // it is another patch's
     const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
     if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
     again.mask_ = wholePicture(now.mask, patch, images);
   }
-  const double like = resemblance(view, known, again.mask_);
+  const double like = reidentificationScore(view, known, again.mask_);
   if (like < likeness_ - kLessLike || cv::countNonZero(again.mask_) > kMostAgain * usual_px_)
     return std::nullopt;
   again.whole_ = again.mask_;

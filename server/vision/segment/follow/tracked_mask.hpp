@@ -19,47 +19,48 @@
 namespace hapticast::server {
 
 /// What the objects of a frame stand in.
-struct BandScene {
+struct SceneContext {
   DepthNoise noise;
   std::vector<Plane> planes;
   SkinColors skin;
-  AvoidedColors avoided;
+  NegativeColors avoided;
 
-  [[nodiscard]] FrameView view(const FrameImages& images) const {
+  [[nodiscard]] FrameContext view(const FrameImages& images) const {
     return {images, planes, noise, skin};
   }
 };
 
-class BandObject {
+class TrackedMask {
  public:
   /// Starts with a first mask (0 / 255, size of the picture), which is settled: the band step is
   /// repeated on this frame until it comes to rest, `most_rounds` times at most.
-  BandObject(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
-             const BandScene& scene, int most_rounds = kSettleRounds);
+  TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
+              const SceneContext& scene, int most_rounds = kSettleRounds);
   static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
 
   /// Learns how much it looks like itself, by which it is told from others later.
-  void knowItself(const FrameImages& images, const BandScene& scene);
+  void rememberAppearance(const FrameImages& images, const SceneContext& scene);
   /// How much `mask` is like one thing, and this one; see resemblance().
-  [[nodiscard]] double likeness(const FrameImages& images, const BandScene& scene,
+  [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
                                 const cv::Mat& mask) const;
   /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
   /// nothing is left.
-  void correct(const FrameImages& images, const BandScene& scene, const AuthorWord& word);
+  void correct(const FrameImages& images, const SceneContext& scene, const Annotation& word);
   /// From now on it is where the author's word says, and looks as it does there: its colours are
   /// learnt anew. A mask that was `given` has no hand in it.
-  void adopt(const cv::Mat& mask, const FrameImages& images, const BandScene& scene, bool given);
+  void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
   /// The mask in the next frame, moved by `flow`, its band decided anew.
-  void follow(const FrameImages& images, const ObjectFlow& flow, const BandScene& scene);
+  void follow(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
   /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
   /// by its first colours and near its last depth. Found again it is another object, without an id
   /// yet.
-  [[nodiscard]] std::optional<BandObject> search(const FrameImages& images, const BandScene& scene);
+  [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
+                                                  const SceneContext& scene);
   /// Leaves to `other` the pixels that both have; lost when next to nothing is left.
-  void yieldTo(const BandObject& other);
+  void yieldTo(const TrackedMask& other);
   void lose();
   /// The part of its pixels, 0..1, that `other` has, too.
-  [[nodiscard]] double shareIn(const BandObject& other) const;
+  [[nodiscard]] double shareIn(const TrackedMask& other) const;
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }
@@ -76,18 +77,18 @@ class BandObject {
   [[nodiscard]] int framesLost() const { return lost_; }
 
  private:
-  BandObject() = default;
-  void forgetColors(const BandScene& scene);
-  void settle(const FrameImages& images, const BandScene& scene, int most_rounds);
-  void learnLooks(const Patch& patch, const FrameImages& images, const BandScene& scene,
+  TrackedMask() = default;
+  void forgetColors(const SceneContext& scene);
+  void settle(const FrameImages& images, const SceneContext& scene, int most_rounds);
+  void learnLooks(const ObjectRoi& patch, const FrameImages& images, const SceneContext& scene,
                   double most_skin);
-  void seenWell(const Patch& patch);
-  [[nodiscard]] ObjectLimits limits(const BandScene& scene) const;
+  void seenWell(const ObjectRoi& patch);
+  [[nodiscard]] ObjectLimits limits(const SceneContext& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
-  [[nodiscard]] Patch expected(const FrameImages& images, const cv::Matx23d& similarity,
-                               const BandScene& scene) const;
-  void take(const cv::Mat& seen, const Patch& patch, const FrameImages& images);
-  bool lookAgain(const FrameImages& images, const BandScene& scene);
+  [[nodiscard]] ObjectRoi expected(const FrameImages& images, const cv::Matx23d& similarity,
+                                   const SceneContext& scene) const;
+  void take(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
+  bool lookAgain(const FrameImages& images, const SceneContext& scene);
 
   std::uint32_t id_ = 0;
   int number_ = 0;

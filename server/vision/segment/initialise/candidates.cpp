@@ -38,7 +38,7 @@ constexpr std::array kReaches{Reach{15, 60},  Reach{15, 100}, Reach{15, 160}, Re
 
 // Everything about the click that all cuts share.
 struct Surroundings {
-  SmallView view;
+  GraphRoi view;
   cv::Point at;
   cv::Mat component;  // 255
   cv::Mat distance;   // CV_32FC1, mm from the click in space
@@ -119,19 +119,19 @@ cv::Mat placeEvidence(const Surroundings& s) {
   return out;
 }
 
-ColorMixture mixtureOf(const AvoidedColors& avoided) {
+ColorMixture mixtureOf(const NegativeColors& avoided) {
   if (avoided.samples.empty()) return {};
   return {avoided.samples, cv::Mat(avoided.samples.size(), CV_8UC1, cv::Scalar(255))};
 }
 
-Surroundings surroundingsOf(const FrameView& scene, const Click& click) {
+Surroundings surroundingsOf(const FrameContext& scene, const Click& click) {
   Surroundings out;
   const cv::Size picture = scene.images.color.size();
   const double depth_mm = std::max(depthAt(scene.images.depth, click.at), 1.0);
   const int reach = std::max(50, int(kReach_mm * pixelsPerMm(depth_mm, picture)));
   const cv::Rect box = cv::Rect(click.at.x - reach, click.at.y - reach, 2 * reach, 2 * reach) &
                        cv::Rect({0, 0}, picture);
-  out.view = SmallView::of(scene, box, kView_px);
+  out.view = GraphRoi::of(scene, box, kView_px);
   out.at = out.view.placeOf(click.at);
   out.component =
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
@@ -158,7 +158,7 @@ cv::Mat piecesAt(const Surroundings& s, const cv::Mat& mask) {
   cv::Mat labels;
   cv::connectedComponents(mask, labels, 4, CV_32S);
   if (labels.at<int>(s.at) == 0) return {};
-  return joinedPieces(s.view, mask, labels == labels.at<int>(s.at), s.px_per_mm);
+  return mergeOccludedParts(s.view, mask, labels == labels.at<int>(s.at), s.px_per_mm);
 }
 
 cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& background,
@@ -205,7 +205,7 @@ bool isNew(const std::vector<cv::Mat>& masks, const cv::Mat& mask) {
 
 }  // namespace
 
-std::vector<cv::Mat> cutsAround(const FrameView& scene, const Click& click) {
+std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click) {
   const Surroundings s = surroundingsOf(scene, click);
   std::vector<cv::Mat> small;
   for (const Reach& reach : kReaches) {

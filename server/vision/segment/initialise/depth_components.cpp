@@ -29,7 +29,7 @@ std::vector<cv::Point> rimOf(const cv::Mat& piece) {
 
 // Whether what lies between the piece and the mask may hide their joint: it is near, and nothing
 // that is seen between them lies behind both.
-bool joinedBehind(const SmallView& view, const cv::Mat& mask, const cv::Mat& piece,
+bool joinedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& piece,
                   double px_per_mm) {
   cv::Point from;
   cv::Point to;
@@ -56,8 +56,8 @@ bool joinedBehind(const SmallView& view, const cv::Mat& mask, const cv::Mat& pie
 
 }  // namespace
 
-cv::Mat joinedPieces(const SmallView& view, const cv::Mat& mask, const cv::Mat& main,
-                     double px_per_mm) {
+cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
+                           double px_per_mm) {
   cv::Mat labels;
   cv::Mat stats;
   cv::Mat centroids;

@@ -11,7 +11,7 @@ namespace hapticast::server {
 /// Of `mask` (0 / 255, of `view`) the piece `main` and those that are one with it behind what
 /// passes in front of them: nothing that is seen between them lies behind both, and none of them
 /// reaches the view's border. Small holes are filled. `px_per_mm`: of the view.
-cv::Mat joinedPieces(const SmallView& view, const cv::Mat& mask, const cv::Mat& main,
-                     double px_per_mm);
+cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
+                           double px_per_mm);
 
 }  // namespace hapticast::server

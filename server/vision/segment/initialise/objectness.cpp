@@ -24,18 +24,18 @@ constexpr double kSmall_mm = 80.0;
 constexpr double kLarge_mm = 250.0;
 
 struct MaskView {
-  SmallView view;
+  GraphRoi view;
   cv::Mat mask;
   cv::Mat distance;  // CV_32FC1, above 0 inside
   double area = 0.0;
 };
 
-MaskView viewOf(const FrameView& scene, const cv::Mat& mask) {
+MaskView viewOf(const FrameContext& scene, const cv::Mat& mask) {
   MaskView out;
   const double area = cv::countNonZero(mask);
   const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
   const cv::Rect box = boxAround(mask, int(kRingMargin_px / shrink) + 1);
-  out.view = SmallView::of(scene, box, shrink * shrink * box.area());
+  out.view = GraphRoi::of(scene, box, shrink * shrink * box.area());
   out.mask = out.view.shrunk(mask);
   cv::Mat inner;
   cv::Mat outer;
@@ -179,7 +179,7 @@ Body bodyOf(const MaskView& m, const cv::Size& picture) {
 
 }  // namespace
 
-double likenessToThing(const FrameView& scene, const cv::Mat& mask) {
+double objectness(const FrameContext& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return -10.0;
   const MaskView m = viewOf(scene, mask);
   if (m.area < 10.0) return -10.0;
@@ -194,7 +194,7 @@ double likenessToThing(const FrameView& scene, const cv::Mat& mask) {
          0.6 * body.skin - 2.0 * std::min(0.5, body.stray);
 }
 
-double widthInSpace_mm(const FrameView& scene, const cv::Mat& mask) {
+double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return 0.0;
   return bodyOf(viewOf(scene, mask), mask.size()).diameter_mm;
 }
