@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "client/device/buttons.hpp"
+#include "client/discovery/find_server.hpp"
 #include "client/haptics/loop_thread.hpp"
 #include "client/haptics/rearm_policy.hpp"
 #include "client/haptics/renderer.hpp"
@@ -24,7 +25,6 @@
 #include "client/report/summary.hpp"
 #include "client/report/tick_log.hpp"
 #include "client/select_device.hpp"
-#include "client/server_selector.hpp"
 #include "common/cli/signals.hpp"
 #include "common/transport/asio.hpp"
 #include "common/unique_filename.hpp"
@@ -48,10 +48,14 @@ RendererSettings rendererSettings(const Settings& settings, const DeviceProfile&
   return renderer;
 }
 
-ConnectionSettings connectionSettings(const Settings& settings, ServerSelector& choice,
-                                      bool wants_video) {
+/// The server's name in log lines: HOST:PORT, or mdns:NAME.
+std::string serverName(const Settings& settings) {
+  return settings.announced.empty() ? toString(settings.server) : "mdns:" + settings.announced;
+}
+
+ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   return {.server = settings.server,
-          .dial = choice.dial(),
+          .dial = settings.announced.empty() ? Dial(dialTcp) : dialAnnounced(settings.announced),
           .delivery = settings.delivery,
           .wants_video = wants_video};
 }
@@ -97,6 +101,7 @@ class App::Impl {
   void tellStatus(bool connected);
   // On the calling thread:
   void runEvents();
+  void logServers();
   bool turnViews();
   void record();
   void takeReports();
@@ -117,13 +122,13 @@ class App::Impl {
   LatestValue<StreamTiming> stream_;
   LatestValue<UserControls> user_controls_;
   LatestValue<ConnectionStats> connection_stats_;  // the network's thread writes it
+  ServerHint server_hint_;                         // main thread
   UiState ui_state_;                               // main thread
   HapticRenderer::Log log_ring_;
   std::unique_ptr<HapticRenderer> renderer_;  // large: holds the flight recorder
   asio::io_context io_;
   DecodeThread decode_thread_;
   Receiver receiver_;
-  ServerSelector choice_;
   Connection connection_;
   LogFile log_;
   std::optional<LogFile> recording_;  // asked for by a view
@@ -137,8 +142,9 @@ class App::Impl {
   DeviceButtons buttons_;
   HapticStatusLog touch_teller_;
   bool time_is_over_ = false;
-  StreamErrorLog stream_errors_;  // network thread
-  ConnectionLog connection_log_;  // network thread; after it has ended the calling one
+  std::atomic<bool> is_waiting_{false};  // for the first connection, after a failed one
+  StreamErrorLog stream_errors_;         // network thread
+  ConnectionLog connection_log_;         // network thread; after it has ended the calling one
 };
 
 App::Impl::Impl(Settings settings, const Clock& clock, Views views)
@@ -154,14 +160,13 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
                        asio::post(io_, [this, frame] { prepared(frame); });
                      }),
       receiver_(decode_thread_, stream_, settings_.method == Method::kThesis ? 2 : 1),
-      choice_(settings_),
-      connection_(io_, clock, connectionSettings(settings_, choice_, wantVideo(views_)), receiver_,
+      connection_(io_, clock, connectionSettings(settings_, wantVideo(views_)), receiver_,
                   connectionEvents()),
       log_(settings_.log_file),
       fault_files_(settings_.fault_folder),
       rearm_(settings_.rearm, points(views_)),
       buttons_(device_.device->profile()),
-      connection_log_(choice_.name()) {
+      connection_log_(serverName(settings_)) {
   requireWritable("--summary", settings_.summary_file);
   ui_state_.user = userControls(settings_);
   user_controls_.store(ui_state_.user);
@@ -171,6 +176,7 @@ ConnectionEvents App::Impl::connectionEvents() {
   return {.welcomed =
               [this](const auto& stream) {
                 tellStatus(true);
+                is_waiting_ = false;
                 const std::string line = greeting(stream, settings_.method);
                 if (const auto told = connection_log_.connected(line, clock_.now()))
                   spdlog::info("{}", *told);
@@ -189,13 +195,13 @@ ConnectionEvents App::Impl::connectionEvents() {
           .disconnected =
               [this](const std::string& why) {
                 tellStatus(false);
-                connection_log_.nowIs(choice_.name());
+                is_waiting_ = !connection_log_.everConnected();
                 if (const auto told = connection_log_.lost(why, clock_.now()))
                   spdlog::warn("{}", *told);
               },
           .failed =
               [this](const std::string& why) {
-                spdlog::error("{}: {}", choice_.name(), why);
+                spdlog::error("{}: {}", serverName(settings_), why);
                 failed_ = true;
                 stop();
               }};
@@ -226,7 +232,7 @@ void App::Impl::tellStatus(bool connected) {
 }
 
 bool App::Impl::run() {
-  spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", choice_.name(),
+  spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", serverName(settings_),
                device_.device->description());
   if (settings_.forces != Forces::kBoth)
     spdlog::info("felt: the {} force only (--forces)",
@@ -263,12 +269,17 @@ void App::Impl::runEvents() {
     while (const auto line = device_.device->news()) spdlog::info("{}", *line);
     tellContact();
     if (!turnViews()) stop();
-    if (const auto line = choice_.turn(ui_state_.stream.connected, clock_.now()))
-      spdlog::warn("{}", *line);
+    logServers();
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =
         settings_.seconds > 0.0 && clock_.now() - begin >= fromSeconds(settings_.seconds);
   }
+}
+
+/// Nobody named a server, and none answered yet: names those on the LAN.
+void App::Impl::logServers() {
+  if (settings_.server_given || !is_waiting_) return;
+  if (const auto text = server_hint_.update(clock_.now())) spdlog::warn("{}", *text);
 }
 
 /// Whether all of them go on.
@@ -357,7 +368,7 @@ RunResult App::Impl::result(const LoopThread& loop) const {
 void App::Impl::finish(const LoopThread& loop) {
   takeFaults();
   if (time_is_over_ && !failed_ && !connection_log_.everConnected()) {
-    spdlog::error("no server came to {} in {:g} s ({})", choice_.name(), settings_.seconds,
+    spdlog::error("no server came to {} in {:g} s ({})", serverName(settings_), settings_.seconds,
                   connection_log_.reason().empty() ? "no answer" : connection_log_.reason());
     failed_ = true;
   }

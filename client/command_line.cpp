@@ -78,8 +78,8 @@ void addServer(CLI::App& app, Settings& settings) {
   app.add_option_function<std::string>(
          "server", set,
          "Where hapticast-server listens, or mdns:NAME: the one that is announced by NAME. "
-         "Default: localhost:7447; where none is there, those that are announced on the LAN are "
-         "shown, to be chosen on a terminal. One that is not there is waited for")
+         "Default: localhost:7447; while no server answers there, the log lists those on the LAN. "
+         "The client waits for a server that does not answer")
       ->type_name("HOST[:PORT]|mdns:NAME");
   app.add_flag("--list", settings.list_servers,
                "Say which servers are announced on the LAN, and end: with exit code 0, or 1 where "

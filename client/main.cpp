@@ -13,8 +13,8 @@
 #include "client/command_line.hpp"
 #include "client/device/calibrate.hpp"
 #include "client/device/open_device.hpp"
+#include "client/discovery/find_server.hpp"
 #include "client/open_views.hpp"
-#include "client/server_selector.hpp"
 #include "common/cli/parse.hpp"
 
 namespace {

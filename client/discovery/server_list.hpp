@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Servers that were found on the LAN, as they are shown and chosen. All of it is what strangers say
-// of themselves. Thread: one.
+// The servers that mDNS found on the LAN. Their names and texts come from strangers: toText()
+// bounds and cleans them. Pure functions.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/endpoint.hpp"
@@ -14,43 +13,28 @@
 namespace hapticast::client {
 
 struct FoundServer {
-  std::string name;  ///< as it came
+  std::string name;  ///< as received
   std::string host;
   Endpoint address;
   std::string interface_name;
-  std::string plays;
-  std::uint32_t version = 0;  ///< of the protocol; 0: not said
+  std::string plays;          ///< title of the content
+  std::uint32_t version = 0;  ///< of the protocol; 0: not announced
   bool operator==(const FoundServer&) const = default;
 };
 
-/// Each server once, by the first of its addresses: IPv4 first, then by interface.
+/// Returns each server once, with its first address: IPv4 before IPv6, then by interface.
 [[nodiscard]] std::vector<FoundServer> eachOnce(std::vector<FoundServer> found);
 
-/// The only one that is announced by this name. Error: why there is none, or which hosts say so.
+/// Returns the only server that is announced as `name`; otherwise nothing, and `why` gets the
+/// reason: no server, or which addresses announce `name`.
 [[nodiscard]] std::optional<FoundServer> only(const std::vector<FoundServer>& found,
                                               const std::string& name, std::string& why);
 
-/// A list that only grows: a number, once shown, means the same server for good, so that nobody can
-/// slip in under the user's finger.
-class ServerList {
- public:
-  static constexpr std::size_t kMost = 32;  ///< chosen: what one can still look through
+/// Lines that toText() prints at most. Chosen: what a person still reads.
+constexpr std::size_t kMaxListedServers = 32;
 
-  /// What is there now, eachOnce(). Whether the list has changed.
-  bool update(const std::vector<FoundServer>& found);
-  [[nodiscard]] bool empty() const;
-  /// A line for each that is there, and one where there are more; without the last line's end.
-  [[nodiscard]] std::string toText() const;
-  /// The one with the number or the name that was typed; else `why` says what is wrong with it.
-  [[nodiscard]] std::optional<FoundServer> choose(std::string_view typed, std::string& why) const;
-
- private:
-  struct Line {
-    FoundServer server;
-    bool there = true;
-  };
-  std::vector<Line> lines_;
-  bool more_ = false;
-};
+/// Returns one line for each server, and a last line where there are more than kMaxListedServers.
+/// The last line has no line end. Control characters of strangers are replaced.
+[[nodiscard]] std::string toText(const std::vector<FoundServer>& servers);
 
 }  // namespace hapticast::client

@@ -20,9 +20,6 @@ class ConnectionLog {
   /// `server`: HOST:PORT, or mdns:NAME.
   explicit ConnectionLog(std::string server) : server_(std::move(server)) {}
 
-  /// From now on it is another server.
-  void nowIs(std::string server) { server_ = std::move(server); }
-
   /// A connection is made; `greeting` is the line for it.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
   /// The server looks through its clip and has done this share of it: told when a quarter more is.

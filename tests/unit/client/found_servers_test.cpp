@@ -15,12 +15,6 @@ FoundServer announced(const std::string& name, const std::string& address = "192
   return {name, "desk.local", {address, 7447}, network, "ball", kProtocolVersion};
 }
 
-std::string reasonFor(const ServerList& list, const std::string& typed) {
-  std::string why;
-  EXPECT_EQ(list.choose(typed, why), std::nullopt) << typed;
-  return why;
-}
-
 TEST(FoundServers, OneThatIsOnManyNetworksIsShownOnceByIPv4First) {
   const auto servers = eachOnce({announced("b"), announced("a", "fe80::1%eth0"),
                                  announced("a", "10.0.0.5", "wlan0"), announced("a")});
@@ -38,43 +32,12 @@ TEST(FoundServers, ANameThatTwoHostsAnnounceIsNotChosen) {
   EXPECT_EQ(why, "more than one host announces this name: 192.168.1.5:7447, 10.0.0.9:7447");
 }
 
-TEST(FoundServers, AreChosenByNumberOrName) {
-  ServerList list;
-  EXPECT_TRUE(list.empty());
-  EXPECT_FALSE(list.update({}));
-  EXPECT_TRUE(list.update({announced("Living room"), announced("7")}));
-  EXPECT_FALSE(list.update({announced("Living room"), announced("7")})) << "nothing new";
-  std::string why;
-  EXPECT_EQ(list.choose(" 2 ", why), announced("7"));
-  EXPECT_EQ(list.choose("Living room", why), announced("Living room"));
-  for (const char* typed : {"", "0", "3", "-1", "7", "living", "1 2", "99999999999999999999"})
-    EXPECT_NE(reasonFor(list, typed).find("is none of them"), std::string::npos) << typed;
-  EXPECT_EQ(reasonFor(list, "\x1b[2J"), "'?[2J' is none of them: type a number or a name");
-}
-
-TEST(FoundServers, ANumberThatWasShownMeansTheSameServerForGood) {
-  ServerList list;
-  std::string why;
-  EXPECT_TRUE(list.update({announced("b")}));
-  EXPECT_TRUE(list.update({announced("a"), announced("b")})) << "one slips in before it";
-  EXPECT_EQ(list.choose("1", why), announced("b"));
-  EXPECT_TRUE(list.update({announced("b", "10.0.0.9")})) << "the same name, from elsewhere";
-  EXPECT_NE(reasonFor(list, "1").find("is none of them"), std::string::npos);
-  EXPECT_EQ(list.choose("3", why), announced("b", "10.0.0.9"));
-  EXPECT_TRUE(list.update({announced("b"), announced("b", "10.0.0.9")}));
-  EXPECT_EQ(reasonFor(list, "b"), "more than one has this name: type a number");
-  EXPECT_TRUE(list.update({}));
-  EXPECT_TRUE(list.empty());
-}
-
 TEST(FoundServers, WhatStrangersSayIsBoundedAndClean) {
   FoundServer evil = announced("\x1b[31mred\n1  safe");
   evil.host = std::string(500, 'h');
   evil.plays = std::string(500, 'p') + "\x07";
   evil.version = kProtocolVersion + 1;
-  ServerList list;
-  list.update({evil});
-  const std::string words = list.toText();
+  const std::string words = toText({evil});
   EXPECT_EQ(words.find_first_of("\x1b\n\x07"), std::string::npos) << words;
   EXPECT_LT(words.size(), 400U);
   EXPECT_NE(words.find("protocol version "), std::string::npos) << words;
@@ -82,11 +45,8 @@ TEST(FoundServers, WhatStrangersSayIsBoundedAndClean) {
   std::vector<FoundServer> crowd;
   crowd.reserve(100);
   for (int i = 0; i < 100; ++i) crowd.push_back(announced("s" + std::to_string(100 + i)));
-  list.update(crowd);
-  EXPECT_FALSE(list.update(crowd));
-  const std::string all = list.toText();
-  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), static_cast<long>(ServerList::kMost) - 1)
-      << all;
+  const std::string all = toText(crowd);
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), static_cast<long>(kMaxListedServers)) << all;
   EXPECT_NE(all.find("and more, which are not shown"), std::string::npos) << all;
 }
 

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "client/discovery/find_server.hpp"
+
+#include <cstdio>
+#include <thread>
+#include <utility>
+
+#include "client/discovery/server_list.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: twice the time after which a lost first query is repeated.
+constexpr std::chrono::milliseconds kSearch(2000);
+constexpr std::chrono::milliseconds kStep(50);
+constexpr Duration kLookAgain = std::chrono::seconds(1);
+
+asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std::string name,
+                                       asio::io_context& io, Duration deadline,
+                                       DialCancellation& stop) {
+  asio::steady_timer timer(io);
+  std::string why;
+  for (auto searched = Duration::zero(); searched < Duration(kSearch); searched += kStep) {
+    const auto found = only(discovery->servers(), name, why);
+    if (found) co_return co_await dialTcp(io, found->address, deadline, stop);
+    stop.onStop([&timer] { timer.cancel(); });
+    boost::system::error_code ignored;
+    timer.expires_after(kStep);
+    co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    stop.onStop({});
+    if (stop.stopped()) co_return DialError{"stopped"};
+  }
+  const std::string absent = discovery->absent();
+  co_return DialError{absent.empty() ? why : absent};
+}
+
+}  // namespace
+
+Dial dialAnnounced(std::string name) {
+  return [discovery = std::make_shared<Discovery>(), name = std::move(name)](
+             asio::io_context& io, const Endpoint& /*unused*/, Duration deadline,
+             DialCancellation& stop) { return searchAndDial(discovery, name, io, deadline, stop); };
+}
+
+std::optional<std::string> ServerHint::update(LocalTime now) {
+  if (now < next_look_) return std::nullopt;
+  next_look_ = now + kLookAgain;
+  if (!discovery_) discovery_ = std::make_unique<Discovery>();
+  std::string text = discovery_->absent();
+  if (text.empty()) {
+    text = toText(discovery_->servers());
+    if (!text.empty())
+      text = "servers on the LAN (HOST:PORT or mdns:NAME as argument selects one):\n" + text;
+  } else {
+    text = "no search for servers on the LAN: " + text;
+  }
+  if (text == logged_) return std::nullopt;
+  logged_ = text;
+  return text.empty() ? std::nullopt : std::optional(text);
+}
+
+bool listServers() {
+  const Discovery discovery;
+  std::this_thread::sleep_for(kSearch);
+  const std::string text = toText(discovery.servers());
+  if (!text.empty()) {
+    std::puts(text.c_str());
+    return true;
+  }
+  const std::string absent = discovery.absent();
+  std::fprintf(stderr, "hapticast-client: %s\n",
+               absent.empty() ? "no server is announced on the LAN"
+                              : ("no search for servers on the LAN: " + absent).c_str());
+  return false;
+}
+
+}  // namespace hapticast::client
