@@ -21,31 +21,29 @@ std::string greeting(const StreamDescription& stream, Method method) {
 std::optional<std::string> ConnectionLog::connected(const std::string& greeting, LocalTime now) {
   ever_connected_ = true;
   reason_.clear();
-  logged_ = false;
   logged_share_.reset();
-  return limit_.let(greeting, now);
+  return limit_.admit(greeting, now);
 }
 
 std::optional<std::string> ConnectionLog::preparing(double share, LocalTime now) {
   if (share >= 1.0 || (logged_share_ && share < *logged_share_ + 0.25)) return std::nullopt;
   logged_share_ = share;
-  return limit_.let("the server looks through its clip first: " +
-                        std::to_string(std::lround(100.0 * share)) + " % done",
-                    now);
+  return limit_.admit("the server looks through its clip first: " +
+                          std::to_string(std::lround(100.0 * share)) + " % done",
+                      now);
 }
 
 std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime now) {
-  if (logged_ && why == reason_ && now - last_logged_ < LogRateLimiter::kWhile) return std::nullopt;
+  if (why == reason_ && !lost_interval_.isDue(now)) return std::nullopt;
   reason_ = why;
-  logged_ = true;
-  last_logged_ = now;
-  return limit_.let(ever_connected_ ? server_ + ": " + why + "; trying again"
-                                    : "waiting for a server at " + server_ + " (" + why + ")",
-                    now);
+  lost_interval_.onLogged(now);
+  return limit_.admit(ever_connected_ ? server_ + ": " + why + "; trying again"
+                                      : "waiting for a server at " + server_ + " (" + why + ")",
+                      now);
 }
 
 std::optional<std::string> StreamErrorLog::take(const ReceiverCounts& counts, LocalTime now) {
-  if (last_logged_ && now - *last_logged_ < LogRateLimiter::kWhile) return std::nullopt;
+  if (!interval_.isDue(now)) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {
     if (count > told) text += (text.empty() ? "" : "; ") + (what + std::to_string(count - told));
@@ -60,7 +58,7 @@ std::optional<std::string> StreamErrorLog::take(const ReceiverCounts& counts, Lo
       "frames that came faster than they can be felt and were dropped: ");
   if (text.empty()) return std::nullopt;
   logged_ = counts;
-  last_logged_ = now;
+  interval_.onLogged(now);
   return "server error: " + text;
 }
 

@@ -7,8 +7,7 @@
 #include <string>
 
 #include "client/net/receiver.hpp"
-#include "client/report/log_rate_limiter.hpp"
-#include "common/time.hpp"
+#include "common/log_rate_limiter.hpp"
 
 namespace hapticast::client {
 
@@ -26,7 +25,7 @@ class ConnectionLog {
   std::optional<std::string> preparing(double share, LocalTime now);
   /// Something of the connection that goes on.
   std::optional<std::string> news(const std::string& line, LocalTime now) {
-    return limit_.let(line, now);
+    return limit_.admit(line, now);
   }
   /// There is no connection, because of `why`; it will be tried again.
   std::optional<std::string> lost(const std::string& why, LocalTime now);
@@ -39,8 +38,7 @@ class ConnectionLog {
   std::string server_;
   std::string reason_;
   std::optional<double> logged_share_;  // on this connection
-  LocalTime last_logged_{};             // reason_
-  bool logged_ = false;                 // reason_
+  LogInterval lost_interval_;           // of one reason
   bool ever_connected_ = false;
   LogRateLimiter limit_;
 };
@@ -53,7 +51,7 @@ class StreamErrorLog {
 
  private:
   ReceiverCounts logged_;
-  std::optional<LocalTime> last_logged_;
+  LogInterval interval_;
 };
 
 }  // namespace hapticast::client

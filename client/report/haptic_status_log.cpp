@@ -11,13 +11,6 @@ bool acted(const TickReport& report, SafetyAction which) {
   return (report.interferences & bit(which)) != 0;
 }
 
-/// New, or the last time is a while ago.
-bool due(std::optional<LocalTime>& told, LocalTime now) {
-  if (told && now - *told < LogRateLimiter::kWhile) return false;
-  told = now;
-  return true;
-}
-
 std::string comesBack(const RearmPolicy& rearm) {
   if (rearm.left() > 0)
     return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
@@ -52,13 +45,13 @@ std::optional<std::string> HapticStatusLog::take(const TickReport& report,
   if (report.halt != halt_) {
     halt_ = report.halt;
     if (halt_ == Halt::kStopped) return std::nullopt;
-    return halt_limit_.let(
+    return halt_limit_.admit(
         halt_ == Halt::kNone ? "re-armed: the force comes back" : halted(report, rearm),
         report.time);
   }
   std::string line = news(report);
   if (line.empty()) return std::nullopt;
-  return limit_.let(std::move(line), report.time);
+  return limit_.admit(std::move(line), report.time);
 }
 
 std::string HapticStatusLog::news(const TickReport& report) {
@@ -77,9 +70,9 @@ std::string HapticStatusLog::news(const TickReport& report) {
     stale_ = false;
     return "frames come again";
   }
-  if (acted(report, SafetyAction::kStiffness) && due(logged_softer_, report.time))
+  if (acted(report, SafetyAction::kStiffness) && softer_.allow(report.time))
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
-  if (acted(report, SafetyAction::kLatency) && due(logged_later_, report.time))
+  if (acted(report, SafetyAction::kLatency) && later_.allow(report.time))
     return "the device answers later than its profile says: walls are softer";
   return "";
 }

@@ -8,7 +8,7 @@
 
 #include "client/haptics/rearm_policy.hpp"
 #include "client/haptics/tick_report.hpp"
-#include "client/report/log_rate_limiter.hpp"
+#include "common/log_rate_limiter.hpp"
 
 namespace hapticast::client {
 
@@ -23,8 +23,8 @@ class HapticStatusLog {
   Halt halt_ = Halt::kNone;
   bool stale_ = false;
   bool logged_enable_ = false;  // once: whoever uses the button knows
-  std::optional<LocalTime> logged_softer_;
-  std::optional<LocalTime> logged_later_;
+  LogInterval softer_;
+  LogInterval later_;
   LogRateLimiter limit_;
   LogRateLimiter halt_limit_;  // whatever else a stream makes the other one say
 };

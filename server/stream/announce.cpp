@@ -10,12 +10,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/log_rate_limiter.hpp"
 #include "common/mdns.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/mdns_session.hpp"
 #include "common/transport/network_interfaces.hpp"
 #include "server/stream/address_error.hpp"
-#include "server/stream/log_limit.hpp"
 
 namespace hapticast::server {
 
@@ -91,7 +91,7 @@ struct Announcer::Service {
 
   void changed(AvahiEntryGroupState state) {
     if (state == AVAHI_ENTRY_GROUP_ESTABLISHED) {
-      if (!news.allow(SteadyClock().now())) return;
+      if (!limit.allow(SteadyClock().now())) return;
       spdlog::info("announced on the LAN as {}{}", name,
                    name == wanted ? "" : " (another one has the name " + wanted + ")");
     } else if (state == AVAHI_ENTRY_GROUP_COLLISION && group != nullptr) {
@@ -117,7 +117,7 @@ struct Announcer::Service {
   const asio::ip::tcp::endpoint listens;
   const std::string version;
   const std::string plays;
-  ServerLogLimiter news;  // of a stranger who takes each name again and again
+  LogRateLimiter limit;  // a host may claim each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
       {.runs = [this](AvahiClient* client) { make(client); },

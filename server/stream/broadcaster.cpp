@@ -34,10 +34,7 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       description_(std::move(description)),
       settings_(settings),
       timer_(io),
-      counted_(clock.now()),
-      logged_slow_(counted_ - kTellAgainAfter),
-      logged_large_(logged_slow_),
-      logged_datagrams_at_(logged_slow_) {
+      counted_(clock.now()) {
   asio::co_spawn(
       io_, [this] { return watch(); }, asio::detached);
 }

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "common/log_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/asio.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
-#include "server/stream/log_limit.hpp"
 #include "server/stream/session.hpp"
 #include "server/stream/stream_settings.hpp"
 #include "server/stream/stream_sink.hpp"
@@ -31,8 +31,6 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Connections beside the viewers' that are kept at a time: those that have not said hello yet,
   /// and those that are being closed. Chosen: more than a healthy stream ever has.
   static constexpr std::size_t kMaxPending = 32;
-  /// Chosen: what goes on is told that often, and at once where it begins.
-  static constexpr Duration kTellAgainAfter = std::chrono::minutes(1);
 
   /// Everything runs on `io`, which one thread runs; that thread ends before the Broadcaster does.
   /// The clocks outlive it.
@@ -132,12 +130,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   SendCounts logged_;    // of slow viewers
   LocalTime checked_;
   LocalTime counted_;
-  LocalTime logged_slow_;
-  LocalTime logged_large_;
   DatagramSenderCounts logged_datagrams_;
-  LocalTime logged_datagrams_at_;
-  ServerLogLimiter comings_and_goings_;  // apart, so that a crowd does not hide what is wrong
-  ServerLogLimiter problems_;
+  LogInterval slow_interval_;
+  LogInterval large_interval_;
+  LogInterval datagrams_interval_;
+  LogRateLimiter comings_and_goings_;  // apart, so that a crowd does not hide problems
+  LogRateLimiter problems_;
 };
 
 }  // namespace hapticast::server

@@ -7,18 +7,16 @@
 namespace hapticast::server {
 
 bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
-  ServerLogLimiter& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
-  if (!limit.allow(clock_.now())) return false;
-  const std::uint64_t hidden = limit.takeSuppressed();
-  spdlog::log(level, "{}{}", line,
-              hidden > 0 ? " (and " + std::to_string(hidden) + " lines more, not shown)" : "");
-  return true;
+  LogRateLimiter& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
+  const auto admitted = limit.admit(std::string(line), clock_.now());
+  if (admitted) spdlog::log(level, "{}", *admitted);
+  return admitted.has_value();
 }
 
 void Broadcaster::tellHidden() {
-  for (ServerLogLimiter* limit : {&comings_and_goings_, &problems_}) {
-    if (limit->suppressed() == 0 || !(stopped_ || limit->earned(clock_.now()))) continue;
-    const std::uint64_t hidden = limit->takeSuppressed();
+  for (LogRateLimiter* limit : {&comings_and_goings_, &problems_}) {
+    if (limit->dropped() == 0 || !(stopped_ || limit->isReady(clock_.now()))) continue;
+    const std::uint64_t hidden = limit->popDropped();
     (void)limit->allow(clock_.now());
     spdlog::info(
         "not shown: {} more about {}", hidden,
@@ -27,7 +25,7 @@ void Broadcaster::tellHidden() {
 }
 
 void Broadcaster::tellSlowViewers(LocalTime now) {
-  if (now - logged_slow_ < kTellAgainAfter) return;
+  if (!slow_interval_.isDue(now)) return;
   const StreamCounts all = counts();
   if (all.sent.dropped() == logged_.dropped()) return;
   const bool told = say(
@@ -39,11 +37,11 @@ void Broadcaster::tellSlowViewers(LocalTime now) {
                   all.sent.videos_dropped - logged_.videos_dropped, all.clients));
   if (!told) return;
   logged_ = all.sent;
-  logged_slow_ = now;
+  slow_interval_.onLogged(now);
 }
 
 void Broadcaster::tellDatagrams(LocalTime now) {
-  if (datagrams_ == nullptr || now - logged_datagrams_at_ < kTellAgainAfter) return;
+  if (datagrams_ == nullptr || !datagrams_interval_.isDue(now)) return;
   const DatagramSenderCounts all = datagrams_->counts();
   const std::uint64_t lost = all.lost() - logged_datagrams_.lost();
   const std::uint64_t wrong = all.notBelieved() - logged_datagrams_.notBelieved();
@@ -55,18 +53,18 @@ void Broadcaster::tellDatagrams(LocalTime now) {
                       lost, wrong));
   if (!told) return;
   logged_datagrams_ = all;
-  logged_datagrams_at_ = now;
+  datagrams_interval_.onLogged(now);
 }
 
 bool Broadcaster::tooLarge(const EncodedFrame& frame) {
   const bool too_large = frame.lean->size() > kMaxMessageBytes;
   const LocalTime now = clock_.now();
-  if ((too_large || frame.too_many_datagrams) && now - logged_large_ >= kTellAgainAfter &&
+  if ((too_large || frame.too_many_datagrams) && large_interval_.isDue(now) &&
       say(spdlog::level::warn,
           fmt::format("a frame of {} kB, more than {}", frame.lean->size() / 1000,
                       too_large ? "viewers take: it is left out"
                                 : "datagrams carry: it goes by TCP only"))) {
-    logged_large_ = now;
+    large_interval_.onLogged(now);
   }
   return too_large;
 }

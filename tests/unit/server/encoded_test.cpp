@@ -5,7 +5,7 @@
 
 #include <deque>
 
-#include "server/stream/log_limit.hpp"
+#include "common/log_rate_limiter.hpp"
 
 namespace hapticast::server {
 namespace {
@@ -73,20 +73,20 @@ TEST(FrameEncoder, EncodesVideo) {
   EXPECT_EQ(video.id, 2U);
 }
 
-TEST(ServerLogLimiter, LetsSomeLinesThroughAndCountsTheRest) {
-  ServerLogLimiter limit;
+TEST(LogRateLimiter, LetsSomeLinesThroughAndCountsTheRest) {
+  LogRateLimiter limit;
   std::int64_t allowed = 0;
   for (int i = 0; i < 100; ++i) allowed += limit.allow(localTime(5.0)) ? 1 : 0;
-  EXPECT_EQ(allowed, ServerLogLimiter::kLines);
-  EXPECT_EQ(limit.takeSuppressed(), 100U - ServerLogLimiter::kLines);
-  EXPECT_EQ(limit.takeSuppressed(), 0U);
+  EXPECT_EQ(allowed, LogRateLimiter::kBurst);
+  EXPECT_EQ(limit.popDropped(), 100U - LogRateLimiter::kBurst);
+  EXPECT_EQ(limit.popDropped(), 0U);
   EXPECT_FALSE(limit.allow(localTime(14.9)));
   EXPECT_TRUE(limit.allow(localTime(15.0))) << "a line every 15 s from the clock's zero";
   EXPECT_FALSE(limit.allow(localTime(15.1)));
 }
 
-TEST(ServerLogLimiter, NeverLetsMoreThanTenLinesThroughInAMinute) {
-  ServerLogLimiter limit;
+TEST(LogRateLimiter, NeverLetsMoreThanTenLinesThroughInAMinute) {
+  LogRateLimiter limit;
   std::deque<double> lines_s;
   for (double now_s = 1000.0; now_s < 1600.0; now_s += 0.05) {
     const bool pause = now_s > 1200.0 && now_s < 1300.0;  // and what was saved up in it
