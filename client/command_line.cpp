@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "client/device/open_device.hpp"
+#include "common/build_options.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
@@ -55,13 +56,13 @@ std::string deviceHelp() {
 
 /// For --version: the kinds of views, devices and transports of this build.
 std::string builtIn() {
-  std::string text = hasViewer() ? "views: screenshot film" : "views: none";
-  if (hasSound()) text += " sound";
-  text += hasWindow() ? " window; devices:" : "; devices:";
+  std::string text = "views: screenshot film";
+  if (kHasSound) text += " sound";
+  text += kHasWindow ? " window; devices:" : "; devices:";
   for (const DeviceKind& kind : deviceKinds()) text += std::string(" ") + kind.name;
   text += "; transports:";
   for (const auto& transport : kTransports) text += " " + transport.first;
-  return text.append(hasDiscovery() ? "; discovery: Avahi" : "; discovery: none");
+  return text.append(kHasDiscovery ? "; discovery: Avahi" : "; discovery: none");
 }
 
 void addServer(CLI::App& app, Settings& settings) {
@@ -163,23 +164,21 @@ void addViewOptions(CLI::App& app, Settings& settings) {
             "--screenshot is given), on, or off. F1 in it lists the keys");
   addChoice(app, "--forces", settings.forces, kForces,
             "Which forces are felt: both (default), static or dynamic; S and D in the window");
-  if (hasSound()) {
+  if (kHasSound) {
     app.add_flag("--sound", settings.sound,
                  "Let the force be heard: a hum as loud as it is, a tick where it is sudden");
   }
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {
-  if (hasViewer()) {
-    app.add_option("--screenshot", settings.screenshot_file,
-                   "Write a picture at the end: the video with cone and force at the strongest "
-                   "moment, and the force of the last minute")
-        ->type_name("FILE.png");
-    app.add_option("--film", settings.film_file,
-                   "Write a film: the video with cone and forces, and the force of the last "
-                   "minute, at the video's rate")
-        ->type_name("FILE.mp4");
-  }
+  app.add_option("--screenshot", settings.screenshot_file,
+                 "Write a picture at the end: the video with cone and force at the strongest "
+                 "moment, and the force of the last minute")
+      ->type_name("FILE.png");
+  app.add_option("--film", settings.film_file,
+                 "Write a film: the video with cone and forces, and the force of the last "
+                 "minute, at the video's rate")
+      ->type_name("FILE.mp4");
   app.add_option("--log", settings.log_file,
                  "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "
                  "d (dynamic) in N, "

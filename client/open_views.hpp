@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The table of views. A build without the viewer has open_no_views.cpp in the place of
-// open_views.cpp (client/CMakeLists.txt).
+// The table of views: window, screenshot, film, sound.
 #pragma once
 
 #include "client/settings.hpp"
@@ -8,13 +7,8 @@
 
 namespace hapticast::client {
 
-/// The views that the command line asks for. Throws std::runtime_error, one line that names the
-/// flag.
+/// Opens the views that the command line asks for. Throws std::runtime_error, one line that names
+/// the flag. Thread: main.
 [[nodiscard]] Views openViews(const Settings& settings);
-
-/// The window of --view; null where none is wanted or, with auto, none can be. Throws as
-/// openViews() does. A build without its libraries has open_no_window.cpp in the place of
-/// open_window.cpp.
-[[nodiscard]] std::unique_ptr<View> openWindow(const Settings& settings);
 
 }  // namespace hapticast::client

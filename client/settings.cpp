@@ -6,12 +6,6 @@
 
 namespace hapticast::client {
 
-bool hasViewer() { return HAPTICAST_HAS_VIEWER != 0; }
-
-bool hasWindow() { return HAPTICAST_HAS_WINDOW != 0; }
-
-bool hasSound() { return HAPTICAST_HAS_SOUND != 0; }
-
 void requireWritable(const char* flag, const std::string& file) {
   if (file.empty() || std::ofstream(file, std::ios::app)) return;
   throw std::runtime_error(std::string(flag) + " " + file +

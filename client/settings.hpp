@@ -48,15 +48,6 @@ struct Settings {
   bool quiet = false;
 };
 
-/// Whether this build can show or draw pictures (CMake option HAPTICAST_VIEWER).
-[[nodiscard]] bool hasViewer();
-
-/// Whether this build has a window (SDL2 and Dear ImGui were found).
-[[nodiscard]] bool hasWindow();
-
-/// Whether this build can make the touch heard (SDL2 was found).
-[[nodiscard]] bool hasSound();
-
 /// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
 /// it. Throws std::runtime_error, one line that names `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);

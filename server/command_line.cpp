@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "common/build_options.hpp"
 #include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
@@ -274,7 +275,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "hapticast-server");
   addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
                                "multicast, tcp; discovery: ") +
-                       (hasDiscovery() ? "Avahi" : "none"));
+                       (kHasDiscovery ? "Avahi" : "none"));
   addSourceOptions(*app, settings);
   addNetworkOptions(*app, settings);
   addName(*app, settings.name);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SDL is called by the main thread's turns alone; between them and the tick are two latest values.
+#if HAPTICAST_SDL2
 #include "client/device/gamepad.hpp"
 
 #include <SDL.h>
@@ -243,3 +244,5 @@ std::vector<std::string> listGamepads() {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_SDL2

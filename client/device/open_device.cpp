@@ -19,10 +19,10 @@ std::span<const DeviceKind> deviceKinds() noexcept {
   static constexpr std::array kKinds = {
       DeviceKind{"virtual", "a simulated one in a simulated hand", openVirtual},
       DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
-#ifdef HAPTICAST_FALCON
+#if HAPTICAST_LIBUSB
       DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
 #endif
-#ifdef HAPTICAST_GAMEPAD
+#if HAPTICAST_SDL2
       // Many lie plugged in at a desk, and a mouse points better: only who asks for one gets it.
       DeviceKind{"gamepad", "its sticks lead the tip, its motors rumble with the force",
                  openGamepad, listGamepads, /*by_itself=*/false},

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_AVAHI
 #include "client/discovery/mdns_browser.hpp"
 
 #include <avahi-client/lookup.h>
@@ -158,3 +159,18 @@ std::string Discovery::absent() const {
 }
 
 }  // namespace hapticast::client
+
+#else
+#include "client/discovery/mdns_browser.hpp"
+
+namespace hapticast::client {
+
+struct Discovery::Browser {};
+
+Discovery::Discovery() = default;
+Discovery::~Discovery() = default;
+std::vector<FoundServer> Discovery::servers() const { return {}; }
+std::string Discovery::absent() const { return "this build has no Avahi"; }
+
+}  // namespace hapticast::client
+#endif  // HAPTICAST_AVAHI

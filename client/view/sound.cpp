@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_SDL2
 #include "client/view/sound.hpp"
 
 #include <SDL.h>
@@ -65,3 +66,5 @@ void SoundView::fill(void* view, std::uint8_t* bytes, int size_bytes) noexcept {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_SDL2

@@ -3,15 +3,14 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/build_options.hpp"
 #include "common/mdns.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
 
-bool hasDiscovery() { return HAPTICAST_HAS_AVAHI != 0; }
-
 void requireDiscovery(const std::string& flag) {
-  if (!hasDiscovery())
+  if (!kHasDiscovery)
     throw CLI::ValidationError(flag, "this build announces and finds no servers (Avahi)");
 }
 

@@ -7,9 +7,6 @@
 
 namespace hapticast {
 
-/// Whether this build announces and finds servers (Avahi was found).
-[[nodiscard]] bool hasDiscovery();
-
 /// Throws CLI::ValidationError, which names `flag`, in a build that cannot look for servers.
 void requireDiscovery(const std::string& flag);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_AVAHI
 #include "common/transport/mdns_session.hpp"
 
 #include <avahi-client/client.h>
@@ -93,3 +94,5 @@ void AvahiSession::retryLater() {
 }
 
 }  // namespace hapticast
+
+#endif  // HAPTICAST_AVAHI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_AVAHI
 #include "server/stream/announce.hpp"
 
 #include <avahi-client/publish.h>
@@ -135,3 +136,20 @@ Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listens,
 Announcer::~Announcer() = default;
 
 }  // namespace hapticast::server
+
+#else
+#include "server/stream/announce.hpp"
+
+namespace hapticast::server {
+
+struct Announcer::Service {};
+
+void requireReachable(const asio::ip::address& /*address*/) {}
+
+Announcer::Announcer(std::string /*name*/, const asio::ip::tcp::endpoint& /*listens*/,
+                     const std::string& /*plays*/) {}
+
+Announcer::~Announcer() = default;
+
+}  // namespace hapticast::server
+#endif  // HAPTICAST_AVAHI

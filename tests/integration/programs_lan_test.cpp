@@ -3,6 +3,7 @@
 // avahi-daemon on a message bus of each host's own: a server is announced, found and listed.
 #include <cstdlib>
 
+#include "common/build_options.hpp"
 #include "common/cli/service_name.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/two_hosts.hpp"
@@ -15,7 +16,7 @@ constexpr const char* kName = "Küche \xF0\x9F\x8F\x80";
 class ProgramsLanTest : public ProgramsTest {
  protected:
   void SetUp() override {
-    if (!hasDiscovery()) GTEST_SKIP() << "this build has no Avahi";
+    if (!kHasDiscovery) GTEST_SKIP() << "this build has no Avahi";
     for (const char* program : {"dbus-daemon", "avahi-daemon", "unshare"}) {
       const std::string look = std::string("command -v ") + program + " >/dev/null";
       if (std::system(look.c_str()) != 0) GTEST_SKIP() << "there is no " << program;

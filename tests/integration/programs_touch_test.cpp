@@ -159,7 +159,6 @@ TEST_F(ProgramsTouchTest, EveryHandTouchesTheBouncingBall) {
   touchWith({"press", "slide", "follow", hand}, {"--source", "synthetic:bounce", "--loop"});
 }
 
-#ifdef HAPTICAST_VIEWER
 TEST_F(ProgramsTouchTest, LeavesAPictureOfTheTouch) {
   const std::string picture = path("picture.png");
   touchWith({"press"}, {"--source", "synthetic:still", "--loop"}, {"--screenshot", picture});
@@ -171,7 +170,6 @@ TEST_F(ProgramsTouchTest, LeavesAPictureOfTheTouch) {
   cv::meanStdDev(image, mean, deviation);
   EXPECT_GT(deviation[0], 5.0) << "a single colour";
 }
-#endif
 
 TEST_F(ProgramsTouchTest, ThesisOnBothSides) {
   touchWith({"press"}, {"--source", "synthetic:bounce", "--loop", "--method", "thesis"},

@@ -2,6 +2,7 @@
 // wrong_inputs.txt: what a newcomer may type, with the line and the exit code that he gets.
 #include <regex>
 
+#include "common/build_options.hpp"
 #include "common/cli/service_name.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
@@ -77,7 +78,7 @@ TEST_F(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
   for (const WrongInput& each : table) {
     const bool of_a_name = each.arguments.find("--announce") != std::string::npos ||
                            each.arguments.find("mdns:") != std::string::npos;
-    if (of_a_name && !hasDiscovery()) continue;
+    if (of_a_name && !kHasDiscovery) continue;
     const std::string arguments =
         replaced(replaced(each.arguments, "{DIR}", folder), "{USED}", used);
     const char* const program =

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_LIBUSB
 #include "client/device/falcon/falcon_link.hpp"
 
 #include <fmt/core.h>
@@ -219,3 +220,5 @@ std::optional<std::string> FalconLink::news() {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_LIBUSB

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_LIBUSB
 #include "client/device/falcon/firmware.hpp"
 
 #include <algorithm>
@@ -157,3 +158,5 @@ void loadFalconFirmware(FalconUsb& usb, const Bytes& image,
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_LIBUSB

@@ -2,6 +2,7 @@
 // The Novint Falcon as a kind of --device. A request goes out each millisecond and the tick begins
 // with its reply, about a quarter of a millisecond later; the next request takes that tick's force
 // along.
+#if HAPTICAST_LIBUSB
 #include <fmt/core.h>
 
 #include <atomic>
@@ -122,3 +123,5 @@ std::vector<std::string> listFalcons() {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_LIBUSB

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_LIBUSB
 #include "client/device/falcon/usb.hpp"
 
 #include <libusb.h>
@@ -288,3 +289,5 @@ void FalconUsb::finish() noexcept {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_LIBUSB

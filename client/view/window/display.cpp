@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/display.hpp"
 
 #include <SDL_syswm.h>
@@ -62,3 +63,5 @@ void hearDisplay(const SDL_Event& event) {
 bool displayIsLost() { return lost; }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

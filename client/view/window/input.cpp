@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the user does in the window.
+#if HAPTICAST_IMGUI
 #include <backends/imgui_impl_sdl.h>
 
 #include <algorithm>
@@ -99,3 +100,5 @@ bool ViewerWindow::turnsRelief(const ImVec2& point) const {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/painter.hpp"
 
 #include <cmath>
@@ -83,3 +84,5 @@ void WindowPainter::paintList(const ImDrawList& list, const ImDrawData& data) {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/panel.hpp"
 
 #include <SDL_keycode.h>
@@ -200,3 +201,5 @@ void showHelp(const ImVec2& room, bool& open) {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/plot.hpp"
 
 #include <fmt/core.h>
@@ -50,3 +51,5 @@ double ceilingOf(const ForceHistory& history, double ForcePoint::*value, double 
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/relief.hpp"
 
 #include <Eigen/Geometry>
@@ -199,3 +200,5 @@ void WindowRelief::drawInSpace(ImDrawList& list, const ScenePlace& place,
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/scene.hpp"
 
 #include <algorithm>
@@ -123,3 +124,5 @@ void drawScene(ImDrawList& list, const ScenePlace& place, const TickReport& repo
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/status.hpp"
 
 #include <fmt/core.h>
@@ -68,3 +69,5 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#if HAPTICAST_IMGUI
 #include "client/view/window/window.hpp"
 
 #include <backends/imgui_impl_sdl.h>
@@ -213,3 +214,5 @@ void ViewerWindow::savePicture() {
 }
 
 }  // namespace hapticast::client
+
+#endif  // HAPTICAST_IMGUI

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "client/device/open_device.hpp"
+#include "common/build_options.hpp"
 #include "common/cli/service_name.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
@@ -54,7 +55,7 @@ bool hasFalcon() {
 void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.server, (Endpoint{"::1", 99}));
   EXPECT_TRUE(settings.server_given);
-  EXPECT_EQ(settings.list_servers, hasDiscovery());
+  EXPECT_EQ(settings.list_servers, kHasDiscovery);
   EXPECT_EQ(settings.device, "virtual");
   EXPECT_EQ(settings.profile, "falcon");
   EXPECT_EQ(settings.hand, "slide");
@@ -68,9 +69,9 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.method, Method::kThesis);
   EXPECT_EQ(settings.log_file, "a.csv");
   EXPECT_EQ(settings.summary_file, "b.json");
-  EXPECT_EQ(settings.screenshot_file, hasViewer() ? "c.png" : "");
-  EXPECT_EQ(settings.film_file, hasViewer() ? "c.mp4" : "");
-  EXPECT_EQ(settings.sound, hasSound());
+  EXPECT_EQ(settings.screenshot_file, "c.png");
+  EXPECT_EQ(settings.film_file, "c.mp4");
+  EXPECT_EQ(settings.sound, kHasSound);
   EXPECT_EQ(settings.seconds, 2.5);
   EXPECT_EQ(settings.fault_folder, "d");
   EXPECT_TRUE(settings.rearm);
@@ -96,18 +97,16 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
       {"fault-dir", "d"},      {"stiffness-limit", "2.5"},
       {"redundancy", "3"},     {"interface", "lo"},
       {"list-devices", "true"}};
-  if (hasDiscovery()) flags.emplace_back("list", "true");
+  if (kHasDiscovery) flags.emplace_back("list", "true");
   if (hasFalcon()) {
     flags.emplace_back("falcon-firmware", "f.bin");
     flags.emplace_back("falcon-serial", "A7");
     flags.emplace_back("falcon-gain", "4000");
     flags.emplace_back("falcon-calibrate", "200");
   }
-  if (hasViewer()) {
-    flags.emplace_back("screenshot", "c.png");
-    flags.emplace_back("film", "c.mp4");
-  }
-  if (hasSound()) flags.emplace_back("sound", "true");
+  flags.emplace_back("screenshot", "c.png");
+  flags.emplace_back("film", "c.mp4");
+  if (kHasSound) flags.emplace_back("sound", "true");
   return flags;
 }
 const auto kAll = everyFlag();
@@ -160,7 +159,7 @@ TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
 
 TEST(ClientSettings, AServerThatIsAnnounced) {
   const Probe run({"mdns:Living room"});
-  if (!hasDiscovery()) {
+  if (!kHasDiscovery) {
     run.expectErrorWith({"server", "this build announces and finds no servers"});
     return;
   }
@@ -187,9 +186,9 @@ TEST(ClientSettings, HelpAndVersionEndWithZero) {
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-client 0."), 0U) << version.output;
   for (const char* fact :
-       {hasViewer() ? "views: screenshot film" : "views: none", "devices: virtual",
-        "transports: multicast tcp udp", hasDiscovery() ? "discovery: Avahi" : "discovery: none",
-        "libusb 1.0 (", "SDL2 (", "SDL2 + Dear ImGui (", "Avahi ("}) {
+       {"views: screenshot film", "devices: virtual", "transports: multicast tcp udp",
+        kHasDiscovery ? "discovery: Avahi" : "discovery: none", "libusb 1.0 (", "SDL2 (",
+        "SDL2 + Dear ImGui (", "Avahi ("}) {
     EXPECT_NE(version.output.find(fact), std::string::npos) << fact << " in: " << version.output;
     EXPECT_NE(help.output.find(fact), std::string::npos) << fact << " in: " << help.output;
   }

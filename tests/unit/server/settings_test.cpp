@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/build_options.hpp"
 #include "common/cli/service_name.hpp"
 #include "common/codec/height_codec.hpp"
 #include "tests/unit/command_line_probe.hpp"
@@ -118,7 +119,7 @@ TEST(ServerSettings, ANameForTheLan) {
   const auto named = [](const std::string& name) {
     return Probe({"--source", "synthetic:still", "--announce", name});
   };
-  if (!hasDiscovery()) {
+  if (!kHasDiscovery) {
     named("Ball").expectErrorWith({"--announce", "this build announces and finds no servers"});
     return;
   }

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// The optional parts of this build. CMake defines each macro as 1 where it found the package, else
+// as 0 (hapticast_optional in CMakeLists.txt). A source that needs a package stands within #if.
+#pragma once
+
+namespace hapticast {
+
+inline constexpr bool kHasFalcon = HAPTICAST_LIBUSB != 0;
+inline constexpr bool kHasGamepad = HAPTICAST_SDL2 != 0;
+inline constexpr bool kHasSound = HAPTICAST_SDL2 != 0;
+inline constexpr bool kHasWindow = HAPTICAST_IMGUI != 0;
+inline constexpr bool kHasDiscovery = HAPTICAST_AVAHI != 0;
+
+}  // namespace hapticast
