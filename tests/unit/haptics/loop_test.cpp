@@ -29,7 +29,7 @@ struct Looped {
     };
     device.answer = [this](const Vec3& force_N) { return stage.device.exchange(force_N); };
   }
-  void run() { runLoop(device, *stage.room, stage.clock, stop, *stats); }
+  void run() { runLoop(device, *stage.renderer, stage.clock, stop, *stats); }
 
   Stage stage;
   ScriptedDevice device;
