@@ -54,7 +54,7 @@ std::string deviceHelp() {
 }
 
 /// For --version: the kinds of views, devices and transports of this build.
-std::string builtIn() {
+std::string listOptionalParts() {
   std::string text = hasViewer() ? "views: screenshot film" : "views: none";
   if (hasSound()) text += " sound";
   text += hasWindow() ? " window; devices:" : "; devices:";
@@ -72,8 +72,8 @@ void addServer(CLI::App& app, Settings& settings) {
       settings.announced = serviceName("server", text.substr(kAnnounced.size()));
       return;
     }
-    settings.server = endpointOf(text, otherwise, "server", 1,
-                                 "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
+    settings.server = parseEndpointOr(text, otherwise, "server", 1,
+                                      "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
   };
   app.add_option_function<std::string>(
          "server", set,
@@ -204,7 +204,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "Lets a haptic device touch what hapticast-server streams. Ctrl-C ends it with the force at "
       "zero.",
       "hapticast-client");
-  addVersion(*app, builtIn());
+  addVersion(*app, listOptionalParts());
   addServer(*app, settings);
   addDeviceOptions(*app, settings);
   addFalconOptions(*app, settings);

@@ -19,7 +19,7 @@ bool named(const char* variable) {
 bool hasDisplay() { return named("DISPLAY") || named("WAYLAND_DISPLAY"); }
 
 /// Where somebody may sit and look, and has not asked for a run by itself.
-bool wantedBy(const Settings& settings) {
+bool isWantedBy(const Settings& settings) {
   if (settings.view != ViewChoice::kAuto) return settings.view == ViewChoice::kOn;
   const bool by_itself =
       settings.hand_given || settings.seconds > 0.0 || !settings.screenshot_file.empty();
@@ -29,7 +29,7 @@ bool wantedBy(const Settings& settings) {
 }  // namespace
 
 std::unique_ptr<View> openWindow(const Settings& settings) {
-  if (!wantedBy(settings)) return nullptr;
+  if (!isWantedBy(settings)) return nullptr;
   // SDL would draw where nobody sees it.
   if (!hasDisplay() && !named("SDL_VIDEODRIVER"))
     throw std::runtime_error("--view on: no display (neither DISPLAY nor WAYLAND_DISPLAY is set)");

@@ -20,13 +20,13 @@ constexpr Duration kAfterNews = std::chrono::seconds(5);  // chosen: the time to
 }  // namespace
 
 ServerSelector::ServerSelector(const Settings& settings)
-    : server_(settings.server), announced_(settings.announced), asks_(!settings.server_given) {
+    : server_(settings.server), announced_(settings.announced), is_asking_(!settings.server_given) {
   if (!announced_.empty()) discovery_ = std::make_unique<Discovery>();
 }
 
 Dial ServerSelector::dial() {
-  if (!asks_ && announced_.empty()) return dialTcp;
-  const auto how = asks_ ? &ServerSelector::dialChosen : &ServerSelector::dialAnnounced;
+  if (!is_asking_ && announced_.empty()) return dialTcp;
+  const auto how = is_asking_ ? &ServerSelector::dialChosen : &ServerSelector::dialAnnounced;
   return [this, how](asio::io_context& io, const Endpoint& server, Duration deadline,
                      DialCancellation& stop) { return (this->*how)(io, server, deadline, stop); };
 }
@@ -69,31 +69,31 @@ std::string ServerSelector::name() const {
   return printable(chosen_->name, kMaxServiceName_bytes) + " at " + toString(chosen_->address);
 }
 
-std::optional<std::string> ServerSelector::turn(bool connected, LocalTime now) {
-  if (!asks_ || over_) return std::nullopt;
+std::optional<std::string> ServerSelector::update(bool connected, LocalTime now) {
+  if (!is_asking_ || over_) return std::nullopt;
   over_ = connected;
   if (over_) discovery_.reset();
   if (over_ || !none_here_) return std::nullopt;
   if (!discovery_) discovery_ = std::make_unique<Discovery>();
-  if (shown_ && terminal_.asked()) {
-    if (const auto typed = terminal_.take()) return take(*typed);
+  if (shown_ && terminal_.isInteractive()) {
+    if (const auto typed = terminal_.pop()) return onInput(*typed);
   }
   if (!next_look_) next_look_ = now + kLookAgain;
   if (now < *next_look_) return std::nullopt;
-  auto told = look();
+  auto told = readServers();
   next_look_ = now + (told ? kAfterNews : kLookAgain);
   return told;
 }
 
-std::optional<std::string> ServerSelector::look() {
+std::optional<std::string> ServerSelector::readServers() {
   const std::string absent = discovery_->absent();
   if (!absent.empty()) {
     if (std::exchange(logged_absent_, true)) return std::nullopt;
     return "no search for servers on the LAN: " + absent;
   }
   if (!list_.update(discovery_->servers()) || list_.empty()) return std::nullopt;
-  const bool asked = terminal_.asked();
-  if (asked && !std::exchange(shown_, true)) terminal_.forget();
+  const bool asked = terminal_.isInteractive();
+  if (asked && !std::exchange(shown_, true)) terminal_.discardPending();
   return "announced on the LAN, where any host can call itself a server:\n" + list_.toText() +
          (asked ? "\nto be touched: its number or name, and Enter; or this machine's, as soon as "
                   "there is one"
@@ -101,7 +101,7 @@ std::optional<std::string> ServerSelector::look() {
                   "takes one of these");
 }
 
-std::string ServerSelector::take(const std::string& typed) {
+std::string ServerSelector::onInput(const std::string& typed) {
   std::string why;
   auto server = list_.choose(typed, why);
   if (!server) return why;

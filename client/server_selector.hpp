@@ -27,19 +27,19 @@ class ServerSelector {
   [[nodiscard]] std::string name() const;
   /// In the event loop: shows those that were found and reads what the user types, until the first
   /// connection. A text to be told, or nothing. Thread: main.
-  std::optional<std::string> turn(bool connected, LocalTime now);
+  std::optional<std::string> update(bool connected, LocalTime now);
 
  private:
   asio::awaitable<Dialled> dialAnnounced(asio::io_context& io, const Endpoint& server,
                                          Duration deadline, DialCancellation& stop);
   asio::awaitable<Dialled> dialChosen(asio::io_context& io, const Endpoint& server,
                                       Duration deadline, DialCancellation& stop);
-  [[nodiscard]] std::optional<std::string> look();
-  [[nodiscard]] std::string take(const std::string& typed);
+  [[nodiscard]] std::optional<std::string> readServers();
+  [[nodiscard]] std::string onInput(const std::string& typed);
 
   const Endpoint server_;
   const std::string announced_;
-  const bool asks_;                       // nothing was asked for
+  const bool is_asking_;                  // nothing was asked for
   std::atomic<bool> none_here_{false};    // the server on this machine was tried
   std::unique_ptr<Discovery> discovery_;  // main; with announced_ also the network's
   mutable std::mutex mutex_;

@@ -16,11 +16,11 @@ auto identity(const FoundServer& server) {
   return std::tie(server.name, server.host, server.address.port);
 }
 
-std::string nameOf(const FoundServer& server) {
+std::string formatName(const FoundServer& server) {
   return printable(server.name, kMaxServiceName_bytes);
 }
 
-std::string versionOf(const FoundServer& server) {
+std::string formatVersion(const FoundServer& server) {
   if (server.version == kProtocolVersion) return "";
   if (server.version == 0) return "  (does not say its version)";
   return "  (protocol version " + std::to_string(server.version) + ", this client " +
@@ -30,11 +30,11 @@ std::string versionOf(const FoundServer& server) {
 std::string inOneLine(std::size_t number, const FoundServer& server) {
   constexpr std::size_t kMaxHost_bytes = 64;  // chosen; a name of DNS may have 255
   const std::string plays = printable(server.plays, kMaxServicePlays_bytes);
-  std::string line = "  " + std::to_string(number) + "  " + nameOf(server) + "  at ";
+  std::string line = "  " + std::to_string(number) + "  " + formatName(server) + "  at ";
   line.append(printable(server.host, kMaxHost_bytes)).append("  ");
   line.append(toString(server.address)).append("  ").append(server.interface_name);
   if (!plays.empty()) line.append("  plays ").append(plays);
-  return line.append(versionOf(server));
+  return line.append(formatVersion(server));
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ std::optional<FoundServer> ServerList::choose(std::string_view typed, std::strin
   const auto number = parseNumberInRange<std::uint64_t>(typed, 1, UINT64_MAX);
   const Line* chosen = nullptr;
   for (std::size_t i = 0; i < lines_.size(); ++i) {
-    const bool meant = number ? *number == i + 1 : nameOf(lines_[i].server) == typed;
+    const bool meant = number ? *number == i + 1 : formatName(lines_[i].server) == typed;
     if (!meant || !lines_[i].there) continue;
     if (chosen != nullptr) {
       why = "more than one has this name: type a number";

@@ -9,17 +9,17 @@
 
 namespace hapticast::client {
 
-bool TerminalLines::asked() const {
+bool TerminalLines::isInteractive() const {
   return !ended_ && ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1 &&
          ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
 }
 
-void TerminalLines::forget() {
+void TerminalLines::discardPending() {
   typed_.clear();
   ::tcflush(STDIN_FILENO, TCIFLUSH);
 }
 
-std::optional<std::string> TerminalLines::take() {
+std::optional<std::string> TerminalLines::pop() {
   constexpr std::size_t kMost_bytes = 4096;  // a terminal's own limit of a line
   pollfd terminal{STDIN_FILENO, POLLIN, 0};
   if (::poll(&terminal, 1, 0) == 1) {

@@ -23,15 +23,15 @@ std::optional<std::string> ConnectionLog::connected(const std::string& greeting,
   reason_.clear();
   logged_ = false;
   logged_share_.reset();
-  return limit_.let(greeting, now);
+  return limit_.allow(greeting, now);
 }
 
 std::optional<std::string> ConnectionLog::preparing(double share, LocalTime now) {
   if (share >= 1.0 || (logged_share_ && share < *logged_share_ + 0.25)) return std::nullopt;
   logged_share_ = share;
-  return limit_.let("the server looks through its clip first: " +
-                        std::to_string(std::lround(100.0 * share)) + " % done",
-                    now);
+  return limit_.allow("the server looks through its clip first: " +
+                          std::to_string(std::lround(100.0 * share)) + " % done",
+                      now);
 }
 
 std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime now) {
@@ -39,12 +39,12 @@ std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime
   reason_ = why;
   logged_ = true;
   last_logged_ = now;
-  return limit_.let(ever_connected_ ? server_ + ": " + why + "; trying again"
-                                    : "waiting for a server at " + server_ + " (" + why + ")",
-                    now);
+  return limit_.allow(ever_connected_ ? server_ + ": " + why + "; trying again"
+                                      : "waiting for a server at " + server_ + " (" + why + ")",
+                      now);
 }
 
-std::optional<std::string> StreamErrorLog::take(const ReceiverCounts& counts, LocalTime now) {
+std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts, LocalTime now) {
   if (last_logged_ && now - *last_logged_ < LogRateLimiter::kWhile) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {

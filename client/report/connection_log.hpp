@@ -21,15 +21,15 @@ class ConnectionLog {
   explicit ConnectionLog(std::string server) : server_(std::move(server)) {}
 
   /// From now on it is another server.
-  void nowIs(std::string server) { server_ = std::move(server); }
+  void setServer(std::string server) { server_ = std::move(server); }
 
   /// A connection is made; `greeting` is the line for it.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
   /// The server looks through its clip and has done this share of it: told when a quarter more is.
   std::optional<std::string> preparing(double share, LocalTime now);
   /// Something of the connection that goes on.
-  std::optional<std::string> news(const std::string& line, LocalTime now) {
-    return limit_.let(line, now);
+  std::optional<std::string> nextMessage(const std::string& line, LocalTime now) {
+    return limit_.allow(line, now);
   }
   /// There is no connection, because of `why`; it will be tried again.
   std::optional<std::string> lost(const std::string& why, LocalTime now);
@@ -52,7 +52,7 @@ class ConnectionLog {
 class StreamErrorLog {
  public:
   /// `counts`: of the run so far.
-  std::optional<std::string> take(const ReceiverCounts& counts, LocalTime now);
+  std::optional<std::string> onCounts(const ReceiverCounts& counts, LocalTime now);
 
  private:
   ReceiverCounts logged_;

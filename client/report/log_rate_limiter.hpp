@@ -16,7 +16,7 @@ class LogRateLimiter {
   static constexpr int kLines = 12;
 
   /// The line, the last one of this while with a word about it; nothing when there were enough.
-  std::optional<std::string> let(std::string line, LocalTime now) {
+  std::optional<std::string> allow(std::string line, LocalTime now) {
     if (lines_ == 0 || now - while_began_ >= kWhile) {
       while_began_ = now;
       lines_ = 0;

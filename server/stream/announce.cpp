@@ -23,7 +23,7 @@ namespace {
 
 /// The network that a server on this address can be reached from; all of them where it listens on
 /// all, or the address is none of this machine's any more.
-AvahiIfIndex networkOf(const asio::ip::address& address) {
+AvahiIfIndex findNetwork(const asio::ip::address& address) {
   const auto all = networkInterfaces();
   const auto found = std::find_if(all.begin(), all.end(),
                                   [&](const auto& each) { return each.address == address; });
@@ -31,12 +31,12 @@ AvahiIfIndex networkOf(const asio::ip::address& address) {
 }
 
 /// What listens on all addresses of IPv6 takes IPv4 as well.
-AvahiProtocol protocolOf(const asio::ip::address& address) {
+AvahiProtocol toAvahiProtocol(const asio::ip::address& address) {
   if (address.is_v4()) return AVAHI_PROTO_INET;
   return address.is_unspecified() ? AVAHI_PROTO_UNSPEC : AVAHI_PROTO_INET6;
 }
 
-std::string textOf(const char* key, const std::string& value) {
+std::string toText(const char* key, const std::string& value) {
   return std::string(key) + "=" + value;
 }
 
@@ -54,8 +54,8 @@ struct Announcer::Service {
       : wanted(std::move(the_name)),
         name(wanted),
         listens(where),
-        version(textOf(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        plays(textOf(kTxtTitleKey, printable(what, kMaxServicePlays_bytes))) {}
+        version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
+        plays(toText(kTxtTitleKey, printable(what, kMaxServicePlays_bytes))) {}
 
   void make(AvahiClient* client) {
     const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {
@@ -74,7 +74,7 @@ struct Announcer::Service {
     int error = 0;
     do {  // what another program of this machine has taken is told at once
       error = avahi_entry_group_add_service(
-          group, networkOf(listens.address()), protocolOf(listens.address()),
+          group, findNetwork(listens.address()), toAvahiProtocol(listens.address()),
           static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
           listens.port(), version.c_str(), plays.c_str(), nullptr);
       if (error == AVAHI_ERR_COLLISION) rename();
@@ -91,7 +91,7 @@ struct Announcer::Service {
 
   void changed(AvahiEntryGroupState state) {
     if (state == AVAHI_ENTRY_GROUP_ESTABLISHED) {
-      if (!news.allow(SteadyClock().now())) return;
+      if (!messages.allow(SteadyClock().now())) return;
       spdlog::info("announced on the LAN as {}{}", name,
                    name == wanted ? "" : " (another one has the name " + wanted + ")");
     } else if (state == AVAHI_ENTRY_GROUP_COLLISION && group != nullptr) {
@@ -117,7 +117,7 @@ struct Announcer::Service {
   const asio::ip::tcp::endpoint listens;
   const std::string version;
   const std::string plays;
-  ServerLogLimiter news;  // of a stranger who takes each name again and again
+  ServerLogLimiter messages;  // of a stranger who takes each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
       {.runs = [this](AvahiClient* client) { make(client); },

@@ -16,7 +16,7 @@ class ServerLogLimiter {
   static constexpr Duration kRefill = std::chrono::seconds(15);
 
   /// Whether there is a line left to write.
-  [[nodiscard]] bool earned(LocalTime now) {
+  [[nodiscard]] bool refill(LocalTime now) {
     const std::int64_t lines = (now - since_) / kRefill;
     since_ += lines * kRefill;
     left_ = std::min(kLines, left_ + lines);
@@ -24,7 +24,7 @@ class ServerLogLimiter {
   }
   /// Whether a line may be written now, which takes one; otherwise it counts as kept back.
   [[nodiscard]] bool allow(LocalTime now) {
-    if (!earned(now)) {
+    if (!refill(now)) {
       ++suppressed_;
       return false;
     }
@@ -33,7 +33,7 @@ class ServerLogLimiter {
   }
   [[nodiscard]] std::uint64_t suppressed() const { return suppressed_; }
   /// Lines kept back since the last call.
-  [[nodiscard]] std::uint64_t takeSuppressed() {
+  [[nodiscard]] std::uint64_t popSuppressed() {
     const std::uint64_t count = suppressed_;
     suppressed_ = 0;
     return count;
