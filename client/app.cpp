@@ -98,16 +98,16 @@ class App::Impl {
   // On the network's thread:
   void show(const VideoFrame& picture);
   void prepared(const PreparedFrame& frame);
-  void tellStatus(bool connected);
+  void logStatus(bool connected);
   // On the calling thread:
   void runEvents();
   void logServers();
-  bool turnViews();
+  bool updateViews();
   void record();
-  void takeReports();
-  void takeFaults();
-  void takeButtons();
-  void tellContact();
+  void readReports();
+  void writeFaults();
+  void handleButtons();
+  void logContact();
   [[nodiscard]] RunResult result(const LoopThread& loop) const;
   void finish(const LoopThread& loop);
 
@@ -140,7 +140,7 @@ class App::Impl {
   bool logged_contact_ = false;
   RearmPolicy rearm_;
   DeviceButtons buttons_;
-  HapticStatusLog touch_teller_;
+  HapticStatusLog status_log_;
   bool time_is_over_ = false;
   std::atomic<bool> is_waiting_{false};  // for the first connection, after a failed one
   StreamErrorLog stream_errors_;         // network thread
@@ -152,7 +152,8 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
       clock_(clock),
       views_(std::move(views)),
       device_(selectDevice(settings_, clock, published_, points(views_) ? &pointer_ : nullptr)),
-      renderer_settings_(rendererSettings(settings_, device_.device->profile(), device_.found)),
+      renderer_settings_(
+          rendererSettings(settings_, device_.device->profile(), device_.auto_detected)),
       renderer_(std::make_unique<HapticRenderer>(renderer_settings_, pool_, stream_, user_controls_,
                                                  published_, &log_ring_)),
       decode_thread_(pool_, clock, settings_.method,
@@ -175,7 +176,7 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
 ConnectionEvents App::Impl::connectionEvents() {
   return {.welcomed =
               [this](const auto& stream) {
-                tellStatus(true);
+                logStatus(true);
                 is_waiting_ = false;
                 const std::string line = greeting(stream, settings_.method);
                 if (const auto told = connection_log_.connected(line, clock_.now()))
@@ -189,12 +190,12 @@ ConnectionEvents App::Impl::connectionEvents() {
               },
           .delivery =
               [this](const std::string& line) {
-                if (const auto told = connection_log_.news(line, clock_.now()))
+                if (const auto told = connection_log_.onMessage(line, clock_.now()))
                   spdlog::info("{}", *told);
               },
           .disconnected =
               [this](const std::string& why) {
-                tellStatus(false);
+                logStatus(false);
                 is_waiting_ = !connection_log_.everConnected();
                 if (const auto told = connection_log_.lost(why, clock_.now()))
                   spdlog::warn("{}", *told);
@@ -209,18 +210,18 @@ ConnectionEvents App::Impl::connectionEvents() {
 
 void App::Impl::show(const VideoFrame& picture) {
   const Workspace workspace = receiver_.stream().workspace;
-  for (const auto& view : views_) view->takePicture(picture, workspace);
+  for (const auto& view : views_) view->onPicture(picture, workspace);
 }
 
 void App::Impl::prepared(const PreparedFrame& frame) {
   receiver_.prepared(frame);
-  for (const auto& view : views_) view->takeFrame(frame.felt);
-  tellStatus(true);
-  if (const auto line = stream_errors_.take(receiver_.counts(), clock_.now()))
+  for (const auto& view : views_) view->onFrame(frame.playable);
+  logStatus(true);
+  if (const auto line = stream_errors_.onCounts(receiver_.counts(), clock_.now()))
     spdlog::warn("{}", *line);
 }
 
-void App::Impl::tellStatus(bool connected) {
+void App::Impl::logStatus(bool connected) {
   const ReceiverCounts& counts = receiver_.counts();
   connection_stats_.store({.connected = connected,
                            .frames_received = counts.received,
@@ -250,8 +251,8 @@ bool App::Impl::run() {
 
   runEvents();
   loop.stop();
-  device_.device->turn();
-  takeReports();
+  device_.device->poll();
+  readReports();
   decode_thread_.stop();
   asio::post(io_, [&signals] { signals.cancel(); });
   connection_.stop();
@@ -263,12 +264,12 @@ bool App::Impl::run() {
 void App::Impl::runEvents() {
   const LocalTime begin = clock_.now();
   while (!stop_ && !time_is_over_) {
-    takeReports();
-    takeFaults();
-    device_.device->turn();
-    while (const auto line = device_.device->news()) spdlog::info("{}", *line);
-    tellContact();
-    if (!turnViews()) stop();
+    readReports();
+    writeFaults();
+    device_.device->poll();
+    while (const auto line = device_.device->nextMessage()) spdlog::info("{}", *line);
+    logContact();
+    if (!updateViews()) stop();
     logServers();
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =
@@ -283,10 +284,10 @@ void App::Impl::logServers() {
 }
 
 /// Whether all of them go on.
-bool App::Impl::turnViews() {
+bool App::Impl::updateViews() {
   ui_state_.stream = connection_stats_.load();
   bool go_on = true;
-  for (const auto& view : views_) go_on = view->turn(ui_state_) && go_on;
+  for (const auto& view : views_) go_on = view->update(ui_state_) && go_on;
   if (ui_state_.record != recording_.has_value()) record();
   pointer_.store(ui_state_.pointer);
   user_controls_.store(ui_state_.user);
@@ -312,36 +313,36 @@ void App::Impl::record() {
   }
 }
 
-void App::Impl::takeReports() {
+void App::Impl::readReports() {
   while (log_ring_.tryPop(last_report_)) {
     if (!begin_) begin_ = last_report_.time;
     last_report_.time = LocalTime(last_report_.time - *begin_);
     log_.write(last_report_);
     if (recording_) recording_->write(last_report_);
-    for (const auto& view : views_) view->takeReport(last_report_);
-    if (const auto line = touch_teller_.take(last_report_, rearm_)) spdlog::warn("{}", *line);
-    takeButtons();
-    if (!rearm_.take(last_report_)) continue;
+    for (const auto& view : views_) view->onReport(last_report_);
+    if (const auto line = status_log_.onReport(last_report_, rearm_)) spdlog::warn("{}", *line);
+    handleButtons();
+    if (!rearm_.onReport(last_report_)) continue;
     ++ui_state_.user.rearm;
     user_controls_.store(ui_state_.user);
   }
 }
 
 /// What the user presses on the device itself.
-void App::Impl::takeButtons() {
-  const DeviceButtons::ButtonActions wish = buttons_.take(last_report_.buttons);
+void App::Impl::handleButtons() {
+  const DeviceButtons::ButtonActions wish = buttons_.onButtons(last_report_.buttons);
   if (wish.pause) ui_state_.user.paused = !ui_state_.user.paused;
   if (wish.rearm) ++ui_state_.user.rearm;
   if (wish.pause || wish.rearm) user_controls_.store(ui_state_.user);
   if (wish.other) spdlog::info("button {} of the device was pressed", *wish.other);
 }
 
-void App::Impl::takeFaults() {
+void App::Impl::writeFaults() {
   // A fault of the very first tick waits until its report has come.
-  if (begin_) fault_files_.take(renderer_->recorder(), *begin_);
+  if (begin_) fault_files_.write(renderer_->recorder(), *begin_);
 }
 
-void App::Impl::tellContact() {
+void App::Impl::logContact() {
   if (last_report_.contact == logged_contact_) return;
   logged_contact_ = last_report_.contact;
   asio::post(io_, [this, contact = logged_contact_] { connection_.setInContact(contact); });
@@ -366,7 +367,7 @@ RunResult App::Impl::result(const LoopThread& loop) const {
 }
 
 void App::Impl::finish(const LoopThread& loop) {
-  takeFaults();
+  writeFaults();
   if (time_is_over_ && !failed_ && !connection_log_.everConnected()) {
     spdlog::error("no server came to {} in {:g} s ({})", serverName(settings_), settings_.seconds,
                   connection_log_.reason().empty() ? "no answer" : connection_log_.reason());

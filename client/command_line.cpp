@@ -55,7 +55,7 @@ std::string deviceHelp() {
 }
 
 /// For --version: the kinds of views, devices and transports of this build.
-std::string builtIn() {
+std::string listOptionalParts() {
   std::string text = "views: screenshot film";
   if (kHasSound) text += " sound";
   text += kHasWindow ? " window; devices:" : "; devices:";
@@ -73,8 +73,8 @@ void addServer(CLI::App& app, Settings& settings) {
       settings.announced = serviceName("server", text.substr(kAnnounced.size()));
       return;
     }
-    settings.server = endpointOf(text, otherwise, "server", 1,
-                                 "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
+    settings.server = parseEndpointOr(text, otherwise, "server", 1,
+                                      "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
   };
   app.add_option_function<std::string>(
          "server", set,
@@ -203,7 +203,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "Lets a haptic device touch what hapticast-server streams. Ctrl-C ends it with the force at "
       "zero.",
       "hapticast-client");
-  addVersion(*app, builtIn());
+  addVersion(*app, listOptionalParts());
   addServer(*app, settings);
   addDeviceOptions(*app, settings);
   addFalconOptions(*app, settings);

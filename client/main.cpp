@@ -33,7 +33,7 @@ int calibrateFalcon(const hapticast::client::Settings& settings) {
                                             .clock = clock,
                                             .seen = seen,
                                             .falcon = settings.falcon,
-                                            .tell = tell});
+                                            .log = tell});
   const auto stop = [](int /*signal*/) { stop_calibration = true; };
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
@@ -49,7 +49,7 @@ int calibrateFalcon(const hapticast::client::Settings& settings) {
   return kDone;
 }
 
-int touch(const hapticast::client::Settings& settings) {
+int touchPages(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   if (settings.quiet) spdlog::set_level(spdlog::level::warn);
   try {
     if (settings.calibration_g > 0.0) return calibrateFalcon(settings);
-    return touch(settings);
+    return touchPages(settings);
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::stripControls(error.what()));
     return kFailed;

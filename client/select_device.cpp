@@ -15,10 +15,11 @@ SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
                               .seen = seen,
                               .pointer = pointer,
                               .falcon = settings.falcon,
-                              .tell = [](const std::string& line) { spdlog::info("{}", line); }};
+                              .log = [](const std::string& line) { spdlog::info("{}", line); }};
   const bool scripted = settings.device == "auto" && settings.hand_given;
   if (settings.device == "auto" && !scripted) {
-    if (auto device = findDevice(request)) return {.device = std::move(device), .found = true};
+    if (auto device = findDevice(request))
+      return {.device = std::move(device), .auto_detected = true};
   }
   return {.device = openDevice(scripted ? "virtual" : settings.device, request)};
 }

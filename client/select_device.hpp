@@ -11,7 +11,7 @@ namespace hapticast::client {
 
 struct SelectedDevice {
   std::unique_ptr<HapticDevice> device;
-  bool found = false;  ///< a real one that nobody has asked for
+  bool auto_detected = false;  ///< a real one that nobody has asked for
 };
 
 /// Whoever asks for nothing gets a real device where one answers, whoever asks for a scripted hand

@@ -26,7 +26,7 @@ bool isBareV6(std::string_view text) {
 
 /// Takes the host off the front of `text`; what is left is empty or begins with ':'. False if it
 /// cannot be.
-bool takeHost(std::string_view& text, std::string& host) {
+bool parseHost(std::string_view& text, std::string& host) {
   std::size_t size = std::min(text.find(':'), text.size());
   const bool brackets = text.starts_with('[');
   if (brackets) {
@@ -48,7 +48,7 @@ std::optional<Endpoint> parseEndpoint(std::string_view text, const Endpoint& oth
   Endpoint endpoint = otherwise;
   const std::string with_colon = isPort(text) ? ":" + std::string(text) : std::string(text);
   text = with_colon;
-  if (text.empty() || !takeHost(text, endpoint.host)) return std::nullopt;
+  if (text.empty() || !parseHost(text, endpoint.host)) return std::nullopt;
   if (endpoint.host.find_first_of(" \t/[]") != std::string::npos) return std::nullopt;
   if (text.empty()) return endpoint;
   const auto port = parseNumberInRange<std::uint16_t>(text.substr(1), 0, UINT16_MAX);

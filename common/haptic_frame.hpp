@@ -113,7 +113,7 @@ struct FrameOf {
 /// What an object is known by from frame to frame: its id and layer.
 using ObjectKey = std::pair<std::uint32_t, std::uint32_t>;
 template <class Shape>
-ObjectKey keyOf(const ObjectOf<Shape>& object) {
+ObjectKey makeKey(const ObjectOf<Shape>& object) {
   return {object.id, object.layer};
 }
 

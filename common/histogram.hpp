@@ -16,7 +16,7 @@ class Histogram {
   /// Negative values count as 0. Thread: one owner; copy it to hand it over.
   void add(std::int64_t value_ns) noexcept {
     const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(value_ns, 0));
-    ++buckets_[bucketOf(value)];
+    ++buckets_[bucketIndex(value)];
     ++count_;
     max_ns_ = std::max(max_ns_, value);
   }
@@ -41,7 +41,7 @@ class Histogram {
   static constexpr unsigned kSubBits = 4;
   static constexpr std::size_t kSub = 1U << kSubBits;
 
-  static std::size_t bucketOf(std::uint64_t value) noexcept {
+  static std::size_t bucketIndex(std::uint64_t value) noexcept {
     if (value < kSub) return static_cast<std::size_t>(value);
     const auto octave = static_cast<unsigned>(std::bit_width(value)) - 1 - kSubBits;
     return (octave + 1) * kSub + static_cast<std::size_t>((value >> octave) & (kSub - 1));

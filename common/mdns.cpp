@@ -32,7 +32,7 @@ bool isShown(std::uint32_t code) {
 }  // namespace
 
 std::string printable(std::string_view text, std::size_t most_bytes) {
-  return cleaned(text, most_bytes, isShown);
+  return sanitizeUtf8(text, most_bytes, isShown);
 }
 
 bool isServiceName(std::string_view text) {

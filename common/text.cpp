@@ -37,7 +37,7 @@ struct Character {
 };
 constexpr std::uint32_t kNone = UINT32_MAX;
 
-Character frontOf(std::string_view text) {
+Character decodeFirst(std::string_view text) {
   const auto byte = [text](std::size_t i) -> std::uint32_t {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
   };
@@ -73,11 +73,11 @@ std::string quote(std::string_view text) {
          (text.size() > kMostQuoted_bytes ? "...'" : "'");
 }
 
-std::string cleaned(std::string_view text, std::size_t most_bytes,
-                    bool (*is_shown)(std::uint32_t code)) {
+std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes,
+                         bool (*is_shown)(std::uint32_t code)) {
   std::string out;
   while (!text.empty()) {
-    const Character next = frontOf(text);
+    const Character next = decodeFirst(text);
     const bool shown = next.code != kNone && is_shown(next.code);
     const std::string_view put = shown ? text.substr(0, next.bytes) : "?";
     if (out.size() + put.size() > most_bytes) break;

@@ -26,8 +26,8 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
 /// `text` with '?' for each byte that is no UTF-8 and each character that `is_shown` refuses by its
 /// code; cut to `most_bytes` between two characters.
-[[nodiscard]] std::string cleaned(std::string_view text, std::size_t most_bytes,
-                                  bool (*is_shown)(std::uint32_t code));
+[[nodiscard]] std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes,
+                                       bool (*is_shown)(std::uint32_t code));
 /// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 

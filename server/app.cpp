@@ -41,12 +41,12 @@ constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 // Whoever waits looks so often whether stop() was called; chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
 
-std::optional<MulticastGroup> groupOf(asio::io_context& io, const Settings& settings) {
+std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Settings& settings) {
   if (!settings.multicast) return std::nullopt;
   return MulticastGroup(io, *settings.multicast, static_cast<int>(settings.multicast_hops));
 }
 
-SourceInfo infoOf(const RgbdSource& source, const std::string& name) {
+SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
   if (!name.empty()) info.name = name;
   return info;
@@ -72,7 +72,7 @@ class App::Impl {
     DatagramSender sender;
   };
 
-  void look();
+  void browse();
   /// Lets viewers in, once: not before the source has shown that there is nothing to complain of.
   void open();
   void waitForViewer() const;
@@ -105,7 +105,7 @@ App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps)),
-      vision_(infoOf(*source_, settings_.name),
+      vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
@@ -116,12 +116,12 @@ App::Impl::Impl(Settings settings, const Clock& clock)
     return;
   }
   datagrams_.emplace(io_, clock, listener_, settings_);
-  broadcaster_.carryDatagrams(datagrams_->sender);
+  broadcaster_.enableUdp(datagrams_->sender);
 }
 
 App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
                                 const Settings& settings)
-    : group(groupOf(io, settings)),
+    : group(openMulticastGroup(io, settings)),
       sender(io, clock, listener.endpoint(), signer, group ? &*group : nullptr) {}
 
 void App::Impl::run() {
@@ -140,7 +140,7 @@ void App::Impl::run() {
     asio::post(io_, [&signals] { signals.cancel(); });
   };
   try {
-    look();
+    browse();
     const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
     if (settings_.explain) spdlog::info("heights travel within {:.3g} mm", slices.error_mm);
     EncoderThread encoder({&broadcaster_},  // a further sink is named here
@@ -154,7 +154,7 @@ void App::Impl::run() {
   end();
 }
 
-void App::Impl::look() {
+void App::Impl::browse() {
   const SourceInfo& info = source_->info();
   if (settings_.vision.fov_deg && info.camera) {
     spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
@@ -170,7 +170,7 @@ void App::Impl::look() {
   };
   if (scanClip(vision_, *source_, media_clock_, stop_, tell))
     broadcaster_.describe(vision_.description());
-  range_teller_.tell(vision_.mapped());
+  range_teller_.log(vision_.mapped());
 }
 
 void App::Impl::open() {
@@ -204,9 +204,9 @@ void App::Impl::play(EncoderThread& encoder) {
         info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result), encoder);
-    range_teller_.tell(vision_.mapped());
+    range_teller_.log(vision_.mapped());
     if (settings_.explain)
-      plan_teller_.tell(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
+      plan_teller_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
     logSkippedFrames(pacer);
   }
   for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);

@@ -23,13 +23,13 @@ class DeviceButtons {
       : pause_(profile.pause_button),
         rearm_(profile.rearm_button),
         enable_(profile.enable_button),
-        known_(pause_ || rearm_) {}
+        initialised_(pause_ || rearm_) {}
 
   /// What is pressed now and was not before. A device whose buttons mean nothing has no wishes.
-  [[nodiscard]] ButtonActions take(std::uint32_t buttons) {
+  [[nodiscard]] ButtonActions onButtons(std::uint32_t buttons) {
     const std::uint32_t pressed = buttons & ~std::exchange(last_, buttons);
     ButtonActions wish;
-    if (pressed == 0 || !known_) return wish;
+    if (pressed == 0 || !initialised_) return wish;
     const auto is = [pressed](const std::optional<int>& button) {
       return button && (pressed >> *button & 1U) != 0;
     };
@@ -43,7 +43,7 @@ class DeviceButtons {
   std::optional<int> pause_;
   std::optional<int> rearm_;
   std::optional<int> enable_;
-  bool known_;
+  bool initialised_;
   std::uint32_t last_ = 0;
 };
 

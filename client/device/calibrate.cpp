@@ -33,16 +33,16 @@ struct Hold {
   HapticDevice& device;
   const Clock& clock;
   const std::atomic<bool>& stop;
-  const std::function<void(const std::string& line)>& tell;
+  const std::function<void(const std::string& line)>& log;
   GripHolder holder{};
   Vec3 force_N = Vec3::Zero();
   LocalTime deadline{};
 
-  DeviceState turn() {
+  DeviceState poll() {
     device.waitForTick(deadline);
     deadline = clock.now() + kTickPeriod;
     DeviceState state = device.exchange(force_N);
-    while (const auto line = device.news()) tell(*line);
+    while (const auto line = device.nextMessage()) log(*line);
     return state;
   }
   /// The force at rest, when `good` likes it.
@@ -50,12 +50,12 @@ struct Hold {
     holder.begin();
     const LocalTime until = clock.now() + kCalibrationPatience;
     while (!stop && clock.now() < until) {
-      const DeviceState state = turn();
+      const DeviceState state = poll();
       if (state.status == DeviceStatus::kLost)
         throw std::runtime_error("--falcon-calibrate: the device was lost");
       if (state.status != DeviceStatus::kOk) continue;
       force_N = holder.hold(state.position_mm);
-      device.decided(force_N);
+      device.sendForceEarly(force_N);
       auto rest_N = holder.restForce_N();
       if (!rest_N) continue;
       if (good(*rest_N)) return rest_N;
@@ -66,14 +66,14 @@ struct Hold {
   }
   /// A weight that nobody takes falls then, perhaps out of what the device believes: no reason to
   /// forget what was measured.
-  void letGo() {
+  void release() {
     const Vec3 from_N = force_N;
     for (int i = kLetGo_ticks - 1; i >= 0; --i) {
-      (void)turn();
+      (void)poll();
       force_N = from_N * (static_cast<double>(i) / kLetGo_ticks);
-      device.decided(force_N);
+      device.sendForceEarly(force_N);
     }
-    (void)turn();
+    (void)poll();
   }
 };
 
@@ -115,7 +115,7 @@ std::optional<double> calibrate(HapticDevice& device, const Clock& clock, double
         [&](const Vec3& force_N) { return (force_N - *empty_N).norm() > kNoticed * weight_N; });
   }
   if (loaded_N) tell("calibration: 3. take the weight in your hand: the force goes now");
-  hold.letGo();
+  hold.release();
   if (!loaded_N) return std::nullopt;
   return gain * (*loaded_N - *empty_N).norm() / weight_N;
 }

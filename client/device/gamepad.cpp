@@ -65,12 +65,12 @@ Pad openPad() {
   return nullptr;
 }
 
-std::string nameOf(const Pad& pad) {
+std::string formatName(const Pad& pad) {
   const char* const name = SDL_GameControllerName(pad.get());
   return name == nullptr ? "gamepad" : name;
 }
 
-Vec2 stickOf(const Pad& pad, SDL_GameControllerAxis x, SDL_GameControllerAxis y) {
+Vec2 readStick(const Pad& pad, SDL_GameControllerAxis x, SDL_GameControllerAxis y) {
   return Vec2(SDL_GameControllerGetAxis(pad.get(), x), SDL_GameControllerGetAxis(pad.get(), y)) /
          double{SDL_JOYSTICK_AXIS_MAX};
 }
@@ -88,7 +88,7 @@ class Gamepad final : public HapticDevice {
   Gamepad(const PlantProfile& profile, const DeviceRequest& request)
       : hand_(profile, request.clock), clock_(request.clock), seen_(request.seen), pad_(openPad()) {
     if (!pad_) throw DeviceAbsent("--device gamepad: none was found; is it plugged in?");
-    tellMotors();
+    driveMotors();
     for (const auto& button : {profile.pause_button, profile.rearm_button, profile.enable_button}) {
       if (button) meant_buttons_ |= std::uint32_t{1} << *button;
     }
@@ -96,15 +96,15 @@ class Gamepad final : public HapticDevice {
 
   const DeviceProfile& profile() const noexcept override { return hand_.profile(); }
   std::string description() const override {
-    return "gamepad (" + nameOf(pad_) + "): its sticks lead a virtual device (" + profile().name +
-           ")";
+    return "gamepad (" + formatName(pad_) + "): its sticks lead a virtual device (" +
+           profile().name + ")";
   }
   void waitForTick(LocalTime deadline) noexcept override { hand_.waitForTick(deadline); }
 
   DeviceState exchange(const Vec3& force_N) noexcept override {
     const TickReport& seen = seen_.load();
     const LocalTime now = clock_.now();
-    felt_.store({.parts = meter_.next(seen), .time = now});
+    rumbled_.store({.parts = meter_.next(seen), .time = now});
     const Held& held = held_.load();
     const bool heard = now - held.time < kHeard;
     lead(heard ? held.velocity_mm_s : Vec3(Vec3::Zero()), seen.mapping);
@@ -114,27 +114,28 @@ class Gamepad final : public HapticDevice {
     return state;
   }
 
-  void turn() override {
+  void poll() override {
     SDL_GameControllerUpdate();
     if (pad_ && SDL_GameControllerGetAttached(pad_.get()) != SDL_TRUE) {
       pad_.reset();
-      news_.emplace_back("gamepad: unplugged; plug it in again");
+      message_.emplace_back("gamepad: unplugged; plug it in again");
     }
     if (!pad_) {
       pad_ = openPad();
       if (pad_) {
-        news_.push_back("gamepad: " + nameOf(pad_) + " is there again; A brings the force back");
-        tellMotors();
+        message_.push_back("gamepad: " + formatName(pad_) +
+                           " is there again; A brings the force back");
+        driveMotors();
       }
     }
     held_.store(held());
     rumble();
   }
 
-  std::optional<std::string> news() override {
-    if (news_.empty()) return std::nullopt;
-    std::string line = std::move(news_.front());
-    news_.pop_front();
+  std::optional<std::string> nextMessage() override {
+    if (message_.empty()) return std::nullopt;
+    std::string line = std::move(message_.front());
+    message_.pop_front();
     return line;
   }
 
@@ -152,17 +153,17 @@ class Gamepad final : public HapticDevice {
     LocalTime time{};
   };
 
-  void tellMotors() {
+  void driveMotors() {
     if (SDL_GameControllerHasRumble(pad_.get()) != SDL_TRUE)
-      news_.emplace_back("gamepad: this one cannot rumble: the force is not felt in it");
+      message_.emplace_back("gamepad: this one cannot rumble: the force is not felt in it");
   }
 
   [[nodiscard]] Held held() const {
     Held held{.there = pad_ != nullptr, .time = clock_.now()};
     if (!pad_) return held;
     held.velocity_mm_s =
-        stickVelocity_mm_s(stickOf(pad_, SDL_CONTROLLER_AXIS_LEFTX, SDL_CONTROLLER_AXIS_LEFTY),
-                           stickOf(pad_, SDL_CONTROLLER_AXIS_RIGHTX, SDL_CONTROLLER_AXIS_RIGHTY));
+        stickVelocity_mm_s(readStick(pad_, SDL_CONTROLLER_AXIS_LEFTX, SDL_CONTROLLER_AXIS_LEFTY),
+                           readStick(pad_, SDL_CONTROLLER_AXIS_RIGHTX, SDL_CONTROLLER_AXIS_RIGHTY));
     for (int i = 0; i < SDL_CONTROLLER_BUTTON_MAX; ++i) {
       const auto button = static_cast<SDL_GameControllerButton>(i);
       if (SDL_GameControllerGetButton(pad_.get(), button) != 0) held.buttons |= 1U << i;
@@ -173,7 +174,7 @@ class Gamepad final : public HapticDevice {
 
   void rumble() {
     if (!pad_) return;
-    const Felt& felt = felt_.load();
+    const Felt& felt = rumbled_.load();
     const bool heard = clock_.now() - felt.time < kHeard;
     const ForceComponents parts = heard ? felt.parts : ForceComponents{};
     SDL_GameControllerRumble(pad_.get(), motorLevel(parts.sustained_N),
@@ -190,7 +191,7 @@ class Gamepad final : public HapticDevice {
     if (ahead_mm.norm() > kMostAhead_mm) ahead_mm *= kMostAhead_mm / ahead_mm.norm();
     const Vec3 reach_mm = 0.5 * profile().workspace_mm;
     goal_mm_ = (hand_.tip_mm() + ahead_mm).cwiseMax(-reach_mm).cwiseMin(reach_mm);
-    hand_.follow(goal_mm_);
+    hand_.moveTowards(goal_mm_);
   }
 
   // Loop:
@@ -201,11 +202,11 @@ class Gamepad final : public HapticDevice {
   bool led_ = false;
   Vec3 goal_mm_ = Vec3::Zero();  // device frame
   // Between both:
-  LatestValue<Held> held_;  // the main thread writes it
-  LatestValue<Felt> felt_;  // the loop writes it
+  LatestValue<Held> held_;     // the main thread writes it
+  LatestValue<Felt> rumbled_;  // the loop writes it
   // Main:
   std::uint32_t meant_buttons_ = 0;
-  std::deque<std::string> news_;
+  std::deque<std::string> message_;
   PadSystem system_;
   Pad pad_;
 };

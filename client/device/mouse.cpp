@@ -27,7 +27,8 @@ class Mouse final : public HapticDevice {
     const PointerTarget& pointer = pointer_.load();
     const DeviceMapping& mapping = seen_.load().mapping;
     if (pointer.known && pointer.position_mm.allFinite())
-      hand_.follow(mapping.toDevice(pointer.position_mm.cwiseMax(-kMost_mm).cwiseMin(kMost_mm)));
+      hand_.moveTowards(
+          mapping.toDevice(pointer.position_mm.cwiseMax(-kMost_mm).cwiseMin(kMost_mm)));
     return hand_.exchange(force_N);
   }
 

@@ -56,7 +56,7 @@ std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
     try {
       if (!kind.list().empty()) return kind.open(request);
     } catch (const DeviceAbsent& error) {
-      request.tell(std::string("going on without it: ") + error.what());
+      request.log(std::string("going on without it: ") + error.what());
     } catch (const std::runtime_error&) {
       // Where nothing can be asked, nothing is plugged in; --list-devices says why.
     }

@@ -29,7 +29,7 @@ struct DeviceRequest {
   LatestValue<PointerTarget>* pointer = nullptr;
   FalconSettings falcon = {};
   /// Called while it is opened, with what takes a while.
-  std::function<void(const std::string& line)> tell = [](const std::string& /*line*/) {};
+  std::function<void(const std::string& line)> log = [](const std::string& /*line*/) {};
 };
 
 /// A device that is asked for is not there, or cannot be had; the input may be right.

@@ -16,8 +16,8 @@ constexpr double kMostBehind_mm = 20.0;
 
 }  // namespace
 
-void PointedHand::follow(const Vec3& wanted_mm) noexcept {
-  if (!std::exchange(follows_, true)) goal_mm_ = tip_mm();
+void PointedHand::moveTowards(const Vec3& wanted_mm) noexcept {
+  if (!std::exchange(moves_, true)) goal_mm_ = tip_mm();
   Vec3 way_mm = wanted_mm - goal_mm_;
   if (way_mm.norm() > kMostBehind_mm) way_mm *= kMostBehind_mm / way_mm.norm();
   // Critically damped: it arrives without going beyond.

@@ -20,11 +20,11 @@ class PointedHand {
 
   /// One tick on the way to this place (device frame, finite). Before the first call the hand
   /// rests.
-  void follow(const Vec3& wanted_mm) noexcept;
+  void moveTowards(const Vec3& wanted_mm) noexcept;
 
  private:
   VirtualDevice device_;
-  bool follows_ = false;
+  bool moves_ = false;
   Vec3 goal_mm_ = Vec3::Zero();
   Vec3 velocity_mm_s_ = Vec3::Zero();
 };

@@ -25,7 +25,7 @@ namespace {
 constexpr std::size_t kMostEntries = 128;
 
 /// What a TXT record has under this key; empty without it.
-std::string valueOf(AvahiStringList* record, const std::string& key) {
+std::string readValue(AvahiStringList* record, const std::string& key) {
   const AvahiStringList* const item = avahi_string_list_find(record, key.c_str());
   if (item == nullptr) return "";
   const auto* const bytes = reinterpret_cast<const char*>(item->text);
@@ -33,13 +33,14 @@ std::string valueOf(AvahiStringList* record, const std::string& key) {
   return text.size() > key.size() ? text.substr(key.size() + 1) : "";
 }
 
-std::string nameOf(AvahiIfIndex network) {
+std::string formatName(AvahiIfIndex network) {
   std::array<char, IF_NAMESIZE> name{};
   const bool known = ::if_indextoname(static_cast<unsigned>(network), name.data()) != nullptr;
   return known ? name.data() : std::to_string(network);
 }
 
-Endpoint endpointOf(const AvahiAddress& address, std::uint16_t port, const std::string& network) {
+Endpoint resolveEndpoint(const AvahiAddress& address, std::uint16_t port,
+                         const std::string& network) {
   std::array<char, AVAHI_ADDRESS_STR_MAX> text{};
   avahi_address_snprint(text.data(), text.size(), &address);
   std::string host = text.data();
@@ -55,7 +56,7 @@ struct Discovery::Browser {
   /// A service on one network by one version of IP.
   using Key = std::tuple<AvahiIfIndex, AvahiProtocol, std::string, std::string>;
 
-  void look(AvahiClient* client) {
+  void start(AvahiClient* client) {
     const auto came = [](AvahiServiceBrowser*, AvahiIfIndex network, AvahiProtocol protocol,
                          AvahiBrowserEvent event, const char* name, const char*, const char* domain,
                          AvahiLookupResultFlags, void* self) {
@@ -70,7 +71,7 @@ struct Discovery::Browser {
     avahi = client;
     services = avahi_service_browser_new(client, AVAHI_IF_UNSPEC, AVAHI_PROTO_UNSPEC, kServiceType,
                                          nullptr, static_cast<AvahiLookupFlags>(0), came, this);
-    if (services == nullptr) gone(avahi_strerror(avahi_client_errno(client)));
+    if (services == nullptr) onRemoved(avahi_strerror(avahi_client_errno(client)));
   }
 
   void add(const Key& key) {
@@ -83,17 +84,18 @@ struct Discovery::Browser {
                              void* self) {
       std::optional<FoundServer> server;
       if (event == AVAHI_RESOLVER_FOUND && address != nullptr && port != 0) {
-        const std::string where = nameOf(on);
-        server = {service,
-                  host,
-                  endpointOf(*address, port, where),
-                  where,
-                  valueOf(record, kTxtTitleKey),
-                  static_cast<std::uint32_t>(parseNumberInRange<std::uint16_t>(
-                                                 valueOf(record, kServiceVersionKey), 0, UINT16_MAX)
-                                                 .value_or(0))};
+        const std::string where = formatName(on);
+        server = {
+            service,
+            host,
+            resolveEndpoint(*address, port, where),
+            where,
+            readValue(record, kTxtTitleKey),
+            static_cast<std::uint32_t>(parseNumberInRange<std::uint16_t>(
+                                           readValue(record, kServiceVersionKey), 0, UINT16_MAX)
+                                           .value_or(0))};
       }
-      static_cast<Browser*>(self)->know(resolver, std::move(server));
+      static_cast<Browser*>(self)->onFound(resolver, std::move(server));
     };
     AvahiServiceResolver* const resolver = avahi_service_resolver_new(
         avahi, network, protocol, name.c_str(), kServiceType, domain.c_str(), protocol,
@@ -101,7 +103,7 @@ struct Discovery::Browser {
     if (resolver != nullptr) resolvers.emplace(key, resolver);
   }
 
-  void know(AvahiServiceResolver* resolver, std::optional<FoundServer> server) {
+  void onFound(AvahiServiceResolver* resolver, std::optional<FoundServer> server) {
     const std::lock_guard lock(mutex);
     if (server) {
       found[resolver] = std::move(*server);
@@ -113,7 +115,7 @@ struct Discovery::Browser {
   void remove(const Key& key) {
     const auto entry = resolvers.find(key);
     if (entry == resolvers.end()) return;
-    know(entry->second, std::nullopt);
+    onFound(entry->second, std::nullopt);
     avahi_service_resolver_free(entry->second);
     resolvers.erase(entry);
   }
@@ -124,7 +126,7 @@ struct Discovery::Browser {
     services = nullptr;
   }
 
-  void gone(const std::string& why) {
+  void onRemoved(const std::string& why) {
     const std::lock_guard lock(mutex);
     absent = why;
   }
@@ -135,9 +137,9 @@ struct Discovery::Browser {
   mutable std::mutex mutex;
   std::map<AvahiServiceResolver*, FoundServer> found;  // mutex
   std::string absent;                                  // mutex
-  AvahiSession session{{.runs = [this](AvahiClient* client) { look(client); },
+  AvahiSession session{{.runs = [this](AvahiClient* client) { start(client); },
                         .over = [this] { forget(); },
-                        .absent = [this](const std::string& why) { gone(why); }}};
+                        .absent = [this](const std::string& why) { onRemoved(why); }}};
 };
 
 Discovery::Discovery() : browser_(std::make_unique<Browser>()) {}

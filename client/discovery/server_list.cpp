@@ -16,7 +16,7 @@ auto identity(const FoundServer& server) {
   return std::tie(server.name, server.host, server.address.port);
 }
 
-std::string versionOf(const FoundServer& server) {
+std::string formatVersion(const FoundServer& server) {
   if (server.version == kProtocolVersion) return "";
   if (server.version == 0) return "  (protocol version not announced)";
   return "  (protocol version " + std::to_string(server.version) + ", this client " +
@@ -30,7 +30,7 @@ std::string inOneLine(const FoundServer& server) {
   line.append(printable(server.host, kMaxHost_bytes)).append("  ");
   line.append(toString(server.address)).append("  ").append(server.interface_name);
   if (!plays.empty()) line.append("  plays ").append(plays);
-  return line.append(versionOf(server));
+  return line.append(formatVersion(server));
 }
 
 }  // namespace

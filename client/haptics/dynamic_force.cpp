@@ -70,8 +70,8 @@ struct AtContact {
   Vec3 told;
   Vec3 believed;
 };
-AtContact accelerationAt(const InterpolatedObject& object, const Vec3& contact_mm,
-                         const Workspace& workspace) noexcept {
+AtContact computeAcceleration(const InterpolatedObject& object, const Vec3& contact_mm,
+                              const Workspace& workspace) noexcept {
   Vec3 grid = Vec3::Zero();
   const auto addGrid = [&](const PlayObject& frame, double weight) noexcept {
     if (frame.grid == nullptr) return;
@@ -177,7 +177,7 @@ Vec3 DynamicForce::pulse_N(const InterpolatedObject& object, MediaTime play_time
         shortened(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
     const double cut_N =
         height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
-    doubted_pulse_ = !(cut_N <= kFelt_N);
+    implausible_pulse_ = !(cut_N <= kFelt_N);
     pulse_object_ = before.id;
   }
   const double length = pulse_.delta_velocity_mm_s.norm();
@@ -192,11 +192,11 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
                             const StreamTiming& stream, double scale,
                             const Vec3* contact_mm) noexcept {
   inertia_N_.setZero();
-  doubted_ = false;
+  implausible_ = false;
   if (object == nullptr || !(penetration_mm > 0.0)) return Vec3::Zero();
   const double to_metres = metresPerMillimetre(scale);
   const double mass_kg = objectMass_kg(stream, scale);
-  const AtContact acceleration = accelerationAt(
+  const AtContact acceleration = computeAcceleration(
       *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
     return shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
@@ -207,8 +207,9 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
   const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
   const Vec3 force_N = object_N + inertia_N + pulsed_N;
-  doubted_ = (logged_N - object_N).norm() > kFelt_N ||
-             (doubted_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
+  implausible_ =
+      (logged_N - object_N).norm() > kFelt_N ||
+      (implausible_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();
   const double share = std::min(1.0, penetration_mm / kFullWeight_mm) *

@@ -30,7 +30,7 @@ class DynamicForce {
                 const Vec3* contact_mm = nullptr) noexcept;
 
   /// The last evaluate() cut what the stream's own frames do not bear out, by more than is felt.
-  [[nodiscard]] bool doubted() const noexcept { return doubted_; }
+  [[nodiscard]] bool implausible() const noexcept { return implausible_; }
 
   /// The share of -m_cursor a_cursor in the force of the last evaluate(): the viewer's own, not the
   /// stream's.
@@ -51,8 +51,8 @@ class DynamicForce {
   bool has_pulse_ = false;
   Impact pulse_;
   std::uint32_t pulse_object_ = 0;
-  bool doubted_pulse_ = false;
-  bool doubted_ = false;
+  bool implausible_pulse_ = false;
+  bool implausible_ = false;
   Vec3 inertia_N_ = Vec3::Zero();
 };
 

@@ -30,8 +30,8 @@ class TransientDetector {
     slow_N_ += (kTick_s / kSudden_s) * (report.force_N - slow_N_);
     const double sudden_N = (report.force_N - slow_N_).norm();
     const double transient_N = std::max(sudden_N, share * report.dynamic_force_N.norm());
-    blow_N_ = std::max(transient_N, (1.0 - kTick_s / kSudden_s) * blow_N_);
-    return {.sustained_N = share * report.static_force_N.norm(), .transient_N = blow_N_};
+    transient_N_ = std::max(transient_N, (1.0 - kTick_s / kSudden_s) * transient_N_);
+    return {.sustained_N = share * report.static_force_N.norm(), .transient_N = transient_N_};
   }
 
  private:
@@ -41,7 +41,7 @@ class TransientDetector {
   // 10 ms has seen them.
   static constexpr double kSudden_s = 0.05;
   Vec3 slow_N_ = Vec3::Zero();
-  double blow_N_ = 0.0;
+  double transient_N_ = 0.0;
 };
 
 }  // namespace hapticast::client

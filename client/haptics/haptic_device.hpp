@@ -76,12 +76,12 @@ class HapticDevice {
   virtual DeviceState exchange(const Vec3& force_N) noexcept = 0;
   /// The force of this tick as soon as it is known, for a device that sends it before the next
   /// exchange(), which hands it over again. Non-blocking. Thread: loop.
-  virtual void decided(const Vec3& /*force_N*/) noexcept {}
+  virtual void sendForceEarly(const Vec3& /*force_N*/) noexcept {}
   /// A share of each turn of the main thread, about every 10 ms, and one after the last tick: for
   /// what a library wants done there. It must not wait. Thread: main.
-  virtual void turn() {}
+  virtual void poll() {}
   /// The next line for the user: what to do, what has happened. Thread: main.
-  [[nodiscard]] virtual std::optional<std::string> news() { return std::nullopt; }
+  [[nodiscard]] virtual std::optional<std::string> nextMessage() { return std::nullopt; }
   /// None: nothing travels. Thread: any.
   [[nodiscard]] virtual std::optional<DeviceTraffic> traffic() const noexcept {
     return std::nullopt;

@@ -49,11 +49,11 @@ void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
       --ticks_to_stop;
     }
     const TickReport& report = renderer.tick(begin, state);
-    device.decided(report.force_N);
+    device.sendForceEarly(report.force_N);
     const LocalTime end = clock.now();
     stats.exchange_ns.add((exchanged - begin).count());
     stats.tick_ns.add((end - exchanged).count());
-    renderer.took(end - exchanged);
+    renderer.setLastTickDuration(end - exchanged);
     stats.add(report, (report.force_N - force_N).norm());
     force_N = report.force_N;
     deadline = std::min(deadline, begin) + kTickPeriod;

@@ -3,20 +3,20 @@
 
 namespace hapticast::client {
 
-bool RearmPolicy::take(const TickReport& report) {
+bool RearmPolicy::onReport(const TickReport& report) {
   if (report.halt != halt_) {
     halt_ = report.halt;
     halted_ = report.time;
   }
   const bool waits = deviceIsBack(report) || report.halt == Halt::kUnconfirmed ||
                      (halt_ == Halt::kTrustLost && report.device == DeviceStatus::kOk);
-  if (!waits) asked_ = false;  // a device that is lost again has not heard of it
-  if (!by_itself_ || !waits || asked_) return false;
+  if (!waits) requested_ = false;  // a device that is lost again has not heard of it
+  if (!by_itself_ || !waits || requested_) return false;
   if (halt_ == Halt::kTrustLost) {
-    if (forgiven_ == kMaxCount || report.time - halted_ < kLater) return false;
+    if (forgiven_ == kMaxCount || report.time - halted_ < kDelay) return false;
     ++forgiven_;
   }
-  asked_ = true;
+  requested_ = true;
   return true;
 }
 

@@ -9,7 +9,7 @@ namespace hapticast::client {
 class RearmPolicy {
  public:
   /// Chosen: so long after trust was lost it is forgiven, ...
-  static constexpr Duration kLater = std::chrono::seconds(5);
+  static constexpr Duration kDelay = std::chrono::seconds(5);
   /// ... and so often only.
   static constexpr int kMaxCount = 3;
 
@@ -18,11 +18,11 @@ class RearmPolicy {
       : by_itself_(by_itself), by_key_(by_key) {}
 
   /// Sees every report; whether the force is to be re-armed now.
-  [[nodiscard]] bool take(const TickReport& report);
+  [[nodiscard]] bool onReport(const TickReport& report);
   /// Whether a lost device's force returns, as often as the device does.
-  [[nodiscard]] bool byItself() const { return by_itself_; }
+  [[nodiscard]] bool automatic() const { return by_itself_; }
   /// Whether a key of the window brings the force back.
-  [[nodiscard]] bool byKey() const { return by_key_; }
+  [[nodiscard]] bool manual() const { return by_key_; }
   /// How often lost trust will still be forgiven.
   [[nodiscard]] int left() const { return by_itself_ ? kMaxCount - forgiven_ : 0; }
 
@@ -30,7 +30,7 @@ class RearmPolicy {
   bool by_itself_;
   bool by_key_;
   int forgiven_ = 0;
-  bool asked_ = false;  // the loop has not answered yet
+  bool requested_ = false;  // the loop has not answered yet
   Halt halt_ = Halt::kNone;
   LocalTime halted_{};  // since then
 };

@@ -24,7 +24,7 @@ Vec2 carried(const InterpolatedObject& object, const Vec2& point_mm) noexcept {
   return object.position_mm.head<2>() + turn * Vec2(point_mm - then.position_mm.head<2>());
 }
 
-Vec2 centreOf(const InterpolatedObject& object, const Workspace& workspace) noexcept {
+Vec2 computeCentre(const InterpolatedObject& object, const Workspace& workspace) noexcept {
   return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
 }
 
@@ -46,7 +46,7 @@ const InterpolatedObject* nearestObject(const Scene& scene, const Vec3& hip_mm,
   for (std::size_t i = 0; i < scene.object_count; ++i) {
     const InterpolatedObject& object = scene.objects[i];
     if (!shows(object.before)) continue;
-    const double distance_mm = (centreOf(object, workspace) - hip_mm.head<2>()).norm();
+    const double distance_mm = (computeCentre(object, workspace) - hip_mm.head<2>()).norm();
     if (distance_mm >= nearest_mm) continue;
     nearest_mm = distance_mm;
     nearest = &object;
@@ -54,10 +54,10 @@ const InterpolatedObject* nearestObject(const Scene& scene, const Vec3& hip_mm,
   return nearest;
 }
 
-bool standsStill(Lookup kind) noexcept { return kind == Lookup::kHeld || kind == Lookup::kFaded; }
+bool isResting(Lookup kind) noexcept { return kind == Lookup::kHeld || kind == Lookup::kStale; }
 
-void takeDevice(const DeviceProfile& profile, const DeviceState& state,
-                TickReport& report) noexcept {
+void parseDevice(const DeviceProfile& profile, const DeviceState& state,
+                 TickReport& report) noexcept {
   report.device = state.status;
   report.buttons = state.status == DeviceStatus::kLost ? 0 : state.buttons;
   if (state.status == DeviceStatus::kOk) report.enabled = enabled(profile, state);
@@ -79,7 +79,7 @@ HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool
       motion_(settings.profile),
       lookup_(pool, settings.interpolation),
       dynamic_(settings.profile),
-      feel_(settings.method, settings.surface),
+      force_mix_(settings.method, settings.surface),
       safety_(settings.profile),
       mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
   if (settings.unconfirmed) safety_.awaitConfirmation();
@@ -89,7 +89,7 @@ HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool
 const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamTiming& stream = stream_.load();
   const UserControls& user = user_.load();
-  const bool world_changed = follow(stream, user);
+  const bool world_changed = updateInputs(stream, user);
   motion_.setDelay(safety_.delayTicks());
   motion_.sent(report_.force_N, safety_.wall_N_mm());
   const HipEstimate& hip = motion_.update(state);
@@ -97,10 +97,10 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
   const Scene& scene = lookup_.at(play_time, stream, user);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
-  takeDevice(settings_.profile, state, report_);
+  parseDevice(settings_.profile, state, report_);
   if (world_changed || hip.restarted) proxies_.restart();
   const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
-  const Contact contact = contactAt(scene, ahead_mm);
+  const Contact contact = computeContact(scene, ahead_mm);
   SafetyInput input = safetyInput(hip, contact, scene);
   input.scene_step_s = secondsBetween(report_.play_time, play_time);
   input.world_jumped = world_changed || scene.jumped || contact.jump;
@@ -111,16 +111,16 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         play_time, stream, mapping_.scale, &contact_mm);
     input.inertia_N = dynamic_.inertia_N();
-    input.doubted = dynamic_.doubted();
+    input.implausible = dynamic_.implausible();
   }
-  followMaterial(input);
+  updateMaterial(input);
   const SafetyOutput out = safety_.step(input);
 
   reportTick(now, play_time, scene, out);
   if (out.contact && softened(contact.object)) {
     report_.interferences |= bit(SafetyAction::kStiffness);
   }
-  report_.fault = faultOf(out, hip, input.device_lost);
+  report_.fault = classifyFault(out, hip, input.device_lost);
   reportObject(contact, scene);
   publish();
   return report_;
@@ -139,7 +139,7 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.contact = out.contact;
   report_.lookup = scene.kind;
   report_.halt = safety_.halt();
-  report_.distrusted = safety_.distrusted();
+  report_.trust_loss_cause = safety_.distrusted();
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
   report_.work = safety_.work();
@@ -147,18 +147,18 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
 }
 
 /// Takes over what changed in stream and wishes; returns whether the world is another one.
-bool HapticRenderer::follow(const StreamTiming& stream, const UserControls& user) noexcept {
+bool HapticRenderer::updateInputs(const StreamTiming& stream, const UserControls& user) noexcept {
   bool changed = stream.connected != connected_ && stream.connected;
   if (changed) safety_.newConnection();
-  changed = feel_.follow(user) || changed;
-  proxies_.setFriction(feel_.friction());
+  changed = force_mix_.update(user) || changed;
+  proxies_.setFriction(force_mix_.friction());
   connected_ = stream.connected;
   if (paused_ && !user.paused) {  // the stream has gone on meanwhile: it is joined like a new one
-    playout_.rejoin();
-    lookup_.rejoin();
+    playout_.resync();
+    lookup_.resync();
     changed = true;
   }
-  changed = changed || (user.paused && !paused_ && feel_.method() == Method::kThesis);
+  changed = changed || (user.paused && !paused_ && force_mix_.method() == Method::kThesis);
   paused_ = user.paused;
   if (!(stream.workspace == workspace_)) {
     workspace_ = stream.workspace;
@@ -172,16 +172,16 @@ bool HapticRenderer::follow(const StreamTiming& stream, const UserControls& user
   return changed;
 }
 
-Contact HapticRenderer::contactAt(const Scene& scene, const Vec3& hip_mm) noexcept {
-  if (feel_.method() == Method::kThesis) {
+Contact HapticRenderer::computeContact(const Scene& scene, const Vec3& hip_mm) noexcept {
+  if (force_mix_.method() == Method::kThesis) {
     // It waits for the next frame to see where the hand has gone, and none comes while time stands.
     return paused_ ? findContact(SurfaceKind::kPerturbed, scene, hip_mm, workspace_)
                    : thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
   }
-  if (feel_.surface() == SurfaceKind::kProxy) {
-    return proxies_.touch(scene, hip_mm, workspace_, deepest_mm(scene));
+  if (force_mix_.surface() == SurfaceKind::kProxy) {
+    return proxies_.computeContact(scene, hip_mm, workspace_, deepest_mm(scene));
   }
-  return findContact(feel_.surface(), scene, hip_mm, workspace_);
+  return findContact(force_mix_.surface(), scene, hip_mm, workspace_);
 }
 
 /// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
@@ -195,7 +195,7 @@ SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& c
   input.contact = contact.contact;
   input.displacement_mm = contact.displacement_mm * mapping_.scale;
   input.normal = contact.normal;
-  if (!paused_ && !standsStill(scene.kind)) {
+  if (!paused_ && !isResting(scene.kind)) {
     input.surface_velocity_mm_s = contact.surface_velocity_mm_s * mapping_.scale;
   }
   input.stiffness_factor = contact.stiffness_factor;
@@ -204,7 +204,7 @@ SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& c
     input.damping_Ns_m =
         contact.object->before->material.damping_Ns_m.value_or(kDefaultDamping_Ns_m);
   }
-  input.touchable =
+  input.in_contact =
       connected_ && report_.enabled && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;
   return input;
@@ -231,14 +231,14 @@ bool HapticRenderer::softened(const InterpolatedObject* object) const noexcept {
 }
 
 /// After a jump the force begins at zero, with the material that is there.
-void HapticRenderer::followMaterial(SafetyInput& input) noexcept {
+void HapticRenderer::updateMaterial(SafetyInput& input) noexcept {
   const bool in_contact = report_.contact && input.contact && !input.world_jumped;
-  const double asked_N_mm = input.stiffness_N_mm * feel_.stiffness();
+  const double asked_N_mm = input.stiffness_N_mm * force_mix_.stiffness();
   const double most_N_mm = std::max(input.stiffness_N_mm, stiffnessLimit_N_mm());
   const double wall_N_mm = asked_N_mm > most_N_mm ? most_N_mm : asked_N_mm;
-  input.stiffness_N_mm = stiffness_.step(wall_N_mm * feel_.wall(), in_contact);
-  input.damping_Ns_m = damping_.step(input.damping_Ns_m * feel_.wall(), in_contact);
-  const double dynamic = feel_.dynamic(in_contact);
+  input.stiffness_N_mm = stiffness_.step(wall_N_mm * force_mix_.staticGain(), in_contact);
+  input.damping_Ns_m = damping_.step(input.damping_Ns_m * force_mix_.staticGain(), in_contact);
+  const double dynamic = force_mix_.dynamicGain(in_contact);
   input.dynamic_N *= dynamic;
   input.inertia_N *= dynamic;
 }
@@ -263,15 +263,15 @@ void HapticRenderer::reportObject(const Contact& contact, const Scene& scene) no
   report_.object_id = object->before->id;
   report_.object_position_mm = object->position_mm;
   report_.object_velocity_mm_s = object->velocity_mm_s;
-  report_.object_centre_mm = centreOf(*object, workspace_);
+  report_.object_centre_mm = computeCentre(*object, workspace_);
   report_.object_centre_height_mm = centreHeight_mm(*object);
-  const SurfacePoint below = surfaceAt(*object, report_.hip_mm.head<2>(), workspace_);
+  const SurfacePoint below = evaluateSurface(*object, report_.hip_mm.head<2>(), workspace_);
   report_.over_object = below.inside;
   if (below.inside) report_.height_at_hip_mm = below.sample.height_mm;
 }
 
-Fault HapticRenderer::faultOf(const SafetyOutput& out, const HipEstimate& hip,
-                              bool device_lost) noexcept {
+Fault HapticRenderer::classifyFault(const SafetyOutput& out, const HipEstimate& hip,
+                                    bool device_lost) noexcept {
   if (out.latency_alarm) return Fault::kLatency;
   if (out.trust_lost) return Fault::kTrustLost;
   const Fault fault = device_lost                     ? Fault::kDeviceLost

@@ -45,7 +45,7 @@ class HapticRenderer {
   /// One tick; report().force_N is for the device. Thread: loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
   /// How long the last tick has taken, for the next one's report. Thread: loop.
-  void took(Duration last) noexcept { report_.took = last; }
+  void setLastTickDuration(Duration last) noexcept { report_.tick_duration = last; }
   /// From now on the force ramps to zero and stays there. Thread: loop.
   void stop() noexcept { safety_.stop(); }
 
@@ -57,19 +57,19 @@ class HapticRenderer {
   [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
-  bool follow(const StreamTiming& stream, const UserControls& user) noexcept;
-  Contact contactAt(const Scene& scene, const Vec3& hip_mm) noexcept;
+  bool updateInputs(const StreamTiming& stream, const UserControls& user) noexcept;
+  Contact computeContact(const Scene& scene, const Vec3& hip_mm) noexcept;
   SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
                           const Scene& scene) const noexcept;
   double stiffness_N_mm(const InterpolatedObject* object) const noexcept;
   double stiffnessLimit_N_mm() const noexcept;
   bool softened(const InterpolatedObject* object) const noexcept;
-  void followMaterial(SafetyInput& input) noexcept;
+  void updateMaterial(SafetyInput& input) noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
   void reportTick(LocalTime now, MediaTime play_time, const Scene& scene,
                   const SafetyOutput& out) noexcept;
   void reportObject(const Contact& contact, const Scene& scene) noexcept;
-  Fault faultOf(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
+  Fault classifyFault(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
   void publish() noexcept;
 
   const RendererSettings& settings_;
@@ -83,7 +83,7 @@ class HapticRenderer {
   ThesisInterpolation thesis_;
   ProxySurface proxies_;
   DynamicForce dynamic_;
-  UserForceMix feel_;
+  UserForceMix force_mix_;
   ParameterRateLimiter stiffness_;
   ParameterRateLimiter damping_;
   SafetyChain safety_;

@@ -32,7 +32,7 @@ struct TickReport {
   LocalTime time;
   MediaTime play_time;
   Duration playout_delay{0};
-  Duration took{0};  ///< the tick before this one
+  Duration tick_duration{0};  ///< the tick before this one
   Vec3 hip_mm = Vec3::Zero();
   Vec3 force_N = Vec3::Zero();  ///< what went to the device
   Vec3 static_force_N =
@@ -41,13 +41,14 @@ struct TickReport {
   double penetration_mm = 0.0;     ///< |displacement|, 0 without contact
   Vec3 contact_mm = Vec3::Zero();  ///< where the tip should be, nominal; meant in contact only
   bool contact = false;
-  Lookup lookup = Lookup::kNone;
+  Lookup lookup = Lookup::kEmpty;
   Fault fault = Fault::kNone;  ///< raised in this tick
   DeviceStatus device = DeviceStatus::kOk;
   std::uint32_t buttons = 0;  ///< of the device, as DeviceState has them
   bool enabled = true;        ///< the device's enabling button is held, or it has none
   Halt halt = Halt::kNone;    ///< why there is no force until UserControls::rearm
-  SafetyAction distrusted = SafetyAction::kImplausible;  ///< where trust is lost: mostly for this
+  SafetyAction trust_loss_cause =
+      SafetyAction::kImplausible;   ///< where trust is lost: mostly for this
   double step_excess_N = 0.0;       ///< force step beyond what the chain allows (must be 0)
   std::uint32_t interferences = 0;  ///< bit per safety step that changed the force
   PortWork work;                    ///< of the force so far

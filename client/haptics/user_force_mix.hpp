@@ -19,7 +19,7 @@ class UserForceMix {
 
   /// Takes over what the user wants now; whether the surface under the hand is another one, so that
   /// its force has to fade in from zero.
-  bool follow(const UserControls& user) noexcept {
+  bool update(const UserControls& user) noexcept {
     const Method method = user.method.value_or(own_method_);
     const SurfaceKind surface = user.surface.value_or(own_surface_);
     const bool comes_back = user.static_on && !static_on_;
@@ -36,11 +36,11 @@ class UserForceMix {
     return changed;
   }
   /// Weight of the dynamic force in this tick.
-  double dynamic(bool in_contact) noexcept { return dynamic_ramp_.step(dynamic_, in_contact); }
+  double dynamicGain(bool in_contact) noexcept { return dynamic_ramp_.step(dynamic_, in_contact); }
 
   [[nodiscard]] Method method() const noexcept { return method_; }
   [[nodiscard]] SurfaceKind surface() const noexcept { return surface_; }
-  [[nodiscard]] double wall() const noexcept { return wall_; }            ///< of wall and damper
+  [[nodiscard]] double staticGain() const noexcept { return wall_; }      ///< of wall and damper
   [[nodiscard]] double stiffness() const noexcept { return stiffness_; }  ///< of what is asked for
   [[nodiscard]] const std::optional<double>& friction() const noexcept { return friction_; }
 

@@ -122,7 +122,7 @@ asio::awaitable<Connection::CloseReason> Connection::runSession() {
   session->deadline = clock_.now() + settings_.connect_deadline;
   session->overdue = "no welcome came; is it a hapticast server?";
   asio::co_spawn(
-      io_, [this, session] { return watch(session); }, asio::detached);
+      io_, [this, session] { return startTimer(session); }, asio::detached);
   const Hello hello{kProtocolVersion, settings_.client_name, settings_.wants_video, true};
   CloseReason ending{"the connection was lost", {}};
   if (co_await send(session, hello)) ending = co_await readAll(session);
@@ -130,7 +130,7 @@ asio::awaitable<Connection::CloseReason> Connection::runSession() {
   co_return ending;
 }
 
-asio::awaitable<void> Connection::watch(ConversationPtr session) {
+asio::awaitable<void> Connection::startTimer(ConversationPtr session) {
   while (clock_.now() < session->deadline) {
     if (session->unanswered_since &&
         clock_.now() - *session->unanswered_since >= settings_.pong_limit) {
@@ -150,7 +150,7 @@ asio::awaitable<bool> Connection::send(ConversationPtr session, Message message)
   co_return co_await session->channel->write(encodeShared(message));
 }
 
-asio::awaitable<void> Connection::speak(ConversationPtr session) {
+asio::awaitable<void> Connection::writeLoop(ConversationPtr session) {
   std::size_t pings = 0;
   LocalTime next_ping = clock_.now();
   while (!session->closed) {
@@ -190,7 +190,7 @@ asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr ses
     if (session->welcomed && !session->pinging) {
       session->pinging = true;
       asio::co_spawn(
-          io_, [this, session] { return speak(session); }, asio::detached);
+          io_, [this, session] { return writeLoop(session); }, asio::detached);
     }
   }
 }
@@ -224,7 +224,7 @@ void Connection::openLink(Session& session, const Welcome& welcome) {
                                           session.order = order;
                                           session.pinger.cancel();
                                         },
-                                    .news =
+                                    .on_message =
                                         [this](const std::string& line) {
                                           if (events_.delivery) events_.delivery(line);
                                         }});

@@ -83,10 +83,10 @@ class Connection {
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);
   /// Pings, reports, and orders where frames shall come; the only one who writes.
-  asio::awaitable<void> speak(ConversationPtr session);
+  asio::awaitable<void> writeLoop(ConversationPtr session);
   asio::awaitable<bool> ping(ConversationPtr session, bool with_report);
   void openLink(Session& session, const Welcome& welcome);
-  asio::awaitable<void> watch(ConversationPtr session);
+  asio::awaitable<void> startTimer(ConversationPtr session);
   asio::awaitable<bool> send(ConversationPtr session, Message message);
   [[nodiscard]] std::optional<WireError> handle(Session& session, Message message);
   [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Message& message);

@@ -98,8 +98,8 @@ bool DecodeThread::step() {
   PreparedFrame result;
   result.place = assembled->place;
   FramePool::Index index = 0;
-  result.handed_on = pool_.acquire(index);
-  if (result.handed_on) {
+  result.handed_over = pool_.acquire(index);
+  if (result.handed_over) {
     fill(pool_.slot(index), *assembled, result);
   } else {
     // The next frames may say "unchanged" of what this one brings.
@@ -108,7 +108,7 @@ bool DecodeThread::step() {
     }
   }
   result.ready = clock_.now();
-  if (result.handed_on) pool_.publish(index);
+  if (result.handed_over) pool_.publish(index);
   done_(result);
   return true;
 }
@@ -124,7 +124,7 @@ void DecodeThread::fill(FramePool::Slot& slot, const AssembledFrame& assembled,
   for (std::size_t i = 0; i < slot.frame.object_count; ++i) {
     fillObject(slot, i, frame.objects[i], frame.id, result);
   }
-  result.felt = {frame.media_time, {slot.fields.begin(), slot.fields.begin() + shown}};
+  result.playable = {frame.media_time, {slot.fields.begin(), slot.fields.begin() + shown}};
   for (std::size_t i = slot.frame.object_count; i < kMaxObjects; ++i) {
     slot.fields[i].reset();
     slot.grids[i].reset();

@@ -23,13 +23,13 @@ namespace hapticast::client {
 /// What became of a frame.
 struct PreparedFrame {
   FramePlace place;
-  LocalTime ready;         ///< when the loop could have it
-  bool handed_on = false;  ///< false: the loop held every slot of the pool
+  LocalTime ready;           ///< when the loop could have it
+  bool handed_over = false;  ///< false: the loop held every slot of the pool
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
   std::uint64_t slices_refused = 0;
-  PlayableReliefs felt;
+  PlayableReliefs playable;
 };
 
 class DecodeThread {

@@ -11,7 +11,7 @@ namespace {
 
 /// The height at an image point: bilinear between pixel centres inside the mask, the mean of those
 /// that are inside where the mask ends; nullopt outside.
-std::optional<float> heightAt(const Relief& relief, const Vec2& image_px) {
+std::optional<float> sampleHeight(const Relief& relief, const Vec2& image_px) {
   const double u = image_px.x() - relief.rect.u - 0.5, v = image_px.y() - relief.rect.v - 0.5;
   if (!(u > -1.0 && v > -1.0 && u < relief.rect.width && v < relief.rect.height))
     return std::nullopt;
@@ -72,7 +72,7 @@ void concealMissing(const PosedRelief& before, const Motion& now, const Workspac
     for (int u = to.rect.u; u < to.rect.u + to.rect.width; ++u, ++i) {
       if (have[i] != 0) continue;
       const Vec2 was_mm = carried(workspace.toNominal({u + 0.5, v + 0.5}), now, then);
-      const auto height = heightAt(*before.relief, workspace.toImage(was_mm));
+      const auto height = sampleHeight(*before.relief, workspace.toImage(was_mm));
       to.mask[i] = height ? 1 : 0;
       to.height_mm[i] = height ? *height + raised : 0.0F;
     }

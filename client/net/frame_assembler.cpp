@@ -11,7 +11,7 @@ namespace {
 
 /// Of the parts that have come, over all frames.
 template <class Frames>
-std::size_t bytesOf(const Frames& frames) {
+std::size_t countBytes(const Frames& frames) {
   return std::accumulate(
       frames.begin(), frames.end(), std::size_t{0},
       [](std::size_t sum, const auto& each) { return sum + each.second.bytes(); });
@@ -57,7 +57,7 @@ std::uint64_t FrameAssembler::newest() const {
   return waiting_.empty() ? left : std::max(left, waiting_.rbegin()->first);
 }
 
-FrameAssembler::Want FrameAssembler::want(const DatagramHeader& part) const {
+FrameAssembler::Want FrameAssembler::setTransport(const DatagramHeader& part) const {
   const std::uint64_t newest_id = newest();
   const bool any = last_id_ || !waiting_.empty();
   const bool astray = part.frame > newest_id ? part.frame - newest_id > kLargestJump
@@ -84,7 +84,7 @@ Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
   if (auto error = waiting.joined->add(part, payload)) {
     waiting.joined.reset();
     if (!waiting.frame) waiting_.erase(part.frame);
-    giveUp(part.frame);
+    abandon(part.frame);
     return *error;
   }
   return waiting.joined->whole();
@@ -96,7 +96,7 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
   Reassembly& joined = left_.try_emplace(part.frame, part).first->second;
   if (auto error = joined.add(part, payload)) {
     left_.erase(part.frame);
-    giveUp(part.frame);
+    abandon(part.frame);
     return *error;
   }
   const bool whole = joined.whole();
@@ -106,13 +106,13 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
   return whole;
 }
 
-void FrameAssembler::giveUp(std::uint64_t id) {
+void FrameAssembler::abandon(std::uint64_t id) {
   done_.insert(id);
   if (done_.size() > kLargestJump + kOldestPart) done_.erase(done_.begin());
 }
 
 void FrameAssembler::boundLeft() {
-  while (left_.size() > kOldestPart || bytesOf(left_) > kMaxBytes) left_.erase(left_.begin());
+  while (left_.size() > kOldestPart || countBytes(left_) > kMaxBytes) left_.erase(left_.begin());
 }
 
 std::optional<MediaTime> FrameAssembler::lastLeft() const {
@@ -124,7 +124,7 @@ std::optional<LocalTime> FrameAssembler::oldestCame() const {
 }
 
 bool FrameAssembler::overfull() const {
-  return waiting_.size() > kMaxWaiting || bytesOf(waiting_) > kMaxBytes;
+  return waiting_.size() > kMaxWaiting || countBytes(waiting_) > kMaxBytes;
 }
 
 std::optional<AssembledFrame> FrameAssembler::next(bool due) {
@@ -142,30 +142,30 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
       by_tcp_.insert(id);
       if (taken.joined) left_.insert_or_assign(id, std::move(*taken.joined));
       boundLeft();
-      return leave(std::move(*taken.frame), taken.arrived);
+      return remove(std::move(*taken.frame), taken.arrived);
     }
-    if (auto frame = leaveInParts(id, std::move(taken))) return frame;
+    if (auto frame = removeReassembly(id, std::move(taken))) return frame;
   }
   return std::nullopt;
 }
 
-std::optional<AssembledFrame> FrameAssembler::leaveInParts(std::uint64_t id, Waiting waiting) {
+std::optional<AssembledFrame> FrameAssembler::removeReassembly(std::uint64_t id, Waiting waiting) {
   Reassembly& joined = *waiting.joined;
   const bool whole = joined.whole();
   // An object whose head is missing would seem to have gone.
   std::optional<CodedFrame> frame;
   if (joined.headed()) frame = joined.frame();
   if (whole) {
-    giveUp(id);
+    abandon(id);
   } else {
     left_.insert_or_assign(id, std::move(joined));
     boundLeft();
   }
   if (!frame) return std::nullopt;
-  return leave(std::move(*frame), whole ? std::optional(waiting.arrived) : std::nullopt);
+  return remove(std::move(*frame), whole ? std::optional(waiting.arrived) : std::nullopt);
 }
 
-AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> arrived) {
+AssembledFrame FrameAssembler::remove(CodedFrame frame, std::optional<LocalTime> arrived) {
   const bool resync = jumps(frame.id);
   // The first frame after restart() belongs to the epoch that was announced to the loop.
   if (resync || (server_epoch_ && *server_epoch_ != frame.epoch)) ++epoch_;
@@ -185,7 +185,7 @@ AssembledFrame FrameAssembler::leave(CodedFrame frame, std::optional<LocalTime> 
 void FrameAssembler::fillUp(CodedFrame& frame) {
   for (CodedObject& object : frame.objects) {
     const auto left = left_.find(object.changed_in_frame);
-    if (!object.relief && left != left_.end()) object.relief = left->second.relief(keyOf(object));
+    if (!object.relief && left != left_.end()) object.relief = left->second.relief(makeKey(object));
   }
 }
 

@@ -75,7 +75,7 @@ class FrameAssembler {
     kHad,     ///< it came before
     kAstray,  ///< too far from the frames that come, or the frame needs none
   };
-  [[nodiscard]] Want want(const DatagramHeader& part) const;
+  [[nodiscard]] Want setTransport(const DatagramHeader& part) const;
   /// Takes a part that is wanted; true where its frame is whole now, be it that TCP was quicker.
   /// After an error the frame is given up.
   Result<bool, WireError> add(const DatagramHeader& part, std::span<const std::uint8_t> payload,
@@ -108,11 +108,11 @@ class FrameAssembler {
   [[nodiscard]] std::uint64_t newest() const;
   [[nodiscard]] bool overfull() const;
   /// Nothing more of this frame is wanted.
-  void giveUp(std::uint64_t id);
+  void abandon(std::uint64_t id);
   /// Forgets the oldest of those that left where they are too many.
   void boundLeft();
-  [[nodiscard]] std::optional<AssembledFrame> leaveInParts(std::uint64_t id, Waiting waiting);
-  AssembledFrame leave(CodedFrame frame, std::optional<LocalTime> arrived);
+  [[nodiscard]] std::optional<AssembledFrame> removeReassembly(std::uint64_t id, Waiting waiting);
+  AssembledFrame remove(CodedFrame frame, std::optional<LocalTime> arrived);
   /// Reliefs that did not change and of which parts came after their frame had left.
   void fillUp(CodedFrame& frame);
   void forgetOld();

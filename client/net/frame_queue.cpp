@@ -9,7 +9,7 @@ namespace hapticast::client {
 namespace {
 
 /// Of the reliefs that these objects bring.
-std::size_t bytesOf(const std::vector<CodedObject>& objects) {
+std::size_t countBytes(const std::vector<CodedObject>& objects) {
   return std::accumulate(objects.begin(), objects.end(), std::size_t{0},
                          [](std::size_t sum, const CodedObject& object) {
                            return sum + (object.relief ? object.relief->bytes() : 0);
@@ -19,10 +19,10 @@ std::size_t bytesOf(const std::vector<CodedObject>& objects) {
 }  // namespace
 
 std::size_t FrameQueue::push(AssembledFrame assembled) {
-  bytes_ += bytesOf(assembled.frame.objects);
+  bytes_ += countBytes(assembled.frame.objects);
   frames_.push_back(std::move(assembled));
   std::size_t left_out = 0;
-  for (; frames_.size() > kMaxFrames || bytes_ > kMaxBytes; ++left_out) leaveOutOldest();
+  for (; frames_.size() > kMaxFrames || bytes_ > kMaxBytes; ++left_out) dropOldest();
   return left_out;
 }
 
@@ -30,7 +30,7 @@ std::optional<FrameQueue::Taken> FrameQueue::pop() {
   if (frames_.empty()) return std::nullopt;
   Taken taken{std::move(frames_.front()), std::exchange(kept_, {})};
   frames_.pop_front();
-  bytes_ -= bytesOf(taken.assembled.frame.objects);
+  bytes_ -= countBytes(taken.assembled.frame.objects);
   return taken;
 }
 
@@ -40,19 +40,19 @@ void FrameQueue::clear() {
   bytes_ = 0;
 }
 
-void FrameQueue::leaveOutOldest() {
+void FrameQueue::dropOldest() {
   const AssembledFrame oldest = std::move(frames_.front());
   frames_.pop_front();
-  bytes_ -= bytesOf(oldest.frame.objects);
+  bytes_ -= countBytes(oldest.frame.objects);
   for (const CodedObject& object : oldest.frame.objects) {
-    if (object.relief) keep(object);
+    if (object.relief) push(object);
   }
 }
 
-void FrameQueue::keep(CodedObject object) {
-  std::erase_if(kept_, [&](const CodedObject& each) { return keyOf(each) == keyOf(object); });
+void FrameQueue::push(CodedObject object) {
+  std::erase_if(kept_, [&](const CodedObject& each) { return makeKey(each) == makeKey(object); });
   kept_.push_back(std::move(object));
-  while (kept_.size() > ReliefCache::kMaxEntries || bytesOf(kept_) > kMaxBytes) {
+  while (kept_.size() > ReliefCache::kMaxEntries || countBytes(kept_) > kMaxBytes) {
     kept_.erase(kept_.begin());
   }
 }

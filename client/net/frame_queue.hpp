@@ -38,8 +38,8 @@ class FrameQueue {
   void clear();
 
  private:
-  void leaveOutOldest();
-  void keep(CodedObject object);
+  void dropOldest();
+  void push(CodedObject object);
 
   std::deque<AssembledFrame> frames_;  // oldest first
   std::size_t bytes_ = 0;              // of their reliefs

@@ -125,7 +125,7 @@ void Receiver::release(LocalTime now) {
 }
 
 void Receiver::prepared(const PreparedFrame& frame) {
-  ++(frame.handed_on ? counts_.received : counts_.no_slot);
+  ++(frame.handed_over ? counts_.received : counts_.no_slot);
   counts_.reliefs_missing += frame.reliefs_missing;
   counts_.reliefs_rejected += frame.reliefs_rejected;
   counts_.slices_lost += frame.slices_lost;

@@ -49,8 +49,8 @@ class Receiver {
   /// A frame that has come over TCP.
   void frame(CodedFrame frame, LocalTime now);
   /// What a datagram is to the frames so far.
-  [[nodiscard]] FrameAssembler::Want want(const DatagramHeader& part) const {
-    return assembler_.want(part);
+  [[nodiscard]] FrameAssembler::Want setTransport(const DatagramHeader& part) const {
+    return assembler_.setTransport(part);
   }
   /// A part that is wanted; true where its frame is whole now.
   bool part(const DatagramHeader& part, std::span<const std::uint8_t> payload, LocalTime now);

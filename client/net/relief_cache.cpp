@@ -22,7 +22,7 @@ bool ReliefCache::inPicture(const PixelRect& rect) const {
 }
 
 void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
-  const auto found = entries_.find(keyOf(object));
+  const auto found = entries_.find(makeKey(object));
   Entry* const known = found == entries_.end() ? nullptr : &found->second;
   // A relief that is repeated may bring what was lost of it.
   const bool same =
@@ -38,17 +38,17 @@ void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
   if (!object.relief) return;
   Entry entry{object.changed_in_frame, frame_id, object.relief, object.motion, {}, false, {}};
   if (known != nullptr) entry.before = known->before;
-  entries_[keyOf(object)] = std::move(entry);
+  entries_[makeKey(object)] = std::move(entry);
   if (entries_.size() > kMaxEntries) forgetOldest();
 }
 
 ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint64_t frame_id) {
   remember(object, frame_id);
-  const auto known = entries_.find(keyOf(object));
+  const auto known = entries_.find(makeKey(object));
   if (known == entries_.end()) return {};  // said to be unchanged, but nothing ever came
   Entry& entry = known->second;
   if (entry.changed_in_frame != object.changed_in_frame) {
-    carryAll(entry, object);
+    concealAll(entry, object);
     entry.used_in_frame = frame_id;
   }
   if (entry.decoded) return {entry.resolved.field, entry.resolved.rejected};
@@ -57,7 +57,7 @@ ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint6
   return entry.resolved;
 }
 
-void ReliefCache::carryAll(Entry& entry, const CodedObject& object) const {
+void ReliefCache::concealAll(Entry& entry, const CodedObject& object) const {
   PixelRect rect;
   if (entry.before.relief) rect = warpedRect(entry.before, object.motion, workspace_);
   entry.changed_in_frame = object.changed_in_frame;

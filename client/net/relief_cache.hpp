@@ -56,7 +56,7 @@ class ReliefCache {
     Resolved resolved;  // once it is decoded
   };
   /// What changed never came: what was there before goes on in its place.
-  void carryAll(Entry& entry, const CodedObject& object) const;
+  void concealAll(Entry& entry, const CodedObject& object) const;
   Resolved prepare(Entry& entry);
   /// The relief of an entry; null where slices are missing that nothing can be carried over for.
   std::shared_ptr<const Relief> decode(const Entry& entry, Resolved& counts);

@@ -42,7 +42,7 @@ std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime
                       now);
 }
 
-std::optional<std::string> StreamErrorLog::take(const ReceiverCounts& counts, LocalTime now) {
+std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts, LocalTime now) {
   if (!interval_.isDue(now)) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {

@@ -24,7 +24,7 @@ class ConnectionLog {
   /// The server looks through its clip and has done this share of it: told when a quarter more is.
   std::optional<std::string> preparing(double share, LocalTime now);
   /// Something of the connection that goes on.
-  std::optional<std::string> news(const std::string& line, LocalTime now) {
+  std::optional<std::string> onMessage(const std::string& line, LocalTime now) {
     return limit_.admit(line, now);
   }
   /// There is no connection, because of `why`; it will be tried again.
@@ -47,7 +47,7 @@ class ConnectionLog {
 class StreamErrorLog {
  public:
   /// `counts`: of the run so far.
-  std::optional<std::string> take(const ReceiverCounts& counts, LocalTime now);
+  std::optional<std::string> onCounts(const ReceiverCounts& counts, LocalTime now);
 
  private:
   ReceiverCounts logged_;

@@ -18,7 +18,7 @@ namespace hapticast::client {
 namespace {
 
 /// An absolute path in the environment; empty where there is none.
-std::filesystem::path folderIn(const char* variable) {
+std::filesystem::path folderFromEnvironment(const char* variable) {
   const char* const value = std::getenv(variable);
   std::filesystem::path path(value == nullptr ? "" : value);
   return path.is_absolute() ? path : std::filesystem::path();
@@ -33,9 +33,9 @@ bool makeFolder(const std::filesystem::path& folder) {
 }  // namespace
 
 std::filesystem::path stateFolder() {
-  const auto state = folderIn("XDG_STATE_HOME");
+  const auto state = folderFromEnvironment("XDG_STATE_HOME");
   if (!state.empty()) return state / "hapticast";
-  const auto home = folderIn("HOME");
+  const auto home = folderFromEnvironment("HOME");
   return home.empty() ? "." : home / ".local/state/hapticast";
 }
 
@@ -57,7 +57,7 @@ std::filesystem::path FaultLogWriter::nextFile() {
   return file;
 }
 
-void FaultLogWriter::take(FlightRecorder& recorder, LocalTime begin) {
+void FaultLogWriter::write(FlightRecorder& recorder, LocalTime begin) {
   if (!recorder.frozen() || written_ == kMaxFiles) return;
   const Fault fault = recorder.at(recorder.size() - 1).fault;
   (void)makeFolder(folder_);

@@ -26,7 +26,7 @@ class FaultLogWriter {
   /// Writes a file if `recorder` is frozen by a fault, says so in the log, and lets it record
   /// again. `begin`: the run's first tick, t_s = 0. Beyond kMaxFiles, and when there is no writing,
   /// it does nothing.
-  void take(FlightRecorder& recorder, LocalTime begin);
+  void write(FlightRecorder& recorder, LocalTime begin);
 
  private:
   [[nodiscard]] std::filesystem::path nextFile();

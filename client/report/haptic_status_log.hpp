@@ -15,10 +15,10 @@ namespace hapticast::client {
 class HapticStatusLog {
  public:
   /// Sees every report, before `rearm`, which knows whether the force will come back by itself.
-  std::optional<std::string> take(const TickReport& report, const RearmPolicy& rearm);
+  std::optional<std::string> onReport(const TickReport& report, const RearmPolicy& rearm);
 
  private:
-  [[nodiscard]] std::string news(const TickReport& report);
+  [[nodiscard]] std::string describeStatus(const TickReport& report);
 
   Halt halt_ = Halt::kNone;
   bool stale_ = false;

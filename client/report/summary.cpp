@@ -54,21 +54,21 @@ Json faultNames(const std::array<std::uint64_t, kFaultKinds>& faults) {
   return names;
 }
 
-Json framesOf(const ReceiverCounts& frames) {
+Json toJson(const ReceiverCounts& frames) {
   return {{"received", frames.received},  {"lost", frames.lost},
           {"late", frames.late},          {"concealed", frames.concealed},
           {"resyncs", frames.resyncs},    {"reliefs_refused", frames.reliefs_rejected},
           {"malformed", frames.malformed}};
 }
 
-Json datagramsOf(const DatagramCounts& datagrams) {
+Json toJson(const DatagramCounts& datagrams) {
   return {{"received", datagrams.received}, {"repeated", datagrams.repeated},
           {"foreign", datagrams.foreign},   {"astray", datagrams.astray},
           {"forged", datagrams.forged},     {"over_budget", datagrams.over_budget}};
 }
 
 /// null where no window was.
-Json eyeHandOf(const Histogram& offset_ns) {
+Json toJson(const Histogram& offset_ns) {
   if (offset_ns.count() == 0) return nullptr;
   const auto milliseconds = [&](double quantile) {
     return static_cast<double>(offset_ns.quantile_ns(quantile)) * 1e-6;
@@ -77,7 +77,7 @@ Json eyeHandOf(const Histogram& offset_ns) {
 }
 
 /// null where nothing travels.
-Json deviceOf(const std::optional<DeviceTraffic>& device) {
+Json toJson(const std::optional<DeviceTraffic>& device) {
   if (!device) return nullptr;
   return {{"round_trips", device->round_trips},
           {"misses", device->misses},
@@ -95,9 +95,9 @@ Json summary(const RunResult& result) {
         {"p99", loop.tick_ns.quantile_ns(0.99)},
         {"p999", loop.tick_ns.quantile_ns(0.999)},
         {"max", loop.tick_ns.max_ns()}}},
-      {"frames", framesOf(result.frames)},
+      {"frames", toJson(result.frames)},
       {"slices", {{"lost", result.frames.slices_lost}, {"refused", result.frames.slices_refused}}},
-      {"datagrams", datagramsOf(result.datagrams)},
+      {"datagrams", toJson(result.datagrams)},
       {"delivery",
        {{"way", transportName(result.delivery.way)},
         {"loss", result.delivery.loss},
@@ -117,10 +117,10 @@ Json summary(const RunResult& result) {
       {"playout_delay_ms", result.playout_delay_ms},
       {"clock_offset_us", result.clock_offset_us},
       {"clock_error_us", result.clock_error_us},
-      {"eye_hand_ms", eyeHandOf(result.eye_hand_ns)},
+      {"eye_hand_ms", toJson(result.eye_hand_ns)},
       {"interferences",
        counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
-      {"device", deviceOf(result.device)},
+      {"device", toJson(result.device)},
       {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
       {"faults", faultNames(loop.faults)}};
 }

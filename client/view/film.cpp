@@ -21,7 +21,7 @@ constexpr double kJump_s = 0.05;
 
 /// By how much the film goes on with this tick: as play time does; where that stands or jumps, as
 /// the hand's own time.
-double goesOnBy(const TickReport& before, const TickReport& now) {
+double elapsedBetween(const TickReport& before, const TickReport& now) {
   const double play_s = toSeconds(now.play_time - before.play_time);
   return play_s > 0.0 && play_s < kJump_s ? play_s : toSeconds(now.time - before.time);
 }
@@ -37,12 +37,12 @@ FilmView::FilmView(std::string file) : file_(std::move(file)) {
   thread_ = std::thread([this] { run(); });
 }
 
-void FilmView::takePicture(VideoFrame picture, const Workspace& workspace) {
+void FilmView::onPicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
 }
 
-void FilmView::takeReport(const TickReport& report) {
-  if (!next_.ticks.empty()) due_s_ -= goesOnBy(next_.ticks.back(), report);
+void FilmView::onReport(const TickReport& report) {
+  if (!next_.ticks.empty()) due_s_ -= elapsedBetween(next_.ticks.back(), report);
   next_.ticks.push_back(report);
   if (due_s_ > 0.0) return;
   if (fps_ > 0.0) next_.picture = pictures_.nearest(report.play_time);
@@ -54,10 +54,10 @@ void FilmView::takeReport(const TickReport& report) {
   due_s_ = std::max(due_s_ + 1.0 / fps_, 0.0);
   Shot shot = std::exchange(next_, {});
   next_.ticks.push_back(shot.ticks.back());  // from there it goes on
-  take(std::move(shot));
+  pushShot(std::move(shot));
 }
 
-void FilmView::take(Shot shot) {
+void FilmView::pushShot(Shot shot) {
   {
     const std::lock_guard lock(mutex_);
     if (failed_) return;
@@ -70,7 +70,7 @@ void FilmView::take(Shot shot) {
   something_waits_.notify_one();
 }
 
-bool FilmView::turn(UiState& ui_state) {
+bool FilmView::update(UiState& ui_state) {
   if (ui_state.stream.connected) fps_ = ui_state.stream.fps;
   return true;
 }

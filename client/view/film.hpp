@@ -31,9 +31,9 @@ class FilmView final : public View {
   FilmView& operator=(const FilmView&) = delete;
   ~FilmView() override { stop(); }
 
-  void takePicture(VideoFrame picture, const Workspace& workspace) override;
-  void takeReport(const TickReport& report) override;
-  [[nodiscard]] bool turn(UiState& ui_state) override;
+  void onPicture(VideoFrame picture, const Workspace& workspace) override;
+  void onReport(const TickReport& report) override;
+  [[nodiscard]] bool update(UiState& ui_state) override;
   /// Waits until all is written.
   void finish() override;
 
@@ -45,7 +45,7 @@ class FilmView final : public View {
     double fps = 0.0;
     int repeats = 1;
   };
-  void take(Shot shot);
+  void pushShot(Shot shot);
   void stop();
   // On the film's thread:
   void run();

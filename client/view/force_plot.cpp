@@ -13,7 +13,7 @@ namespace {
 const cv::Scalar kGridColor(70, 66, 62);
 const cv::Scalar kContactColor(58, 52, 40);
 
-double topOf(const std::deque<ForcePoint>& points) {
+double findPeak(const std::deque<ForcePoint>& points) {
   double top_N = 0.5;
   for (const ForcePoint& point : points) {
     top_N = std::max({top_N, point.force_N, point.static_force_N, point.dynamic_force_N});
@@ -29,7 +29,7 @@ struct Axes {
       start_s = points.front().time_s;
       span_s = std::max(1.0, points.back().time_s - start_s);
     }
-    const double largest_N = topOf(points);
+    const double largest_N = findPeak(points);
     step_N = largest_N <= 1.0 ? 0.25 : largest_N <= 2.5 ? 0.5 : 1.0;
     top_N = step_N * std::ceil(largest_N / step_N);
   }

@@ -18,7 +18,7 @@ int stepFor(const PixelRect& rect, double most) {
   return std::max(1, static_cast<int>(std::ceil(std::sqrt(double(rect.pixels()) / most))));
 }
 
-float lightOn(const Vec2& gradient) {
+float computeShade(const Vec2& gradient) {
   const Vec3 normal = Vec3(-gradient.x(), -gradient.y(), 1.0).normalized();
   const Vec3 to_lamp = Vec3(-0.4, 0.35, 0.85).normalized();
   constexpr double kAmbient = 0.15;
@@ -45,7 +45,7 @@ void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& wor
       const Vec2 nominal_mm = workspace.toNominal(px);
       at(column, row) = static_cast<int>(mesh.corners.size());
       mesh.corners.push_back(
-          {{nominal_mm.x(), nominal_mm.y(), sample.height_mm}, lightOn(sample.gradient)});
+          {{nominal_mm.x(), nominal_mm.y(), sample.height_mm}, computeShade(sample.gradient)});
       if (row == 0 || column == 0) continue;
       const std::array cell{at(column - 1, row - 1), at(column, row - 1), at(column, row),
                             at(column - 1, row)};
@@ -56,7 +56,7 @@ void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& wor
 
 }  // namespace
 
-std::vector<std::vector<cv::Point2f>> outlineOf(const HeightField& relief) {
+std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief) {
   const PixelRect& rect = relief.rect();
   if (relief.empty()) return {};
   const int step = stepFor(rect, kMostPixels);
@@ -81,7 +81,7 @@ std::vector<std::vector<cv::Point2f>> outlineOf(const HeightField& relief) {
   return lines;
 }
 
-ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace, int least_px) {
+ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace, int least_px) {
   ReliefMesh mesh;
   for (const auto& relief : reliefs) {
     if (relief->empty()) continue;

@@ -14,7 +14,7 @@ namespace hapticast::client {
 using Reliefs = std::vector<std::shared_ptr<const HeightField>>;
 
 /// The edges of the mask as closed lines, px of the picture.
-[[nodiscard]] std::vector<std::vector<cv::Point2f>> outlineOf(const HeightField& relief);
+[[nodiscard]] std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief);
 
 /// A surface of four-cornered cells, lit from the upper left.
 struct ReliefMesh {
@@ -30,7 +30,7 @@ struct ReliefMesh {
 
 /// What lies within the masks, coarser the larger it is; a cell has at least `least_px` px of the
 /// picture.
-[[nodiscard]] ReliefMesh meshOf(const Reliefs& reliefs, const Workspace& workspace,
-                                int least_px = 1);
+[[nodiscard]] ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace,
+                                   int least_px = 1);
 
 }  // namespace hapticast::client

@@ -24,18 +24,18 @@ Screenshot::Screenshot(std::string file) : file_(std::move(file)) {
     throw std::runtime_error("--screenshot " + file_ + ": is no picture's name; give FILE.png");
 }
 
-void Screenshot::takePicture(VideoFrame picture, const Workspace& workspace) {
+void Screenshot::onPicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
 }
 
-void Screenshot::takeReport(const TickReport& report) {
+void Screenshot::onReport(const TickReport& report) {
   history_.add(report);
   if (worth(moment_) > 0.0 && worth(report) <= worth(moment_)) return;
   moment_ = report;
   picture_.reset();
 }
 
-bool Screenshot::turn(UiState& /*desk*/) {
+bool Screenshot::update(UiState& /*desk*/) {
   findPicture();
   return true;
 }

@@ -17,10 +17,10 @@ class Screenshot final : public View {
   /// Throws std::runtime_error unless `file` ends as a picture does, such as .png.
   explicit Screenshot(std::string file);
 
-  void takePicture(VideoFrame picture, const Workspace& workspace) override;
-  void takeReport(const TickReport& report) override;
+  void onPicture(VideoFrame picture, const Workspace& workspace) override;
+  void onReport(const TickReport& report) override;
   /// Finds the picture of the strongest moment while it is still in the buffer.
-  [[nodiscard]] bool turn(UiState& ui_state) override;
+  [[nodiscard]] bool update(UiState& ui_state) override;
   void finish() override;
 
   /// The strongest touch so far; while nothing was touched, the last tick.

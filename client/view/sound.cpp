@@ -21,7 +21,7 @@ constexpr std::uint32_t kFade_ms = 60;  // four times the hum's smoothing
 
 }  // namespace
 
-SoundView::SoundView(std::function<void(const std::string& line)> tell) : tell_(std::move(tell)) {
+SoundView::SoundView(std::function<void(const std::string& line)> tell) : log_(std::move(tell)) {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the client's
   if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0)
     throw std::runtime_error(std::string("no sound device (") + SDL_GetError() + ")");
@@ -44,13 +44,13 @@ SoundView::~SoundView() {
   SDL_QuitSubSystem(SDL_INIT_AUDIO);
 }
 
-void SoundView::takeReport(const TickReport& report) {
-  cue_.store({.felt = meter_.next(report), .tick = report.tick});
+void SoundView::onReport(const TickReport& report) {
+  cue_.store({.force = meter_.next(report), .tick = report.tick});
 }
 
-bool SoundView::turn(UiState& /*desk*/) {
+bool SoundView::update(UiState& /*desk*/) {
   const bool lost = SDL_GetAudioDeviceStatus(device_) == SDL_AUDIO_STOPPED;
-  if (lost && tell_) std::exchange(tell_, nullptr)("the sound device is gone: going on without");
+  if (lost && log_) std::exchange(log_, nullptr)("the sound device is gone: going on without");
   return true;
 }
 

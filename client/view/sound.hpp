@@ -22,9 +22,9 @@ class SoundView final : public View {
   SoundView& operator=(const SoundView&) = delete;
   ~SoundView() override;
 
-  void takePicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
-  void takeReport(const TickReport& report) override;
-  [[nodiscard]] bool turn(UiState& ui_state) override;
+  void onPicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
+  void onReport(const TickReport& report) override;
+  [[nodiscard]] bool update(UiState& ui_state) override;
   /// The hum fades before the device is closed.
   void finish() override;
   [[nodiscard]] bool wantsVideo() const override { return false; }
@@ -32,7 +32,7 @@ class SoundView final : public View {
  private:
   static void fill(void* view, std::uint8_t* bytes, int size_bytes) noexcept;
 
-  std::function<void(const std::string& line)> tell_;  // null: it has been told
+  std::function<void(const std::string& line)> log_;  // null: it has been told
   TransientDetector meter_;
   LatestValue<SoundCue> cue_;
   SoundMixer mixer_;  // SDL's thread

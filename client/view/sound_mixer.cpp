@@ -31,10 +31,11 @@ double SoundMixer::Voice::next(double wanted) noexcept {
 void SoundMixer::fill(std::span<float> samples, const SoundCue& cue) noexcept {
   age_ = cue.tick == tick_ ? age_ + samples.size() : 0;
   tick_ = cue.tick;
-  const ForceComponents heard = age_ > kStale ? ForceComponents{} : cue.felt;
+  const ForceComponents heard = age_ > kStale ? ForceComponents{} : cue.force;
   const double press = loudness(heard.sustained_N);
   const double blow = loudness(heard.transient_N);
-  for (float& sample : samples) sample = static_cast<float>(press_.next(press) + blow_.next(blow));
+  for (float& sample : samples)
+    sample = static_cast<float>(sustained_.next(press) + transient_.next(blow));
 }
 
 }  // namespace hapticast::client

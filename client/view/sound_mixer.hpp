@@ -12,7 +12,7 @@ namespace hapticast::client {
 
 /// What is to be heard now. A plain value that owns nothing.
 struct SoundCue {
-  ForceComponents felt;
+  ForceComponents force;
   std::uint64_t tick = 0;  ///< that it was felt in
 };
 
@@ -35,8 +35,8 @@ class SoundMixer {
   };
   // Chosen: what a small loudspeaker can play, far enough apart to be told from each other; the hum
   // follows a hand, a blow is there at once.
-  Voice press_{.pitch_Hz = 220.0, .smoothing_s = 0.015};
-  Voice blow_{.pitch_Hz = 1100.0, .smoothing_s = 0.003};
+  Voice sustained_{.pitch_Hz = 220.0, .smoothing_s = 0.015};
+  Voice transient_{.pitch_Hz = 1100.0, .smoothing_s = 0.003};
   std::uint64_t tick_ = 0;
   std::size_t age_ = 0;  // samples since it changed
 };

@@ -42,16 +42,16 @@ class View {
   virtual ~View() = default;
 
   /// Takes a picture of the stream, which belongs to `workspace`. Thread: any.
-  virtual void takePicture(VideoFrame picture, const Workspace& workspace) = 0;
+  virtual void onPicture(VideoFrame picture, const Workspace& workspace) = 0;
   /// Takes what can be felt of the next frame. Thread: network.
-  virtual void takeFrame(const PlayableReliefs& /*frame*/) {}
+  virtual void onFrame(const PlayableReliefs& /*frame*/) {}
   /// Takes the report of a tick, whose `time` counts from the first tick of the run. The ticks
   /// come in order and shortly after they happened.
   /// Thread: main.
-  virtual void takeReport(const TickReport& report) = 0;
+  virtual void onReport(const TickReport& report) = 0;
   /// The view's share of a turn of the event loop, about every 10 ms; it must not wait. Returns
   /// false when the user wants to end. Thread: main.
-  [[nodiscard]] virtual bool turn(UiState& ui_state) = 0;
+  [[nodiscard]] virtual bool update(UiState& ui_state) = 0;
   /// Ends the view after the last tick: what it was asked to write is written. Throws
   /// std::runtime_error, one line that names the flag and the file. Thread: main.
   virtual void finish() = 0;

@@ -19,8 +19,9 @@ std::optional<Vec2> parsePair(const std::string& text) {
   return Vec2(*first, *second);
 }
 
-Endpoint endpointOf(const std::string& text, const Endpoint& otherwise, const std::string& name,
-                    std::uint16_t least_port, const std::string& form) {
+Endpoint parseEndpointOr(const std::string& text, const Endpoint& otherwise,
+                         const std::string& name, std::uint16_t least_port,
+                         const std::string& form) {
   const auto endpoint = parseEndpoint(text, otherwise);
   if (endpoint && endpoint->port >= least_port) return *endpoint;
   throw CLI::ValidationError(
@@ -31,7 +32,7 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help) {
   const auto set = [&value, otherwise = value, name, least_port, form](const std::string& text) {
-    value = endpointOf(text, otherwise, name, least_port, form);
+    value = parseEndpointOr(text, otherwise, name, least_port, form);
   };
   return app.add_option_function<std::string>(name, set, help)
       ->type_name(form.substr(0, form.find_first_of(" ,")));

@@ -22,9 +22,9 @@ std::optional<Vec2> parsePair(const std::string& text);
 
 /// The endpoint that `text` names, as parseEndpoint() has it; throws CLI::ValidationError, which
 /// names the flag `name` and the `form`, where it is none or its port is below `least_port`.
-[[nodiscard]] Endpoint endpointOf(const std::string& text, const Endpoint& otherwise,
-                                  const std::string& name, std::uint16_t least_port,
-                                  const std::string& form);
+[[nodiscard]] Endpoint parseEndpointOr(const std::string& text, const Endpoint& otherwise,
+                                       const std::string& name, std::uint16_t least_port,
+                                       const std::string& form);
 
 /// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
 /// px".

@@ -16,7 +16,7 @@ CodedFrame FrameCoder::code(const HapticFrame& frame, const SliceSettings& setti
   out.objects.reserve(frame.objects.size());
   std::map<ObjectKey, Known> now;
   for (const HapticObject& object : frame.objects) {
-    const ObjectKey key = keyOf(object);
+    const ObjectKey key = makeKey(object);
     std::shared_ptr<const CodedRelief> coded;
     if (const auto before = known_.find(key); object.relief && before != known_.end() &&
                                               before->second.relief == object.relief &&

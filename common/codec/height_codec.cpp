@@ -16,7 +16,7 @@ namespace hapticast {
 namespace {
 
 /// Where a header's pixels lie in the object's rectangle.
-PixelRect pixelsOf(const codec::Header& header, const PixelRect& object) {
+PixelRect computePixelRect(const codec::Header& header, const PixelRect& object) {
   const codec::Shape shape = header.shape(object);
   return {header.x * codec::kCell_px, header.y * codec::kCell_px, shape.width, shape.height};
 }
@@ -62,7 +62,7 @@ struct Heights {
 std::optional<Heights> decodeSmooth(codec::RangeDecoder& coder, const codec::Header& header,
                                     codec::Field& field) {
   field.reset(false);
-  const auto steps = codec::Steps::of(header.step, header.sixteenths);
+  const auto steps = codec::Steps::from(header.step, header.sixteenths);
   codec::SymbolModels models;
   codec::codeHeights(coder, models, field, steps);
   reconstruct(field, steps);
@@ -99,7 +99,7 @@ Result<PixelRect, WireError> HeightDecoder::covers(std::span<const std::uint8_t>
                                                    const PixelRect& object) {
   const auto header = codec::Header::read(slice, object);
   if (!header.ok()) return header.error();
-  return pixelsOf(header.value(), object);
+  return computePixelRect(header.value(), object);
 }
 
 Result<PixelRect, WireError> HeightDecoder::decode(std::span<const std::uint8_t> slice,
@@ -116,7 +116,7 @@ Result<PixelRect, WireError> HeightDecoder::decode(std::span<const std::uint8_t>
       smooth ? decodeSmooth(coder, header, field_) : decodeRough(coder, header, field_, numbers_);
   if (!heights) return malformed("a slice's levels are too many or out of range");
   if (coder.misled()) return malformed("a slice ends too early");
-  const PixelRect pixels = pixelsOf(header, relief.rect);
+  const PixelRect pixels = computePixelRect(header, relief.rect);
   for (int y = 0; y < shape.height; ++y) {
     const auto to = static_cast<std::ptrdiff_t>(pixels.v + y) * relief.rect.width + pixels.u;
     writeRow(heights->data + y * heights->stride, field_.mask.data + y * field_.mask.stride,

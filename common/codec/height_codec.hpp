@@ -52,22 +52,22 @@ class HeightEncoder {
     int x = 0, y = 0, width = 0, height = 0;
   };
 
-  void take(const Relief& relief);
+  void load(const Relief& relief);
   SliceBytes code(const Part& part);
   SliceBytes codeSmooth(const Part& part);
   /// Empty where there are too many levels.
   SliceBytes codeRough(const Part& part);
   [[nodiscard]] codec::Surroundings around(const Part& part);
   void beginSlice(const Part& part, const codec::Shape& shape);
-  [[nodiscard]] codec::Header headerOf(const Part& part, codec::Mode mode) const;
+  [[nodiscard]] codec::Header makeHeader(const Part& part, codec::Mode mode) const;
 
   void codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out);
   void split(const Part& part, int pieces, std::vector<SliceBytes>& out);
   [[nodiscard]] std::ptrdiff_t offset(const Part& part) const;
   [[nodiscard]] bool holdsPixels(const Part& part) const;
-  [[nodiscard]] std::size_t pixelsIn(const Part& part) const;
+  [[nodiscard]] std::size_t countPixels(const Part& part) const;
   [[nodiscard]] Part trimmed(Part part) const;
-  [[nodiscard]] std::vector<float> costsOfLines(const Part& part, bool across) const;
+  [[nodiscard]] std::vector<float> estimateLineCosts(const Part& part, bool across) const;
 
   SliceSettings settings_;
   int width_px_ = 0, height_px_ = 0;

@@ -16,7 +16,7 @@ namespace hapticast {
 
 namespace {
 
-void takeRow(const float* height_mm, const std::uint8_t* inside, int width, std::int32_t* units,
+void copyRow(const float* height_mm, const std::uint8_t* inside, int width, std::int32_t* units,
              std::uint8_t* mask) {
   for (int x = 0; x < width; ++x) {
     const float mm = height_mm[x] == height_mm[x] ? height_mm[x] : 0.0F;
@@ -41,13 +41,13 @@ void encodeMask(codec::RangeEncoder& coder, const codec::Field& field) {
 
 std::vector<SliceBytes> HeightEncoder::encode(const Relief& relief, const SliceSettings& settings) {
   settings_ = settings;
-  take(relief);
+  load(relief);
   std::vector<SliceBytes> out;
   codeOrSplit(whole_, out);
   return out;
 }
 
-void HeightEncoder::take(const Relief& relief) {
+void HeightEncoder::load(const Relief& relief) {
   width_px_ = relief.rect.width;
   height_px_ = relief.rect.height;
   whole_ = {0, 0, codec::cellsOver(width_px_), codec::cellsOver(height_px_)};
@@ -59,7 +59,7 @@ void HeightEncoder::take(const Relief& relief) {
   for (int y = 0; y < height_px_; ++y) {
     const std::ptrdiff_t from = std::ptrdiff_t{y} * width_px_;
     const std::ptrdiff_t to = (y + codec::kMargin_px) * stride_ + codec::kMargin_px;
-    takeRow(relief.height_mm.data() + from, relief.mask.data() + from, width_px_,
+    copyRow(relief.height_mm.data() + from, relief.mask.data() + from, width_px_,
             target_.data() + to, mask_.data() + to);
   }
   costs_.resize(static_cast<std::size_t>(whole_.width) * static_cast<std::size_t>(whole_.height));
@@ -94,7 +94,7 @@ HeightEncoder::Part HeightEncoder::trimmed(Part part) const {
   return part;
 }
 
-codec::Header HeightEncoder::headerOf(const Part& part, codec::Mode mode) const {
+codec::Header HeightEncoder::makeHeader(const Part& part, codec::Mode mode) const {
   return {mode,        settings_.coarse_sixteenths,       part.x, part.y, part.width,
           part.height, codec::stepFor(settings_.error_mm)};
 }
@@ -112,9 +112,9 @@ void HeightEncoder::beginSlice(const Part& part, const codec::Shape& shape) {
 }
 
 SliceBytes HeightEncoder::codeSmooth(const Part& part) {
-  const codec::Header header = headerOf(part, codec::Mode::kSmooth);
+  const codec::Header header = makeHeader(part, codec::Mode::kSmooth);
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
-  const auto steps = codec::Steps::of(header.step, header.sixteenths);
+  const auto steps = codec::Steps::from(header.step, header.sixteenths);
   beginSlice(part, shape);
   field_.reset(true);
   codec::analyse(field_, around(part), steps);
@@ -130,7 +130,7 @@ SliceBytes HeightEncoder::codeSmooth(const Part& part) {
 }
 
 SliceBytes HeightEncoder::codeRough(const Part& part) {
-  const codec::Header header = headerOf(part, codec::Mode::kRough);
+  const codec::Header header = makeHeader(part, codec::Mode::kRough);
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
   beginSlice(part, shape);
   numbers_.reset(shape);
@@ -151,12 +151,12 @@ SliceBytes HeightEncoder::codeRough(const Part& part) {
 SliceBytes HeightEncoder::code(const Part& part) {
   SliceBytes smooth = codeSmooth(part);
   // Below a bit for each pixel the rough way was never the shorter one.
-  if (8 * smooth.size() < pixelsIn(part)) return smooth;
+  if (8 * smooth.size() < countPixels(part)) return smooth;
   SliceBytes rough = codeRough(part);
   return !rough.empty() && rough.size() < smooth.size() ? rough : smooth;
 }
 
-std::size_t HeightEncoder::pixelsIn(const Part& part) const {
+std::size_t HeightEncoder::countPixels(const Part& part) const {
   std::size_t sum = 0;
   for (int y = 0; y < part.height * codec::kCell_px; ++y) {
     const std::uint8_t* row = mask_.data() + offset(part) + y * stride_;
@@ -177,7 +177,7 @@ void HeightEncoder::codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x)
       costs_[static_cast<std::size_t>((part.y + y) * whole_.width + part.x + x)] =
-          rough ? codec::costOf(numbers_, field_, x, y) : codec::costOf(field_, x, y);
+          rough ? codec::estimateCost(numbers_, field_, x, y) : codec::estimateCost(field_, x, y);
   }
   // Every slice learns anew, and no cut divides exactly.
   const double pieces =
@@ -189,7 +189,7 @@ void HeightEncoder::split(const Part& part, int pieces, std::vector<SliceBytes>&
   if (pieces == 1 || (part.width == 1 && part.height == 1)) return codeOrSplit(part, out);
   const bool across = part.width >= part.height;
   const int lines = across ? part.width : part.height;
-  const std::vector<float> costs = costsOfLines(part, across);
+  const std::vector<float> costs = estimateLineCosts(part, across);
   const float total = std::accumulate(costs.begin(), costs.end(), 0.0F);
   const int before_line = pieces / 2;
   const float share = total * static_cast<float>(before_line) / static_cast<float>(pieces);
@@ -207,7 +207,7 @@ void HeightEncoder::split(const Part& part, int pieces, std::vector<SliceBytes>&
   split(second, pieces - before_line, out);
 }
 
-std::vector<float> HeightEncoder::costsOfLines(const Part& part, bool across) const {
+std::vector<float> HeightEncoder::estimateLineCosts(const Part& part, bool across) const {
   std::vector<float> out(static_cast<std::size_t>(across ? part.width : part.height), 0.0F);
   for (int y = 0; y < part.height; ++y) {
     for (int x = 0; x < part.width; ++x)

@@ -33,7 +33,7 @@ class Check {
   void bound(std::size_t size, std::size_t limit, const char* what) {
     if (size > limit && !error_) error_ = WireError{ErrorCode::kTooLarge, what};
   }
-  void take(const WireError& error) {
+  void adopt(const WireError& error) {
     if (!error_) error_ = error;
   }
   [[nodiscard]] const std::optional<WireError>& error() const { return error_; }

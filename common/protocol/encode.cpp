@@ -13,7 +13,7 @@ namespace {
 
 /// At most `limit` bytes of valid UTF-8 without control characters (C0, DEL).
 std::string plain(const std::string& text, std::size_t limit) {
-  return cleaned(text, limit, [](std::uint32_t code) { return code >= 0x20 && code != 0x7F; });
+  return sanitizeUtf8(text, limit, [](std::uint32_t code) { return code >= 0x20 && code != 0x7F; });
 }
 
 void write(const Hello& from, proto::Message& message) {

@@ -62,11 +62,11 @@ class Fragmenter {
   }
   template <class Put>
   void into(proto::HapticFrame& piece, const CodedObject& object, const Put& put) const {
-    proto::Object& to = objectIn(piece, object);
+    proto::Object& to = addObject(piece, object);
     put(to);
     if (!to.rest()) piece.set_object_count(object_count_);
   }
-  static proto::Object& objectIn(proto::HapticFrame& piece, const CodedObject& object) {
+  static proto::Object& addObject(proto::HapticFrame& piece, const CodedObject& object) {
     for (proto::Object& each : *piece.mutable_objects()) {
       if (each.id() == object.id && each.layer() == object.layer) return each;
     }
@@ -150,7 +150,7 @@ std::optional<WireError> Reassembly::add(const DatagramHeader& part,
     object_count_ = count;
   }
   for (const ObjectPiece& each : piece.value().objects) {
-    if (auto error = join(each)) return error;
+    if (auto error = addFragment(each)) return error;
   }
   bytes_ += payload.size();
   had_[part.part] = true;
@@ -158,9 +158,9 @@ std::optional<WireError> Reassembly::add(const DatagramHeader& part,
   return std::nullopt;
 }
 
-std::optional<WireError> Reassembly::join(const ObjectPiece& piece) {
+std::optional<WireError> Reassembly::addFragment(const ObjectPiece& piece) {
   const CodedObject& from = piece.object;
-  const ObjectKey key = keyOf(from);
+  const ObjectKey key = makeKey(from);
   if (!objects_.contains(key) && objects_.size() == kMaxObjects)
     return WireError{ErrorCode::kTooLarge, "too many objects"};
   Joined& to = objects_[key];
@@ -168,9 +168,9 @@ std::optional<WireError> Reassembly::join(const ObjectPiece& piece) {
   if (from.relief && to.relief.rect.empty()) pixels_ += from.relief->rect.pixels();
   if (pixels_ > kMaxReliefPixels)
     return WireError{ErrorCode::kTooLarge, "the reliefs of a frame cover too many pixels"};
-  if (from.relief && !joinRelief(*from.relief, piece.head, to))
+  if (from.relief && !addRelief(*from.relief, piece.head, to))
     return malformed("parts of a relief that contradict each other");
-  if (from.grid && !joinGrid(*from.grid, piece.first_cell, to))
+  if (from.grid && !addGrid(*from.grid, piece.first_cell, to))
     return malformed("parts of a grid that contradict each other");
   if (!to.covers()) return malformed("a grid that does not cover its relief");
   if (piece.head) {
@@ -186,7 +186,7 @@ bool Reassembly::Joined::covers() const {
           grid.rows == gridCells(relief.rect.height));
 }
 
-bool Reassembly::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
+bool Reassembly::addRelief(const CodedRelief& piece, bool head, Joined& to) {
   if (!to.covered) {
     to.relief.rect = piece.rect;
     to.covered.emplace(piece.rect);
@@ -203,7 +203,7 @@ bool Reassembly::joinRelief(const CodedRelief& piece, bool head, Joined& to) {
   return !known || to.relief.slices.size() <= to.relief.slice_count;
 }
 
-bool Reassembly::joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
+bool Reassembly::addGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to) {
   const auto cells = static_cast<std::size_t>(piece.columns) * static_cast<std::size_t>(piece.rows);
   if (to.cells.empty()) {
     to.grid = {piece.columns, piece.rows, {}, {}};

@@ -76,9 +76,9 @@ class Reassembly {
     /// Whether grid and relief, as far as they are known, belong together.
     [[nodiscard]] bool covers() const;
   };
-  [[nodiscard]] std::optional<WireError> join(const ObjectPiece& piece);
-  static bool joinRelief(const CodedRelief& piece, bool head, Joined& to);
-  static bool joinGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to);
+  [[nodiscard]] std::optional<WireError> addFragment(const ObjectPiece& piece);
+  static bool addRelief(const CodedRelief& piece, bool head, Joined& to);
+  static bool addGrid(const MotionGrid& piece, std::size_t first_cell, Joined& to);
 
   DatagramHeader header_;
   std::vector<bool> had_;

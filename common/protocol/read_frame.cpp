@@ -92,7 +92,7 @@ Material read(const proto::Material& from, Check& check) {
 constexpr std::size_t kMostSlices =
     std::size_t{codec::cellsOver(kMaxWidth_px)} * std::size_t{codec::cellsOver(kMaxHeight_px)};
 
-PixelRect rectOf(const proto::Relief& from, Check& check) {
+PixelRect parseRect(const proto::Relief& from, Check& check) {
   check.require(from.width() >= 1 && from.width() <= static_cast<unsigned>(kMaxWidth_px) &&
                     from.height() >= 1 && from.height() <= static_cast<unsigned>(kMaxHeight_px) &&
                     from.u() <= static_cast<unsigned>(kMaxWidth_px) - from.width() &&
@@ -105,7 +105,7 @@ PixelRect rectOf(const proto::Relief& from, Check& check) {
 
 std::shared_ptr<const CodedRelief> read(const proto::Relief& from, bool in_pieces, Check& check) {
   auto to = std::make_shared<CodedRelief>();
-  to->rect = rectOf(from, check);
+  to->rect = parseRect(from, check);
   check.require(from.slices_size() > 0 || (in_pieces && from.slice_count() > 0),
                 "a relief without a slice");
   check.bound(from.slice_count(), kMostSlices, "too many slices");
@@ -169,7 +169,7 @@ void checkRelief(const CodedRelief& relief, Check& check) {
   codec::CoveredCells covered(relief.rect);
   for (const SliceBytes& slice : relief.slices) {
     const auto header = codec::Header::read(slice, relief.rect);
-    if (!header.ok()) return check.take(header.error());
+    if (!header.ok()) return check.adopt(header.error());
     check.require(covered.claim(header.value()), "two slices of a relief overlap");
   }
 }
@@ -241,7 +241,7 @@ void checkFrame(const CodedFrame& frame, Check& check) {
   for (std::size_t i = 0; i < frame.objects.size(); ++i) {
     const CodedObject& object = frame.objects[i];
     for (std::size_t j = 0; j < i; ++j) {
-      check.require(keyOf(frame.objects[j]) != keyOf(object), "an object appears twice");
+      check.require(makeKey(frame.objects[j]) != makeKey(object), "an object appears twice");
     }
     if (!object.relief) continue;
     pixels += object.relief->rect.pixels();

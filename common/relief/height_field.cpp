@@ -60,8 +60,9 @@ struct Cell {
 /// The pixels around a point `x_px`, `y_px` from the first centre; none of them is outside when
 /// both are kept within 1 and `last`, less than two below the last centre. Without branches; a NaN
 /// counts as 1.
-[[gnu::always_inline]] inline Cell cellAt(const std::vector<float>& values, std::ptrdiff_t stride,
-                                          const Vec2& from_first_px, const Vec2& last) {
+[[gnu::always_inline]] inline Cell interpolateCell(const std::vector<float>& values,
+                                                   std::ptrdiff_t stride, const Vec2& from_first_px,
+                                                   const Vec2& last) {
   const double x = std::min(std::max(1.0, from_first_px.x()), last.x());
   const double y = std::min(std::max(1.0, from_first_px.y()), last.y());
   const int i = static_cast<int>(x);
@@ -73,7 +74,7 @@ struct Cell {
 }
 
 /// From derivatives per px; v runs against y.
-Vec2 gradientOf(const Four& sample, const Vec2& px_per_mm) {
+Vec2 computeGradient(const Four& sample, const Vec2& px_per_mm) {
   return Vec2(static_cast<double>(sample[1]), -static_cast<double>(sample[2]))
       .cwiseProduct(px_per_mm);
 }
@@ -92,7 +93,7 @@ bool HeightField::inside(const Vec2& image_px) const noexcept {
 }
 
 SurfaceSample HeightField::bilinear(const Vec2& image_px) const noexcept {
-  const Cell cell = cellAt(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
+  const Cell cell = interpolateCell(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
   // Between two pixels of a column: the value; Sobel's [1 2 1] and [-1 0 1] of one pixel turn into
   // those of the other, so that each of the four pixels' Sobel gradients weighs by the area
   // opposite to it.
@@ -108,11 +109,11 @@ SurfaceSample HeightField::bilinear(const Vec2& image_px) const noexcept {
   const Four step = {-s, -t, s, t};
   const Four smooth = {s, 1.0F + s, 1.0F + t, t};
   const Four sample = sums(linear * value, 0.125F * step * across, 0.125F * smooth * slope, Four{});
-  return {static_cast<double>(sample[0]), gradientOf(sample, px_per_mm_)};
+  return {static_cast<double>(sample[0]), computeGradient(sample, px_per_mm_)};
 }
 
 CurvedSample HeightField::spline(const Vec2& image_px) const noexcept {
-  const Cell cell = cellAt(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
+  const Cell cell = interpolateCell(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
   const SplineWeights u = splineWeights(cell.u);
   const SplineWeights v = splineWeights(cell.v);
   const Four value = cell.down(v.value);
@@ -122,7 +123,7 @@ CurvedSample HeightField::spline(const Vec2& image_px) const noexcept {
   const Vec2& per_mm = px_per_mm_;
   CurvedSample sample;
   sample.height_mm = static_cast<double>(first[0]);
-  sample.gradient = gradientOf(first, per_mm);
+  sample.gradient = computeGradient(first, per_mm);
   sample.bend_xx = static_cast<double>(second[0]) * per_mm.x() * per_mm.x();
   sample.bend_xy = -static_cast<double>(first[3]) * per_mm.x() * per_mm.y();
   sample.bend_yy = static_cast<double>(second[1]) * per_mm.y() * per_mm.y();
@@ -130,12 +131,12 @@ CurvedSample HeightField::spline(const Vec2& image_px) const noexcept {
 }
 
 EdgeSample HeightField::edge(const Vec2& image_px) const noexcept {
-  const Cell cell = cellAt(edge_mm_, prepared_.width, image_px - first_px_, last_cell_);
+  const Cell cell = interpolateCell(edge_mm_, prepared_.width, image_px - first_px_, last_cell_);
   const SplineWeights u = splineWeights(cell.u);
   const SplineWeights v = splineWeights(cell.v);
   const Four value = cell.down(v.value);
   const Four sample = sums(u.value * value, u.slope * value, u.value * cell.down(v.slope), Four{});
-  return {static_cast<double>(sample[0]), gradientOf(sample, px_per_mm_)};
+  return {static_cast<double>(sample[0]), computeGradient(sample, px_per_mm_)};
 }
 
 }  // namespace hapticast

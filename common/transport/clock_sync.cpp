@@ -59,7 +59,7 @@ void ClockSync::fit() {
   while (line_.error < Duration::zero()) {
     samples_.pop_front();
     line_ = fitted();
-    handed_out_ = false;
+    published_ = false;
   }
 }
 
@@ -89,8 +89,8 @@ ClockSync::Line ClockSync::fitted() const {
 Duration ClockSync::offset(LocalTime now) {
   const double ahead = line_.value_ns + line_.slope * nanoseconds(now - line_.origin);
   const Duration wanted = line_.base + Duration(std::llround(ahead));
-  if (!handed_out_) {
-    handed_out_ = true;
+  if (!published_) {
+    published_ = true;
     offset_ = wanted;
   } else {
     const Duration drifted(

@@ -58,7 +58,7 @@ class ClockSync {
   std::deque<Sample> samples_;  // newest last
   std::size_t answered_ = 0;
   Line line_;
-  bool handed_out_ = false;
+  bool published_ = false;
   LocalTime last_{};
   Duration offset_{0};
   Duration error_{0};   // of the estimate, when it was handed out last

@@ -13,7 +13,7 @@ namespace hapticast {
 
 namespace {
 
-std::optional<asio::ip::address> addressOf(const sockaddr* from) {
+std::optional<asio::ip::address> toAddress(const sockaddr* from) {
   if (from == nullptr) return std::nullopt;
   asio::ip::udp::endpoint endpoint;
   if (from->sa_family == AF_INET) {
@@ -41,7 +41,7 @@ std::vector<NetworkInterface> networkInterfaces() {
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
   std::vector<NetworkInterface> found;
   for (const ifaddrs* each = list; each != nullptr; each = each->ifa_next) {
-    const auto address = addressOf(each->ifa_addr);
+    const auto address = toAddress(each->ifa_addr);
     if (!address || (each->ifa_flags & IFF_UP) == 0) continue;
     found.push_back({each->ifa_name, if_nametoindex(each->ifa_name), *address,
                      (each->ifa_flags & IFF_LOOPBACK) != 0});

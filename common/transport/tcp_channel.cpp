@@ -17,12 +17,12 @@ namespace {
 constexpr std::size_t kChunkBytes = 16U << 10U;
 constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
 
-std::string nameOf(const asio::ip::tcp::endpoint& peer) {
+std::string formatName(const asio::ip::tcp::endpoint& peer) {
   if (peer.port() == 0) return "?";
   return toString(Endpoint{unmapped(peer.address()).to_string(), peer.port()});
 }
 
-asio::ip::tcp::endpoint peerOf(const asio::ip::tcp::socket& socket) {
+asio::ip::tcp::endpoint remoteEndpoint(const asio::ip::tcp::socket& socket) {
   boost::system::error_code ended;
   return socket.remote_endpoint(ended);
 }
@@ -30,14 +30,14 @@ asio::ip::tcp::endpoint peerOf(const asio::ip::tcp::socket& socket) {
 }  // namespace
 
 TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes)
-    : Channel(nameOf(peerOf(socket)), read_limit_bytes),
+    : Channel(formatName(remoteEndpoint(socket)), read_limit_bytes),
       socket_(std::move(socket)),
       chunk_(kChunkBytes),
       reader_(read_limit_bytes) {
   boost::system::error_code ignored;  // without it messages only come later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);  // for writeNow()
-  hosts_.peer = unmapped(peerOf(socket_).address());
+  hosts_.peer = unmapped(remoteEndpoint(socket_).address());
   hosts_.local = unmapped(socket_.local_endpoint(ignored).address());
 }
 

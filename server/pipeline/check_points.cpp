@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kOnePlace_px = 3.0;  // chosen: nobody points more exactly
 
-void leaveOutContradictions(VisionSettings& settings) {
+void removeContradictions(VisionSettings& settings) {
   std::erase_if(settings.object_points, [&settings](const AuthorPoint& on) {
     const auto there = [&on](const AuthorPoint& off) {
       return off.time_s == on.time_s && (off.at_px - on.at_px).norm() < kOnePlace_px;
@@ -26,7 +26,7 @@ void leaveOutContradictions(VisionSettings& settings) {
 }  // namespace
 
 VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info) {
-  leaveOutContradictions(settings);
+  removeContradictions(settings);
   if (info.live || !info.frame_count) return settings;
   const double end_s = static_cast<double>(*info.frame_count) / info.fps;
   const auto check = [end_s](const char* flag, std::vector<AuthorPoint>& points) {

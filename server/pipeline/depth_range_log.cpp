@@ -5,7 +5,7 @@
 
 namespace hapticast::server {
 
-void DepthRangeLog::tell(const std::optional<MappedRange>& mapped) {
+void DepthRangeLog::log(const std::optional<MappedRange>& mapped) {
   if (logged_ || !mapped) return;
   logged_ = true;
   const DepthRange& range = mapped->range;

@@ -12,7 +12,7 @@ namespace hapticast::server {
 class DepthRangeLog {
  public:
   /// `mapped`: nullopt while it is not known.
-  void tell(const std::optional<MappedRange>& mapped);
+  void log(const std::optional<MappedRange>& mapped);
 
  private:
   bool logged_ = false;

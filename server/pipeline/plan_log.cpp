@@ -29,7 +29,7 @@ bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& 
                     });
 }
 
-void tellLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
+void logLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
   const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
   if (line.on) {
     spdlog::info("object {}: {:<8} on   {}; takes {:.1f} ms a frame", id, stage, line.why,
@@ -43,13 +43,13 @@ void tellLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) 
 
 }  // namespace
 
-void PlanLog::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
-                   const ReliefBytes& relief_bytes, MediaTime now) {
+void PlanLog::log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
+                  const ReliefBytes& relief_bytes, MediaTime now) {
   for (auto each = logged_.begin(); each != logged_.end();) {
     if (plans.contains(each->first)) {
       ++each;
     } else {
-      bury(std::move(each->second));
+      retire(std::move(each->second));
       each = logged_.erase(each);
     }
   }
@@ -62,13 +62,13 @@ void PlanLog::tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
     told.at = now;
     const auto bytes = relief_bytes.find(id);
     for (const PlanLine& line : lines)
-      tellLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
+      logLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
   }
 }
 
 bool PlanLog::isNews(ToldPlan& told, MediaTime now) const {
   const auto same = [&told](const Lines& lines) { return sameDecisions(told.lines, lines); };
-  if (std::any_of(buried_.begin(), buried_.end(), same)) return false;
+  if (std::any_of(retired_.begin(), retired_.end(), same)) return false;
   const auto before = std::find_if(told.all.begin(), told.all.end(),
                                    [&](const Told& each) { return same(each.lines); });
   if (before == told.all.end()) {
@@ -80,9 +80,9 @@ bool PlanLog::isNews(ToldPlan& told, MediaTime now) const {
   return true;
 }
 
-void PlanLog::bury(ToldPlan plan) {
-  for (Told& each : plan.all) buried_.push_back(std::move(each.lines));
-  while (buried_.size() > kMostBuried) buried_.pop_front();
+void PlanLog::retire(ToldPlan plan) {
+  for (Told& each : plan.all) retired_.push_back(std::move(each.lines));
+  while (retired_.size() > kMostBuried) retired_.pop_front();
 }
 
 }  // namespace hapticast::server

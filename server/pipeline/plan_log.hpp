@@ -20,8 +20,8 @@ class PlanLog {
   /// minute. What was told of an object that is gone is not told again of its successors: a clip
   /// that loops has new ones every round.
   /// `relief_bytes`: what leaving heights out saves.
-  void tell(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
-            const ReliefBytes& relief_bytes, MediaTime now);
+  void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
+           const ReliefBytes& relief_bytes, MediaTime now);
 
  private:
   using Lines = std::vector<PlanLine>;
@@ -36,10 +36,10 @@ class PlanLog {
   };
   /// Whether its newest plan is to be told; then it counts as told.
   bool isNews(ToldPlan& told, MediaTime now) const;
-  void bury(ToldPlan plan);
+  void retire(ToldPlan plan);
 
   std::map<std::uint32_t, ToldPlan> logged_;  // by object id
-  std::deque<Lines> buried_;                  // of objects that are gone, oldest first
+  std::deque<Lines> retired_;                 // of objects that are gone, oldest first
 };
 
 }  // namespace hapticast::server

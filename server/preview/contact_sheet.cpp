@@ -54,7 +54,8 @@ std::vector<std::string> broken(const std::string& line, int width_px) {
 }
 
 // The slope of the heights along one axis in mm/mm; where one side is not felt, towards the other.
-float slopeAt(const cv::Mat& heights, const cv::Point& at, const cv::Point& step, float px_mm) {
+float computeSlope(const cv::Mat& heights, const cv::Point& at, const cv::Point& step,
+                   float px_mm) {
   const cv::Rect all({0, 0}, heights.size());
   const float here = heights.at<float>(at);
   const auto heightAt = [&](const cv::Point& there) {
@@ -85,9 +86,10 @@ cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size) {
   cv::Mat picture;
   cv::resize(frame.color, picture, size, 0, 0, cv::INTER_AREA);
   const int width_px = std::max(1, size.width / 400);
-  for (const std::uint32_t id : idsOf(frame.haptic)) {
+  for (const std::uint32_t id : listIds(frame.haptic)) {
     cv::Mat mask;
-    cv::resize(maskOf(frame.haptic, id, frame.color.size()), mask, size, 0, 0, cv::INTER_NEAREST);
+    cv::resize(renderMask(frame.haptic, id, frame.color.size()), mask, size, 0, 0,
+               cv::INTER_NEAREST);
     std::vector<std::vector<cv::Point>> outline;
     cv::findContours(mask, outline, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
     if (size.width > kThumbnail_px)
@@ -103,7 +105,7 @@ cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size) {
 }
 
 cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace) {
-  const cv::Mat heights = heightsOf(frame.haptic, frame.color.size());
+  const cv::Mat heights = renderHeights(frame.haptic, frame.color.size());
   const Vec2 px_mm = workspace.mmPerPixel();
   const cv::Vec3f light = cv::normalize(cv::Vec3f(-0.5F, -0.6F, 0.8F));  // u right, v down
   cv::Mat picture = cv::Mat::zeros(heights.size(), CV_8UC3);
@@ -111,8 +113,8 @@ cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace) {
     for (int u = 0; u < heights.cols; ++u) {
       const cv::Point at(u, v);
       if (std::isnan(heights.at<float>(at))) continue;
-      const float du = slopeAt(heights, at, {1, 0}, static_cast<float>(px_mm.x()));
-      const float dv = slopeAt(heights, at, {0, 1}, static_cast<float>(px_mm.y()));
+      const float du = computeSlope(heights, at, {1, 0}, static_cast<float>(px_mm.x()));
+      const float dv = computeSlope(heights, at, {0, 1}, static_cast<float>(px_mm.y()));
       const float lit = cv::normalize(cv::Vec3f(-du, -dv, 1.0F)).dot(light);
       picture.at<cv::Vec3b>(at) =
           cv::Vec3b::all(cv::saturate_cast<unsigned char>(30.0F + 225.0F * std::max(0.0F, lit)));

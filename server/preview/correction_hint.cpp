@@ -20,7 +20,7 @@ constexpr double kOtherColor = 40.0;
 constexpr int kLargestClustered_px = 20'000;
 
 // The place farthest from all edges of `part`; the picture's edge is one of them.
-cv::Point deepestIn(const cv::Mat& part) {
+cv::Point findDeepestPoint(const cv::Mat& part) {
   cv::Mat framed;
   cv::copyMakeBorder(part, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::Mat distance;
@@ -31,7 +31,7 @@ cv::Point deepestIn(const cv::Mat& part) {
 }
 
 // The place deepest inside the largest piece of `part`, where that is a part worth a word.
-std::optional<cv::Point> middleOf(const cv::Mat& part, double object_px) {
+std::optional<cv::Point> findMiddle(const cv::Mat& part, double object_px) {
   cv::Mat opened;
   cv::morphologyEx(part, opened, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
@@ -47,7 +47,7 @@ std::optional<cv::Point> middleOf(const cv::Mat& part, double object_px) {
     largest = label;
   }
   if (area_px < kLeastPart * object_px || area_px > kMostPart * object_px) return std::nullopt;
-  return deepestIn(labels == largest);
+  return findDeepestPoint(labels == largest);
 }
 
 std::optional<CorrectionHint> atTheEdge(const cv::Mat& mask) {
@@ -62,7 +62,8 @@ std::optional<CorrectionHint> atTheEdge(const cv::Mat& mask) {
   if (deeper.empty()) return std::nullopt;
   cv::Mat near = mask.clone();
   near(deeper).setTo(0);
-  return CorrectionHint{deepestIn(near), "it reaches the picture's edge there, as an arm does"};
+  return CorrectionHint{findDeepestPoint(near),
+                        "it reaches the picture's edge there, as an arm does"};
 }
 
 // Skin in YCrCb (Chai and Ngan 1999, face segmentation using skin-color map in videophones).
@@ -71,7 +72,7 @@ std::optional<CorrectionHint> skin(const cv::Mat& color, const cv::Mat& mask) {
   cv::cvtColor(color, ycrcb, cv::COLOR_BGR2YCrCb);
   cv::Mat part;
   cv::inRange(ycrcb, cv::Scalar(0, 133, 77), cv::Scalar(255, 173, 127), part);
-  const auto at = middleOf(part & mask, cv::countNonZero(mask));
+  const auto at = findMiddle(part & mask, cv::countNonZero(mask));
   if (!at) return std::nullopt;
   return CorrectionHint{*at, "it has the colours of skin there, as a hand does"};
 }
@@ -105,7 +106,7 @@ std::optional<CorrectionHint> anotherColor(const cv::Mat& color, const cv::Mat& 
     const cv::Vec3f& here = lab.at<cv::Vec3f>(at);
     if (cv::norm(here, other) < cv::norm(here, own)) part.at<unsigned char>(at) = 255;
   }
-  const auto at = middleOf(part, static_cast<double>(inside.size()));
+  const auto at = findMiddle(part, static_cast<double>(inside.size()));
   if (!at) return std::nullopt;
   return CorrectionHint{*at, "it has other colours there than elsewhere"};
 }

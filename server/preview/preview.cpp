@@ -131,13 +131,13 @@ Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
   return keeper.finish();
 }
 
-std::string adviceOf(const Settings& settings, const Watched& watched) {
+std::string suggestCorrections(const Settings& settings, const Watched& watched) {
   const PreviewFrame& first = watched.kept.front();
-  const std::vector<std::uint32_t> ids = idsOf(first.haptic);
+  const std::vector<std::uint32_t> ids = listIds(first.haptic);
   if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
   for (const std::uint32_t id : ids) {
     const cv::Size size = first.color.size();
-    if (const auto doubt = suggestCorrection(first.color, maskOf(first.haptic, id, size))) {
+    if (const auto doubt = suggestCorrection(first.color, renderMask(first.haptic, id, size))) {
       return fmt::format("if object {} should not hold what is at {},{}, try --not {},{}: {}", id,
                          doubt->at_px.x, doubt->at_px.y, doubt->at_px.x, doubt->at_px.y,
                          doubt->why);
@@ -152,16 +152,16 @@ std::string adviceOf(const Settings& settings, const Watched& watched) {
   return "nothing looks wrong; a pixel on what should not be in the outline goes to --not U,V";
 }
 
-std::vector<std::string> linesOf(const Settings& settings, const Watched& watched,
-                                 const SourceInfo& info, const Workspace& workspace) {
+std::vector<std::string> formatLines(const Settings& settings, const Watched& watched,
+                                     const SourceInfo& info, const Workspace& workspace) {
   const PreviewFrame& first = watched.kept.front();
   std::vector<std::string> lines;
-  for (const std::uint32_t id : idsOf(first.haptic))
-    lines.push_back(textOf(objectStats(first, id, workspace), info.depth_kind));
+  for (const std::uint32_t id : listIds(first.haptic))
+    lines.push_back(toText(objectStats(first, id, workspace), info.depth_kind));
   lines.push_back(fmt::format("nothing seen in {} of {} frames ({:.1f} %)", watched.lost,
                               watched.frames,
                               100.0 * double(watched.lost) / double(watched.frames)));
-  lines.push_back(adviceOf(settings, watched));
+  lines.push_back(suggestCorrections(settings, watched));
   return lines;
 }
 
@@ -178,7 +178,7 @@ void writePreview(const Settings& settings, const Clock& clock) {
   const Watched watched = watch(*source, vision, settings.frames);
   if (watched.kept.empty()) throw SourceError(settings.source + ": has no frame");
   const Workspace& workspace = vision.description().workspace;
-  const std::vector<std::string> lines = linesOf(settings, watched, source->info(), workspace);
+  const std::vector<std::string> lines = formatLines(settings, watched, source->info(), workspace);
   const cv::Mat first = drawFirst(watched.kept.front(), workspace, lines);
   for (const std::string& line : lines) fmt::print("{}\n", line);
   if (isPicture(place)) {

@@ -34,8 +34,8 @@ void eachPixel(const Relief& relief, const Take& take) {
 }
 
 // Heights are a line over depth; the line through all pixels by least squares.
-std::optional<DepthRange> mappedBy(const std::vector<float>& depths,
-                                   const std::vector<float>& heights_mm, double depth_mm) {
+std::optional<DepthRange> fitDepthRange(const std::vector<float>& depths,
+                                        const std::vector<float>& heights_mm, double depth_mm) {
   const auto count = static_cast<double>(depths.size());
   double depth_sum = 0.0;
   double height_sum = 0.0;
@@ -58,7 +58,7 @@ std::optional<DepthRange> mappedBy(const std::vector<float>& depths,
 
 }  // namespace
 
-cv::Mat maskOf(const HapticFrame& frame, std::uint32_t id, const cv::Size& size) {
+cv::Mat renderMask(const HapticFrame& frame, std::uint32_t id, const cv::Size& size) {
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   for (const HapticObject& object : frame.objects) {
     if (object.id != id || !object.relief) continue;
@@ -68,7 +68,7 @@ cv::Mat maskOf(const HapticFrame& frame, std::uint32_t id, const cv::Size& size)
   return mask;
 }
 
-cv::Mat heightsOf(const HapticFrame& frame, const cv::Size& size) {
+cv::Mat renderHeights(const HapticFrame& frame, const cv::Size& size) {
   cv::Mat heights(size, CV_32FC1, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
   for (const HapticObject& object : frame.objects) {
     if (!object.relief) continue;
@@ -78,7 +78,7 @@ cv::Mat heightsOf(const HapticFrame& frame, const cv::Size& size) {
   return heights;
 }
 
-std::vector<std::uint32_t> idsOf(const HapticFrame& frame) {
+std::vector<std::uint32_t> listIds(const HapticFrame& frame) {
   std::vector<std::uint32_t> ids;
   ids.reserve(frame.objects.size());
   for (const HapticObject& object : frame.objects) ids.push_back(object.id);
@@ -107,7 +107,7 @@ ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id, const Works
   }
   facts.share = area_px / static_cast<double>(frame.color.total());
   if (depths.empty()) return facts;
-  facts.mapped = mappedBy(depths, heights_mm, workspace.depth_mm);
+  facts.mapped = fitDepthRange(depths, heights_mm, workspace.depth_mm);
   facts.near = percentile(depths, 0.02);
   facts.far = percentile(depths, 0.98);
   facts.low_mm = percentile(heights_mm, 0.02);
@@ -115,7 +115,7 @@ ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id, const Works
   return facts;
 }
 
-std::string textOf(const ObjectFacts& facts, DepthKind kind) {
+std::string toText(const ObjectFacts& facts, DepthKind kind) {
   const bool metric = kind == DepthKind::kMetric;
   const char* const unit = metric ? " mm" : " of 255";
   std::string text = fmt::format("object {}: {:.1f} % of the picture, depth {:.0f} to {:.0f}{}",

@@ -23,11 +23,11 @@ struct PreviewFrame {
 };
 
 /// 255 where object `id` (all its layers) is felt, else 0; size of the picture.
-[[nodiscard]] cv::Mat maskOf(const HapticFrame& frame, std::uint32_t id, const cv::Size& size);
+[[nodiscard]] cv::Mat renderMask(const HapticFrame& frame, std::uint32_t id, const cv::Size& size);
 /// The heights of all objects in nominal mm, NaN where nothing is felt.
-[[nodiscard]] cv::Mat heightsOf(const HapticFrame& frame, const cv::Size& size);
+[[nodiscard]] cv::Mat renderHeights(const HapticFrame& frame, const cv::Size& size);
 /// The objects' ids, each once, in order.
-[[nodiscard]] std::vector<std::uint32_t> idsOf(const HapticFrame& frame);
+[[nodiscard]] std::vector<std::uint32_t> listIds(const HapticFrame& frame);
 
 /// What is told of one object of a frame.
 struct ObjectFacts {
@@ -42,6 +42,6 @@ struct ObjectFacts {
 [[nodiscard]] ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id,
                                       const Workspace& workspace);
 /// One line for people; `unit` is of depth.
-[[nodiscard]] std::string textOf(const ObjectFacts& facts, DepthKind kind);
+[[nodiscard]] std::string toText(const ObjectFacts& facts, DepthKind kind);
 
 }  // namespace hapticast::server

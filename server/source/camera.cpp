@@ -42,7 +42,7 @@ cv::Mat firstPicture(cv::VideoCapture& capture, const std::string& name) {
   return frame;
 }
 
-DepthKind kindOf(const cv::Mat& raw, const std::string& name) {
+DepthKind detectDepthKind(const cv::Mat& raw, const std::string& name) {
   if (raw.type() == CV_16UC1) return DepthKind::kMetric;
   if (raw.type() == CV_8UC1 || (raw.type() == CV_8UC3 && !isColorCoded(raw))) {
     return DepthKind::kHeight;
@@ -66,7 +66,7 @@ Camera::Camera(CameraDevice color, CameraDevice depth, double fps)
   depth_.capture->set(cv::CAP_PROP_CONVERT_RGB, 0.0);
   const cv::Mat picture = firstPicture(*color_.capture, color_.name);
   const cv::Mat raw = firstPicture(*depth_.capture, depth_.name);
-  format_.kind = kindOf(raw, depth_.name);
+  format_.kind = detectDepthKind(raw, depth_.name);
   if (picture.type() != CV_8UC3)
     throw SourceError(color_.name + ": gives no colour; choose another camera");
   if (raw.size() != picture.size()) {

@@ -43,7 +43,7 @@ bool isImage(const fs::path& file) {
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
-std::vector<fs::path> imagesIn(const fs::path& folder) {
+std::vector<fs::path> listImages(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -66,7 +66,7 @@ void requireCount(const fs::path& folder, std::size_t count, std::size_t colors)
 
 // As many masks as pictures are paired with them in order; fewer by their names.
 void addMasks(const fs::path& folder, ClipFiles& clip) {
-  const auto masks = imagesIn(folder);
+  const auto masks = listImages(folder);
   if (masks.size() >= clip.frames.size()) {
     requireCount(folder, masks.size(), clip.frames.size());
     for (std::size_t i = 0; i < masks.size(); ++i) clip.frames[i].mask = masks[i];
@@ -100,11 +100,11 @@ ClipFiles findInFolders(const fs::path& folder) {
     throw SourceError(folder.string() +
                       ": has no folder depth/; put a depth image for each colour image into it");
   }
-  const auto colors = imagesIn(color_folder);
+  const auto colors = listImages(color_folder);
   if (colors.empty()) {
     throw SourceError(color_folder.string() + ": has no PNG or JPEG images; put the frames there");
   }
-  const auto depths = imagesIn(folder / "depth");
+  const auto depths = listImages(folder / "depth");
   requireCount(folder / "depth", depths.size(), colors.size());
   ClipFiles clip;
   clip.frames.reserve(colors.size());

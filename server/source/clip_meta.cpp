@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Null where the text is no JSON object, or one beyond the limits.
-Json objectIn(std::string_view text) {
+Json parseObject(std::string_view text) {
   if (text.size() > kMaxMeta_bytes) return nullptr;
   bool too_deep = false;
   const auto bounded = [&](int depth, Json::parse_event_t event, Json&) {
@@ -31,7 +31,7 @@ Json objectIn(std::string_view text) {
 }
 
 // A value as a person wrote it: a string without its quotes, anything else as JSON.
-std::string textOf(const Json& value) {
+std::string toText(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -52,7 +52,7 @@ class Members {
   [[nodiscard]] std::optional<double> number(const char* key, double low, double high) const {
     const Json& value = at(key);
     if (value.is_null()) return std::nullopt;
-    const std::string text = textOf(value);
+    const std::string text = toText(value);
     const auto number = parseNumber(text);
     if (number && *number >= low && *number <= high) return number;
     throw SourceError(fmt::format("{}: \"{}{}\" is {}, where a number from {} to {} is expected",
@@ -67,7 +67,7 @@ class Members {
 
 std::optional<int> depthBits(const Members& meta, bool has_scale) {
   if (const auto bits = meta.number("depth_bits", 8.0, 16.0)) return *bits > 8.0 ? 16 : 8;
-  const std::string words = textOf(meta.at("depth"));
+  const std::string words = toText(meta.at("depth"));
   const auto says = [&](const char* a, const char* b) {
     return words.find(a) != std::string::npos || words.find(b) != std::string::npos;
   };
@@ -76,7 +76,7 @@ std::optional<int> depthBits(const Members& meta, bool has_scale) {
   return has_scale ? std::optional(16) : std::nullopt;
 }
 
-std::optional<CameraModel> cameraIn(const Members& intrinsics) {
+std::optional<CameraModel> parseCamera(const Members& intrinsics) {
   const auto fx = intrinsics.number("fx", 1.0, 1e5);
   const auto fy = intrinsics.number("fy", 1.0, 1e5);
   const auto cx = intrinsics.number("cx", -1e5, 1e5);
@@ -88,7 +88,7 @@ std::optional<CameraModel> cameraIn(const Members& intrinsics) {
 }  // namespace
 
 ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
-  const Json object = objectIn(text);
+  const Json object = parseObject(text);
   if (object.is_null()) {
     throw SourceError(name +
                       ": is not a JSON object in UTF-8 (of at most 64 KiB); mend or remove it");
@@ -101,7 +101,7 @@ ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
   out.depth_bits = depthBits(meta, out.mm_per_unit.has_value());
   out.fov_deg = meta.number("fov_deg", 10.0, 170.0);
   const Json& intrinsics = meta.at("intrinsics");
-  if (intrinsics.is_object()) out.camera = cameraIn({intrinsics, name, "intrinsics."});
+  if (intrinsics.is_object()) out.camera = parseCamera({intrinsics, name, "intrinsics."});
   return out;
 }
 

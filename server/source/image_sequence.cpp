@@ -8,7 +8,7 @@ namespace hapticast::server {
 namespace {
 
 /// How depth is to be read, from what is declared and what the first depth file is.
-DepthFormat formatOf(const std::filesystem::path& file, const ClipFiles& clip) {
+DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& clip) {
   const ImageResult first = readRawFile(file);
   if (!first.ok())
     throw SourceError(file.string() + ": " + first.problem + "; mend this first frame");
@@ -39,8 +39,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
   if (!color.ok()) {
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
   }
-  format_ = formatOf(first.depth, files_);
-  info_.name = nameOf(folder);
+  format_ = detectFormat(first.depth, files_);
+  info_.name = fileName(folder);
   info_.width_px = color.image.cols;
   info_.height_px = color.image.rows;
   info_.fps = fps > 0.0 ? fps : files_.fps;
@@ -65,7 +65,7 @@ std::optional<RgbdFrame> ImageSequence::read() {
     RgbdFrame frame;
     const std::string what = load(index, frame);
     if (what.empty()) {
-      leaveOut(first, index, problem);
+      exclude(first, index, problem);
       any_read_ = true;
       return frame;
     }
@@ -73,7 +73,7 @@ std::optional<RgbdFrame> ImageSequence::read() {
   }
   if (!problem.empty() && (!any_read_ || vanished(files_.frames.back())))
     throw SourceError(problem + ", and no frame after it can be read either; put the files back");
-  leaveOut(first, next_, problem);
+  exclude(first, next_, problem);
   return std::nullopt;
 }
 
@@ -83,7 +83,7 @@ bool ImageSequence::vanished(const FrameFiles& frame) {
          !std::filesystem::exists(frame.depth, error);
 }
 
-void ImageSequence::leaveOut(std::uint64_t first, std::uint64_t end, const std::string& problem) {
+void ImageSequence::exclude(std::uint64_t first, std::uint64_t end, const std::string& problem) {
   bool is_new = false;
   for (std::uint64_t index = first; index < end; ++index)
     is_new = reported_.insert(index).second || is_new;

@@ -39,7 +39,7 @@ class ImageSequence final : public RgbdSource {
   /// none or all were warned of in an earlier round. `problem`: the first one's.
   /// Whether its files, which were there when the clip was opened, are gone.
   static bool vanished(const FrameFiles& frame);
-  void leaveOut(std::uint64_t first, std::uint64_t end, const std::string& problem);
+  void exclude(std::uint64_t first, std::uint64_t end, const std::string& problem);
 
   ClipFiles files_;
   SourceInfo info_;

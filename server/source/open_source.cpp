@@ -72,7 +72,7 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
 
 }  // namespace
 
-std::string nameOf(const fs::path& path) {
+std::string fileName(const fs::path& path) {
   std::error_code error;
   const fs::path whole = fs::canonical(path, error);  // "." and "clip/" have names, too
   return (error ? path : whole).filename().string();

@@ -68,7 +68,7 @@ class RgbdSource {
 };
 
 /// The last part of a path, which is all that viewers need to know of it.
-std::string nameOf(const std::filesystem::path& path);
+std::string fileName(const std::filesystem::path& path);
 
 /// Opens what --source names: synthetic:NAME, DIR, COLOR,DEPTH or camera:N[,M]. `fps` > 0 overrides
 /// the source's own rate. Throws SourceError.

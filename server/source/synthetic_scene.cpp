@@ -72,7 +72,7 @@ BodyState fromCoordinates(const Coordinate& x, const Coordinate& y, const Coordi
   return body;
 }
 
-BodyState bodyAt(SceneKind kind, double t) {
+BodyState computeBodyState(SceneKind kind, double t) {
   constexpr Coordinate kZero{0.0, 0.0, 0.0};
   constexpr double kQuarter = 0.25 * kTwoPi;
   switch (kind) {
@@ -98,7 +98,7 @@ BodyState bodyAt(SceneKind kind, double t) {
 
 /// The sweep of the visible surface plus a margin. The outline of a tilted ellipsoid may lie behind
 /// its centre.
-DepthRange rangeOf(SceneKind kind) {
+DepthRange sceneRange(SceneKind kind) {
   switch (kind) {
     case SceneKind::kApproach:
       return {kDistance_mm - kApproach_mm - kBallRadius_mm - 20.0,
@@ -112,18 +112,18 @@ DepthRange rangeOf(SceneKind kind) {
   return {kDistance_mm - kBallRadius_mm - 20.0, kDistance_mm + 20.0};
 }
 
-SceneView viewOf(SceneKind kind, const Workspace& workspace) {
+SceneView makeView(SceneKind kind, const Workspace& workspace) {
   const double focal_px = 600.0 * std::min(workspace.width_px / 640.0, workspace.height_px / 480.0);
   return {workspace,
           {focal_px, focal_px, 0.5 * workspace.width_px, 0.5 * workspace.height_px},
-          rangeOf(kind)};
+          sceneRange(kind)};
 }
 
 std::vector<SceneImpact> bounces(const SceneView& view) {
   std::vector<SceneImpact> impacts;
   const auto add = [&](double time_s, const Vec3& jump_mm_s) {
     // The projection is linear in velocity, so a jump maps like a velocity.
-    const Vec3 where = bodyAt(SceneKind::kBounce, time_s).position_mm;
+    const Vec3 where = computeBodyState(SceneKind::kBounce, time_s).position_mm;
     impacts.push_back({time_s, view.project(where, jump_mm_s, Vec3::Zero()).velocity_mm_s});
   };
   for (double t = kFirstFloor_s; t < kDuration_s; t += kFlight_s) {
@@ -246,14 +246,14 @@ PixelRect SceneInstant::boundingBox() const noexcept {
 
 SyntheticScene::SyntheticScene(SceneKind kind, const Workspace& workspace)
     : kind_(kind),
-      view_(viewOf(kind, workspace)),
+      view_(makeView(kind, workspace)),
       semi_axes_mm_(kind == SceneKind::kTumble ? Vec3(80.0, 56.0, 64.0)
                                                : Vec3::Constant(kBallRadius_mm)) {
   if (kind == SceneKind::kBounce) impacts_ = bounces(view_);
 }
 
 SceneInstant SyntheticScene::at(double time_s) const {
-  const BodyState body = bodyAt(kind_, time_s);
+  const BodyState body = computeBodyState(kind_, time_s);
   // Camera z points away from the viewer, nominal z towards him; the angular velocity is constant.
   return {view_, body, semi_axes_mm_, -body.angular_velocity_rad_s.z() * time_s};
 }

@@ -21,7 +21,7 @@ cv::Mat paintBackground(const SolidNoise& noise, int width_px, int height_px) {
   return picture;
 }
 
-Workspace pictureOf(int width_px, int height_px) {
+Workspace makeImageWorkspace(int width_px, int height_px) {
   Workspace workspace;
   workspace.width_px = width_px;
   workspace.height_px = height_px;
@@ -42,7 +42,7 @@ float brightness(const Vec3& normal) {
 }
 
 SyntheticSource::SyntheticSource(SceneKind kind, double fps, int width_px, int height_px)
-    : scene_(kind, pictureOf(width_px, height_px)),
+    : scene_(kind, makeImageWorkspace(width_px, height_px)),
       background_(paintBackground(noise_, width_px, height_px)) {
   const auto* const entry = std::find_if(kSceneNames.begin(), kSceneNames.end(),
                                          [&](const SceneName& name) { return name.kind == kind; });

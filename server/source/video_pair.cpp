@@ -62,7 +62,7 @@ void requireEightBitDepth(const cv::VideoCapture& capture, const std::string& fi
 }
 
 /// The rate a file claims; 25 where that is nonsense.
-double rateOf(const cv::VideoCapture& capture) {
+double readFrameRate(const cv::VideoCapture& capture) {
   const double fps = capture.get(cv::CAP_PROP_FPS);
   return fps >= 1.0 && fps <= 240.0 ? fps : 25.0;
 }
@@ -114,10 +114,10 @@ VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
                       " frames, but the colour video has " + std::to_string(std::llround(colors)) +
                       "; cut both to the same frames");
   }
-  info_.name = nameOf(color_file_);
+  info_.name = fileName(color_file_);
   info_.width_px = color.cols;
   info_.height_px = color.rows;
-  info_.fps = fps > 0.0 ? fps : rateOf(color_);
+  info_.fps = fps > 0.0 ? fps : readFrameRate(color_);
   info_.depth_kind = DepthKind::kHeight;
   if (known) info_.frame_count = static_cast<std::uint64_t>(std::min(colors, depths));
   open();  // back to the first frame

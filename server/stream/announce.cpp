@@ -24,7 +24,7 @@ namespace {
 
 /// The network that a server on this address can be reached from; all of them where it listens on
 /// all, or the address is none of this machine's any more.
-AvahiIfIndex networkOf(const asio::ip::address& address) {
+AvahiIfIndex findNetwork(const asio::ip::address& address) {
   const auto all = networkInterfaces();
   const auto found = std::find_if(all.begin(), all.end(),
                                   [&](const auto& each) { return each.address == address; });
@@ -32,12 +32,12 @@ AvahiIfIndex networkOf(const asio::ip::address& address) {
 }
 
 /// What listens on all addresses of IPv6 takes IPv4 as well.
-AvahiProtocol protocolOf(const asio::ip::address& address) {
+AvahiProtocol toAvahiProtocol(const asio::ip::address& address) {
   if (address.is_v4()) return AVAHI_PROTO_INET;
   return address.is_unspecified() ? AVAHI_PROTO_UNSPEC : AVAHI_PROTO_INET6;
 }
 
-std::string textOf(const char* key, const std::string& value) {
+std::string toText(const char* key, const std::string& value) {
   return std::string(key) + "=" + value;
 }
 
@@ -55,8 +55,8 @@ struct Announcer::Service {
       : wanted(std::move(the_name)),
         name(wanted),
         listens(where),
-        version(textOf(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        plays(textOf(kTxtTitleKey, printable(what, kMaxServicePlays_bytes))) {}
+        version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
+        plays(toText(kTxtTitleKey, printable(what, kMaxServicePlays_bytes))) {}
 
   void make(AvahiClient* client) {
     const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {
@@ -75,7 +75,7 @@ struct Announcer::Service {
     int error = 0;
     do {  // what another program of this machine has taken is told at once
       error = avahi_entry_group_add_service(
-          group, networkOf(listens.address()), protocolOf(listens.address()),
+          group, findNetwork(listens.address()), toAvahiProtocol(listens.address()),
           static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
           listens.port(), version.c_str(), plays.c_str(), nullptr);
       if (error == AVAHI_ERR_COLLISION) rename();

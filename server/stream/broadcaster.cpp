@@ -15,7 +15,7 @@ constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);  // a thousa
 constexpr auto kCountEvery = std::chrono::seconds(1);
 constexpr const char* kServerEnds = "the server ends";
 /// Of an IPv6 address the first 64 bits, since a single host has all that follow them.
-std::string networkOf(const std::string& address) {
+std::string findNetwork(const std::string& address) {
   boost::system::error_code ec;
   const auto v6 = asio::ip::make_address_v6(
       address.starts_with('[') ? address.substr(1, address.size() - 2) : address, ec);
@@ -36,7 +36,7 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       timer_(io),
       counted_(clock.now()) {
   asio::co_spawn(
-      io_, [this] { return watch(); }, asio::detached);
+      io_, [this] { return startTimer(); }, asio::detached);
 }
 
 template <class Take>
@@ -130,18 +130,18 @@ void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
   if (pending_sessions_.size() <= kMaxPending || stopped_) return;  // at the end all hear a goodbye
   const std::shared_ptr<Session> who = evictionCandidate();
   ++counts_.refused;
-  say(spdlog::level::warn, "too many connections beside the viewers': closing " + who->label());
+  log(spdlog::level::warn, "too many connections beside the viewers': closing " + who->label());
   who->abort();
 }
 
 std::shared_ptr<Session> Broadcaster::evictionCandidate() const {
   std::map<std::string, std::size_t> from;
-  for (const auto& each : pending_sessions_) ++from[networkOf(each->address())];
+  for (const auto& each : pending_sessions_) ++from[findNetwork(each->address())];
   const auto most = std::max_element(
       from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   // Where several have as many it is the oldest of them all.
   return *std::find_if(pending_sessions_.begin(), pending_sessions_.end(), [&](const auto& each) {
-    return from[networkOf(each->address())] == most->second;
+    return from[findNetwork(each->address())] == most->second;
   });
 }
 
@@ -164,7 +164,7 @@ void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery
   if (datagrams_ != nullptr) datagrams_->deliver(datagram_token, delivery);
 }
 
-void Broadcaster::joined(Session& session) {
+void Broadcaster::onJoined(Session& session) {
   const auto self = session.shared_from_this();
   std::erase(pending_sessions_, self);
   viewers_.push_back(self);
@@ -173,25 +173,25 @@ void Broadcaster::joined(Session& session) {
   if (preparing_) session.queue(preparing_);  // it sends them itself
   if (last_frame_) session.queue(*last_frame_);
   if (last_video_) session.queue(*last_video_);
-  say(spdlog::level::info, session.label() + " joined");
+  log(spdlog::level::info, session.label() + " joined");
 }
 
-void Broadcaster::ending(const std::shared_ptr<Session>& session,
-                         const std::optional<WireError>& why) {
+void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
+                            const std::optional<WireError>& why) {
   const bool was_viewer = std::erase(viewers_, session) > 0;
   std::erase(pending_sessions_, session);
   countViewers();
   if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
   addStranger(session);
   if (!why) {
-    if (was_viewer) say(spdlog::level::info, session->label() + " left");
+    if (was_viewer) log(spdlog::level::info, session->label() + " left");
   } else if (why->code != ErrorCode::kShuttingDown) {
     ++(why->code == ErrorCode::kTimeout ? counts_.timed_out : counts_.refused);
-    say(spdlog::level::warn, "closing " + session->label() + ": " + why->message);
+    log(spdlog::level::warn, "closing " + session->label() + ": " + why->message);
   }
 }
 
-void Broadcaster::gone(const std::shared_ptr<Session>& session) {
+void Broadcaster::onClosed(const std::shared_ptr<Session>& session) {
   if (std::erase(pending_sessions_, session) == 0) return;
   counts_.sent += session->counts();
   if (stopped_ && viewers_.empty() && pending_sessions_.empty()) timer_.cancel();
@@ -218,7 +218,7 @@ void Broadcaster::check(const Sessions& sessions, LocalTime now) {
   for (const auto& session : all) session->check(now);
 }
 
-asio::awaitable<void> Broadcaster::watch() {
+asio::awaitable<void> Broadcaster::startTimer() {
   while (!stopped_ || !viewers_.empty() || !pending_sessions_.empty()) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
@@ -232,11 +232,11 @@ asio::awaitable<void> Broadcaster::watch() {
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
     if (datagrams_ != nullptr) datagrams_->check(now);
-    tellSlowViewers(now);
-    tellDatagrams(now);
-    tellHidden();
+    logSlowViewers(now);
+    logDatagrams(now);
+    logHidden();
   }
-  tellHidden();
+  logHidden();
 }
 
 }  // namespace hapticast::server

@@ -39,7 +39,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
 
   /// Offers viewers to send their frames as datagrams as well. Before the first of them comes;
   /// `sender` outlives the connections.
-  void carryDatagrams(DatagramSender& sender) { datagrams_ = &sender; }
+  void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
   /// Sends a frame to every viewer; who joins later gets the newest at once. Thread: any.
   void publish(EncodedFrame frame) override;
   /// Sends a picture to those who want it. Thread: any.
@@ -69,7 +69,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Writes a line to the log unless there were too many of late: whatever strangers on the port
   /// do, there are at most 20 a minute, half of them warnings.
   /// Returns whether it was written.
-  bool say(spdlog::level::level_enum level, std::string_view line);
+  bool log(spdlog::level::level_enum level, std::string_view line);
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
 
@@ -80,10 +80,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override;
   void offerDatagrams(const Hosts& hosts, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
-  void joined(Session& session) override;
-  void ending(const std::shared_ptr<Session>& session,
-              const std::optional<WireError>& why) override;
-  void gone(const std::shared_ptr<Session>& session) override;
+  void onJoined(Session& session) override;
+  void onClosing(const std::shared_ptr<Session>& session,
+                 const std::optional<WireError>& why) override;
+  void onClosed(const std::shared_ptr<Session>& session) override;
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
   /// The session's connection does not count as a viewer's (yet, or any more). Above kMaxPending
@@ -102,11 +102,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// where only its datagrams are left out: whom none reach takes frames by TCP a second later.
   bool tooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
-  asio::awaitable<void> watch();
-  void tellSlowViewers(LocalTime now);
-  void tellDatagrams(LocalTime now);
+  asio::awaitable<void> startTimer();
+  void logSlowViewers(LocalTime now);
+  void logDatagrams(LocalTime now);
   /// How many lines were kept back, where nothing more has come to say it with.
-  void tellHidden();
+  void logHidden();
   void countViewers();
 
   asio::io_context& io_;

@@ -6,14 +6,14 @@
 
 namespace hapticast::server {
 
-bool Broadcaster::say(spdlog::level::level_enum level, std::string_view line) {
+bool Broadcaster::log(spdlog::level::level_enum level, std::string_view line) {
   LogRateLimiter& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
   const auto admitted = limit.admit(std::string(line), clock_.now());
   if (admitted) spdlog::log(level, "{}", *admitted);
   return admitted.has_value();
 }
 
-void Broadcaster::tellHidden() {
+void Broadcaster::logHidden() {
   for (LogRateLimiter* limit : {&comings_and_goings_, &problems_}) {
     if (limit->dropped() == 0 || !(stopped_ || limit->isReady(clock_.now()))) continue;
     const std::uint64_t hidden = limit->popDropped();
@@ -24,11 +24,11 @@ void Broadcaster::tellHidden() {
   }
 }
 
-void Broadcaster::tellSlowViewers(LocalTime now) {
+void Broadcaster::logSlowViewers(LocalTime now) {
   if (!slow_interval_.isDue(now)) return;
   const StreamCounts all = counts();
   if (all.sent.dropped() == logged_.dropped()) return;
-  const bool told = say(
+  const bool told = log(
       spdlog::level::warn,
       fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
                   "{} viewers",
@@ -40,14 +40,14 @@ void Broadcaster::tellSlowViewers(LocalTime now) {
   slow_interval_.onLogged(now);
 }
 
-void Broadcaster::tellDatagrams(LocalTime now) {
+void Broadcaster::logDatagrams(LocalTime now) {
   if (datagrams_ == nullptr || !datagrams_interval_.isDue(now)) return;
   const DatagramSenderCounts all = datagrams_->counts();
   const std::uint64_t lost = all.lost() - logged_datagrams_.lost();
   const std::uint64_t wrong = all.notBelieved() - logged_datagrams_.notBelieved();
   if (lost + wrong == 0) return;
   const bool told =
-      say(spdlog::level::warn,
+      log(spdlog::level::warn,
           fmt::format("datagrams: {} were not sent, as the network took too few; {} echoes were "
                       "not a viewer's own",
                       lost, wrong));
@@ -57,11 +57,11 @@ void Broadcaster::tellDatagrams(LocalTime now) {
 }
 
 bool Broadcaster::tooLarge(const EncodedFrame& frame) {
-  const bool too_large = frame.lean->size() > kMaxMessageBytes;
+  const bool too_large = frame.delta->size() > kMaxMessageBytes;
   const LocalTime now = clock_.now();
   if ((too_large || frame.too_many_datagrams) && large_interval_.isDue(now) &&
-      say(spdlog::level::warn,
-          fmt::format("a frame of {} kB, more than {}", frame.lean->size() / 1000,
+      log(spdlog::level::warn,
+          fmt::format("a frame of {} kB, more than {}", frame.delta->size() / 1000,
                       too_large ? "viewers take: it is left out"
                                 : "datagrams carry: it goes by TCP only"))) {
     large_interval_.onLogged(now);

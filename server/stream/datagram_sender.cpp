@@ -16,7 +16,7 @@ namespace {
 // Chosen: a frame's datagrams for some hundred viewers. The system allows less, as it is set up.
 constexpr int kSendBuffer_bytes = 4 << 20;
 
-std::vector<SignedDatagrams> roundOf(const std::deque<SignedDatagrams>& frames) {
+std::vector<SignedDatagrams> mergeRound(const std::deque<SignedDatagrams>& frames) {
   return {frames.begin(), frames.end()};
 }
 
@@ -51,7 +51,7 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
     group_token_ = unguessable();
   }
   asio::co_spawn(
-      io, [this] { return takeEchoes(); }, asio::detached);
+      io, [this] { return readEchoes(); }, asio::detached);
 }
 
 void DatagramSender::offer(const Hosts& hosts, Welcome& welcome) {
@@ -102,7 +102,7 @@ void DatagramSender::send(const EncodedFrame& frame) {
     const auto first = static_cast<std::ptrdiff_t>(frame.id % targets.size());
     std::rotate(targets.begin(), targets.begin() + first, targets.end());
   }
-  out_.send(roundOf(last_), targets);
+  out_.send(mergeRound(last_), targets);
   if (group_out_ && book_.size() > 0) sendToGroup();
 }
 
@@ -115,7 +115,7 @@ void DatagramSender::sendToGroup() {
     // One that the system does not take comes half a second later.
     (void)group_out_->sendNow(signer_.probe(), all);
   }
-  group_out_->send(roundOf(last_), {all});
+  group_out_->send(mergeRound(last_), {all});
 }
 
 void DatagramSender::stop() {
@@ -125,7 +125,7 @@ void DatagramSender::stop() {
   socket_.close(ignored);
 }
 
-asio::awaitable<void> DatagramSender::takeEchoes() {
+asio::awaitable<void> DatagramSender::readEchoes() {
   std::array<std::uint8_t, kEchoBytes + 1> bytes{};  // what is longer shows
   while (socket_.is_open()) {
     boost::system::error_code ec;
@@ -134,14 +134,14 @@ asio::awaitable<void> DatagramSender::takeEchoes() {
     for (std::size_t i = 0; i < kMostEchoes && !ec && socket_.is_open(); ++i) {
       asio::ip::udp::endpoint from;
       const std::size_t size = socket_.receive_from(asio::buffer(bytes), from, 0, ec);
-      if (!ec) take(std::span(bytes).first(size), from);
+      if (!ec) onEcho(std::span(bytes).first(size), from);
     }
   }
 }
 
-void DatagramSender::take(std::span<const std::uint8_t> bytes,
-                          const asio::ip::udp::endpoint& from) {
-  const AddressValidation verdict = book_.take(bytes, from, clock_.now());
+void DatagramSender::onEcho(std::span<const std::uint8_t> bytes,
+                            const asio::ip::udp::endpoint& from) {
+  const AddressValidation verdict = book_.onEcho(bytes, from, clock_.now());
   ++counts_.echoes[static_cast<std::size_t>(verdict)];
   if (verdict != AddressValidation::kBelieved) return;
   const std::uint64_t token = readEcho(bytes)->token;

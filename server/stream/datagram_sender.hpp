@@ -71,8 +71,8 @@ class DatagramSender {
   [[nodiscard]] DatagramSenderCounts counts() const;
 
  private:
-  asio::awaitable<void> takeEchoes();
-  void take(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from);
+  asio::awaitable<void> readEchoes();
+  void onEcho(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from);
   void countTakers();
   void sendToGroup();
 

@@ -44,9 +44,9 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   epoch_ = frame.epoch;
   if (signer != nullptr) encoded.datagrams = signer->sign(lean);
   encoded.too_many_datagrams = signer != nullptr && !encoded.datagrams;
-  encoded.lean = encodeShared(std::move(lean));
-  encoded.whole = left_out ? std::make_shared<LazyKeyFrame>(std::move(frame))
-                           : std::make_shared<LazyKeyFrame>(encoded.lean);
+  encoded.delta = encodeShared(std::move(lean));
+  encoded.key_frame = left_out ? std::make_shared<LazyKeyFrame>(std::move(frame))
+                               : std::make_shared<LazyKeyFrame>(encoded.delta);
   return encoded;
 }
 

@@ -41,10 +41,10 @@ struct EncodedFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
-  SharedBytes lean;  ///< for who got the frame before: reliefs that did not change are left out
-  std::shared_ptr<LazyKeyFrame> whole;  ///< never null
-  SignedDatagrams datagrams = nullptr;  ///< the lean frame's; null: nobody takes them
-  bool too_many_datagrams = false;      ///< somebody takes them, but the frame is too large
+  SharedBytes delta;  ///< for who got the frame before: reliefs that did not change are left out
+  std::shared_ptr<LazyKeyFrame> key_frame;  ///< never null
+  SignedDatagrams datagrams = nullptr;      ///< the lean frame's; null: nobody takes them
+  bool too_many_datagrams = false;          ///< somebody takes them, but the frame is too large
 };
 
 class DatagramSigner;

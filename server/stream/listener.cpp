@@ -68,17 +68,17 @@ asio::awaitable<void> Listener::acceptAll() {
     boost::system::error_code ec;
     auto socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
     if (!ec) {
-      take(std::move(socket));
+      accept(std::move(socket));
     } else if (acceptor_.is_open()) {
       // Out of file handles, say: trying again at once would spin.
-      broadcaster_.say(spdlog::level::warn, "cannot accept a connection: " + ec.message());
+      broadcaster_.log(spdlog::level::warn, "cannot accept a connection: " + ec.message());
       pause_.expires_after(kPauseAfterError);
       co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     }
   }
 }
 
-void Listener::take(asio::ip::tcp::socket socket) {
+void Listener::accept(asio::ip::tcp::socket socket) {
   boost::system::error_code ignored;  // without it a stalled viewer only hoards more
   socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
                     ignored);

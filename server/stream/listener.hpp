@@ -29,7 +29,7 @@ class Listener {
 
  private:
   asio::awaitable<void> acceptAll();
-  void take(asio::ip::tcp::socket socket);
+  void accept(asio::ip::tcp::socket socket);
 
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer pause_;

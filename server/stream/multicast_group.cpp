@@ -26,7 +26,7 @@ Interfaces interfaces(bool v6) {
 }
 
 /// Each name once, as they come.
-std::vector<std::string> namesOf(const Interfaces& all, bool loopback) {
+std::vector<std::string> listNames(const Interfaces& all, bool loopback) {
   std::vector<std::string> names;
   for (const NetworkInterface& each : all) {
     if (each.loopback == loopback &&
@@ -42,13 +42,13 @@ NetworkInterface choose(const Interfaces& all, const std::string& wanted,
     return wanted.empty() || each.called(wanted);
   });
   if (found == all.end()) {
-    std::vector<std::string> names = namesOf(all, false);
-    for (std::string& each : namesOf(all, true)) names.push_back(std::move(each));
+    std::vector<std::string> names = listNames(all, false);
+    for (std::string& each : listNames(all, true)) names.push_back(std::move(each));
     throw AddressError(complaint + (wanted.empty() ? "this machine has no network for it"
                                                    : "no network here is " + quote(wanted) +
                                                          "; there are " + join(names, ", ")));
   }
-  const std::vector<std::string> others = namesOf(all, false);
+  const std::vector<std::string> others = listNames(all, false);
   if (wanted.empty() && others.size() > 1) {
     spdlog::info("--multicast goes out on {}, the first of {}; @INTERFACE behind it chooses",
                  found->name, join(others, ", "));

@@ -53,7 +53,7 @@ void SendQueue::clear() {
 
 SharedBytes SendQueue::pass(const EncodedFrame& frame) {
   ++counts_.frames_sent;
-  return std::exchange(needs_whole_, false) ? frame.whole->payload() : frame.lean;
+  return std::exchange(needs_whole_, false) ? frame.key_frame->payload() : frame.delta;
 }
 
 SharedBytes SendQueue::pop() {

@@ -24,7 +24,7 @@ Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, Session
       host_(host),
       id_(id),
       started_(host.clock().now()),
-      heard_(started_),
+      received_(started_),
       write_progress_(started_),
       rate_since_(started_) {}
 
@@ -63,7 +63,7 @@ void Session::send(const EncodedFrame& frame) {
 }
 
 void Session::queue(const EncodedVideo& video) {
-  if (!wantsVideo()) return;
+  if (!isVideoSubscriber()) return;
   idle_ = false;
   queue_.pushVideo(video);
 }
@@ -98,23 +98,23 @@ void Session::wakeWriter() {
   wake_.cancel();
 }
 
-void Session::close(const WireError& why) { sayGoodbye(why, why); }
+void Session::close(const WireError& why) { sendGoodbye(why, why); }
 
-void Session::sayGoodbye(const WireError& farewell, const std::optional<WireError>& why) {
+void Session::sendGoodbye(const WireError& farewell, const std::optional<WireError>& why) {
   if (closing_since_ || ended_) return;
   closing_since_ = host_.clock().now();
   queue_.clear();
   pongs_.clear();
   (void)queue_.pushControl(encodeShared(farewell));  // the queue was just emptied
   wakeWriter();                                      // it ends the writing, too
-  host_.ending(shared_from_this(), why);
+  host_.onClosing(shared_from_this(), why);
 }
 
 void Session::end() {
   ended_ = true;
   channel_->close();
   wakeWriter();
-  host_.gone(shared_from_this());
+  host_.onClosed(shared_from_this());
 }
 
 void Session::abort() {
@@ -132,12 +132,12 @@ void Session::check(LocalTime now) {
       abort();
     }
   } else if (stalled(now)) {
-    host_.ending(shared_from_this(),
-                 WireError{ErrorCode::kTimeout, "reads nothing from its connection"});
+    host_.onClosing(shared_from_this(),
+                    WireError{ErrorCode::kTimeout, "reads nothing from its connection"});
     abort();
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello came in time"});
-  } else if (now - heard_ >= settings.idle_timeout) {
+  } else if (now - received_ >= settings.idle_timeout) {
     close({ErrorCode::kTimeout, "nothing was heard for too long"});
   }
 }
@@ -157,10 +157,10 @@ asio::awaitable<void> Session::readAll() {
     if (!payload.ok()) {
       close(payload.error());
     } else if (payload.value()) {
-      take(*payload.value());
+      onPayload(*payload.value());
     } else {
       // Whoever only ends its own side may still read; the host need not be told why.
-      sayGoodbye({ErrorCode::kUnexpected, "you ended your side of the connection"}, std::nullopt);
+      sendGoodbye({ErrorCode::kUnexpected, "you ended your side of the connection"}, std::nullopt);
       read_ended_ = true;
       co_return;
     }
@@ -169,11 +169,11 @@ asio::awaitable<void> Session::readAll() {
   read_ended_ = true;
 }
 
-void Session::take(Payload payload) {
+void Session::onPayload(Payload payload) {
   if (!withinRate()) return close({ErrorCode::kUnexpected, "too many messages a second"});
   const auto message = decode(payload);
   if (!message.ok()) return close(message.error());
-  heard_ = host_.clock().now();
+  received_ = host_.clock().now();
   std::visit([this](const auto& each) { handle(each); }, message.value());
 }
 
@@ -196,7 +196,7 @@ void Session::handle(const Hello& hello) {
   datagram_token_ = welcome.datagram_token;
   idle_ = false;
   (void)queue_.pushControl(encodeShared(welcome));  // the first message
-  host_.joined(*this);
+  host_.onJoined(*this);
   flush();
 }
 
@@ -242,7 +242,7 @@ asio::awaitable<void> Session::writeAll() {
       const bool written = co_await channel_->write(std::move(payload));
       writing_ = false;
       if (written) continue;
-      if (!closing_since_ && !ended_) host_.ending(shared_from_this(), std::nullopt);
+      if (!closing_since_ && !ended_) host_.onClosing(shared_from_this(), std::nullopt);
       end();
       co_return;
     }

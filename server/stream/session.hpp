@@ -33,13 +33,13 @@ class SessionHost {
   /// How the client that has this token wants its frames.
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// The session has welcomed its client.
-  virtual void joined(Session& session) = 0;
+  virtual void onJoined(Session& session) = 0;
   /// The session is no viewer any more: it ends by our decision, or, without a reason, by its
   /// peer's. Said at most once.
-  virtual void ending(const std::shared_ptr<Session>& session,
-                      const std::optional<WireError>& why) = 0;
+  virtual void onClosing(const std::shared_ptr<Session>& session,
+                         const std::optional<WireError>& why) = 0;
   /// The connection has ended. May be said more than once.
-  virtual void gone(const std::shared_ptr<Session>& session) = 0;
+  virtual void onClosed(const std::shared_ptr<Session>& session) = 0;
 
  protected:
   ~SessionHost() = default;
@@ -82,7 +82,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
   [[nodiscard]] std::uint64_t datagramToken() const { return datagram_token_; }
-  [[nodiscard]] bool wantsVideo() const { return welcomed() && hello_->wants_video; }
+  [[nodiscard]] bool isVideoSubscriber() const { return welcomed() && hello_->wants_video; }
   [[nodiscard]] std::string label() const;    ///< for the log
   [[nodiscard]] std::string address() const;  ///< the peer's, without its port
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
@@ -90,7 +90,7 @@ class Session : public std::enable_shared_from_this<Session> {
  private:
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
-  void take(Payload payload);
+  void onPayload(Payload payload);
   void handle(const Hello& hello);
   void handle(const Ping& ping);
   void handle(const Delivery& delivery);
@@ -101,7 +101,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Whether the peer has taken nothing of what is being written for too long.
   [[nodiscard]] bool stalled(LocalTime now);
   /// Says the last word; `why` is told to the host.
-  void sayGoodbye(const WireError& farewell, const std::optional<WireError>& why);
+  void sendGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();
   [[nodiscard]] SharedBytes nextPayload();
   void wakeWriter();
@@ -121,7 +121,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<Hello> hello_;
   std::uint64_t datagram_token_ = 0;  // 0: it was offered none
   LocalTime started_;
-  LocalTime heard_;  // last message
+  LocalTime received_;  // last message
   bool ended_ = false;
   bool read_ended_ = false;   // nothing more comes from the peer, or nothing that matters
   bool write_ended_ = false;  // the last word is written

@@ -35,10 +35,10 @@ class Control {
     info.ipi6_ifindex = static_cast<decltype(info.ipi6_ifindex)>(address.scope_id());
     add(IPPROTO_IPV6, IPV6_PKTINFO, info);
   }
-  void cutAt(std::size_t bytes) {
+  void cutAfter(std::size_t bytes) {
     add(IPPROTO_UDP, UDP_SEGMENT, static_cast<std::uint16_t>(bytes));
   }
-  void giveTo(msghdr& message) {
+  void hand(msghdr& message) {
     message.msg_control = size_ > 0 ? bytes_.data() : nullptr;
     message.msg_controllen = size_;
   }
@@ -91,8 +91,8 @@ struct UdpFanout::Address {
       *parts++ = {const_cast<std::uint8_t*>(body->data()), body->size()};  // is only read
     }
     control = source;
-    if (bodies.size() > 1) control.cutAt(token.size() + bodies.front()->size());
-    control.giveTo(message);
+    if (bodies.size() > 1) control.cutAfter(token.size() + bodies.front()->size());
+    control.hand(message);
   }
 
   TokenBytes token;
@@ -119,10 +119,10 @@ void UdpFanout::send(std::vector<SignedDatagrams> newest_first,
   dropRest();
   frames_ = std::move(newest_first);
   messages_.reserve(frames_.size());
-  for (const SignedDatagrams& each : frames_) messages_.push_back(segmentsOf(each));
+  for (const SignedDatagrams& each : frames_) messages_.push_back(splitSegments(each));
   targets_.reserve(targets.size());
   for (const DatagramTarget& each : targets) targets_.emplace_back(each);
-  if (!waiting_) go();
+  if (!waiting_) sendPending();
 }
 
 bool UdpFanout::sendNow(const std::vector<std::uint8_t>& body, const DatagramTarget& target) {
@@ -143,7 +143,7 @@ void UdpFanout::sendSingly(const Segments& segments, Address& to) {
   for (const auto* body : segments) ++(sendOne(*body, to) ? to.counts->sent : to.counts->failed);
 }
 
-std::vector<UdpFanout::Segments> UdpFanout::segmentsOf(const SignedDatagrams& bodies) {
+std::vector<UdpFanout::Segments> UdpFanout::splitSegments(const SignedDatagrams& bodies) {
   Segments left;
   left.reserve(bodies->size());
   for (const auto& body : *bodies) left.push_back(&body);
@@ -160,7 +160,7 @@ std::vector<UdpFanout::Segments> UdpFanout::segmentsOf(const SignedDatagrams& bo
   return messages;
 }
 
-bool UdpFanout::settle(Cursor& cursor) const {
+bool UdpFanout::finishRound(Cursor& cursor) const {
   for (; cursor.frame < messages_.size(); cursor = {cursor.frame + 1, 0, 0}) {
     const std::size_t messages = messages_[cursor.frame].size();
     for (; cursor.message < messages; cursor = {cursor.frame, cursor.message + 1, 0}) {
@@ -173,20 +173,21 @@ bool UdpFanout::settle(Cursor& cursor) const {
 }
 
 void UdpFanout::dropRest() {
-  for (; settle(next_); ++next_.target) targets_[next_.target].counts->dropped += at(next_).size();
+  for (; finishRound(next_); ++next_.target)
+    targets_[next_.target].counts->dropped += at(next_).size();
   frames_.clear();
   messages_.clear();
   targets_.clear();
   next_ = {};
 }
 
-void UdpFanout::go() {
-  for (std::size_t sent = 0; settle(next_); sent += kBatch) {
+void UdpFanout::sendPending() {
+  for (std::size_t sent = 0; finishRound(next_); sent += kBatch) {
     if (sent >= kAtOnce) {
       waiting_ = true;
       return asio::post(socket_.get_executor(), [this] {
         waiting_ = false;
-        go();
+        sendPending();
       });
     }
     if (!sendBatch()) return scheduleSend();
@@ -198,14 +199,14 @@ void UdpFanout::scheduleSend() {
   socket_.async_wait(asio::socket_base::wait_write, [this](const boost::system::error_code& ec) {
     if (ec) return;  // the socket is closed, and this may be gone
     waiting_ = false;
-    go();
+    sendPending();
   });
 }
 
 bool UdpFanout::sendBatch() {
   unsigned count = 0;
   std::size_t datagrams = 0;
-  for (Cursor cursor = next_; settle(cursor); ++cursor.target, ++count) {
+  for (Cursor cursor = next_; finishRound(cursor); ++cursor.target, ++count) {
     const Segments& segments = at(cursor);
     if (datagrams + segments.size() > kBatch) break;
     batch_->messages[count].msg_len = 0;

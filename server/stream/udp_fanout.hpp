@@ -70,7 +70,7 @@ class UdpFanout {
   };
 
   /// A frame's bodies as few messages.
-  [[nodiscard]] static std::vector<Segments> segmentsOf(const SignedDatagrams& bodies);
+  [[nodiscard]] static std::vector<Segments> splitSegments(const SignedDatagrams& bodies);
   [[nodiscard]] const Segments& at(const Cursor& cursor) const {
     return messages_[cursor.frame][cursor.message];
   }
@@ -79,8 +79,8 @@ class UdpFanout {
   void sendSingly(const Segments& segments, Address& to);
 
   /// Whether there is a message at the cursor; moves it over those that nobody wants.
-  [[nodiscard]] bool settle(Cursor& cursor) const;
-  void go();
+  [[nodiscard]] bool finishRound(Cursor& cursor) const;
+  void sendPending();
   void scheduleSend();
   /// Sends up to kBatch datagrams, at least one message; false where the system takes no more for
   /// now.

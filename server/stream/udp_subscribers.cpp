@@ -36,24 +36,24 @@ void UdpSubscribers::deliver(std::uint64_t token, const Delivery& delivery) {
   viewer->by_group = !delivery.datagrams && !delivery.on_tcp;
 }
 
-AddressValidation UdpSubscribers::take(std::span<const std::uint8_t> bytes,
-                                       const asio::ip::udp::endpoint& from, LocalTime now) {
+AddressValidation UdpSubscribers::onEcho(std::span<const std::uint8_t> bytes,
+                                         const asio::ip::udp::endpoint& from, LocalTime now) {
   const auto echo = readEcho(bytes);
   if (!echo) return AddressValidation::kMalformed;
   if (echo->stream != stream_) return AddressValidation::kOtherStream;
   Viewer* const viewer = find(echo->token);
   if (viewer == nullptr) return AddressValidation::kUnknownToken;
   if (unmapped(from.address()) != viewer->peer) return AddressValidation::kForeign;
-  if (viewer->at && now - viewer->heard < kLeastPause) return AddressValidation::kTooSoon;
+  if (viewer->at && now - viewer->received < kLeastPause) return AddressValidation::kTooSoon;
   viewer->at = from;
-  viewer->heard = now;
+  viewer->received = now;
   return AddressValidation::kBelieved;
 }
 
 void UdpSubscribers::forget(LocalTime now) {
   for (auto& each : viewers_) {
     Viewer& viewer = each.second;
-    if (viewer.at && now - viewer.heard >= kForgetAfter) viewer.at.reset();
+    if (viewer.at && now - viewer.received >= kForgetAfter) viewer.at.reset();
   }
 }
 

@@ -43,7 +43,7 @@ class UdpSubscribers {
     std::uint32_t copies = 1;
     bool by_group = false;  ///< it takes the group's datagrams
     std::optional<asio::ip::udp::endpoint> at;
-    LocalTime heard{};
+    LocalTime received{};
     std::shared_ptr<DatagramCounts> counts = std::make_shared<DatagramCounts>();
   };
 
@@ -56,8 +56,8 @@ class UdpSubscribers {
   /// How it wants its frames from now on.
   void deliver(std::uint64_t token, const Delivery& delivery);
   /// Reads an echo that came from `from`.
-  AddressValidation take(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,
-                         LocalTime now);
+  AddressValidation onEcho(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,
+                           LocalTime now);
   /// Forgets where those are whose echoes have ceased.
   void forget(LocalTime now);
 

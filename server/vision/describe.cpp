@@ -14,8 +14,8 @@ bool equalReliefs(const Relief& a, const Relief& b) {
   return a.rect == b.rect && a.mask == b.mask && a.height_mm == b.height_mm;
 }
 
-std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const NominalFrame& nominal,
-                                       const VisionSettings& settings, const Clock* clock) {
+std::shared_ptr<const Relief> makeRelief(const TrackedObject& object, const NominalFrame& nominal,
+                                         const VisionSettings& settings, const Clock* clock) {
   ScenePlan& plan = *object.plan;
   const auto make = [&](bool smooth) {
     return makeRelief(object.surface, nominal.range, nominal.workspace, settings.method, smooth);
@@ -29,9 +29,9 @@ std::shared_ptr<const Relief> reliefOf(const TrackedObject& object, const Nomina
     smoothed = make(true);
   }
   if (plan.measureNow()) {
-    plan.costs(Stage::kSmooth,
-               forceDifference_N(*smoothed, *make(false), nominal.workspace.mmPerPixel().x(),
-                                 settings.stiffness_N_mm()));
+    plan.setForceError(Stage::kSmooth, forceDifference_N(*smoothed, *make(false),
+                                                         nominal.workspace.mmPerPixel().x(),
+                                                         settings.stiffness_N_mm()));
   }
   return smoothed;
 }
@@ -48,7 +48,7 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
   out.motion.visible_fraction = object.visible_fraction;
   const bool stays = last != nullptr && (!object.seen || object.atRest());
   if (!stays || (object.seen && object.plan->on(Stage::kHeights))) {
-    out.relief = reliefOf(object, nominal, settings, clock);
+    out.relief = makeRelief(object, nominal, settings, clock);
     out.changed_in_frame = frame_id;
   }
   const bool unchanged = last != nullptr && (stays || equalReliefs(*out.relief, *last->relief));

@@ -83,7 +83,7 @@ void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
     object.motion = motion;
     if (around.at) {
       findImpacts(object, frame, around);
-      takeFromClip(object, frame.media_time, around.samples[*around.at].position_mm, clip_frame);
+      setFromClip(object, frame.media_time, around.samples[*around.at].position_mm, clip_frame);
     }
     addGrid(object, frame, nominal);
     if (info_.live) boundAcceleration(object);
@@ -102,8 +102,8 @@ void FrameMotion::findImpacts(HapticObject& object, const HapticFrame& frame,
   object.impacts = finder.around(toSeconds(frame.media_time), reach_s());
 }
 
-void FrameMotion::takeFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
-                               std::uint64_t clip_frame) const {
+void FrameMotion::setFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
+                              std::uint64_t clip_frame) const {
   const std::uint32_t in_clip = object.id - first_object_id_ + 1;
   const ClipMotion::Moment* const known = clip_.at(in_clip, clip_frame, measured_mm);
   if (known == nullptr) return;

@@ -28,7 +28,7 @@ class FrameMotion {
 
   /// What a scan saw of the clip, which counted its objects from 1: from now on frames of it have
   /// all of it as their window.
-  void knowClip(ClipMotion clip) { clip_ = std::move(clip); }
+  void setClip(ClipMotion clip) { clip_ = std::move(clip); }
   /// The clip begins again; its first object will have the id `first_object_id`.
   void beginClip(std::uint32_t first_object_id) { first_object_id_ = first_object_id; }
 
@@ -49,8 +49,8 @@ class FrameMotion {
 
  private:
   void findImpacts(HapticObject& object, const HapticFrame& frame, const MotionWindow& around);
-  void takeFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
-                    std::uint64_t clip_frame) const;
+  void setFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
+                   std::uint64_t clip_frame) const;
   void addGrid(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void addResidual(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void boundAcceleration(const HapticObject& object);

@@ -35,7 +35,7 @@ double reliefChange_N(const TrackedObject& before, const TrackedObject& now,
 
 }  // namespace
 
-bool sameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b) {
+bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const TrackedObject& x, const TrackedObject& y) {
                       return x.id == y.id && x.seen && y.seen;
@@ -44,7 +44,7 @@ bool sameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedO
 
 bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
                   const NominalFrame& nominal, const VisionSettings& settings) {
-  if (!sameObjects(before, now)) return false;
+  if (!haveSameObjects(before, now)) return false;
   return std::equal(before.begin(), before.end(), now.begin(),
                     [&](const TrackedObject& a, const TrackedObject& b) {
                       return settings.stiffness_N_mm() * moved_mm(a, b, nominal) +

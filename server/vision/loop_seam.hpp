@@ -11,7 +11,7 @@
 namespace hapticast::server {
 
 /// Whether both frames show the same objects, by id, all of them seen.
-bool sameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
+bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
 
 /// Whether the same objects are where they were in the frame before, and feel as they did: pose and
 /// relief together change the force by the error budget at most.

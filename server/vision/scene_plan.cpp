@@ -14,7 +14,7 @@ constexpr double kNew = 0.2;        // chosen: of a new measurement in what is r
 constexpr double kFade = 0.95;      // chosen: of what a grid cost, a frame; half a second at 25 fps
 constexpr double kFinger_mm = 1.0;  // chosen: as deep as a light touch goes in
 
-std::size_t indexOf(Stage stage) { return static_cast<std::size_t>(stage); }
+std::size_t stageIndex(Stage stage) { return static_cast<std::size_t>(stage); }
 
 }  // namespace
 
@@ -22,7 +22,7 @@ ScenePlan::ScenePlan(const PlanSettings& settings, bool source_mask)
     : settings_(settings), source_mask_(source_mask) {}
 
 std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
-  const std::optional<double>& cost_N = cost_N_[indexOf(stage)];
+  const std::optional<double>& cost_N = cost_N_[stageIndex(stage)];
   switch (stage) {
     case Stage::kSegment:
       if (source_mask_) return "the source brings the mask";
@@ -49,21 +49,21 @@ std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
   return std::nullopt;
 }
 
-std::string ScenePlan::whyOn(Stage stage) const {
+std::string ScenePlan::explainStage(Stage stage) const {
   switch (stage) {
     case Stage::kSegment:
       return "the source brings no mask, and the scene changes";
     case Stage::kClean:
       return "the depth has holes or background in it";
     case Stage::kSmooth: {
-      const std::optional<double>& cost_N = cost_N_[indexOf(stage)];
+      const std::optional<double>& cost_N = cost_N_[stageIndex(stage)];
       if (!cost_N) return "not measured yet";
       char text[64];
       std::snprintf(text, sizeof text, "without it the force would be off by %.3f N", *cost_N);
       return text;
     }
     case Stage::kGrid: {
-      const std::optional<double>& cost_N = cost_N_[indexOf(stage)];
+      const std::optional<double>& cost_N = cost_N_[stageIndex(stage)];
       return cost_N && *cost_N > settings_.error_budget_N ? "the object deforms"
                                                           : "it is measured now";
     }
@@ -75,11 +75,11 @@ std::string ScenePlan::whyOn(Stage stage) const {
 }
 
 bool ScenePlan::on(Stage stage) const {
-  if (settings_.forced[indexOf(stage)]) return *settings_.forced[indexOf(stage)];
+  if (settings_.forced[stageIndex(stage)]) return *settings_.forced[stageIndex(stage)];
   return settings_.everything || !whyOff(stage);
 }
 
-void ScenePlan::rest(bool at_rest, std::string_view why) {
+void ScenePlan::isResting(bool at_rest, std::string_view why) {
   // What goes on being released is told once, until it has rested again.
   if (at_rest_ && !at_rest) released_ = why;
   at_rest_ = at_rest;
@@ -87,12 +87,12 @@ void ScenePlan::rest(bool at_rest, std::string_view why) {
 
 void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
 
-void ScenePlan::costs(Stage stage, double error_N) { cost_N_[indexOf(stage)] = error_N; }
+void ScenePlan::setForceError(Stage stage, double error_N) { cost_N_[stageIndex(stage)] = error_N; }
 
 bool ScenePlan::residual(double felt_N) {
-  std::optional<double>& cost_N = cost_N_[indexOf(Stage::kGrid)];
+  std::optional<double>& cost_N = cost_N_[stageIndex(Stage::kGrid)];
   cost_N = std::max(felt_N, kFade * cost_N.value_or(0.0));
-  return settings_.everything || settings_.forced[indexOf(Stage::kGrid)].value_or(false) ||
+  return settings_.everything || settings_.forced[stageIndex(Stage::kGrid)].value_or(false) ||
          *cost_N > settings_.error_budget_N;
 }
 
@@ -107,8 +107,8 @@ void ScenePlan::nextFrame() {
 
 bool ScenePlan::measureNow() const { return frame_ % kMeasureEvery == 0; }
 
-void ScenePlan::took(Stage stage, Duration time) {
-  this_frame_ms_[indexOf(stage)] += 1e3 * toSeconds(time);
+void ScenePlan::addTime(Stage stage, Duration time) {
+  this_frame_ms_[stageIndex(stage)] += 1e3 * toSeconds(time);
 }
 
 std::vector<PlanLine> ScenePlan::lines() const {
@@ -123,7 +123,7 @@ std::vector<PlanLine> ScenePlan::lines() const {
     } else if (settings_.everything) {
       line.why = "nothing is to be left out";
     } else {
-      line.why = why.value_or(whyOn(line.stage));
+      line.why = why.value_or(explainStage(line.stage));
     }
     line.saves_ms = time_ms_[i];
     const bool costs =

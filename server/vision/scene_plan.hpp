@@ -33,11 +33,11 @@ class ScenePlan {
   [[nodiscard]] bool on(Stage stage) const;
   /// Whether the object is at rest: all of it is held. `why`: what released it in this frame, a
   /// text that stays; empty: nothing did.
-  void rest(bool at_rest, std::string_view why = {});
+  void isResting(bool at_rest, std::string_view why = {});
   /// Whether the heights of this frame are those of the last one.
   void unchanged(bool unchanged);
   /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
-  void costs(Stage stage, double error_N);
+  void setForceError(Stage stage, double error_N);
   /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
   /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
   bool residual(double felt_N);
@@ -45,7 +45,7 @@ class ScenePlan {
   /// frames.
   void nextFrame();
   [[nodiscard]] bool measureNow() const;
-  void took(Stage stage, Duration time);
+  void addTime(Stage stage, Duration time);
 
   /// All stages, in order, for --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
@@ -58,7 +58,7 @@ class ScenePlan {
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
-  [[nodiscard]] std::string whyOn(Stage stage) const;
+  [[nodiscard]] std::string explainStage(Stage stage) const;
 
   PlanSettings settings_;
   bool source_mask_;
@@ -81,7 +81,7 @@ class ScopedStageTimer {
         stage_(stage),
         start_(clock != nullptr ? clock->now() : LocalTime()) {}
   ~ScopedStageTimer() {
-    if (clock_ != nullptr) plan_.took(stage_, clock_->now() - start_);
+    if (clock_ != nullptr) plan_.addTime(stage_, clock_->now() - start_);
   }
   ScopedStageTimer(const ScopedStageTimer&) = delete;
   ScopedStageTimer& operator=(const ScopedStageTimer&) = delete;

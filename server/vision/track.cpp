@@ -22,7 +22,7 @@ constexpr double kBlindQuality = 0.5;    // chosen, at most: followed without de
 constexpr double kGuessQuality = 0.8;    // chosen: followed without a reliable flow
 constexpr double kFullAreaShare = 0.05;  // chosen: a new size is believed in a second
 
-TrackedObject firstOf(const TrackSettings& settings, const Segment& segment) {
+TrackedObject startObject(const TrackSettings& settings, const Segment& segment) {
   PlanSettings plan = settings.vision.plan;
   if (settings.vision.motion == MotionMode::kNone) plan.forced[std::size_t(Stage::kMotion)] = false;
   TrackedObject out;
@@ -32,7 +32,7 @@ TrackedObject firstOf(const TrackSettings& settings, const Segment& segment) {
   return out;
 }
 
-std::string_view textOf(Cause cause) {
+std::string_view toText(Cause cause) {
   switch (cause) {
     case Cause::kNone:
     case Cause::kNew:
@@ -49,37 +49,38 @@ std::string_view textOf(Cause cause) {
   return {};
 }
 
-cv::Point2d middleOf(const cv::Mat& mask) {
+cv::Point2d findMiddle(const cv::Mat& mask) {
   const cv::Rect box = boxAround(mask, 0);
-  return centroidOf(cv::moments(mask(box), true), box.tl());
+  return computeCentroid(cv::moments(mask(box), true), box.tl());
 }
 
 }  // namespace
 
 Track::Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames)
     : settings_(&settings),
-      now_(firstOf(settings, segment)),
+      now_(startObject(settings, segment)),
       mask_(segment.mask),
-      motion_(settings.pose, frames.now.gray, now_.surface = cleaned(segment, frames)),
+      motion_(settings.pose, frames.now.gray, now_.surface = denoisedSurface(segment, frames)),
       full_area_px_(double(cv::countNonZero(segment.mask))) {
   now_.pose = motion_.pose();
   hold(frames, false);
 }
 
-bool Track::rests(const FramePair& frames, bool told) {
+bool Track::isResting(const FramePair& frames, bool told) {
   const ScenePlan& plan = *now_.plan;
   now_.plan->nextFrame();
   const bool left_out = !plan.on(Stage::kMotion) && !plan.on(Stage::kSegment) &&
                         settings_->vision.method != Method::kThesis;
-  rests_ = !told &&
-           (frames.identical || (left_out && lost_ == 0 && now_.atRest() &&
-                                 hold_.stays(frames.now, restNoiseOf(frames.noise, now_.surface))));
+  rests_ =
+      !told && (frames.identical ||
+                (left_out && lost_ == 0 && now_.atRest() &&
+                 hold_.isUnchanged(frames.now, computeStaticNoise(frames.noise, now_.surface))));
   return rests_;
 }
 
-const ObjectFlow& Track::follow(const FramePair& frames) {
+const ObjectFlow& Track::computeFlow(const FramePair& frames) {
   flow_ = {};
-  flow_.stays = rests_;
+  flow_.isStatic = rests_;
   const bool asked = !settings_->exact_masks || settings_->vision.motion != MotionMode::kNone;
   if (rests_ || lost_ > 0 || !asked) return flow_;
   const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
@@ -94,9 +95,9 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   lost_ = 0;
   now_.seen = true;
   if (rests_) {
-    now_.plan->rest(true);
+    now_.plan->isResting(true);
     now_.held_share = 1.0;
-    now_.cells = now_.cells.standing();
+    now_.cells = now_.cells.atRest();
     now_.pose.background_px = background_px_;
     return;
   }
@@ -104,12 +105,12 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   const bool blind = !hasDepth(frames.now.depth, segment.mask);
   const bool repeated = blind || repeats;
   const Surface before = now_.surface;
-  const Surface seen =
-      repeated ? carriedSurface(segment.mask, before, flow_.similarity) : cleaned(segment, frames);
+  const Surface seen = repeated ? warpSurface(segment.mask, before, flow_.similarity)
+                                : denoisedSurface(segment, frames);
   now_.surface = seen;
   updatePresence(segment, blind);
   hold(frames, repeated);
-  now_.plan->rest(now_.atRest(), textOf(hold_.cause()));
+  now_.plan->isResting(now_.atRest(), toText(hold_.cause()));
   {
     const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
     // Motion is measured on what this frame shows, not on what is held of the frames before.
@@ -122,7 +123,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   }
   now_.pose.background_px = background_px_;
   now_.cells = cells(frames, before);
-  last_step_px_ = middleOf(segment.mask) - middleOf(mask_);
+  last_step_px_ = findMiddle(segment.mask) - findMiddle(mask_);
   mask_ = segment.mask;
 }
 
@@ -146,7 +147,7 @@ bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
          cv::norm(frames.now.gray(box), frames.last.gray(box), cv::NORM_L1) > kChanges * box.area();
 }
 
-Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
+Surface Track::denoisedSurface(const Segment& segment, const FramePair& frames) {
   ScenePlan& plan = *now_.plan;
   const Method method = settings_->vision.method;
   const bool clean = plan.on(Stage::kClean) || method == Method::kThesis;
@@ -164,7 +165,7 @@ Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
     // A mask of our own may take in some background in any frame, not just in those that are
     // measured.
     const bool same = settings_->exact_masks && raw.allMeasured() && out.allMeasured();
-    plan.costs(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
+    plan.setForceError(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
   }
   return out;
 }
@@ -173,7 +174,7 @@ Surface Track::cleaned(const Segment& segment, const FramePair& frames) {
 void Track::hold(const FramePair& frames, bool repeated) {
   now_.held_share = 0.0;
   if (settings_->vision.method == Method::kThesis) return;
-  const StaticNoise noise = restNoiseOf(frames.noise, now_.surface);
+  const StaticNoise noise = computeStaticNoise(frames.noise, now_.surface);
   if (settings_->exact_masks && noise.clean) return;
   now_.surface = hold_.apply(frames.now.gray, now_.surface, noise, repeated);
   now_.held_share = hold_.share();

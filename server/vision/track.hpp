@@ -32,9 +32,9 @@ class Track {
   /// Ends a frame of the plan and tells whether the new one shows the object as it is held, all of
   /// it at rest, and the plan leaves out what would measure it again; not where the author has a
   /// word on this frame (`told`). First of a frame.
-  bool rests(const FramePair& frames, bool told);
+  bool isResting(const FramePair& frames, bool told);
   /// Where the object went since the last frame: what carries its mask. After rests().
-  const ObjectFlow& follow(const FramePair& frames);
+  const ObjectFlow& computeFlow(const FramePair& frames);
   /// Its segment in this frame. Last of a frame, or lose().
   void update(const Segment& segment, const FramePair& frames);
   /// It has no segment in this frame: it stays where it was, its quality falls.
@@ -46,13 +46,13 @@ class Track {
   /// Of the last frame that it was seen in: 0 / 255, size of the picture.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// Lost for so long that it is given up.
-  [[nodiscard]] bool gone() const { return lost_ > kKeepLost; }
+  [[nodiscard]] bool isGone() const { return lost_ > kKeepLost; }
 
   static constexpr int kKeepLost = 5;  ///< frames; chosen, 0.2 s at 25 fps
 
  private:
   [[nodiscard]] bool repeatsDepth(const FramePair& frames, const cv::Mat& mask) const;
-  [[nodiscard]] Surface cleaned(const Segment& segment, const FramePair& frames);
+  [[nodiscard]] Surface denoisedSurface(const Segment& segment, const FramePair& frames);
   void hold(const FramePair& frames, bool repeated);
   void updatePresence(const Segment& segment, bool blind);
   [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before) const;

@@ -28,7 +28,7 @@ struct TrackedObject {
 
   [[nodiscard]] bool atRest() const { return held_share >= 1.0; }
   /// Seen and followed well enough to tell its motion; with less it is only carried on.
-  [[nodiscard]] bool followedWell() const { return quality >= kGoodQuality; }
+  [[nodiscard]] bool isWellTracked() const { return quality >= kGoodQuality; }
 
   static constexpr double kGoodQuality = 0.75;  ///< chosen: between 1 and one doubtful step of 0.7
 };

@@ -11,7 +11,7 @@ namespace {
 // acceleration (measured on scenes with exact truth).
 constexpr double kUsualFieldOfView_deg = 56.0;
 
-CameraModel cameraOf(const SourceInfo& info, const VisionSettings& settings) {
+CameraModel selectCamera(const SourceInfo& info, const VisionSettings& settings) {
   if (info.camera && !settings.fov_deg) return *info.camera;
   return CameraModel::ofFieldOfView(settings.fov_deg.value_or(kUsualFieldOfView_deg), info.width_px,
                                     info.height_px);
@@ -22,7 +22,7 @@ PoseSettings poseSettings(const SourceInfo& info, const VisionSettings& settings
   out.mode = settings.moves() ? settings.motion : MotionMode::kNone;
   out.rigid = settings.method == Method::kHapticast &&
               (out.mode == MotionMode::kAuto || out.mode == MotionMode::kRgbd);
-  out.camera = cameraOf(info, settings);
+  out.camera = selectCamera(info, settings);
   out.picture = {info.width_px, info.height_px};
   return out;
 }
@@ -37,7 +37,7 @@ Tracker::Tracker(const SourceInfo& info, const VisionSettings& settings, const C
       frames_(info, !settings.plan.everything) {}
 
 std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) {
-  const FramePair frames = frames_.takeIn(frame, time_s, objectsMask());
+  const FramePair frames = frames_.push(frame, time_s, objectsMask());
   scene_cut_ = frames.cut;
   if (scene_cut_) {
     tracks_.clear();
@@ -46,9 +46,9 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   }
   bool all_rest = !tracks_.empty() || frames.identical;
   const bool told = segmenter_ != nullptr && segmenter_->hasAnnotation(frames);
-  for (Track& track : tracks_) all_rest = track.rests(frames, told) && all_rest;
+  for (Track& track : tracks_) all_rest = track.isResting(frames, told) && all_rest;
   if (!all_rest) segment(frames);
-  if (settings_.vision.compensate_pan) followBackground(frames);
+  if (settings_.vision.compensate_pan) updateBackground(frames);
   updateTracks(frames);
   std::vector<TrackedObject> out;
   for (const Track& track : tracks_) {
@@ -72,16 +72,16 @@ void Tracker::segment(const FramePair& frames) {
     segmenter_ = makeSegmenter(settings_.vision, has_mask, next_id_, annotations_);
   }
   Flows flows;
-  for (Track& track : tracks_) flows[track.object().id] = track.follow(frames);
+  for (Track& track : tracks_) flows[track.object().id] = track.computeFlow(frames);
   const Clock* clock = settings_.clock;
   const LocalTime start = clock != nullptr ? clock->now() : LocalTime();
   segments_ = segmenter_->next(frames, flows);
   if (clock == nullptr || tracks_.empty()) return;
   const Duration each = (clock->now() - start) / static_cast<int>(tracks_.size());
-  for (Track& track : tracks_) track.object().plan->took(Stage::kSegment, each);
+  for (Track& track : tracks_) track.object().plan->addTime(Stage::kSegment, each);
 }
 
-void Tracker::followBackground(const FramePair& frames) {
+void Tracker::updateBackground(const FramePair& frames) {
   if (frames.identical) return;
   std::vector<BackgroundMotion::Object> objects;
   for (const Track& track : tracks_) {
@@ -107,7 +107,7 @@ void Tracker::updateTracks(const FramePair& frames) {
       track.lose();
     }
   }
-  std::erase_if(tracks_, [](const Track& track) { return track.gone(); });
+  std::erase_if(tracks_, [](const Track& track) { return track.isGone(); });
   for (const Segment& segment : segments_) {
     const bool is_new = std::find(known.begin(), known.end(), segment.id) == known.end();
     // Without depth there is nothing to touch yet.

@@ -33,7 +33,7 @@ class Tracker {
  private:
   [[nodiscard]] cv::Mat objectsMask() const;
   void segment(const FramePair& frames);
-  void followBackground(const FramePair& frames);
+  void updateBackground(const FramePair& frames);
   void updateTracks(const FramePair& frames);
 
   TrackSettings settings_;

@@ -92,7 +92,7 @@ class Vision::Impl {
       annotations_.start = nullptr;
       annotations_.masks.clear();
       annotations_.open = true;
-      const bool whole = lookOnce(source, look, looks, progress);
+      const bool whole = browseOnce(source, look, looks, progress);
       annotations_.open = false;
       if (!whole) return false;
     }
@@ -114,13 +114,13 @@ class Vision::Impl {
     motion_.add(id, time_s, objects);
     pending_.push_back(std::move(pending));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
-    return takeReady();
+    return onReady();
   }
 
   std::vector<VisionResult> flush() {
     while (!pending_.empty()) complete();
     std::vector<VisionResult> out;
-    while (!ready_.empty()) out.push_back(*takeReady());
+    while (!ready_.empty()) out.push_back(*onReady());
     return out;
   }
 
@@ -137,7 +137,7 @@ class Vision::Impl {
     return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
   }
 
-  bool lookOnce(RgbdSource& source, int look, int looks, const Progress& progress) {
+  bool browseOnce(RgbdSource& source, int look, int looks, const Progress& progress) {
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, annotations_);
     ClipMotion clip;
@@ -152,7 +152,7 @@ class Vision::Impl {
       const double time_s = double(done) / info_.fps;
       for (const TrackedObject& object : tracker.next(*frame, time_s)) {
         if (object.seen)
-          clip.add(object.id, frame->index, time_s, object.pose, object.followedWell());
+          clip.add(object.id, frame->index, time_s, object.pose, object.isWellTracked());
         if (object.seen) finder.add(object.id, object.surface, tracker.noise());
       }
       const std::uint64_t all = std::max(total, done + 1);
@@ -161,18 +161,18 @@ class Vision::Impl {
         return false;
     }
     source.rewind();
-    if (look == looks - 1) learnClip(std::move(clip), finder, done < longest);
+    if (look == looks - 1) setClip(std::move(clip), finder, done < longest);
     return true;
   }
 
   // What the scan of a clip has collected: its range, motion and largest acceleration.
-  void learnClip(ClipMotion clip, const RangeFinder& finder, bool ended) {
+  void setClip(ClipMotion clip, const RangeFinder& finder, bool ended) {
     if (!mapped_) mapped_ = finder.range(kClipMargin);
     if (!mapped_) return;  // no object in the clip
     clip.smooth(nominal(), lookahead_, ended);
     std::vector<double> accelerations = clip.accelerations_mm_s2(lookahead_ / info_.fps);
     description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
-    if (settings_.method != Method::kThesis) motion_.knowClip(std::move(clip));
+    if (settings_.method != Method::kThesis) motion_.setClip(std::move(clip));
   }
 
   // Into the frame go the reliefs of the objects, as many as a client takes.
@@ -199,7 +199,7 @@ class Vision::Impl {
   // moved, so nothing of it is to be felt.
   const std::vector<TrackedObject>& track(const RgbdFrame& frame, double time_s) {
     const bool wraps = tracker_ && frame.epoch != source_epoch_;
-    if (wraps && sameObjects(tracked_, began_)) {
+    if (wraps && haveSameObjects(tracked_, began_)) {
       std::vector<TrackedObject> now = tracker_->next(frame, time_s);
       if (!tracker_->sceneCut() && nothingMoved(tracked_, now, nominal(), settings_)) {
         source_epoch_ = frame.epoch;
@@ -245,7 +245,7 @@ class Vision::Impl {
     ready_.push_back(std::move(pending.result));
   }
 
-  std::optional<VisionResult> takeReady() {
+  std::optional<VisionResult> onReady() {
     if (ready_.empty()) return std::nullopt;
     VisionResult result = std::move(ready_.front());
     ready_.pop_front();

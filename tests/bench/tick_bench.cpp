@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/haptics/realtime_thread.hpp"
-#include "tests/support/stage.hpp"
+#include "tests/support/renderer_fixture.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -52,7 +52,7 @@ void tick(benchmark::State& state, const Case& of) {
   RendererSettings settings;
   settings.surface = of.surface;
   HandScript hand(of.hand, HandStiffness{}, {{0.0, {10.0, 5.0, 40.0}}});
-  Stage stage(settings, &hand, of.bounce_mm);
+  RendererFixture stage(settings, &hand, of.bounce_mm);
   stage.material.static_friction = stage.material.dynamic_friction = of.friction;
   stage.streaming = of.objects;
   (void)stage.run(of.objects ? 3000 : 100);
@@ -168,7 +168,7 @@ void stages(benchmark::State& state, const StageCase& of) {
     const MediaTime play_time(Duration(ms * 1'000'000));
     const Scene& scene = lookup.at(play_time, stream_state);
     const Contact contact = of.surface == SurfaceKind::kProxy
-                                ? proxies.touch(scene, hip_mm, workspace, 6.6)
+                                ? proxies.computeContact(scene, hip_mm, workspace, 6.6)
                                 : findContact(of.surface, scene, hip_mm, workspace);
     SafetyInput input;
     input.position_mm = hip_mm;
@@ -176,7 +176,7 @@ void stages(benchmark::State& state, const StageCase& of) {
     input.displacement_mm = contact.displacement_mm;
     input.normal = contact.normal;
     input.surface_velocity_mm_s = contact.surface_velocity_mm_s;
-    input.touchable = input.dynamic_valid = true;
+    input.in_contact = input.dynamic_valid = true;
     input.dynamic_N = dynamic.evaluate(contact.object, contact.depth_mm, Vec3::Zero(), play_time,
                                        stream_state, 1.0, &hip_mm);
     benchmark::DoNotOptimize(safety.step(input));

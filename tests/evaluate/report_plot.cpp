@@ -88,7 +88,7 @@ std::vector<Panel> panelsOf(const std::vector<Row>& rows, double us_per_unit) {
 }
 
 // Those that no other beats in time and error, by time.
-std::vector<Point> frontOf(const std::vector<Variant>& variants) {
+std::vector<Point> decodeFirst(const std::vector<Variant>& variants) {
   std::vector<Point> means;
   means.reserve(variants.size());
   for (const Variant& variant : variants) means.push_back(variant.mean());
@@ -109,7 +109,7 @@ void writeData(std::ostream& file, const std::string& name, const std::vector<Po
 
 // The color of a variant is the same in all panels of a topic.
 using Names = std::vector<std::string>;
-Names namesOf(const std::vector<Panel>& panels) {
+Names listNames(const std::vector<Panel>& panels) {
   Names out;
   for (const Panel& panel : panels) {
     for (const Variant& variant : panel.variants)
@@ -130,7 +130,7 @@ void writePanel(std::ostream& file, const Panel& panel, std::size_t index, const
       high = std::max(high, p.error);
     }
   }
-  writeData(file, "front" + id, frontOf(panel.variants));
+  writeData(file, "front" + id, decodeFirst(panel.variants));
   curves << "$front" << id << " with lines lw 2 dt 2 lc rgb '#808080' title 'best for its time'";
   for (std::size_t i = 0; i < panel.variants.size(); ++i) {
     const Variant& variant = panel.variants[i];
@@ -178,7 +178,7 @@ void plotRows(const std::string& topic, const std::filesystem::path& out,
        << "set grid lc rgb '#d0d0d0'\n"
        << "set xlabel 'run time, " << (of_ticks ? "us per tick" : "ms of one thread per frame")
        << "'\n";
-  const Names names = namesOf(panels);
+  const Names names = listNames(panels);
   for (std::size_t i = 0; i < panels.size(); ++i) writePanel(file, panels[i], i, names);
   file << "unset multiplot\n";
   gnuplot(out, topic, file.str());

@@ -49,7 +49,7 @@ class FalconTest : public ::testing::Test {
         "falcon", {.clock = clock_,
                    .seen = seen_,
                    .falcon = {.firmware_file = file_},
-                   .tell = [this](const std::string& line) { logged_.append(line).append("\n"); }});
+                   .log = [this](const std::string& line) { logged_.append(line).append("\n"); }});
   }
   std::string complaint() {
     try {
@@ -94,7 +94,7 @@ class Turning {
             status_ = state.status;
             if (state.status == client::DeviceStatus::kOk) ++good_;
             if (state.status == client::DeviceStatus::kLost) ++lost_;
-            device.decided(force_N_.load() * Vec3::UnitZ());
+            device.sendForceEarly(force_N_.load() * Vec3::UnitZ());
           }
           (void)device.exchange(Vec3::Zero());
         }) {}

@@ -35,7 +35,7 @@ class FalconFaultsTest : public FalconTest {
   }
   bool says(const std::string& text) {
     return waitUntil(kPatience, [&] {
-      while (const auto line = device_->news()) logged_.append(*line).append("\n");
+      while (const auto line = device_->nextMessage()) logged_.append(*line).append("\n");
       return logged_.find(text) != std::string::npos;
     });
   }

@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace hapticast::client;
   FalconParser parser;
   for (std::size_t i = 0; i < size; ++i) {
-    const auto reply = parser.take(data[i]);
+    const auto reply = parser.push(data[i]);
     if (!reply) continue;
     require(reply->homed <= kAllHomed && reply->buttons <= 0x0F);
     const hapticast::Vec3 angles_rad = falconAngles_rad(reply->encoders);
@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   int found = 0;
   for (int i = 0; i < 2; ++i) {  // the first one may be taken for the end of another
     for (const std::uint8_t byte : hapticast::testing::encodeReply(last))
-      found += parser.take(byte) == last ? 1 : 0;
+      found += parser.push(byte) == last ? 1 : 0;
   }
   require(found >= 1);
   return 0;

@@ -106,7 +106,7 @@ struct Client {
       if (change % 8 == 5) header.media_time += fromSeconds(change - 120.0);
       if (change % 8 == 6) payload = script.bytes();
       if (change % 8 == 7) payload = payloads[script.byte() % payloads.size()];
-      if (receiver.want(header) != FrameAssembler::Want::kNew) continue;
+      if (receiver.setTransport(header) != FrameAssembler::Want::kNew) continue;
       (void)receiver.part(header, payload, clock.now());
       ++taken;
     }
@@ -115,11 +115,11 @@ struct Client {
   /// What the loop sees.
   void play() {
     FramePool::Index index = 0;
-    while (pool->take(index)) {
+    while (pool->pop(index)) {
       const PlayFrame& frame = pool->frame(index);
       require(frame.object_count <= kMaxObjects);
       for (std::size_t i = 0; i < frame.object_count; ++i) check(frame.objects[i]);
-      pool->giveBack(index);
+      pool->release(index);
     }
   }
   void check(const PlayObject& object) const {

@@ -24,7 +24,7 @@ struct DatagramServer : TestServer {
       : TestServer(io, clock, {}, 0, host) {
     if (multicast) group.emplace(io, *multicast, 1);
     sender.emplace(io, clock, listener.endpoint(), signer, group ? &*group : nullptr);
-    broadcaster.carryDatagrams(*sender);
+    broadcaster.enableUdp(*sender);
   }
   /// A frame with an object of `side` px whose relief is in it.
   void publish(std::uint64_t id, int side = 8) {

@@ -189,8 +189,8 @@ TEST_F(DatagramsTest, NobodyCanPointTheStreamAtSomebodyElse) {
   DatagramViewer guesser(io, honest->welcome, at("127.0.0.1"), at("127.0.0.1", port));
   guesser.echo(honest->welcome.datagram_token + 1);
   guesser.echo(0);
-  guesser.say(std::vector<std::uint8_t>(1232, 7));
-  guesser.say(std::vector<std::uint8_t>{});
+  guesser.send(std::vector<std::uint8_t>(1232, 7));
+  guesser.send(std::vector<std::uint8_t>{});
   ASSERT_TRUE(runUntil([&] {
     return server.echoes(server::AddressValidation::kForeign) == 1 &&
            server.echoes(server::AddressValidation::kUnknownToken) == 2 &&
@@ -237,7 +237,7 @@ TEST_F(DatagramsTest, AnotherPortIsNamedWhereTheNumberIsTaken) {
   asio::ip::udp::socket taken(io, at("127.0.0.1", first.port()));
   server::DatagramSigner signer;
   server::DatagramSender sender(io, clock, first.listener.endpoint(), signer);
-  first.broadcaster.carryDatagrams(sender);
+  first.broadcaster.enableUdp(sender);
   const auto tcp = viewer(first);
   const Welcome welcome = tcp->all<Welcome>().at(0);
   ASSERT_NE(welcome.datagram_port, 0);

@@ -24,15 +24,15 @@ class Watched final : public client::View {
   using EachTurn = std::function<void(ViewerWindow& window, const TickReport& report)>;
   Watched(EachTurn each_turn, TickReport& last) : each_turn_(std::move(each_turn)), last_(last) {}
   void takePicture(VideoFrame picture, const Workspace& workspace) override {
-    window_.takePicture(std::move(picture), workspace);
+    window_.onPicture(std::move(picture), workspace);
   }
   void takeReport(const TickReport& report) override {
     last_ = report;
-    window_.takeReport(report);
+    window_.onReport(report);
   }
   bool turn(client::UiState& ui_state) override {
     each_turn_(window_, last_);
-    return window_.turn(ui_state);
+    return window_.update(ui_state);
   }
   void finish() override { window_.finish(); }
   [[nodiscard]] bool points() const override { return window_.points(); }

@@ -35,7 +35,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 /// What a program said, without its name or the time in front of each line.
-std::string linesOf(const std::string& output) {
+std::string formatLines(const std::string& output) {
   static const std::regex kFront(R"(^(hapticast-(server|client): |[0-9:.]+ (warning|error) ))",
                                  std::regex::multiline);
   return std::regex_replace(output, kFront, "");
@@ -85,7 +85,7 @@ TEST_F(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
         each.program == "server" ? HAPTICAST_SERVER_PROGRAM : HAPTICAST_CLIENT_PROGRAM;
     const auto process = start(program, wordsOf(arguments));
     EXPECT_EQ(process->wait(kSoon), each.exit_code) << each.program << " " << each.arguments;
-    EXPECT_EQ(linesOf(process->output()),
+    EXPECT_EQ(formatLines(process->output()),
               replaced(replaced(each.lines, "{DIR}", folder), "{USED}", used))
         << each.program << " " << each.arguments;
   }

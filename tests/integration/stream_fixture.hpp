@@ -171,11 +171,11 @@ struct TestClient {
     while (decode_thread.step()) {
     }
     client::FramePool::Index index = 0;
-    while (pool->take(index)) {
+    while (pool->pop(index)) {
       frames.push_back({pool->frame(index).epoch, pool->frame(index).id});
       last_has_field =
           pool->frame(index).object_count > 0 && pool->frame(index).objects[0].field != nullptr;
-      pool->giveBack(index);
+      pool->release(index);
     }
   }
 

@@ -18,8 +18,8 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/haptics/renderer.hpp"
+#include "tests/support/chain_fixture.hpp"
 #include "tests/support/frame_builder.hpp"
-#include "tests/support/rig.hpp"
 
 namespace hapticast::client {
 

@@ -35,10 +35,10 @@ class DatagramViewer {
     }
     token_ = welcome_.group->token;
   }
-  void echo() { say(echoBytes({welcome_.datagram_token, welcome_.stream})); }
-  void echo(std::uint64_t token) { say(echoBytes({token, welcome_.stream})); }
+  void echo() { send(echoBytes({welcome_.datagram_token, welcome_.stream})); }
+  void echo(std::uint64_t token) { send(echoBytes({token, welcome_.stream})); }
   template <class Bytes>
-  void say(const Bytes& bytes) {
+  void send(const Bytes& bytes) {
     socket_.send_to(asio::buffer(bytes), to_);
   }
   /// Takes what has arrived.

@@ -20,7 +20,7 @@
 #include "client/net/udp/datagram_verifier.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/tick.hpp"
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 
@@ -99,7 +99,7 @@ class VirtualViewer {
   void moveTo(LocalTime now) { clock_.set(now); }
   /// A datagram that the server has signed.
   void part(const DatagramHeader& header, std::span<const std::uint8_t> payload) {
-    if (receiver_.want(header) == FrameAssembler::Want::kNew)
+    if (receiver_.setTransport(header) == FrameAssembler::Want::kNew)
       (void)receiver_.part(header, payload, clock_.now());
   }
   void expectCopies(std::uint32_t copies) { receiver_.expectCopies(copies, clock_.now()); }
@@ -109,8 +109,10 @@ class VirtualViewer {
     const TokenBytes front = tokenBytes(token_);
     std::vector<std::uint8_t> bytes(front.begin(), front.end());
     bytes.insert(bytes.end(), body.begin(), body.end());
-    const auto want = [this](const DatagramHeader& header) { return receiver_.want(header); };
-    const auto datagram = verifier_->take(bytes, clock_.now(), want);
+    const auto want = [this](const DatagramHeader& header) {
+      return receiver_.setTransport(header);
+    };
+    const auto datagram = verifier_->verify(bytes, clock_.now(), want);
     if (datagram && !datagram->header.probe())
       (void)receiver_.part(datagram->header, datagram->payload, clock_.now());
     countRejected();

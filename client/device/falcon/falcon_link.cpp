@@ -37,7 +37,7 @@ FalconLink::FalconLink(FalconSettings settings, const Clock& clock, const Tell& 
   if (!settings_.firmware_file.empty()) (void)readFalconFirmware(settings_.firmware_file);
   auto usb = open(tell);
   sem_init(&replied_, 0, 0);
-  thread_ = std::thread([this, first = std::move(usb)]() mutable { keep(std::move(first)); });
+  thread_ = std::thread([this, first = std::move(usb)]() mutable { keepOpen(std::move(first)); });
 }
 
 FalconLink::~FalconLink() {
@@ -48,12 +48,12 @@ FalconLink::~FalconLink() {
 
 std::unique_ptr<FalconUsb> FalconLink::open(const Tell& tell) {
   auto usb = std::make_unique<FalconUsb>(settings_.serial);
-  if (!falconRuns(*usb, settings_.event_character)) bringToLife(usb, tell);
+  if (!falconRuns(*usb, settings_.event_character)) initialise(usb, tell);
   return usb;
 }
 
 /// Loads the firmware, each time with the device opened anew.
-void FalconLink::bringToLife(std::unique_ptr<FalconUsb>& usb, const Tell& tell) {
+void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const Tell& tell) {
   if (settings_.firmware_file.empty())
     throw FalconError(
         "its firmware is not loaded, as after every power-up: give the file with "
@@ -84,14 +84,14 @@ void FalconLink::bringToLife(std::unique_ptr<FalconUsb>& usb, const Tell& tell) 
                                 settings_.firmware_file, trouble));
 }
 
-void FalconLink::keep(std::unique_ptr<FalconUsb> usb) {
+void FalconLink::keepOpen(std::unique_ptr<FalconUsb> usb) {
   while (usb) {
     serve(*usb);
     usb.reset();
     if (stop_) return;
-    say("Falcon: it is gone; no force. It is taken again when it is back");
+    pushMessage("Falcon: it is gone; no force. It is taken again when it is back");
     usb = openAgain();
-    if (usb) say("Falcon: it is back");
+    if (usb) pushMessage("Falcon: it is back");
   }
 }
 
@@ -101,11 +101,11 @@ std::unique_ptr<FalconUsb> FalconLink::openAgain() {
   while (!stop_) {
     std::this_thread::sleep_for(kBetweenTries);
     try {
-      return open([this](const std::string& line) { say(line); });
+      return open([this](const std::string& line) { pushMessage(line); });
     } catch (const std::runtime_error& error) {
       if (told == error.what()) continue;
       told = error.what();
-      say("Falcon: " + told);
+      pushMessage("Falcon: " + told);
     }
   }
   return nullptr;
@@ -119,7 +119,7 @@ void FalconLink::serve(FalconUsb& usb) {
   torque_sent_ = false;
   bool good = true;
   try {
-    usb.start([this](std::span<const std::uint8_t> data) { heard(data); });
+    usb.start([this](std::span<const std::uint8_t> data) { last_reply(data); });
   } catch (const FalconError&) {
     good = false;
   }
@@ -141,10 +141,10 @@ void FalconLink::serve(FalconUsb& usb) {
   usb.finish();
 }
 
-void FalconLink::heard(std::span<const std::uint8_t> data) {
+void FalconLink::last_reply(std::span<const std::uint8_t> data) {
   const std::uint64_t before = parser_.resyncs();
   for (const std::uint8_t byte : data) {
-    const auto reply = parser_.take(byte);
+    const auto reply = parser_.push(byte);
     if (!reply) continue;
     last_reply_ = clock_.now();
     round_trips_.fetch_add(1, std::memory_order_relaxed);
@@ -176,7 +176,7 @@ void FalconLink::endWithZero(FalconUsb& usb) {
     }
     if (round_trips_ != before) ++answered;
   }
-  if (answered == 0) say("Falcon: it does not answer at the end: switch its power off");
+  if (answered == 0) pushMessage("Falcon: it does not answer at the end: switch its power off");
 }
 
 void FalconLink::send(const FalconRequest& request) noexcept {
@@ -193,7 +193,7 @@ void FalconLink::send(const FalconRequest& request) noexcept {
 }
 
 bool FalconLink::waitForReply(LocalTime deadline) noexcept {
-  const timespec until = timespecOf(deadline);
+  const timespec until = toTimespec(deadline);
   int result = 0;
   do {
     result = sem_clockwait(&replied_, CLOCK_MONOTONIC, &until);
@@ -206,16 +206,16 @@ DeviceTraffic FalconLink::traffic() const noexcept {
   return {.round_trips = round_trips_, .misses = misses_, .resyncs = resyncs_};
 }
 
-void FalconLink::say(const std::string& line) {
-  const std::lock_guard lock(news_mutex_);
-  news_.push_back(line);
+void FalconLink::pushMessage(const std::string& line) {
+  const std::lock_guard lock(messages_mutex_);
+  messages_.push_back(line);
 }
 
-std::optional<std::string> FalconLink::news() {
-  const std::lock_guard lock(news_mutex_);
-  if (news_.empty()) return std::nullopt;
-  std::string line = std::move(news_.front());
-  news_.pop_front();
+std::optional<std::string> FalconLink::nextMessage() {
+  const std::lock_guard lock(messages_mutex_);
+  if (messages_.empty()) return std::nullopt;
+  std::string line = std::move(messages_.front());
+  messages_.pop_front();
   return line;
 }
 

@@ -46,7 +46,7 @@ class FalconLink {
   /// Whether the device is there.
   [[nodiscard]] bool there() const noexcept { return there_.load(std::memory_order_acquire); }
   /// Never blocks.
-  bool take(FalconNews& news) noexcept { return ring_.tryPop(news); }
+  bool popEvent(FalconNews& news) noexcept { return ring_.tryPop(news); }
   /// Hands a request to USB; outside the tick.
   void send(const FalconRequest& request) noexcept;
   /// Waits for the next reply, until `deadline` at most. Outside the tick.
@@ -55,18 +55,18 @@ class FalconLink {
   // Thread: any.
   [[nodiscard]] DeviceTraffic traffic() const noexcept;
   /// The next line for the user. Thread: main.
-  std::optional<std::string> news();
+  std::optional<std::string> nextMessage();
 
  private:
   std::unique_ptr<FalconUsb> open(const Tell& tell);
-  void bringToLife(std::unique_ptr<FalconUsb>& usb, const Tell& tell);
-  void keep(std::unique_ptr<FalconUsb> usb);
+  void initialise(std::unique_ptr<FalconUsb>& usb, const Tell& tell);
+  void keepOpen(std::unique_ptr<FalconUsb> usb);
   void serve(FalconUsb& usb);
-  void heard(std::span<const std::uint8_t> data);
+  void last_reply(std::span<const std::uint8_t> data);
   void watchLoop(FalconUsb& usb);
   void endWithZero(FalconUsb& usb);
   std::unique_ptr<FalconUsb> openAgain();
-  void say(const std::string& line);
+  void pushMessage(const std::string& line);
 
   FalconSettings settings_;
   const Clock& clock_;
@@ -84,8 +84,8 @@ class FalconLink {
   std::atomic<std::uint64_t> round_trips_{0};
   std::atomic<std::uint64_t> misses_{0};
   std::atomic<std::uint64_t> resyncs_{0};
-  std::mutex news_mutex_;
-  std::deque<std::string> news_;
+  std::mutex messages_mutex_;
+  std::deque<std::string> messages_;
   std::thread thread_;  // last: it uses all of the above
 };
 

@@ -131,7 +131,7 @@ bool falconRuns(FalconUsb& usb, bool event_character) {
     heard.clear();
     (void)usb.read(heard, milliseconds(10));
     for (const std::uint8_t byte : heard) {
-      if (parser.take(byte)) return true;
+      if (parser.push(byte)) return true;
     }
   }
   return false;

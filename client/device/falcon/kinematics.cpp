@@ -39,7 +39,7 @@ struct Leg {
   double cos_aside = 0.0, sin_aside = 0.0;  // and out of it
 };
 
-std::optional<Leg> legAt(const Vec3& position_m, double azimuth_rad) noexcept {
+std::optional<Leg> solveLeg(const Vec3& position_m, double azimuth_rad) noexcept {
   const double c = std::cos(azimuth_rad);
   const double s = std::sin(azimuth_rad);
   const double u = c * position_m.x() + s * position_m.y() - kBaseOut_m;
@@ -63,22 +63,22 @@ std::optional<Leg> legAt(const Vec3& position_m, double azimuth_rad) noexcept {
 
 using Legs = std::array<Leg, 3>;
 
-std::optional<Legs> legsAt(const Vec3& position_m) noexcept {
+std::optional<Legs> solveLegs(const Vec3& position_m) noexcept {
   Legs legs;
   for (std::size_t i = 0; i < legs.size(); ++i) {
-    const auto leg = legAt(position_m, kAzimuth_rad[i]);
+    const auto leg = solveLeg(position_m, kAzimuth_rad[i]);
     if (!leg) return std::nullopt;
     legs[i] = *leg;
   }
   return legs;
 }
 
-Vec3 anglesOf(const Legs& legs) noexcept {
+Vec3 computeAngles(const Legs& legs) noexcept {
   return {legs[0].angle_rad, legs[1].angle_rad, legs[2].angle_rad};
 }
 
 /// d angle / d position. A rod keeps its length: where the arm turns, the grip moves along it.
-Eigen::Vector3d rowOf(const Leg& leg, double azimuth_rad) noexcept {
+Eigen::Vector3d jacobianRow(const Leg& leg, double azimuth_rad) noexcept {
   const double sin_knee =
       leg.sin_rod * std::cos(leg.angle_rad) - leg.cos_rod * std::sin(leg.angle_rad);
   const double lever_m = kArm_m * leg.sin_aside * sin_knee;
@@ -90,10 +90,10 @@ Eigen::Vector3d rowOf(const Leg& leg, double azimuth_rad) noexcept {
   return {ku * c - kv * s, ku * s + kv * c, kw};
 }
 
-std::optional<Eigen::Matrix3d> jacobianOf(const Legs& legs) noexcept {
+std::optional<Eigen::Matrix3d> computeJacobian(const Legs& legs) noexcept {
   Eigen::Matrix3d jacobian;
   for (std::size_t i = 0; i < legs.size(); ++i)
-    jacobian.row(static_cast<Eigen::Index>(i)) = rowOf(legs[i], kAzimuth_rad[i]);
+    jacobian.row(static_cast<Eigen::Index>(i)) = jacobianRow(legs[i], kAzimuth_rad[i]);
   if (!jacobian.allFinite() || !(std::abs(jacobian.determinant()) >= kLeastDeterminant))
     return std::nullopt;
   return jacobian;
@@ -111,25 +111,25 @@ Vec3 falconEncoders(const Vec3& angles_rad) noexcept {
 }
 
 std::optional<Vec3> falconInverse_rad(const Vec3& position_m) noexcept {
-  const auto legs = legsAt(position_m);
+  const auto legs = solveLegs(position_m);
   if (!legs) return std::nullopt;
-  return anglesOf(*legs);
+  return computeAngles(*legs);
 }
 
 std::optional<Eigen::Matrix3d> falconJacobian_rad_m(const Vec3& position_m) noexcept {
-  const auto legs = legsAt(position_m);
+  const auto legs = solveLegs(position_m);
   if (!legs) return std::nullopt;
-  return jacobianOf(*legs);
+  return computeJacobian(*legs);
 }
 
 std::optional<Vec3> falconForward_m(const Vec3& angles_rad, const Vec3& start_m) noexcept {
   Vec3 position_m = start_m;
   for (int i = 0; i < kMostSteps; ++i) {
-    const auto legs = legsAt(position_m);
+    const auto legs = solveLegs(position_m);
     if (!legs) return std::nullopt;
-    const Vec3 missing_rad = angles_rad - anglesOf(*legs);
+    const Vec3 missing_rad = angles_rad - computeAngles(*legs);
     if (missing_rad.cwiseAbs().maxCoeff() <= kGood_rad) return position_m;
-    const auto jacobian = jacobianOf(*legs);
+    const auto jacobian = computeJacobian(*legs);
     if (!jacobian) return std::nullopt;
     const Vec3 step_m = jacobian->inverse() * missing_rad;
     const double length_m = step_m.norm();

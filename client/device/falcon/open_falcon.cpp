@@ -42,7 +42,7 @@ class Falcon final : public HapticDevice {
         clock_(request.clock),
         gain_(request.falcon.gain),
         pilot_(request.falcon.gain),
-        link_(request.falcon, request.clock, request.tell) {}
+        link_(request.falcon, request.clock, request.log) {}
 
   const DeviceProfile& profile() const noexcept override { return profile_; }
   std::string description() const override {
@@ -67,19 +67,19 @@ class Falcon final : public HapticDevice {
   DeviceState exchange(const Vec3& force_N) noexcept override {
     force_N_ = force_N;
     FalconNews news;
-    while (link_.take(news)) {
+    while (link_.popEvent(news)) {
       if (std::exchange(life_, news.life) != news.life) pilot_.lost();
-      pilot_.take(news.reply, news.at);
+      pilot_.onReply(news.reply, news.at);
     }
     if (!link_.there()) pilot_.lost();
     phase_.store(pilot_.phase(), std::memory_order_relaxed);
     return pilot_.state();
   }
 
-  void decided(const Vec3& force_N) noexcept override { force_N_ = force_N; }
+  void sendForceEarly(const Vec3& force_N) noexcept override { force_N_ = force_N; }
 
-  std::optional<std::string> news() override {
-    if (auto line = link_.news()) return line;
+  std::optional<std::string> nextMessage() override {
+    if (auto line = link_.nextMessage()) return line;
     const FalconPilot::Phase phase = phase_.load(std::memory_order_relaxed);
     if (std::exchange(logged_, phase) == phase || *toText(phase) == '\0') return std::nullopt;
     return toText(phase);

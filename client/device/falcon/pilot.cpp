@@ -10,7 +10,7 @@
 
 namespace hapticast::client {
 
-void FalconPilot::take(const FalconReply& reply, LocalTime at) noexcept {
+void FalconPilot::onReply(const FalconReply& reply, LocalTime at) noexcept {
   buttons_ = reply.buttons;
   if (phase_ == Phase::kAway) phase_ = Phase::kHoming;
   if (forget_ > 0) return;
@@ -20,8 +20,8 @@ void FalconPilot::take(const FalconReply& reply, LocalTime at) noexcept {
     must_forget_ = false;
   } else if (phase_ == Phase::kHoming) {
     if (!must_forget_) home(reply, at);
-  } else if (!follow(reply, at)) {
-    doubt();
+  } else if (!processReply(reply, at)) {
+    rejectPosition();
   }
 }
 
@@ -31,7 +31,7 @@ void FalconPilot::home(const FalconReply& reply, LocalTime at) noexcept {
   const auto position_m = falconForward_m(falconAngles_rad(reply.encoders), kFalconCentre_m);
   if (!position_m) return;
   homed_replies_ = 0;
-  doubts_ = 0;
+  rejected_ = 0;
   last_ = reply;
   accepted_ = at;
   position_m_ = *position_m;
@@ -39,11 +39,11 @@ void FalconPilot::home(const FalconReply& reply, LocalTime at) noexcept {
 }
 
 /// Takes over a position; false: it cannot be.
-bool FalconPilot::follow(const FalconReply& reply, LocalTime at) noexcept {
+bool FalconPilot::processReply(const FalconReply& reply, LocalTime at) noexcept {
   const Duration since = at - accepted_;
   // Only where nothing was heard it may have gone farther: replies that were doubted were heard.
-  const auto gap_ms = std::clamp<std::int64_t>((since + kTickPeriod / 2) / kTickPeriod - doubts_, 1,
-                                               kSilent / kTickPeriod);
+  const auto gap_ms = std::clamp<std::int64_t>((since + kTickPeriod / 2) / kTickPeriod - rejected_,
+                                               1, kSilent / kTickPeriod);
   const auto most = kFastest_per_ms * gap_ms;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (std::abs(reply.encoders[axis] - last_.encoders[axis]) > most) return false;
@@ -59,7 +59,7 @@ bool FalconPilot::follow(const FalconReply& reply, LocalTime at) noexcept {
     was_ready_ = true;
     ramp_begin_ = at;
   }
-  doubts_ = 0;
+  rejected_ = 0;
   last_ = reply;
   accepted_ = at;
   position_m_ = *position_m;
@@ -69,10 +69,10 @@ bool FalconPilot::follow(const FalconReply& reply, LocalTime at) noexcept {
 
 /// A flipped bit is over with the next reply; a shift that stays means that the counters do not
 /// tell any more where the grip is.
-void FalconPilot::doubt() noexcept {
+void FalconPilot::rejectPosition() noexcept {
   ++implausible_;
-  if (++doubts_ < kMostDoubts) return;
-  doubts_ = 0;
+  if (++rejected_ < kMostDoubts) return;
+  rejected_ = 0;
   forget_ = kHomedReplies;
   must_forget_ = true;
   phase_ = Phase::kHoming;
@@ -82,7 +82,7 @@ void FalconPilot::doubt() noexcept {
 void FalconPilot::lost() noexcept {
   phase_ = Phase::kAway;
   homed_replies_ = 0;
-  doubts_ = 0;
+  rejected_ = 0;
   forget_ = 0;
   must_forget_ = false;
   fresh_ = false;

@@ -32,7 +32,7 @@ class FalconPilot {
   explicit FalconPilot(double gain) noexcept : gain_(gain) {}
 
   /// A reply that came at `at`.
-  void take(const FalconReply& reply, LocalTime at) noexcept;
+  void onReply(const FalconReply& reply, LocalTime at) noexcept;
   /// The connection is lost, or there again: what was known of its position is void.
   void lost() noexcept;
   /// For the room: fresh, or no news, or lost since it was ready once.
@@ -46,8 +46,8 @@ class FalconPilot {
 
  private:
   void home(const FalconReply& reply, LocalTime at) noexcept;
-  bool follow(const FalconReply& reply, LocalTime at) noexcept;
-  void doubt() noexcept;
+  bool processReply(const FalconReply& reply, LocalTime at) noexcept;
+  void rejectPosition() noexcept;
   [[nodiscard]] std::uint8_t lights() const noexcept;
 
   double gain_;
@@ -55,7 +55,7 @@ class FalconPilot {
   bool was_ready_ = false;
   bool fresh_ = false;
   int homed_replies_ = 0;
-  int doubts_ = 0;
+  int rejected_ = 0;
   int forget_ = 0;            // requests still to go without the homing flag, so that it homes anew
   bool must_forget_ = false;  // its axes are not believed before they were without a mark
   FalconReply last_;

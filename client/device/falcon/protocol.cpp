@@ -21,14 +21,14 @@ constexpr std::uint8_t kButtonBits = 0x0F;
 constexpr unsigned kHomedShift = 4;
 
 /// Of motor or encoder `axis`, the least significant first.
-constexpr std::size_t nibbleAt(std::size_t axis, std::size_t nibble) noexcept {
+constexpr std::size_t nibbleIndex(std::size_t axis, std::size_t nibble) noexcept {
   return 1 + 4 * axis + nibble;
 }
 
-int encoderOf(const FalconFrame& frame, std::size_t axis) noexcept {
+int decodeEncoder(const FalconFrame& frame, std::size_t axis) noexcept {
   unsigned bits = 0;
   for (std::size_t i = 0; i < 4; ++i)
-    bits |= static_cast<unsigned>(frame[nibbleAt(axis, i)] - kNibbleZero) << (4 * i);
+    bits |= static_cast<unsigned>(frame[nibbleIndex(axis, i)] - kNibbleZero) << (4 * i);
   return static_cast<std::int16_t>(bits);
 }
 
@@ -41,7 +41,8 @@ FalconFrame encode(const FalconRequest& request) noexcept {
     const int counts = std::clamp(request.motors[axis], -kMostMotorCounts, kMostMotorCounts);
     const auto bits = static_cast<std::uint16_t>(counts);
     for (std::size_t i = 0; i < 4; ++i)
-      frame[nibbleAt(axis, i)] = static_cast<std::uint8_t>(kNibbleZero + (bits >> (4 * i) & 0x0FU));
+      frame[nibbleIndex(axis, i)] =
+          static_cast<std::uint8_t>(kNibbleZero + (bits >> (4 * i) & 0x0FU));
   }
   const unsigned flags = request.lights | (request.homing ? kHomingFlag : 0U);
   frame[kFlagsAt] = static_cast<std::uint8_t>(kNibbleZero + flags);
@@ -57,7 +58,7 @@ bool FalconParser::fits(std::uint8_t byte) const noexcept {
   return filled_ == kUnusedAt || byte == kEnd;
 }
 
-std::optional<FalconReply> FalconParser::take(std::uint8_t byte) noexcept {
+std::optional<FalconReply> FalconParser::push(std::uint8_t byte) noexcept {
   if (!fits(byte)) {
     if (!astray_) ++resyncs_;
     astray_ = true;
@@ -73,7 +74,7 @@ std::optional<FalconReply> FalconParser::take(std::uint8_t byte) noexcept {
   filled_ = 0;
   astray_ = false;
   FalconReply reply;
-  for (std::size_t axis = 0; axis < 3; ++axis) reply.encoders[axis] = encoderOf(frame_, axis);
+  for (std::size_t axis = 0; axis < 3; ++axis) reply.encoders[axis] = decodeEncoder(frame_, axis);
   const auto flags = static_cast<std::uint8_t>(frame_[kFlagsAt] - kNibbleZero);
   reply.buttons = flags & kButtonBits;
   reply.homed = static_cast<std::uint8_t>(flags >> kHomedShift);

@@ -49,7 +49,7 @@ FalconFrame encode(const FalconRequest& request) noexcept;
 class FalconParser {
  public:
   /// The reply that this byte completes.
-  std::optional<FalconReply> take(std::uint8_t byte) noexcept;
+  std::optional<FalconReply> push(std::uint8_t byte) noexcept;
   /// How often a frame broke off, or bytes stood between two.
   [[nodiscard]] std::uint64_t resyncs() const noexcept { return resyncs_; }
   /// What was begun is forgotten.

@@ -29,7 +29,7 @@ constexpr int kMostFailures = 50;
 }
 
 /// Why a device that is there cannot be had, and what helps.
-std::string problemOf(int code) {
+std::string errorText(int code) {
   if (code == LIBUSB_ERROR_ACCESS)
     return "no permission to open it: copy deploy/70-hapticast-falcon.rules to "
            "/etc/udev/rules.d and plug it in again";
@@ -61,7 +61,7 @@ bool isFalcon(libusb_device* device) {
          it.idProduct == kProduct;
 }
 
-std::string serialOf(libusb_device* device, libusb_device_handle* handle) {
+std::string readSerial(libusb_device* device, libusb_device_handle* handle) {
   libusb_device_descriptor it{};
   std::array<unsigned char, 128> text{};
   if (libusb_get_device_descriptor(device, &it) != LIBUSB_SUCCESS) return "";
@@ -94,10 +94,10 @@ std::vector<FalconFound> findFalcons() {
   eachFalcon(context.get(), [&](libusb_device* device, const Handle& handle, int code) {
     if (code == LIBUSB_SUCCESS) {
       const int claimed = libusb_claim_interface(handle.get(), kInterface);
-      found.push_back(
-          {serialOf(device, handle.get()), claimed == LIBUSB_ERROR_BUSY ? problemOf(claimed) : ""});
+      found.push_back({readSerial(device, handle.get()),
+                       claimed == LIBUSB_ERROR_BUSY ? errorText(claimed) : ""});
     } else {
-      found.push_back({"", problemOf(code)});
+      found.push_back({"", errorText(code)});
     }
     return false;
   });
@@ -134,10 +134,10 @@ void FalconUsb::claim(const std::string& serial) {
   std::string problem = "none was found on USB: is it plugged in, and its power supply too?";
   eachFalcon(context_, [&](libusb_device* device, Handle& handle, int code) {
     if (code != LIBUSB_SUCCESS) {
-      problem = problemOf(code);
+      problem = errorText(code);
       return false;
     }
-    const std::string its = serialOf(device, handle.get());
+    const std::string its = readSerial(device, handle.get());
     if (!serial.empty() && its != serial) {
       problem = "there is one with the serial number " + its + ", but not " + serial;
       return false;
@@ -145,7 +145,7 @@ void FalconUsb::claim(const std::string& serial) {
     libusb_set_auto_detach_kernel_driver(handle.get(), 1);
     const int claimed = libusb_claim_interface(handle.get(), kInterface);
     if (claimed != LIBUSB_SUCCESS) {
-      problem = problemOf(claimed);
+      problem = errorText(claimed);
       return false;
     }
     handle_ = handle.release();
@@ -201,7 +201,7 @@ void FalconUsb::prepare(Transfer& transfer, bool incoming) {
 }
 
 void FalconUsb::start(Take take) {
-  take_ = std::move(take);
+  on_data_ = std::move(take);
   for (Transfer& transfer : incoming_) {
     if (!queue(transfer)) throw FalconError("it went away");
   }
@@ -212,7 +212,7 @@ bool FalconUsb::queue(Transfer& transfer) noexcept {
   const int code = libusb_submit_transfer(transfer.usb);
   if (code == LIBUSB_SUCCESS) return true;
   transfer.queued.store(false, std::memory_order_relaxed);
-  if (code == LIBUSB_ERROR_NO_DEVICE) gone_.store(true, std::memory_order_relaxed);
+  if (code == LIBUSB_ERROR_NO_DEVICE) disconnected_.store(true, std::memory_order_relaxed);
   return false;
 }
 
@@ -222,16 +222,17 @@ void FalconUsb::completed(Transfer& transfer) {
   if (status == LIBUSB_TRANSFER_COMPLETED) {
     failures_ = 0;
     if (transfer.incoming && usb.actual_length > kStatusBytes)
-      take_(std::span(transfer.buffer)
-                .subspan(kStatusBytes, static_cast<std::size_t>(usb.actual_length - kStatusBytes)));
+      on_data_(
+          std::span(transfer.buffer)
+              .subspan(kStatusBytes, static_cast<std::size_t>(usb.actual_length - kStatusBytes)));
   } else if (status != LIBUSB_TRANSFER_CANCELLED) {
     ++failures_;
   }
-  if (status == LIBUSB_TRANSFER_NO_DEVICE) gone_.store(true, std::memory_order_relaxed);
+  if (status == LIBUSB_TRANSFER_NO_DEVICE) disconnected_.store(true, std::memory_order_relaxed);
   // Nobody may wait for the device here, as clearing a halt does.
   transfer.stalled = status == LIBUSB_TRANSFER_STALL;
   transfer.queued.store(false, std::memory_order_release);
-  const bool again = transfer.incoming && !transfer.stalled && !finishing_ && !gone_ &&
+  const bool again = transfer.incoming && !transfer.stalled && !finishing_ && !disconnected_ &&
                      status != LIBUSB_TRANSFER_CANCELLED && failures_ < kMostFailures;
   if (again) (void)queue(transfer);
 }
@@ -252,8 +253,8 @@ bool FalconUsb::handleEvents(Duration most) {
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(most).count();
   timeval time{static_cast<time_t>(us / 1'000'000), static_cast<suseconds_t>(us % 1'000'000)};
   const int code = libusb_handle_events_timeout_completed(context_, &time, nullptr);
-  if (!finishing_ && !gone_) clearStalls();
-  return (code == LIBUSB_SUCCESS || code == LIBUSB_ERROR_INTERRUPTED) && !gone_ &&
+  if (!finishing_ && !disconnected_) clearStalls();
+  return (code == LIBUSB_SUCCESS || code == LIBUSB_ERROR_INTERRUPTED) && !disconnected_ &&
          failures_ < kMostFailures;
 }
 

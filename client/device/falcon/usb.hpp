@@ -86,10 +86,10 @@ class FalconUsb {
 
   libusb_context* context_ = nullptr;
   libusb_device_handle* handle_ = nullptr;
-  Take take_;
+  Take on_data_;
   std::array<Transfer, kIncoming> incoming_;
   std::array<Transfer, kOutgoing> outgoing_;
-  std::atomic<bool> gone_{false};
+  std::atomic<bool> disconnected_{false};
   bool finishing_ = false;
   int failures_ = 0;  // in a row
 };

@@ -10,7 +10,7 @@ namespace hapticast::client {
 
 namespace {
 
-std::vector<HandTarget> targetsOf(const std::string& file) {
+std::vector<HandTarget> readTargets(const std::string& file) {
   try {
     return loadHandTargets(file);
   } catch (const std::runtime_error& error) {
@@ -22,7 +22,7 @@ HandScript handScript(const std::string& name, const HandStiffness& stiffness) {
   if (name == "press") return {HandKind::kPress, stiffness};
   if (name == "slide") return {HandKind::kSlide, stiffness};
   if (name == "follow") return {HandKind::kFollow, stiffness};
-  return {HandKind::kFile, stiffness, targetsOf(name)};
+  return {HandKind::kFile, stiffness, readTargets(name)};
 }
 
 }  // namespace

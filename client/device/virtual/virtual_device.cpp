@@ -27,7 +27,7 @@ VirtualDevice::VirtualDevice(const PlantProfile& profile, const Hand& hand,
 
 void VirtualDevice::lead(HandScript script, LatestValue<TickReport>& seen, std::string name) {
   annotation_track_.emplace(std::move(script));
-  seen_ = &seen;
+  position_ = &seen;
   led_by_ = std::move(name);
 }
 
@@ -42,7 +42,7 @@ void VirtualDevice::waitForTick(LocalTime deadline) noexcept {
 }
 
 DeviceState VirtualDevice::exchange(const Vec3& force_N) noexcept {
-  followScript();
+  advanceScript();
   const int ticks = ticksSinceLast();
   const Vec3 velocity_mm_s = (target_mm_ - last_target_mm_) / (ticks * kTick_s);
   for (int i = 0; i < ticks; ++i) {
@@ -87,9 +87,9 @@ void VirtualDevice::advance(const Vec3& force_N, const Vec3& target_from_mm,
   }
 }
 
-void VirtualDevice::followScript() noexcept {
+void VirtualDevice::advanceScript() noexcept {
   if (!annotation_track_) return;
-  const TickReport& report = seen_->load();
+  const TickReport& report = position_->load();
   if (report.tick == seen_tick_) return;  // the script lives by ticks of the room
   seen_tick_ = report.tick;
   const Vec3 start_mm = report.mapping.toNominal(truePosition_mm());

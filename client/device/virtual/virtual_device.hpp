@@ -43,7 +43,7 @@ class VirtualDevice final : public HapticDevice {
   [[nodiscard]] Vec3 trueVelocity_mm_s() const noexcept;
 
  private:
-  void followScript() noexcept;
+  void advanceScript() noexcept;
   int ticksSinceLast() noexcept;
   void advance(const Vec3& force_N, const Vec3& target_from_mm,
                const Vec3& target_velocity_mm_s) noexcept;
@@ -60,7 +60,7 @@ class VirtualDevice final : public HapticDevice {
   Vec3 last_target_mm_ = Vec3::Zero();
   Vec3 push_N_ = Vec3::Zero();
   std::optional<HandScript> annotation_track_;
-  LatestValue<TickReport>* seen_ = nullptr;  // with the script
+  LatestValue<TickReport>* position_ = nullptr;  // with the script
   std::uint64_t seen_tick_ = 0;
   std::string led_by_;
 };

@@ -12,7 +12,7 @@ namespace {
 constexpr double kRim_px = 3.0;
 
 /// A gradient turned from the frame's axes to the object's.
-Vec2 turnedBack(const Vec2& turn, const Vec2& gradient) noexcept {
+Vec2 rotatedBack(const Vec2& turn, const Vec2& gradient) noexcept {
   return {turn.x() * gradient.x() + turn.y() * gradient.y(),
           turn.x() * gradient.y() - turn.y() * gradient.x()};
 }
@@ -28,42 +28,42 @@ void MovingRelief::Frame::set(const PlayObject& object, const Workspace& workspa
   field = object.field;
   position_mm = object.motion.position_mm;
   angle_rad = object.motion.angle_rad;
-  turn = angle_rad == 0.0 ? Vec2(1.0, 0.0) : Vec2(std::cos(angle_rad), std::sin(angle_rad));
+  rotation_rad = angle_rad == 0.0 ? Vec2(1.0, 0.0) : Vec2(std::cos(angle_rad), std::sin(angle_rad));
   origin_px = workspace.toImage(position_mm.head<2>());
   const Vec2 mm = workspace.mmPerPixel();
-  u = Vec2(turn.x(), -turn.y()) / mm.x();
-  v = Vec2(-turn.y(), -turn.x()) / mm.y();
+  u = Vec2(rotation_rad.x(), -rotation_rad.y()) / mm.x();
+  v = Vec2(-rotation_rad.y(), -rotation_rad.x()) / mm.y();
 }
 
 BlendedHeight MovingRelief::Frame::height(const Vec2& q_mm) const noexcept {
-  const CurvedSample at = field->spline(imageOf(q_mm));
-  const double c = turn.x();
-  const double s = turn.y();
+  const CurvedSample at = field->spline(toImage(q_mm));
+  const double c = rotation_rad.x();
+  const double s = rotation_rad.y();
   const double mixed = 2.0 * c * s * at.bend_xy;
-  return {at.height_mm - position_mm.z(), turnedBack(turn, at.gradient),
+  return {at.height_mm - position_mm.z(), rotatedBack(rotation_rad, at.gradient),
           c * c * at.bend_xx + s * s * at.bend_yy + mixed,
           (c * c - s * s) * at.bend_xy + c * s * (at.bend_yy - at.bend_xx),
           s * s * at.bend_xx + c * c * at.bend_yy - mixed};
 }
 
 EdgeSample MovingRelief::Frame::edge(const Vec2& q_mm) const noexcept {
-  const EdgeSample at = field->edge(imageOf(q_mm));
-  return {at.distance_mm, turnedBack(turn, at.gradient)};
+  const EdgeSample at = field->edge(toImage(q_mm));
+  return {at.distance_mm, rotatedBack(rotation_rad, at.gradient)};
 }
 
 bool MovingRelief::Frame::aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept {
-  const Vec2 a = imageOf(a_mm);
-  const Vec2 b = imageOf(b_mm);
+  const Vec2 a = toImage(a_mm);
+  const Vec2 b = toImage(b_mm);
   const PixelRect& rect = field->rect();
   return std::max(a.x(), b.x()) < rect.u - kRim_px || std::max(a.y(), b.y()) < rect.v - kRim_px ||
          std::min(a.x(), b.x()) > rect.u + rect.width + kRim_px ||
          std::min(a.y(), b.y()) > rect.v + rect.height + kRim_px;
 }
 
-bool MovingRelief::follow(const InterpolatedObject& object, const Workspace& workspace) noexcept {
+bool MovingRelief::update(const InterpolatedObject& object, const Workspace& workspace) noexcept {
   const PlayObject* first = object.before;
   const PlayObject* second = shows(object.after) ? object.after : nullptr;
-  if (second != nullptr && sameRelief(*first, *second)) second = nullptr;
+  if (second != nullptr && isSameRelief(*first, *second)) second = nullptr;
   // At either end one frame is all there is, unless somebody asks how fast the shape changes.
   const bool still = object.blend_rate_1_s == 0.0;
   if (second != nullptr && still && object.blend >= 1.0) first = second;

@@ -28,7 +28,7 @@ class MovingRelief {
   /// Takes over pair and blend; true if the pair is another one than before, so that samples no
   /// longer hold. Frames that show the same relief at the same place are taken as one.
   /// Requires object.before->field, not empty.
-  bool follow(const InterpolatedObject& object, const Workspace& workspace) noexcept;
+  bool update(const InterpolatedObject& object, const Workspace& workspace) noexcept;
 
   /// What both frames have at one point; `second` is unused where one frame stands for all.
   template <class Value>
@@ -63,11 +63,11 @@ class MovingRelief {
     Vec2 origin_px = Vec2::Zero();
     Vec2 u = Vec2::Zero();
     Vec2 v = Vec2::Zero();
-    Vec2 turn = Vec2::UnitX();  // cosine and sine of angle_rad
+    Vec2 rotation_rad = Vec2::UnitX();  // cosine and sine of angle_rad
 
     [[nodiscard]] bool same(const PlayObject& object) const noexcept;
     void set(const PlayObject& object, const Workspace& workspace) noexcept;
-    [[nodiscard]] Vec2 imageOf(const Vec2& q_mm) const noexcept {
+    [[nodiscard]] Vec2 toImage(const Vec2& q_mm) const noexcept {
       return origin_px + Vec2(u.dot(q_mm), v.dot(q_mm));
     }
     [[nodiscard]] BlendedHeight height(const Vec2& q_mm) const noexcept;

@@ -35,7 +35,7 @@ bool Proxy::clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept {
   return true;
 }
 
-ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexcept {
+ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noexcept {
   probe_.begin(relief, tick.samples);
   hip_mm_ = tick.hip_mm;
   friction_ = tick.friction;
@@ -64,14 +64,14 @@ ProxyTouch Proxy::touch(const MovingRelief& relief, const ProxyTick& tick) noexc
     }
   }
   // The samples ended on the way: what it has not met it is not tied to.
-  if (kind_ == Kind::kFree && !done_ && !solidAt(hip_mm_)) at_mm_ = hip_mm_;
+  if (kind_ == Kind::kFree && !done_ && !isSolid(hip_mm_)) at_mm_ = hip_mm_;
   return finish();
 }
 
 // --- places
 // --------------------------------------------------------------------------------------
 
-bool Proxy::solidAt(const Vec3& point_mm) noexcept {
+bool Proxy::isSolid(const Vec3& point_mm) noexcept {
   if (point_mm.z() > probe_.relief().highest_mm() || !probe_.masked(point_mm.head<2>()))
     return false;
   const Vec2 q_mm = point_mm.head<2>();

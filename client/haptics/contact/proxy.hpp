@@ -49,7 +49,7 @@ class Proxy {
   void forgetSamples() noexcept { probe_.forget(); }
   /// Nothing to feel and nothing to compute this tick: the proxy simply follows.
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
-  ProxyTouch touch(const MovingRelief& relief, const ProxyTick& tick) noexcept;
+  ProxyTouch update(const MovingRelief& relief, const ProxyTick& tick) noexcept;
 
   /// Heights read in the last touch().
   [[nodiscard]] int samplesUsed() const noexcept { return probe_.used(); }
@@ -61,16 +61,16 @@ class Proxy {
   using Height = ReliefProbe::Height;
 
   // proxy.cpp: the tick and its result
-  [[nodiscard]] bool solidAt(const Vec3& point_mm) noexcept;
+  [[nodiscard]] bool isSolid(const Vec3& point_mm) noexcept;
   void placeOn(const Vec2& q_mm, const Height& height) noexcept;
   ProxyTouch finish() noexcept;
   [[nodiscard]] Vec3 normalHere() noexcept;
 
   // proxy_flight.cpp: changes of the surface, in the air
   void resolvePenetration() noexcept;
-  void settleTop() noexcept;
-  void settleWall() noexcept;
-  void settleFree() noexcept;
+  void resolveTop() noexcept;
+  void resolveWall() noexcept;
+  void resolveFree() noexcept;
   bool pushOut(int moves, double longest_mm) noexcept;
   void castRay() noexcept;
   void enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept;
@@ -82,7 +82,7 @@ class Proxy {
   bool fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept;
   void stepOnTop(const Height& here, const Vec2& step_mm) noexcept;
   void stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept;
-  void rubOnTop(const Height& here, Vec2 step_mm, double depth_mm) noexcept;
+  void applyFriction(const Height& here, Vec2 step_mm, double depth_mm) noexcept;
   void slideOnWall() noexcept;
   void stepOffWall(const Vec2& outwards) noexcept;
   void stepAlongWall(const Vec2& along_mm) noexcept;

@@ -95,7 +95,7 @@ void Proxy::slideOnTop() noexcept {
   if (above_mm >= 0.0 && detach(way_mm)) return;
   if (friction_.sticking > 0.0) {
     const double depth_mm = -above_mm / std::sqrt(1.0 + gradient.squaredNorm());
-    rubOnTop(here, tangentPlane(gradient).solve(descent(here.now, way_mm)), depth_mm);
+    applyFriction(here, tangentPlane(gradient).solve(descent(here.now, way_mm)), depth_mm);
     return;
   }
   const Vec2 step_mm = newtonStep(here.now, way_mm);
@@ -112,7 +112,7 @@ bool Proxy::detach(const Vec3& way_mm) noexcept {
   const double length_mm = way_mm.head<2>().norm();
   const bool whole = length_mm <= look_mm;
   const Vec3 to_mm = whole ? hip_mm_ : Vec3(at_mm_ + way_mm * (look_mm / length_mm));
-  if (solidAt(to_mm)) return false;
+  if (isSolid(to_mm)) return false;
   at_mm_ = to_mm;
   kind_ = Kind::kFree;
   moved_ = true;
@@ -185,7 +185,7 @@ double Proxy::share(double length_mm, double depth_mm) noexcept {
 }
 
 /// Drawn along the tangent plane as far as friction lets it.
-void Proxy::rubOnTop(const Height& here, Vec2 step_mm, double depth_mm) noexcept {
+void Proxy::applyFriction(const Height& here, Vec2 step_mm, double depth_mm) noexcept {
   const Vec2 gradient = here.now.gradient;
   const double part = share(lengthOnPlane(step_mm, gradient), depth_mm);
   step_mm = limited(part * step_mm, kStep_px * probe_.relief().pixel_mm());

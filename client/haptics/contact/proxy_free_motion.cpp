@@ -26,22 +26,22 @@ constexpr double kEntryError_mm = 0.05;
 void Proxy::resolvePenetration() noexcept {
   switch (kind_) {
     case Kind::kFree:
-      settleFree();
+      resolveFree();
       break;
     case Kind::kTop:
-      settleTop();
+      resolveTop();
       break;
     case Kind::kWall:
-      settleWall();
+      resolveWall();
       break;
     case Kind::kEmbedded:
       at_mm_ = hip_mm_;
-      if (!solidAt(hip_mm_)) kind_ = Kind::kFree;
+      if (!isSolid(hip_mm_)) kind_ = Kind::kFree;
       break;
   }
 }
 
-void Proxy::settleTop() noexcept {
+void Proxy::resolveTop() noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
   if (!probe_.masked(q_mm)) {
     kind_ = Kind::kFree;
@@ -59,7 +59,7 @@ void Proxy::settleTop() noexcept {
   }
 }
 
-void Proxy::settleWall() noexcept {
+void Proxy::resolveWall() noexcept {
   const double inside_mm = probe_.edge(at_mm_.head<2>()).distance_mm;
   if (inside_mm < -kLooseEdge_mm) kind_ = Kind::kFree;
   if (inside_mm <= 0.0) return;
@@ -69,8 +69,8 @@ void Proxy::settleWall() noexcept {
 }
 
 /// The surface came over a proxy in the air: out by the shorter way.
-void Proxy::settleFree() noexcept {
-  if (!solidAt(at_mm_)) return;
+void Proxy::resolveFree() noexcept {
+  if (!isSolid(at_mm_)) return;
   const Vec2 q_mm = at_mm_.head<2>();
   const Height height = probe_.height(q_mm);
   const double up_mm =
@@ -118,7 +118,7 @@ void Proxy::castRay() noexcept {
   Vec3 outside_mm = from_mm;
   for (int i = 1; i <= count; ++i) {
     const Vec3 here_mm = i == count ? hip_mm_ : Vec3(from_mm + way_mm * (double(i) / count));
-    if (solidAt(here_mm)) {
+    if (isSolid(here_mm)) {
       enter(outside_mm, here_mm);
       return;
     }
@@ -142,7 +142,7 @@ void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
   for (int i = 0; i < 2; ++i) {
     const double t = edge.secant();
     crossing_mm = outside_mm + t * way_mm;
-    edge.take(t, probe_.edge(crossing_mm.head<2>()).distance_mm);
+    edge.push(t, probe_.edge(crossing_mm.head<2>()).distance_mm);
   }
   if (crossing_mm.z() < probe_.height(crossing_mm.head<2>()).now.height_mm) {
     at_mm_ = crossing_mm;
@@ -169,7 +169,7 @@ void Proxy::enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexce
     const double t = surface.secant();
     crossing_mm = outside_mm + t * way_mm;
     depth_mm = depthAt(crossing_mm, height);
-    surface.take(t, depth_mm);
+    surface.push(t, depth_mm);
   }
   if (depth_mm > kEntryError_mm) {
     placeOn(outside_mm.head<2>(), before);

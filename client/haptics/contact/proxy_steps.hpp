@@ -31,7 +31,7 @@ struct Bracket {
     const double span = high_value - low_value;
     return span > 0.0 ? std::clamp(low - low_value * (high - low) / span, low, high) : high;
   }
-  void take(double t, double value) noexcept {
+  void push(double t, double value) noexcept {
     (value > 0.0 ? high : low) = t;
     (value > 0.0 ? high_value : low_value) = value;
   }

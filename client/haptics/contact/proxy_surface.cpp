@@ -23,12 +23,12 @@ double coefficient(double given) noexcept {
   return given > 0.0 ? std::min(given, kMostFriction) : 0.0;  // a NaN is none
 }
 
-Vec3 turned(const Vec3& v, double c, double s) noexcept {
+Vec3 rotated(const Vec3& v, double c, double s) noexcept {
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
 }
 
 /// How far `step` is from any mean of `a` and `b`.
-double awayFrom(const Vec3& step, const Vec3& a, const Vec3& b) noexcept {
+double computeDistanceToLine(const Vec3& step, const Vec3& a, const Vec3& b) noexcept {
   const Vec3 span = b - a;
   const double square = span.squaredNorm();
   const double t = square > 0.0 ? std::clamp((step - a).dot(span) / square, 0.0, 1.0) : 0.0;
@@ -50,10 +50,10 @@ struct Sum {
     const bool turns = object.angle_rad != 0.0;
     const double c = turns ? std::cos(object.angle_rad) : 1.0;
     const double s = turns ? std::sin(object.angle_rad) : 0.0;
-    const Vec3 displacement_mm = turned(touch.displacement_mm, c, s);
+    const Vec3 displacement_mm = rotated(touch.displacement_mm, c, s);
     const double length_mm = displacement_mm.norm();
     const double weight = length_mm + kWeight_mm;
-    const Vec3 arm_mm = turned(at_mm, c, s);
+    const Vec3 arm_mm = rotated(at_mm, c, s);
     const double turn = object.angular_velocity_rad_s;
     contact.contact = true;
     contact.displacement_mm += displacement_mm;  // of one object: its own
@@ -61,8 +61,8 @@ struct Sum {
       directions[count] = displacement_mm / length_mm;
       lengths_mm[count++] = length_mm;
     }
-    normals += weight * turned(touch.normal, c, s);
-    velocities += weight * (object.velocity_mm_s + turned(touch.shape_velocity_mm_s, c, s) +
+    normals += weight * rotated(touch.normal, c, s);
+    velocities += weight * (object.velocity_mm_s + rotated(touch.shape_velocity_mm_s, c, s) +
                             turn * Vec3(-arm_mm.y(), arm_mm.x(), 0.0));
     weights += weight;
     if (length_mm <= longest_mm) return;
@@ -110,7 +110,7 @@ struct Sum {
 
 }  // namespace
 
-Friction frictionOf(const Material& material) noexcept {
+Friction toFriction(const Material& material) noexcept {
   const auto& sticking = material.static_friction;
   const auto& sliding = material.dynamic_friction;
   const double most = coefficient(sticking.value_or(sliding.value_or(kDefaultFriction)));
@@ -121,17 +121,17 @@ Friction frictionOf(const Material& material) noexcept {
 Friction ProxySurface::friction(ProxySlot& tied, const InterpolatedObject& object) const noexcept {
   const bool in_contact = tied.touch.displacement_mm != Vec3::Zero();
   const Friction wanted =
-      friction_ ? Friction{*friction_, *friction_} : frictionOf(object.before->material);
+      friction_ ? Friction{*friction_, *friction_} : toFriction(object.before->material);
   const double sticking = tied.sticking.step(wanted.sticking, in_contact);
   return {sticking, std::min(tied.sliding.step(wanted.sliding, in_contact), sticking)};
 }
 
 void ProxySurface::restart() noexcept {
-  fresh_ = true;
+  just_restarted_ = true;
   ++tick_;  // nothing was there in the last one
 }
 
-ProxySurface::ProxySlot* ProxySurface::known(std::uint64_t key) noexcept {
+ProxySurface::ProxySlot* ProxySurface::isKnown(std::uint64_t key) noexcept {
   for (ProxySlot& tied : tied_) {
     if (tied.key == key && tied.tick + 1 == tick_) return &tied;
   }
@@ -162,7 +162,7 @@ bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& o
     return false;
   }
   const double moved_mm =
-      awayFrom(step_mm, way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
+      computeDistanceToLine(step_mm, way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
   const double short_rad = std::remainder(turn_rad, 2.0 * std::numbers::pi);
   const double was_rad = tied.angular_velocity_rad_s * elapsed_s;
   const double is_rad = object.angular_velocity_rad_s * elapsed_s;
@@ -171,22 +171,22 @@ bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& o
   return !(moved_mm + turned_rad * arm_mm <= Proxy::kJump_mm);
 }
 
-void ProxySurface::followObject(ProxySlot& tied, const InterpolatedObject& object,
+void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& object,
                                 const Vec3& hip_mm, const Workspace& workspace,
                                 double elapsed_s) noexcept {
   const bool was_there = tied.tick + 1 == tick_;
   if (!was_there) {
     tied.relief = {};  // of another world, perhaps
-    tied.proxy.restart(!fresh_);
+    tied.proxy.restart(!just_restarted_);
     tied.touch = {};
   }
-  if (tied.relief.follow(object, workspace)) tied.proxy.forgetSamples();
+  if (tied.relief.update(object, workspace)) tied.proxy.forgetSamples();
   const Vec3 arm_mm = hip_mm - object.position_mm;
   const bool turns = object.angle_rad != 0.0;
   const Vec3 own_mm =
-      turns ? turned(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
+      turns ? rotated(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
   const bool jumped = was_there && poseJumped(tied, object, arm_mm.head<2>().norm(), elapsed_s);
-  tied.key = keyOf(*object.before);
+  tied.key = makeKey(*object.before);
   tied.tick = tick_;
   tied.position_mm = object.position_mm;
   tied.velocity_mm_s = object.velocity_mm_s;
@@ -211,38 +211,38 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
   for (std::size_t i = 0; i < std::min(scene.object_count, kMaxObjects); ++i) {
     const InterpolatedObject& object = scene.objects[i];
     if (!shows(object.before)) continue;
-    if (ProxySlot* const tied = known(keyOf(*object.before))) {
-      followObject(*tied, object, hip_mm, workspace, elapsed_s);
+    if (ProxySlot* const tied = isKnown(makeKey(*object.before))) {
+      updateObject(*tied, object, hip_mm, workspace, elapsed_s);
     } else {
       arrived[arrived_count++] = &object;
     }
   }
   for (std::size_t i = 0; i < arrived_count; ++i) {
-    followObject(unused(), *arrived[i], hip_mm, workspace, elapsed_s);
+    updateObject(unused(), *arrived[i], hip_mm, workspace, elapsed_s);
   }
 }
 
-Contact ProxySurface::touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
-                            double deepest_mm) noexcept {
+Contact ProxySurface::computeContact(const Scene& scene, const Vec3& hip_mm,
+                                     const Workspace& workspace, double deepest_mm) noexcept {
   used_ = 0;
   if (scene.jumped || !hip_mm.allFinite()) restart();
   ++tick_;
   Sum sum;
   if (hip_mm.allFinite()) {
     gather(scene, hip_mm, workspace);
-    fresh_ = false;
+    just_restarted_ = false;
   } else {
     near_count_ = 0;
   }
   // Where too many objects lie over each other, some are held for a tick, another first each time.
-  ++turn_;
+  ++round_robin_;
   for (std::size_t i = 0; i < near_count_; ++i) {
-    const Near& near = near_[(turn_ + i) % near_count_];
+    const Candidate& near = near_[(round_robin_ + i) % near_count_];
     ProxySlot& tied = *near.tied;
     const int left = kSamples - used_;
     if (left > 0) {
       const int fair = std::max(1, left / static_cast<int>(near_count_ - i));
-      tied.touch = tied.proxy.touch(
+      tied.touch = tied.proxy.update(
           tied.relief, {near.hip_mm, friction(tied, *near.object), fair, near.jumped, deepest_mm});
       used_ += tied.proxy.samplesUsed();
     }

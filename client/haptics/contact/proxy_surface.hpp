@@ -15,7 +15,7 @@
 namespace hapticast::client {
 
 /// Of an author's coefficients: finite, 0 <= sliding <= sticking <= 1.5; a NaN is none.
-Friction frictionOf(const Material& material) noexcept;
+Friction toFriction(const Material& material) noexcept;
 
 class ProxySurface {
  public:
@@ -31,8 +31,8 @@ class ProxySurface {
   /// appears, its surface or pose changes by more than motion explains) never steps: its force
   /// fades in here, so Contact::jump says only that the epoch changed; deeper than `deepest_mm`
   /// (nominal) after a jump there is none until the HIP is out of the object.
-  Contact touch(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
-                double deepest_mm) noexcept;
+  Contact computeContact(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
+                         double deepest_mm) noexcept;
 
   /// From now on everything has this friction, whatever its author says; none: the author's. Under
   /// the hand it changes slowly.
@@ -59,29 +59,29 @@ class ProxySurface {
     double angular_velocity_rad_s = 0.0;
   };
   /// What has to be looked at this tick.
-  struct Near {
+  struct Candidate {
     ProxySlot* tied = nullptr;
     const InterpolatedObject* object = nullptr;
     Vec3 hip_mm = Vec3::Zero();  // in the object's frame
     bool jumped = false;
   };
 
-  [[nodiscard]] ProxySlot* known(std::uint64_t key) noexcept;
+  [[nodiscard]] ProxySlot* isKnown(std::uint64_t key) noexcept;
   [[nodiscard]] ProxySlot& unused() noexcept;
   static bool poseJumped(const ProxySlot& tied, const InterpolatedObject& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
   Friction friction(ProxySlot& tied, const InterpolatedObject& object) const noexcept;
-  void followObject(ProxySlot& tied, const InterpolatedObject& object, const Vec3& hip_mm,
+  void updateObject(ProxySlot& tied, const InterpolatedObject& object, const Vec3& hip_mm,
                     const Workspace& workspace, double elapsed_s) noexcept;
 
   std::array<ProxySlot, kMaxObjects> tied_;
-  std::array<Near, kMaxObjects> near_;
+  std::array<Candidate, kMaxObjects> near_;
   std::optional<double> friction_;  // the user's
   std::size_t near_count_ = 0;
-  std::size_t turn_ = 0;  // who comes first
+  std::size_t round_robin_ = 0;  // who comes first
   std::uint64_t tick_ = 1;
-  bool fresh_ = true;
+  bool just_restarted_ = true;
   MediaTime play_time_{};
   int used_ = 0;
 };

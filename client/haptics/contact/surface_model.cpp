@@ -9,8 +9,8 @@ namespace hapticast::client {
 namespace {
 
 /// v + omega x r, and the change of shape along z.
-Vec3 velocityAt(const InterpolatedObject& object, const Vec2& nominal_mm,
-                double shape_rate_mm_s) noexcept {
+Vec3 computeVelocity(const InterpolatedObject& object, const Vec2& nominal_mm,
+                     double shape_rate_mm_s) noexcept {
   const Vec2 r = nominal_mm - object.position_mm.head<2>();
   const double turn = object.angular_velocity_rad_s;
   return object.velocity_mm_s + Vec3(-turn * r.y(), turn * r.x(), shape_rate_mm_s);
@@ -38,14 +38,14 @@ SurfaceSample WarpedPoint::shape() const noexcept {
           turns ? Vec2(c * g.x() - s * g.y(), s * g.x() + c * g.y()) : g};
 }
 
-SurfacePoint surfaceAt(const InterpolatedObject& object, const Vec2& nominal_mm,
-                       const Workspace& workspace) noexcept {
+SurfacePoint evaluateSurface(const InterpolatedObject& object, const Vec2& nominal_mm,
+                             const Workspace& workspace) noexcept {
   SurfacePoint point;
   if (!shows(object.before)) return point;
   const Vec2 px_per_mm = workspace.pixelsPerMm();
   const WarpedPoint before(*object.before, object, nominal_mm, workspace, px_per_mm);
   bool inside = before.inside();
-  const bool blended = shows(object.after) && !sameRelief(*object.before, *object.after);
+  const bool blended = shows(object.after) && !isSameRelief(*object.before, *object.after);
   const double s = blended ? object.blend : 0.0;
   SurfaceSample shape;
   if (blended) {
@@ -87,11 +87,11 @@ TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept {
   return {depth_mm * square * m, slant * m, slant * depth_mm};
 }
 
-Contact touchObject(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
-                    const Workspace& workspace) noexcept {
+Contact computeObjectContact(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
+                             const Workspace& workspace) noexcept {
   Contact contact;
   const Vec2 under = hip_mm.head<2>();
-  const SurfacePoint point = surfaceAt(object, under, workspace);
+  const SurfacePoint point = evaluateSurface(object, under, workspace);
   const double depth_mm = point.sample.height_mm - hip_mm.z();  // Eq. 4
   // Written so that a NaN touches nothing.
   if (!point.inside || !(depth_mm > 0.0)) return contact;
@@ -108,7 +108,7 @@ Contact touchObject(SurfaceKind kind, const InterpolatedObject& object, const Ve
         given_K_mm >= 0.0 ? given_K_mm : kDefaultTextureK_mm, workspace.depth_mm);
     contact.stiffness_factor = 1.0 + gradient.squaredNorm();
   }
-  contact.surface_velocity_mm_s = velocityAt(object, under, point.shape_rate_mm_s);
+  contact.surface_velocity_mm_s = computeVelocity(object, under, point.shape_rate_mm_s);
   contact.contact = true;
   contact.jump = object.appeared;
   contact.object = &object;
@@ -119,9 +119,10 @@ Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept {
   const std::size_t count = std::min(scene.object_count, kMaxObjects);
   // The first in place: nearly always it is the only one.
-  Contact deepest = count > 0 ? touchObject(kind, scene.objects[0], hip_mm, workspace) : Contact{};
+  Contact deepest =
+      count > 0 ? computeObjectContact(kind, scene.objects[0], hip_mm, workspace) : Contact{};
   for (std::size_t i = 1; i < count; ++i) {
-    const Contact contact = touchObject(kind, scene.objects[i], hip_mm, workspace);
+    const Contact contact = computeObjectContact(kind, scene.objects[i], hip_mm, workspace);
     if (!contact.contact) continue;
     if (!deepest.contact || contact.depth_mm > deepest.depth_mm) deepest = contact;
   }

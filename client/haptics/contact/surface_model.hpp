@@ -55,8 +55,8 @@ struct SurfacePoint {
   double shape_rate_mm_s =
       0.0;  ///< how fast the height changes by the change of shape alone (inside both masks)
 };
-SurfacePoint surfaceAt(const InterpolatedObject& object, const Vec2& nominal_mm,
-                       const Workspace& workspace) noexcept;
+SurfacePoint evaluateSurface(const InterpolatedObject& object, const Vec2& nominal_mm,
+                             const Workspace& workspace) noexcept;
 
 /// Eq. 2-4 on one sample: displacement F/k of the memoryless models at depth d = h - z > 0.
 /// K of Eq. 3 in mm; h_bar = height / depth_mm. Returned in nominal mm.
@@ -73,8 +73,8 @@ struct TangentPlane {
 TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept;
 
 /// Contact of the HIP with one object; `jump` if the object has just appeared.
-Contact touchObject(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
-                    const Workspace& workspace) noexcept;
+Contact computeObjectContact(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
+                             const Workspace& workspace) noexcept;
 
 /// The contact that is deepest along its normal over all objects of the scene. Outside the masks,
 /// and for objects whose relief never arrived, there is nothing to touch.

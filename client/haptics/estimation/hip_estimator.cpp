@@ -70,7 +70,7 @@ const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
   } else if (gap_s > kLateTick_s) {
     bridge(state.position_mm, gap_s);
   } else {
-    follow(state.position_mm);
+    onPosition(state.position_mm);
   }
   last_time_ = state.time;
   estimate_.position_mm = state.position_mm;
@@ -87,7 +87,7 @@ void HipEstimator::restart(const DeviceState& state) noexcept {
   observer_.restart({state.position_mm, Vec3::Zero()}, acting_N());
 }
 
-void HipEstimator::follow(const Vec3& measured_mm) noexcept {
+void HipEstimator::onPosition(const Vec3& measured_mm) noexcept {
   Vec3& v_mm_s = estimate_.velocity_mm_s;
   x_mm_ += v_mm_s * kTick_s + a_mm_s2_ * (kTick_s * kTick_s / 2.0);
   v_mm_s += a_mm_s2_ * kTick_s;
@@ -97,7 +97,7 @@ void HipEstimator::follow(const Vec3& measured_mm) noexcept {
   a_mm_s2_ += gains_.acceleration_per_s2 * residual_mm;
 
   const Vec3 before_mm_s = observer_.tip().velocity_mm_s;
-  observer_.follow(measured_mm, acting_N(), wall_N_mm_);
+  observer_.update(measured_mm, acting_N(), wall_N_mm_);
   filterAcceleration((observer_.tip().velocity_mm_s - before_mm_s) / (kTick_s * 1000.0));
 }
 

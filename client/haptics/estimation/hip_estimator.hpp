@@ -49,7 +49,7 @@ class HipEstimator {
 
  private:
   void restart(const DeviceState& state) noexcept;
-  void follow(const Vec3& measured_mm) noexcept;
+  void onPosition(const Vec3& measured_mm) noexcept;
   void bridge(const Vec3& measured_mm, double gap_s) noexcept;
   void filterAcceleration(const Vec3& raw_m_s2) noexcept;
 

@@ -42,7 +42,7 @@ void EffectiveMassEstimator::restart(const Vec3& measured_mm, const Vec3& acting
   last_N_ = Vec3::Zero();
 }
 
-void EffectiveMassEstimator::learn(const Vec3& measured_mm, const Vec3& acting_N) noexcept {
+void EffectiveMassEstimator::update(const Vec3& measured_mm, const Vec3& acting_N) noexcept {
   Vec3 fast_N = acting_N;
   Vec3 fast_mm = measured_mm;
   for (int i = 0; i < kFilters; ++i) {
@@ -82,12 +82,12 @@ void HipObserver::predict(HipState& tip, const Vec3& force_N) const noexcept {
   tip.velocity_mm_s += step_mm_s;
 }
 
-void HipObserver::follow(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept {
+void HipObserver::update(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept {
   const Vec3 stands = (measured_mm.array() == last_mm_.array()).cast<double>();
   rest_ticks_ = stands.cwiseProduct(rest_ticks_ + Vec3::Ones());
   last_mm_ = measured_mm;
   const Vec3 before = share_.value();
-  share_.learn(measured_mm, acting_N);
+  share_.update(measured_mm, acting_N);
   // What the force no longer explains the hand did: a share that changes moves nothing.
   hand_mm_s2_ += mm_s2_per_N_ * (before - share_.value()).cwiseProduct(acting_N);
   predict(tip_, acting_N);

@@ -33,7 +33,7 @@ class EffectiveMassEstimator {
  public:
   explicit EffectiveMassEstimator(double mass_kg) noexcept;
   void restart(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
-  void learn(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
+  void update(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
   [[nodiscard]] const Vec3& value() const noexcept { return share_; }
 
  private:
@@ -62,7 +62,7 @@ class HipObserver {
   void restart(const HipState& tip, const Vec3& acting_N) noexcept;
   /// A tick that ended with this count and in which `acting_N` acted; `wall_N_mm`: stiffness of the
   /// wall, which says how fast a filter has to be at least.
-  void follow(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
+  void update(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
   /// The tip now.
   [[nodiscard]] const HipState& tip() const noexcept { return tip_; }
   /// The tip that a force sent now will find, and a little further.

@@ -31,7 +31,7 @@ struct PlayObject {
 };
 
 /// What an object is known by from frame to frame.
-inline std::uint64_t keyOf(const PlayObject& object) noexcept {
+inline std::uint64_t makeKey(const PlayObject& object) noexcept {
   return (std::uint64_t{object.id} << 32U) | object.layer;
 }
 
@@ -41,7 +41,7 @@ inline bool shows(const PlayObject* object) noexcept {
 }
 
 /// Nothing to blend: the same relief at the same place.
-inline bool sameRelief(const PlayObject& a, const PlayObject& b) noexcept {
+inline bool isSameRelief(const PlayObject& a, const PlayObject& b) noexcept {
   return a.field == b.field && a.motion.position_mm == b.motion.position_mm &&
          a.motion.angle_rad == b.motion.angle_rad;
 }
@@ -58,7 +58,7 @@ struct PlayFrame {
 inline const PlayObject* findObject(const PlayFrame* frame, std::uint64_t key) noexcept {
   if (frame == nullptr) return nullptr;
   for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
-    if (keyOf(frame->objects[i]) == key) return &frame->objects[i];
+    if (makeKey(frame->objects[i]) == key) return &frame->objects[i];
   }
   return nullptr;
 }
@@ -88,9 +88,9 @@ class FramePool {
 
   // --- the loop's side
   // -------------------------------------------------------------------------------
-  [[nodiscard]] bool take(Index& index) noexcept { return filled_.tryPop(index); }
+  [[nodiscard]] bool pop(Index& index) noexcept { return filled_.tryPop(index); }
   [[nodiscard]] const PlayFrame& frame(Index index) const noexcept { return slots_[index].frame; }
-  void giveBack(Index index) noexcept { (void)free_.tryPush(index); }
+  void release(Index index) noexcept { (void)free_.tryPush(index); }
 
  private:
   std::array<Slot, kSlots> slots_;

@@ -23,8 +23,8 @@ constexpr double kShortest_s = 0.5 / 240.0;
 
 constexpr std::size_t kSteps = ObjectHistory::kFrames - 1;
 
-double sizeOf(double value) noexcept { return std::abs(value); }
-double sizeOf(const Vec3& value) noexcept { return value.norm(); }
+double magnitude(double value) noexcept { return std::abs(value); }
+double magnitude(const Vec3& value) noexcept { return value.norm(); }
 
 /// The largest speed, change of speed and its rate in the frames seen.
 struct Largest {
@@ -36,18 +36,18 @@ struct Largest {
 /// `step(i)`: what was moved from frame i to i+1; `rate(i)`: the speed that frame i tells, believed
 /// up to twice the fastest step. Both for frames that are there.
 template <class Value, class Step, class Rate>
-Largest largestOf(const ObjectHistory& seen, Step step, Rate rate) noexcept {
+Largest findLargest(const ObjectHistory& seen, Step step, Rate rate) noexcept {
   Largest most;
   const auto known = [&](std::size_t i) noexcept {
     return seen.object[i] != nullptr && seen.object[i + 1] != nullptr &&
            seen.interval_s[i] >= kShortest_s;
   };
   for (std::size_t i = 0; i < kSteps; ++i) {
-    if (known(i)) most.speed = std::max(most.speed, sizeOf(step(i)) / seen.interval_s[i]);
+    if (known(i)) most.speed = std::max(most.speed, magnitude(step(i)) / seen.interval_s[i]);
   }
   const auto believed = [&](std::size_t i) noexcept -> Value {
     const Value told = rate(i);
-    const double size = sizeOf(told);
+    const double size = magnitude(told);
     const double limit = kFactor * most.speed;
     return size > limit ? Value(told * (limit / size)) : told;
   };
@@ -58,10 +58,10 @@ Largest largestOf(const ObjectHistory& seen, Step step, Rate rate) noexcept {
   for (std::size_t i = 0; i < kSteps; ++i) {
     if (!known(i)) continue;
     const Value changed = believed(i + 1) - believed(i);
-    take(sizeOf(changed), seen.interval_s[i]);
+    take(magnitude(changed), seen.interval_s[i]);
     if (i + 1 == kSteps || !known(i + 1)) continue;
     const Value turned = step(i + 1) / seen.interval_s[i + 1] - step(i) / seen.interval_s[i];
-    take(sizeOf(turned), 0.5 * (seen.interval_s[i] + seen.interval_s[i + 1]));
+    take(magnitude(turned), 0.5 * (seen.interval_s[i] + seen.interval_s[i + 1]));
   }
   return most;
 }
@@ -76,15 +76,18 @@ PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept {
   const auto motion = [&](std::size_t i) noexcept -> const Motion& {
     return seen.object[i]->motion;
   };
-  const Largest path = largestOf<Vec3>(
+  const Largest path = findLargest<Vec3>(
       seen,
       [&](std::size_t i) noexcept -> Vec3 {
         if (!moved(i)) return Vec3::Zero();
         return motion(i + 1).position_mm - motion(i).position_mm;
       },
       [&](std::size_t i) noexcept -> Vec3 { return motion(i).velocity_mm_s; });
-  const Largest turning = largestOf<double>(
-      seen, [&](std::size_t i) noexcept { return moved(i) ? turn(motion(i), motion(i + 1)) : 0.0; },
+  const Largest turning = findLargest<double>(
+      seen,
+      [&](std::size_t i) noexcept {
+        return moved(i) ? rotationBetween(motion(i), motion(i + 1)) : 0.0;
+      },
       [&](std::size_t i) noexcept { return motion(i).angular_velocity_rad_s; });
   constexpr std::size_t kNow = ObjectHistory::kNow;
   const bool deforms =

@@ -28,14 +28,14 @@ MediaTime Playout::advance(LocalTime now, const StreamTiming& stream, bool in_co
                            const UserControls& user) noexcept {
   const Duration local = bounded(now.time_since_epoch(), kLargestOffset);
   const bool restart =
-      stream.connected && (!running_ || rejoin_ || stream.first_epoch != first_epoch_);
+      stream.connected && (!running_ || resync_ || stream.first_epoch != first_epoch_);
   if (!restart && !running_) return last_play_;
   const Duration elapsed =
       restart ? Duration{0} : std::max(local - last_.time_since_epoch(), Duration{0});
   last_ = LocalTime(restart ? local : std::max(local, last_.time_since_epoch()));
   if (stream.connected) {
     running_ = true;
-    rejoin_ = false;
+    resync_ = false;
     first_epoch_ = stream.first_epoch;
     const Duration offset = bounded(stream.clock_offset, kLargestOffset / 2) -
                             bounded(stream.pipeline_latency, kLongestDelay);

@@ -22,12 +22,12 @@ class Playout {
   MediaTime advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                     const UserControls& user = {}) noexcept;
   /// The next connected tick starts over like that of a new connection.
-  void rejoin() noexcept { rejoin_ = true; }
+  void resync() noexcept { resync_ = true; }
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:
   bool running_ = false;  // was connected once
-  bool rejoin_ = false;
+  bool resync_ = false;
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};

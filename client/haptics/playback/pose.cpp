@@ -47,7 +47,7 @@ double shortening(double distance, double displacement, double margin) noexcept 
 
 }  // namespace
 
-double turn(const Motion& from, const Motion& to) noexcept {
+double rotationBetween(const Motion& from, const Motion& to) noexcept {
   const double step_rad = to.angle_rad - from.angle_rad;
   if (std::abs(step_rad) <= std::numbers::pi) return step_rad;  // the library's takes 20 ns
   return std::remainder(step_rad, 2.0 * std::numbers::pi);
@@ -60,14 +60,14 @@ double secondsBetween(MediaTime a, MediaTime b) noexcept {
          1e-9;
 }
 
-Pose standingPose(const Motion& motion) noexcept {
+Pose restingPose(const Motion& motion) noexcept {
   return {motion.position_mm, Vec3::Zero(), motion.acceleration_mm_s2, motion.angle_rad, 0.0};
 }
 
 Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept {
   const double s = time_s / interval_s;
   const Vec3 step_mm = to.position_mm - from.position_mm;
-  const double step_rad = turn(from, to);
+  const double step_rad = rotationBetween(from, to);
   return {from.position_mm + s * step_mm, step_mm / interval_s,
           (1.0 - s) * from.acceleration_mm_s2 + s * to.acceleration_mm_s2,
           from.angle_rad + s * step_rad, step_rad / interval_s};
@@ -108,7 +108,7 @@ HermitePath::HermitePath(const PlayObject& from, const PlayObject& to, MediaTime
   path_.v0 *= shortening(path_.v0.norm() * interval_s, step_mm, kPlausible_mm);
   path_.v1 *= shortening(path_.v1.norm() * interval_s, step_mm, kPlausible_mm);
 
-  const double step_rad = turn(a, b);
+  const double step_rad = rotationBetween(a, b);
   angle_ = {a.angle_rad, a.angular_velocity_rad_s, a.angle_rad + step_rad,
             b.angular_velocity_rad_s};
   angle_.v0 *= shortening(std::abs(angle_.v0) * interval_s, std::abs(step_rad), kPlausible_rad);
@@ -142,7 +142,7 @@ Pose HermitePath::at(double time_s) const noexcept {
 
 Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_s,
                       double time_s) noexcept {
-  Pose pose = standingPose(from.motion);
+  Pose pose = restingPose(from.motion);
   const double carried_s = std::min(time_s, limit_s);
   const VelocityJumps kinks = kinksWithin(from, from_time, limit_s);
   pose.position_mm += from.motion.velocity_mm_s * carried_s + kinks.displacement(carried_s);

@@ -23,10 +23,10 @@ struct Pose {
 double secondsBetween(MediaTime a, MediaTime b) noexcept;
 
 /// The turn from one frame to the next, the short way round.
-double turn(const Motion& from, const Motion& to) noexcept;
+double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
 /// As sent in the frame, standing still.
-Pose standingPose(const Motion& motion) noexcept;
+Pose restingPose(const Motion& motion) noexcept;
 /// Linear in position, angle and acceleration. Requires interval_s > 0.
 Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept;
 /// The object's changes of velocity that are known within an interval.

@@ -13,7 +13,7 @@
 namespace hapticast::client {
 
 /// How the surface of this tick was found.
-enum class Lookup : std::uint8_t { kNone = 0, kInterpolated, kExtrapolated, kHeld, kFaded };
+enum class Lookup : std::uint8_t { kEmpty = 0, kInterpolated, kExtrapolated, kHeld, kStale };
 inline constexpr std::size_t kLookupKinds = 5;
 
 /// One object at play time. The relief moves with the object: sample `before` (and `after`) at the
@@ -33,7 +33,7 @@ struct InterpolatedObject {
 };
 
 struct Scene {
-  Lookup kind = Lookup::kNone;
+  Lookup kind = Lookup::kEmpty;
   std::uint32_t epoch = 0;  ///< of the frame that is played
   bool jumped = false;      ///< epoch changed since the last look-up
   MediaTime play_time;

@@ -45,13 +45,13 @@ struct Blend {
 };
 
 /// `rate_1_s`: 1 / interval. A frame that came late is blended in from there.
-Blend blendAt(double time_s, double interval_s, double rate_1_s, double alone_s) noexcept {
+Blend computeBlend(double time_s, double interval_s, double rate_1_s, double alone_s) noexcept {
   const double from_s = std::min(alone_s, kLatestBlend * interval_s);
   if (from_s > 0.0) rate_1_s = 1.0 / (interval_s - from_s);
   return {std::clamp((time_s - from_s) * rate_1_s, 0.0, 1.0), rate_1_s};
 }
 
-void standStill(InterpolatedObject& object) noexcept {
+void areResting(InterpolatedObject& object) noexcept {
   object.velocity_mm_s.setZero();
   object.acceleration_mm_s2.setZero();
   object.angular_velocity_rad_s = 0.0;
@@ -64,7 +64,7 @@ double extrapolationLimit_s(const StreamTiming& stream) noexcept {
 
 Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
   if (time_s <= limit_s) return Lookup::kExtrapolated;
-  return time_s <= kLongestHold_s ? Lookup::kHeld : Lookup::kFaded;
+  return time_s <= kLongestHold_s ? Lookup::kHeld : Lookup::kStale;
 }
 
 }  // namespace
@@ -74,20 +74,20 @@ SceneInterpolator::SceneInterpolator(FramePool& pool, Interpolation interpolatio
 
 const Scene& SceneInterpolator::at(MediaTime play_time, const StreamTiming& stream,
                                    const UserControls& user) noexcept {
-  takeArrived(play_time, stream.first_epoch);
+  popArrived(play_time, stream.first_epoch);
   const std::size_t before = releaseUnneeded(play_time);
   scene_.play_time = play_time;
   scene_.jumped = false;
   scene_.object_count = 0;
-  scene_.kind = Lookup::kNone;
+  scene_.kind = Lookup::kEmpty;
   if (before != kNone) fillScene(before, play_time, stream, user);
   return scene_;
 }
 
-void SceneInterpolator::rejoin() noexcept {
+void SceneInterpolator::resync() noexcept {
   while (held_count_ > 0) release(held_count_ - 1);
   FramePool::Index index = 0;
-  for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) pool_.giveBack(index);
+  for (std::size_t i = 0; i < FramePool::kSlots && pool_.pop(index); ++i) pool_.release(index);
   played_ = false;
 }
 
@@ -110,12 +110,12 @@ std::size_t SceneInterpolator::beforeIndex(MediaTime play_time) const noexcept {
   return kNone;
 }
 
-void SceneInterpolator::takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept {
+void SceneInterpolator::popArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept {
   while (held_count_ > 0 && frame(0).epoch < first_epoch) release(0);
   FramePool::Index index = 0;
-  for (std::size_t i = 0; i < FramePool::kSlots && pool_.take(index); ++i) {
+  for (std::size_t i = 0; i < FramePool::kSlots && pool_.pop(index); ++i) {
     if (pool_.frame(index).epoch < first_epoch) {
-      pool_.giveBack(index);
+      pool_.release(index);
     } else {
       insert(index, play_time);
     }
@@ -129,7 +129,7 @@ void SceneInterpolator::insert(FramePool::Index index, MediaTime play_time) noex
     const PlayFrame& held = frame(i);
     if (held.epoch == arrived.epoch &&
         (held.media_time == arrived.media_time || held.id == arrived.id)) {
-      pool_.giveBack(index);
+      pool_.release(index);
       return;
     }
     if (position == held_count_ && earlier(arrived, held)) position = i;
@@ -142,7 +142,7 @@ void SceneInterpolator::insert(FramePool::Index index, MediaTime play_time) noex
 }
 
 void SceneInterpolator::release(std::size_t i) noexcept {
-  pool_.giveBack(held_[i]);
+  pool_.release(held_[i]);
   --held_count_;
   pair_.now = nullptr;
   for (; i < held_count_; ++i) held_[i] = held_[i + 1];
@@ -169,8 +169,8 @@ std::size_t SceneInterpolator::releaseUnneeded(MediaTime play_time) noexcept {
   return before;
 }
 
-const PlayFrame* SceneInterpolator::nextOf(std::size_t before,
-                                           const StreamTiming& stream) const noexcept {
+const PlayFrame* SceneInterpolator::findNext(std::size_t before,
+                                             const StreamTiming& stream) const noexcept {
   if (before + 1 >= held_count_) return nullptr;
   const PlayFrame& now = frame(before);
   const PlayFrame& next = frame(before + 1);
@@ -191,14 +191,14 @@ void SceneInterpolator::cacheInterval(std::size_t before, const PlayFrame* next,
   pair_.rate_1_s = next != nullptr ? 1.0 / interval_s : 0.0;
   for (std::size_t i = 0; i < objectCount(now); ++i) {
     const PlayObject& object = now.objects[i];
-    pair_.after[i] = findObject(next, keyOf(object));
+    pair_.after[i] = findObject(next, makeKey(object));
     if (pair_.after[i] == nullptr) continue;
     pair_.path[i] = HermitePath(object, *pair_.after[i], now.media_time, interval_s);
   }
-  believe(before, next);
+  computeBounds(before, next);
 }
 
-void SceneInterpolator::believe(std::size_t before, const PlayFrame* next) noexcept {
+void SceneInterpolator::computeBounds(std::size_t before, const PlayFrame* next) noexcept {
   const std::uint32_t epoch = frame(before).epoch;
   const auto ofEpoch = [&](std::size_t i) noexcept {
     return i < held_count_ && frame(i).epoch == epoch ? &frame(i) : nullptr;
@@ -213,7 +213,7 @@ void SceneInterpolator::believe(std::size_t before, const PlayFrame* next) noexc
   }
   for (std::size_t i = 0; i < objectCount(frame(before)); ++i) {
     for (std::size_t k = 0; k < frames.size(); ++k) {
-      seen.object[k] = findObject(frames[k], keyOf(frame(before).objects[i]));
+      seen.object[k] = findObject(frames[k], makeKey(frame(before).objects[i]));
     }
     pair_.plausibility[i] = boundsFrom(seen);
   }
@@ -222,7 +222,7 @@ void SceneInterpolator::believe(std::size_t before, const PlayFrame* next) noexc
 void SceneInterpolator::fillScene(std::size_t before, MediaTime play_time,
                                   const StreamTiming& stream, const UserControls& user) noexcept {
   const PlayFrame& now = frame(before);
-  const PlayFrame* const next = nextOf(before, stream);
+  const PlayFrame* const next = findNext(before, stream);
   const bool has_next = next != nullptr;
   const double time_s = secondsBetween(now.media_time, play_time);
   // Times beyond 2^53 ns are rounded: the interval must not become zero.
@@ -239,15 +239,15 @@ void SceneInterpolator::fillScene(std::size_t before, MediaTime play_time,
   scene_.object_count = objectCount(now);
   played_ = true;
   cacheInterval(before, next, interval_s);
-  const Blend blend = blendAt(time_s, interval_s, pair_.rate_1_s, alone_s_);
+  const Blend blend = computeBlend(time_s, interval_s, pair_.rate_1_s, alone_s_);
   const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
     placeObject(i, now.objects[i], moment);
-    if (user.paused) standStill(scene_.objects[i]);
+    if (user.paused) areResting(scene_.objects[i]);
     scene_.objects[i].appeared = scene_.jumped || !wasThere(now.objects[i]);
   }
-  known_count_ = scene_.object_count;
-  for (std::size_t i = 0; i < known_count_; ++i) known_[i] = keyOf(now.objects[i]);
+  frame_count_ = scene_.object_count;
+  for (std::size_t i = 0; i < frame_count_; ++i) frames_[i] = makeKey(now.objects[i]);
 }
 
 void SceneInterpolator::placeObject(std::size_t i, const PlayObject& object,
@@ -259,7 +259,7 @@ void SceneInterpolator::placeObject(std::size_t i, const PlayObject& object,
   out.plausibility = pair_.plausibility[i];
   const PlayObject* const after = pair_.after[i];
   if (interpolation_ == Interpolation::kHold) {
-    setPose(out, standingPose(object.motion));
+    setPose(out, restingPose(object.motion));
   } else if (after == nullptr) {
     setPose(out, deadReckonedPose(object, moment.begin, moment.limit_s, moment.time_s));
   } else {
@@ -273,8 +273,8 @@ void SceneInterpolator::placeObject(std::size_t i, const PlayObject& object,
 }
 
 bool SceneInterpolator::wasThere(const PlayObject& object) const noexcept {
-  const std::uint64_t* const last = known_.data() + known_count_;
-  return std::find(known_.data(), last, keyOf(object)) != last;
+  const std::uint64_t* const last = frames_.data() + frame_count_;
+  return std::find(frames_.data(), last, makeKey(object)) != last;
 }
 
 }  // namespace hapticast::client

@@ -44,7 +44,7 @@ class SceneInterpolator {
 
   /// Gives back every frame that is held or has arrived: the first one that comes from now on jumps
   /// like that of a new epoch.
-  void rejoin() noexcept;
+  void resync() noexcept;
 
   /// For the thesis's temporal interpolation: the frames i-1, i, i+1, i+2 around play time within
   /// one epoch (null where there is none).
@@ -60,9 +60,9 @@ class SceneInterpolator {
   /// Index of the newest held frame at or before play time, or kNone.
   [[nodiscard]] std::size_t beforeIndex(MediaTime play_time) const noexcept;
   /// The frame after `before` that it can be interpolated with, or null.
-  [[nodiscard]] const PlayFrame* nextOf(std::size_t before,
-                                        const StreamTiming& stream) const noexcept;
-  void takeArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
+  [[nodiscard]] const PlayFrame* findNext(std::size_t before,
+                                          const StreamTiming& stream) const noexcept;
+  void popArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;
   /// Keeps what the cubic needs and what is ahead; returns beforeIndex().
@@ -83,7 +83,7 @@ class SceneInterpolator {
   [[nodiscard]] bool wasThere(const PlayObject& object) const noexcept;
 
   /// What two frames say of the time between them; holds until another frame is held or released.
-  struct Pair {
+  struct FrameInterval {
     const PlayFrame* now = nullptr;  // null: not known
     const PlayFrame* next = nullptr;
     double interval_s = 0.0;
@@ -94,18 +94,18 @@ class SceneInterpolator {
   };
   void cacheInterval(std::size_t before, const PlayFrame* next, double interval_s) noexcept;
   /// In the frames around the pair, as far as they belong together.
-  void believe(std::size_t before, const PlayFrame* next) noexcept;
+  void computeBounds(std::size_t before, const PlayFrame* next) noexcept;
 
   static constexpr std::size_t kNone = ~std::size_t{0};
   FramePool& pool_;
   Interpolation interpolation_;
   std::array<FramePool::Index, FramePool::kSlots> held_{};  // by epoch, then media time
   std::size_t held_count_ = 0;
-  Pair pair_;
+  FrameInterval pair_;
   Scene scene_;
-  bool played_ = false;                             // a frame has been played
-  std::array<std::uint64_t, kMaxObjects> known_{};  // id and layer of the last scene's objects
-  std::size_t known_count_ = 0;
+  bool played_ = false;                              // a frame has been played
+  std::array<std::uint64_t, kMaxObjects> frames_{};  // id and layer of the last scene's objects
+  std::size_t frame_count_ = 0;
   std::uint64_t late_frames_ = 0;
   // How long the frame played was the only one known: a late next one is blended in from there.
   std::uint64_t alone_id_ = 0;

@@ -12,19 +12,19 @@ namespace {
 
 /// The deepest contact in one frame as it was captured, of the objects that are there `now`: one
 /// that appears later would else grow out of nothing under the tip.
-Contact touchFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip_mm,
-                   const Workspace& workspace, const PlayObject*& touched) noexcept {
+Contact validateFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip_mm,
+                      const Workspace& workspace, const PlayObject*& touched) noexcept {
   Contact deepest;
   touched = nullptr;
   if (frame == nullptr) return deepest;
   for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
     const PlayObject& object = frame->objects[i];
-    if (findObject(&now, keyOf(object)) == nullptr) continue;
+    if (findObject(&now, makeKey(object)) == nullptr) continue;
     InterpolatedObject still;
     still.before = &object;
     still.position_mm = object.motion.position_mm;
     still.angle_rad = object.motion.angle_rad;
-    const Contact contact = touchObject(SurfaceKind::kPerturbed, still, hip_mm, workspace);
+    const Contact contact = computeObjectContact(SurfaceKind::kPerturbed, still, hip_mm, workspace);
     if (!contact.contact || (deepest.contact && contact.depth_mm <= deepest.depth_mm)) continue;
     deepest = contact;
     deepest.object = nullptr;  // `still` ends here
@@ -44,8 +44,8 @@ Vec3 catmullRom(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3, 
 InterpolatedObject objectNow(const PlayObject& touched, const PlayFrame& from, const PlayFrame* to,
                              double s) noexcept {
   InterpolatedObject now;
-  const PlayObject* const before = findObject(&from, keyOf(touched));
-  const PlayObject* const after = findObject(to, keyOf(touched));
+  const PlayObject* const before = findObject(&from, makeKey(touched));
+  const PlayObject* const after = findObject(to, makeKey(touched));
   now.before = before != nullptr ? before : &touched;
   now.after = before != nullptr ? after : nullptr;
   now.blend = now.after != nullptr ? s : 0.0;
@@ -74,11 +74,11 @@ struct Around {
   }
 };
 
-Around touchAround(const std::array<const PlayFrame*, 4>& frames, MediaTime play_time,
-                   const Vec3& hip_mm, const Workspace& workspace) noexcept {
+Around readNeighbourhood(const std::array<const PlayFrame*, 4>& frames, MediaTime play_time,
+                         const Vec3& hip_mm, const Workspace& workspace) noexcept {
   Around around;
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    around.at[k] = touchFrame(frames[k], *frames[1], hip_mm, workspace, around.touched[k]);
+    around.at[k] = validateFrame(frames[k], *frames[1], hip_mm, workspace, around.touched[k]);
   }
   if (frames[2] == nullptr) {
     around.at[2] = around.at[1];
@@ -110,7 +110,7 @@ Contact ThesisInterpolation::evaluate(const SceneInterpolator& lookup, MediaTime
   const bool new_epoch = !entered_ || from->epoch != epoch_;
   const bool new_interval = enter(*from, hip_mm);
 
-  const Around around = touchAround(frames, play_time, frozen_hip_mm_, workspace);
+  const Around around = readNeighbourhood(frames, play_time, frozen_hip_mm_, workspace);
   const auto& at = around.at;
   const double s = around.s;
   Contact contact = s < 0.5 ? at[1] : at[2];
@@ -127,7 +127,7 @@ Contact ThesisInterpolation::evaluate(const SceneInterpolator& lookup, MediaTime
   contact.surface_velocity_mm_s.setZero();
   contact.stiffness_factor = std::max(at[1].stiffness_factor, at[2].stiffness_factor);
   contact.contact = true;
-  contact.jump = new_epoch || (new_interval && findObject(frames[0], keyOf(*object)) == nullptr);
+  contact.jump = new_epoch || (new_interval && findObject(frames[0], makeKey(*object)) == nullptr);
   object_ = objectNow(*object, *from, frames[2], s);
   contact.object = &object_;
   return contact;

@@ -68,12 +68,12 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
   const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = halts(in, out);
-  const bool touchable = in.touchable && !out.not_finite && halt_ == Halt::kNone;
+  const bool touchable = in.in_contact && !out.not_finite && halt_ == Halt::kNone;
   // A world that disappears under the tip leaves nothing to fade: its last force ramps down.
-  const bool vanished = !in.touchable && geometry_.contact && !geometry.contact;
+  const bool vanished = !in.in_contact && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
   damper_.step(geometry.contact);
-  StepState now = stateOf(in, geometry, out.not_finite);
+  StepState now = computeState(in, geometry, out.not_finite);
   meter(now, geometry, in.measurement_jumped, jump, out);  // 5, 10
 
   out.static_force_N = wallForce(now, geometry, out);     // 3, 5
@@ -137,8 +137,8 @@ void SafetyChain::rearm() noexcept {
   check_depth_ = true;
 }
 
-StepState SafetyChain::stateOf(const SafetyInput& in, const Geometry& geometry,
-                               bool not_finite) const noexcept {
+StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geometry,
+                                    bool not_finite) const noexcept {
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
                 .ahead = in.ahead,
@@ -174,7 +174,7 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
   const double before_N_mm = (last_.contact ? last_ : now).local_stiffness_N_mm;
   tick.stored_mJ = gain * springEnergy_mJ(stiffness_N_mm, countedDepth_mm(now), limit_N_);
   tick.stored_before_mJ = gain * springEnergy_mJ(before_N_mm, countedDepth_mm(last_), limit_N_);
-  tank_.take(ports_.meter(tick), now.velocity_mm_s);
+  tank_.withdraw(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
     out.interferences |= bit(SafetyAction::kLatency);
@@ -214,7 +214,7 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
 
 Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
                                SafetyOutput& out) noexcept {
-  if (in.doubted) out.interferences |= bit(SafetyAction::kImplausible);
+  if (in.implausible) out.interferences |= bit(SafetyAction::kImplausible);
   const bool finite = in.dynamic_N.allFinite();
   if (!finite) {
     out.not_finite = true;

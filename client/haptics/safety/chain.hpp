@@ -51,11 +51,11 @@ struct SafetyInput {
   double stiffness_N_mm = 0.5;
   double damping_Ns_m = 0.0;  ///< the author's, beyond what stability asks for
   bool world_jumped = false;  ///< epoch, connection, mapping
-  bool touchable = false;     ///< the scene is fresh enough to be felt
+  bool in_contact = false;    ///< the scene is fresh enough to be felt
   Vec3 dynamic_N = Vec3::Zero();
   Vec3 inertia_N = Vec3::Zero();  ///< of the tip, in dynamic_N: the contact's own, as the wall is
   bool dynamic_valid = false;     ///< else the dynamic force fades out
-  bool doubted = false;           ///< it was cut to what the stream's frames bear out
+  bool implausible = false;       ///< it was cut to what the stream's frames bear out
 };
 
 struct SafetyOutput {
@@ -120,8 +120,8 @@ class SafetyChain {
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
   Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
-  StepState stateOf(const SafetyInput& input, const Geometry& geometry,
-                    bool not_finite) const noexcept;
+  StepState computeState(const SafetyInput& input, const Geometry& geometry,
+                         bool not_finite) const noexcept;
   void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
              SafetyOutput& out) noexcept;
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;

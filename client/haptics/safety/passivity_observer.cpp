@@ -91,7 +91,7 @@ EnergyTank::EnergyTank(const DeviceProfile& profile) noexcept
       most_reserve_mJ_(kReserve_s * profile.tank_W * 1e3),
       reserve_mJ_(most_reserve_mJ_) {}
 
-void EnergyTank::take(double work_mJ, const Vec3& velocity_mm_s) noexcept {
+void EnergyTank::withdraw(double work_mJ, const Vec3& velocity_mm_s) noexcept {
   velocity_mm_s_ += kTick_s / kTankSmooth_s * (velocity_mm_s - velocity_mm_s_);
   const double refill_mJ = refill_W_ * kTick_s * 1e3;
   content_mJ_ = std::max(content_mJ_ - work_mJ, -most_mJ_);

@@ -91,7 +91,7 @@ class EnergyTank {
   explicit EnergyTank(const DeviceProfile& profile) noexcept;
   /// Takes out the work of a tick (mJ, > 0: into the hand); the tip's velocity is smoothed within
   /// 5 ms, since that of single counts would make the limit chatter.
-  void take(double work_mJ, const Vec3& velocity_mm_s) noexcept;
+  void withdraw(double work_mJ, const Vec3& velocity_mm_s) noexcept;
   /// What the force is to be multiplied with: below 1 where it drives the hand faster than 10 mm/s
   /// with more than the tank could pay for 20 ms.
   [[nodiscard]] double factor(const Vec3& force_N) const noexcept;

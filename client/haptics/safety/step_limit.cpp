@@ -40,8 +40,8 @@ StepLimit::StepLimit(const DeviceProfile& profile) noexcept
       fall_N_(profile.slew_fall_N_per_tick),
       peak_N_(profile.peak_N) {}
 
-StepLimit::Step StepLimit::stepOf(const Vec3& force_N, const Vec3& last_N,
-                                  const MotionExplainedStep& hand) const noexcept {
+StepLimit::Step StepLimit::computeStep(const Vec3& force_N, const Vec3& last_N,
+                                       const MotionExplainedStep& hand) const noexcept {
   const Vec3 step_N = force_N - last_N;
   const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
   const bool rises = force_N.squaredNorm() > (last_N + explained_N).squaredNorm();
@@ -50,7 +50,7 @@ StepLimit::Step StepLimit::stepOf(const Vec3& force_N, const Vec3& last_N,
 
 double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
                            const MotionExplainedStep& hand) const noexcept {
-  const Step step = stepOf(force_N, last_N, hand);
+  const Step step = computeStep(force_N, last_N, hand);
   constexpr double kRounding_N = 1e-9;
   const double most_N = step.allowed_N + kRounding_N;
   if (step.rest_N.squaredNorm() <= most_N * most_N) return 0.0;
@@ -61,7 +61,7 @@ double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
 
 Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
                         const MotionExplainedStep& hand) const noexcept {
-  const Step step = stepOf(force_N, last_N, hand);
+  const Step step = computeStep(force_N, last_N, hand);
   Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;
   // The way round would leave what the device can stand; the straight way does not.

@@ -58,8 +58,8 @@ class StepLimit {
     Vec3 rest_N;
     double allowed_N;  // of the rest
   };
-  [[nodiscard]] Step stepOf(const Vec3& force_N, const Vec3& last_N,
-                            const MotionExplainedStep& hand) const noexcept;
+  [[nodiscard]] Step computeStep(const Vec3& force_N, const Vec3& last_N,
+                                 const MotionExplainedStep& hand) const noexcept;
 
   double rise_N_, fall_N_, peak_N_;
 };

@@ -14,8 +14,8 @@ DatagramCounts DatagramCounts::operator+(const DatagramCounts& other) const {
 DatagramVerifier::DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key)
     : token_(token), stream_(stream), key_(std::move(key)) {}
 
-std::optional<Datagram> DatagramVerifier::take(std::span<const std::uint8_t> bytes, LocalTime now,
-                                               const Look& want) {
+std::optional<Datagram> DatagramVerifier::verify(std::span<const std::uint8_t> bytes, LocalTime now,
+                                                 const Look& want) {
   const auto datagram = readDatagram(bytes);
   if (!datagram || datagram->token != token_ || datagram->header.stream != stream_) {
     ++counts_.foreign;

@@ -41,8 +41,8 @@ class DatagramVerifier {
   using Look = std::function<FrameAssembler::Want(const DatagramHeader&)>;
   /// The datagram that the bytes are, where the server has sent it and it is new; `want` says what
   /// its frame still lacks. A probe is given every time.
-  std::optional<Datagram> take(std::span<const std::uint8_t> bytes, LocalTime now,
-                               const Look& want);
+  std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
+                                 const Look& want);
 
   [[nodiscard]] const DatagramCounts& counts() const { return counts_; }
 

@@ -18,7 +18,7 @@ constexpr std::size_t kMostParts = 256;
 constexpr double kCopiesAreSent = 0.05;
 constexpr double kForgets = 0.5;  // of what was lost before, at each judgement; chosen
 
-void takeIn(double& share, double now) {
+void blendIn(double& share, double now) {
   share = std::max(now, kForgets * share + (1.0 - kForgets) * now);
 }
 }  // namespace
@@ -30,17 +30,17 @@ void LossEstimator::add(const DatagramHeader& header) {
     judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
   }
   if (header.frame <= judged_ && judged_ > 0) return;
-  Came& came = frames_[header.frame];
+  Reception& came = frames_[header.frame];
   if (came.empty()) came.resize(std::min<std::size_t>(header.parts, kMostParts));
   count(came, header.part);
 }
 
-void LossEstimator::again(const DatagramHeader& header) {
+void LossEstimator::onDuplicate(const DatagramHeader& header) {
   if (const auto found = frames_.find(header.frame); found != frames_.end())
     count(found->second, header.part);
 }
 
-void LossEstimator::count(Came& came, std::size_t part) {
+void LossEstimator::count(Reception& came, std::size_t part) {
   if (part < came.size() && came[part] < limits::kMostCopies) ++came[part];
 }
 
@@ -59,7 +59,7 @@ std::uint32_t LossEstimator::copies(LocalTime now) {
   return copies_;
 }
 
-LossEstimator::Tally LossEstimator::takeSettled() {
+LossEstimator::Tally LossEstimator::popSettled() {
   const std::uint64_t newest = frames_.rbegin()->first;
   const std::uint64_t until = newest > kSettled ? newest - kSettled : 0;
   Tally tally;
@@ -83,18 +83,18 @@ LossEstimator::Tally LossEstimator::takeSettled() {
 }
 
 void LossEstimator::judge() {
-  const Tally tally = takeSettled();
+  const Tally tally = popSettled();
   const double sent = tally.parts[0];
   if (sent == 0.0) return;
   std::uint32_t copies = 1;
   double came = tally.parts[1];
   while (copies < limits::kMostCopies && tally.parts[copies + 1] > kCopiesAreSent * sent)
     came += tally.parts[++copies];
-  takeIn(loss_, 1.0 - came / (sent * copies));
-  takeIn(lost_, 1.0 - tally.parts[1] / sent);
+  blendIn(loss_, 1.0 - came / (sent * copies));
+  blendIn(lost_, 1.0 - tally.parts[1] / sent);
   // Of what came once only, the copy left out would have been that one in one case of so many.
-  takeIn(lost_fewer_,
-         1.0 - tally.parts[1] / sent + (tally.parts[1] - tally.parts[2]) / sent / copies);
+  blendIn(lost_fewer_,
+          1.0 - tally.parts[1] / sent + (tally.parts[1] - tally.parts[2]) / sent / copies);
   needed_ = copies;
   if (lost_ > kTolerated) {
     // As independent losses ask for; where these would be rarer, they come together, and the more

@@ -37,25 +37,25 @@ class LossEstimator {
   /// A datagram has come that the server has signed; no probe.
   void add(const DatagramHeader& header);
   /// One has come again, as far as can be told without its signature.
-  void again(const DatagramHeader& header);
+  void onDuplicate(const DatagramHeader& header);
   /// How many copies to ask for from now on.
   std::uint32_t copies(LocalTime now);
   [[nodiscard]] double loss() const { return loss_; }  ///< 0..1, as last measured
 
  private:
   /// Of a frame's parts: how often each has come.
-  using Came = std::vector<std::uint8_t>;
-  static void count(Came& came, std::size_t part);
+  using Reception = std::vector<std::uint8_t>;
+  static void count(Reception& came, std::size_t part);
   /// How many parts came so often or oftener; those that came 0 times or oftener are all.
   struct Tally {
     std::array<double, limits::kMostCopies + 1> parts{};
   };
   /// Takes the frames of which no copy can come any more.
-  [[nodiscard]] Tally takeSettled();
+  [[nodiscard]] Tally popSettled();
   void judge();
 
-  std::map<std::uint64_t, Came> frames_;  // by id, since the last judgement
-  std::uint64_t judged_ = 0;              // all frames up to this one are
+  std::map<std::uint64_t, Reception> frames_;  // by id, since the last judgement
+  std::uint64_t judged_ = 0;                   // all frames up to this one are
   std::uint64_t ignored_ = 0;  // up to this one they were sent in another number of copies
   std::uint32_t copies_;
   bool fixed_;

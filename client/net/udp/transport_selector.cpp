@@ -23,7 +23,7 @@ TransportSelector::TransportSelector(std::vector<Transport> ways) : ways_(std::m
 
 void TransportSelector::begin(std::size_t at) {
   at_ = at;
-  works_ = doubted_ = probed_ = false;
+  works_ = suspected_ = probed_ = false;
   only_tcp_since_.reset();
   narrow_since_.reset();
 }
@@ -32,7 +32,7 @@ bool TransportSelector::newer(std::uint64_t id) const {
   return id > newest_ || FrameAssembler::jump(newest_, id);
 }
 
-void TransportSelector::impossible(const std::string& why, LocalTime now) {
+void TransportSelector::markFailed(const std::string& why, LocalTime now) {
   const Transport failed = way();
   if (failed == Transport::kTcp) return;
   failed_at_ = now;
@@ -40,40 +40,40 @@ void TransportSelector::impossible(const std::string& why, LocalTime now) {
   // A way that is tried again and fails again is no news.
   if (std::find(logged_.begin(), logged_.end(), failed) != logged_.end()) return;
   logged_.push_back(failed);
-  news_ = "no frames come " + toText(failed) + " (" + why + "): taking them " + toText(way()) +
-          (way() == Transport::kTcp ? ", trying again every 30 s" : "");
+  messages_ = "no frames come " + toText(failed) + " (" + why + "): taking them " + toText(way()) +
+              (way() == Transport::kTcp ? ", trying again every 30 s" : "");
 }
 
-void TransportSelector::wholeFrame(std::uint64_t id, LocalTime now) {
+void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
   if (newer(id)) newest_ = id;
-  came_at_ = now;
+  received_at_ = now;
   only_tcp_since_.reset();
-  doubted_ = false;
+  suspected_ = false;
   // Where a datagram of full size does not get through, frames will be missing.
   if (!probed_ && !narrow_since_) narrow_since_ = now;
   if (works_ || !probed_) return;
   works_ = true;
   if (at_ == 0 && !std::exchange(logged_, {}).empty())
-    news_ = "frames come " + toText(way()) + " again";
+    messages_ = "frames come " + toText(way()) + " again";
 }
 
 void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
   if (way() != Transport::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
 }
 
-void TransportSelector::turn(LocalTime now, std::uint32_t copies) {
+void TransportSelector::update(LocalTime now, std::uint32_t copies) {
   copies_ = copies;
-  if (works_ && now - came_at_ >= kPatience) {
+  if (works_ && now - received_at_ >= kPatience) {
     // Either nothing is sent, or it does not arrive: TCP will tell.
     works_ = false;
-    doubted_ = true;
+    suspected_ = true;
     only_tcp_since_.reset();
   }
-  const Duration patience = doubted_ ? kRace : kPatience;
+  const Duration patience = suspected_ ? kRace : kPatience;
   if (only_tcp_since_ && now - *only_tcp_since_ >= patience)
-    impossible(probed_ ? "they are lost" : "does a firewall hold them back?", now);
+    markFailed(probed_ ? "they are lost" : "does a firewall hold them back?", now);
   if (!probed_ && narrow_since_ && now - *narrow_since_ >= kProbePatience)
-    impossible("datagrams of full size do not get through", now);
+    markFailed("datagrams of full size do not get through", now);
   if (at_ > 0 && now - failed_at_ >= kTryAgain) begin(0);
 }
 
@@ -81,15 +81,15 @@ Delivery TransportSelector::wanted() const {
   return {.on_tcp = !works_, .datagrams = way() == Transport::kDatagrams, .copies = copies_};
 }
 
-std::optional<Delivery> TransportSelector::order() {
+std::optional<Delivery> TransportSelector::takeRequest() {
   if (ordered_ && *ordered_ == wanted()) return std::nullopt;
   ordered_ = wanted();
   return ordered_;
 }
 
-std::optional<std::string> TransportSelector::news() {
-  if (news_.empty()) return std::nullopt;
-  return std::exchange(news_, {});
+std::optional<std::string> TransportSelector::nextMessage() {
+  if (messages_.empty()) return std::nullopt;
+  return std::exchange(messages_, {});
 }
 
 }  // namespace hapticast::client

@@ -62,18 +62,18 @@ class TransportSelector {
   void probed() { probed_ = true; }
   [[nodiscard]] bool wasProbed() const { return probed_; }
   /// A whole frame has come that way.
-  void wholeFrame(std::uint64_t id, LocalTime now);
+  void onCompleteFrame(std::uint64_t id, LocalTime now);
   /// A frame has come over TCP.
   void tcpFrame(std::uint64_t id, LocalTime now);
   /// The way is of no use: it cannot be opened, is flooded, or brings no frames.
-  void impossible(const std::string& why, LocalTime now);
+  void markFailed(const std::string& why, LocalTime now);
   /// Looks at the time; `copies`: how many of each datagram are wanted.
-  void turn(LocalTime now, std::uint32_t copies);
+  void update(LocalTime now, std::uint32_t copies);
 
   /// What the server is to be told, once for each change.
-  [[nodiscard]] std::optional<Delivery> order();
+  [[nodiscard]] std::optional<Delivery> takeRequest();
   /// What a person is to be told, once for each change.
-  [[nodiscard]] std::optional<std::string> news();
+  [[nodiscard]] std::optional<std::string> nextMessage();
 
  private:
   void begin(std::size_t at);
@@ -84,17 +84,17 @@ class TransportSelector {
   std::vector<Transport> ways_;
   std::size_t at_ = 0;
   bool works_ = false;
-  bool doubted_ = false;  // it worked, and nothing has come for a while
+  bool suspected_ = false;  // it worked, and nothing has come for a while
   bool probed_ = false;
   std::uint64_t newest_ = 0;                 // whole frame that came that way
-  LocalTime came_at_{};                      // that frame
+  LocalTime received_at_{};                  // that frame
   std::optional<LocalTime> narrow_since_;    // whole frames come that way, but no probe
   std::optional<LocalTime> only_tcp_since_;  // frames come over TCP that do not come that way
   LocalTime failed_at_{};                    // a way, the last time
   std::uint32_t copies_ = 1;
   std::optional<Delivery> ordered_;
   std::vector<Transport> logged_;  // ways of which it is told that they fail
-  std::string news_;
+  std::string messages_;
 };
 
 }  // namespace hapticast::client

@@ -18,7 +18,7 @@ constexpr std::uint64_t kFlood = 400;
 // to verify is what drowns the server's own.
 constexpr std::uint64_t kForgedFlood = 100;
 
-std::vector<Transport> waysOf(const DeliverySettings& settings, const Welcome& welcome) {
+std::vector<Transport> listTransports(const DeliverySettings& settings, const Welcome& welcome) {
   std::vector<Transport> ways;
   if (settings.best == Transport::kGroup && welcome.group) ways.push_back(Transport::kGroup);
   if (settings.best != Transport::kTcp) ways.push_back(Transport::kDatagrams);
@@ -34,11 +34,11 @@ std::shared_ptr<UdpReceiver> UdpReceiver::open(asio::io_context& io, const Clock
                                                Events events) {
   if (settings.best == Transport::kTcp) return nullptr;
   if (welcome.datagram_token == 0 || !welcome.verifying_key) {
-    events.news("this server sends no datagrams: taking frames over TCP");
+    events.on_message("this server sends no datagrams: taking frames over TCP");
     return nullptr;
   }
   if (settings.best == Transport::kGroup && !welcome.group)
-    events.news("this server sends to no multicast group: taking frames by UDP");
+    events.on_message("this server sends to no multicast group: taking frames by UDP");
   std::shared_ptr<UdpReceiver> link(
       new UdpReceiver(io, clock, receiver, settings, welcome, server, std::move(events)));
   link->start();
@@ -56,16 +56,16 @@ UdpReceiver::UdpReceiver(asio::io_context& io, const Clock& clock, Receiver& rec
       server_(server),
       events_(std::move(events)),
       timer_(io),
-      choice_(waysOf(settings, welcome)),
+      choice_(listTransports(settings, welcome)),
       copies_(settings.copies > 0 ? settings.copies : LossEstimator::kFirstCopies),
       meter_(copies_, settings.copies > 0) {
   if (welcome_.datagram_port != 0) server_.port = welcome_.datagram_port;
 }
 
 void UdpReceiver::start() {
-  turn(clock_.now());
+  update(clock_.now());
   asio::co_spawn(
-      io_, [self = shared_from_this()] { return self->watch(); }, asio::detached);
+      io_, [self = shared_from_this()] { return self->startTimer(); }, asio::detached);
 }
 
 void UdpReceiver::close() {
@@ -74,7 +74,7 @@ void UdpReceiver::close() {
   if (path_) path_->close();
 }
 
-asio::awaitable<void> UdpReceiver::watch() {
+asio::awaitable<void> UdpReceiver::startTimer() {
   while (!closed_) {
     const LocalTime now = clock_.now();
     const LocalTime due = receiver_.nextDue().value_or(now + kTurn);
@@ -83,7 +83,7 @@ asio::awaitable<void> UdpReceiver::watch() {
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     if (closed_) co_return;
     receiver_.release(clock_.now());
-    turn(clock_.now());
+    update(clock_.now());
   }
 }
 
@@ -101,22 +101,22 @@ const char* UdpReceiver::flood(LocalTime now) {
   return nullptr;
 }
 
-void UdpReceiver::turn(LocalTime now) {
-  if (const char* const why = flood(now)) choice_.impossible(why, now);
+void UdpReceiver::update(LocalTime now) {
+  if (const char* const why = flood(now)) choice_.markFailed(why, now);
   copies_ = meter_.copies(now);
-  choice_.turn(now, copies_);
+  choice_.update(now, copies_);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
-  followChoice(now);
+  applySelection(now);
   const Duration pause = choice_.wasProbed() ? kEchoEvery : kEchoUntilProbed;
   if (opened_ == Transport::kDatagrams && path_ && (!echoed_at_ || now - *echoed_at_ >= pause)) {
     echoed_at_ = now;
     path_->send(echoBytes({welcome_.datagram_token, welcome_.stream}));
   }
-  if (const auto order = choice_.order()) events_.order(*order);
-  if (const auto news = choice_.news()) events_.news(*news);
+  if (const auto order = choice_.takeRequest()) events_.order(*order);
+  if (const auto news = choice_.nextMessage()) events_.on_message(*news);
 }
 
-void UdpReceiver::followChoice(LocalTime now) {
+void UdpReceiver::applySelection(LocalTime now) {
   while (opened_ != choice_.way()) {
     if (path_) {
       counts_ = counts();
@@ -129,7 +129,7 @@ void UdpReceiver::followChoice(LocalTime now) {
     echoed_at_.reset();
     if (way == Transport::kTcp) return;
     auto key = VerifyingKey::from(*welcome_.verifying_key);
-    if (!key.ok()) return choice_.impossible(key.error().message, now);
+    if (!key.ok()) return choice_.markFailed(key.error().message, now);
     const bool group = way == Transport::kGroup;
     DatagramVerifier verifier(group ? welcome_.group->token : welcome_.datagram_token,
                               welcome_.stream, std::move(key).value());
@@ -138,27 +138,27 @@ void UdpReceiver::followChoice(LocalTime now) {
                                    settings_.interface_name, server_, std::move(verifier))
               : UdpSocket::toServer(io_, clock_, server_, std::move(verifier));
     if (!path.ok()) {
-      choice_.impossible(path.error().message, now);
+      choice_.markFailed(path.error().message, now);
       continue;
     }
     path_ = std::move(path).value();
     counted_ = {};
     path_->start(
         [this](const DatagramHeader& header) {
-          const FrameAssembler::Want want = receiver_.want(header);
-          if (want == FrameAssembler::Want::kHad) meter_.again(header);
+          const FrameAssembler::Want want = receiver_.setTransport(header);
+          if (want == FrameAssembler::Want::kHad) meter_.onDuplicate(header);
           return want;
         },
-        [this, way](const Datagram& datagram, LocalTime at) { take(way, datagram, at); });
+        [this, way](const Datagram& datagram, LocalTime at) { onDatagram(way, datagram, at); });
   }
 }
 
-void UdpReceiver::take(Transport way, const Datagram& datagram, LocalTime now) {
+void UdpReceiver::onDatagram(Transport way, const Datagram& datagram, LocalTime now) {
   if (closed_ || way != choice_.way()) return;
   if (datagram.header.probe()) return choice_.probed();
   meter_.add(datagram.header);
   if (receiver_.part(datagram.header, datagram.payload, now)) {
-    choice_.wholeFrame(datagram.header.frame, now);
+    choice_.onCompleteFrame(datagram.header.frame, now);
   }
 }
 

@@ -21,8 +21,8 @@ namespace hapticast::client {
 class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
  public:
   struct Events {
-    std::function<void(const Delivery&)> order;    ///< the server is to be told
-    std::function<void(const std::string&)> news;  ///< a person is to be told
+    std::function<void(const Delivery&)> order;          ///< the server is to be told
+    std::function<void(const std::string&)> on_message;  ///< a person is to be told
   };
   /// `server`: the address that the TCP connection leads to. Null where the server offers no way
   /// but TCP, or none is wanted. `clock` and `receiver` outlive the work on `io`.
@@ -44,13 +44,13 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
               const DeliverySettings& settings, const Welcome& welcome, const Endpoint& server,
               Events events);
   void start();
-  asio::awaitable<void> watch();
-  void turn(LocalTime now);
+  asio::awaitable<void> startTimer();
+  void update(LocalTime now);
   /// What a person is told of a flood of datagrams that are not the server's; null: there is none.
   [[nodiscard]] const char* flood(LocalTime now);
   /// Opens and closes paths as the choice asks for them.
-  void followChoice(LocalTime now);
-  void take(Transport way, const Datagram& datagram, LocalTime now);
+  void applySelection(LocalTime now);
+  void onDatagram(Transport way, const Datagram& datagram, LocalTime now);
 
   asio::io_context& io_;
   const Clock& clock_;

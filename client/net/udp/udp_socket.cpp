@@ -20,7 +20,7 @@ constexpr int kReceiveBufferBytes = 2 << 20;
 // Chosen: then others on this thread have their turn.
 constexpr int kMostAtOnce = 64;
 
-Result<udp::endpoint> endpointOf(const Endpoint& endpoint) {
+Result<udp::endpoint> resolveEndpoint(const Endpoint& endpoint) {
   boost::system::error_code ec;
   const auto address = asio::ip::make_address(endpoint.host, ec);
   if (ec) return Error{"'" + endpoint.host + "' is no address"};
@@ -40,7 +40,7 @@ Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
                               const Endpoint& server) {
   std::string name = called;
   if (name.empty()) {
-    const auto to = endpointOf(server);
+    const auto to = resolveEndpoint(server);
     if (!to.ok()) return to.error();
     udp::socket probe(io, to.value().protocol());
     boost::system::error_code ec;
@@ -63,7 +63,7 @@ UdpSocket::UdpSocket(udp::socket socket, const Clock& clock, DatagramVerifier ve
 Result<std::shared_ptr<UdpSocket>> UdpSocket::toServer(asio::io_context& io, const Clock& clock,
                                                        const Endpoint& server,
                                                        DatagramVerifier verifier) {
-  const auto to = endpointOf(server);
+  const auto to = resolveEndpoint(server);
   if (!to.ok()) return to.error();
   udp::socket socket(io);
   boost::system::error_code ec;
@@ -80,7 +80,7 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
                                                       const std::string& interface,
                                                       const Endpoint& server,
                                                       DatagramVerifier verifier) {
-  auto at = endpointOf(group);
+  auto at = resolveEndpoint(group);
   if (!at.ok()) return at.error();
   const auto index = interfaceFor(io, interface, server);
   if (!index.ok()) return index.error();
@@ -108,8 +108,8 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
 }
 
 void UdpSocket::start(Look look, Take take) {
-  look_ = std::move(look);
-  take_ = std::move(take);
+  is_wanted_ = std::move(look);
+  on_datagram_ = std::move(take);
   asio::co_spawn(
       socket_.get_executor(), [self = shared_from_this()] { return self->readAll(); },
       asio::detached);
@@ -143,8 +143,8 @@ bool UdpSocket::readSome() {
     if (ec) continue;  // that nobody listens there, say: what goes on is the choice's to judge
     bytes_ += size;
     const LocalTime now = clock_.now();
-    const auto datagram = verifier_.take(std::span(buffer_).first(size), now, look_);
-    if (datagram) take_(*datagram, now);
+    const auto datagram = verifier_.verify(std::span(buffer_).first(size), now, is_wanted_);
+    if (datagram) on_datagram_(*datagram, now);
   }
   return true;
 }

@@ -50,8 +50,8 @@ class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
   asio::ip::udp::socket socket_;
   const Clock& clock_;
   DatagramVerifier verifier_;
-  Look look_;
-  Take take_;
+  Look is_wanted_;
+  Take on_datagram_;
   std::uint64_t bytes_ = 0;
   std::array<std::uint8_t, kMostDatagramBytes + 1> buffer_{};  // a longer one is seen to be
 };

@@ -50,7 +50,7 @@ void surviveDisplay(SDL_Window& window) {
 #endif
 }
 
-void hearDisplay(const SDL_Event& event) {
+void handleDisplayEvents(const SDL_Event& event) {
 #ifdef SDL_VIDEO_DRIVER_X11
   if (event.type != SDL_SYSWMEVENT || event.syswm.msg->subsystem != SDL_SYSWM_X11) return;
   const XEvent& news = event.syswm.msg->msg.x11.event;

@@ -12,7 +12,7 @@ namespace hapticast::client {
 void surviveDisplay(SDL_Window& window);
 
 /// An event that may tell of it.
-void hearDisplay(const SDL_Event& event);
+void handleDisplayEvents(const SDL_Event& event);
 
 /// Whether that has happened to the window of the last call. SDL's video may not be used any more
 /// then, not even to be ended.

@@ -25,10 +25,10 @@ bool within(const ImVec4& box, const ImVec2& point) {
 
 }  // namespace
 
-bool ViewerWindow::turn(UiState& ui_state) {
+bool ViewerWindow::update(UiState& ui_state) {
   if (displayIsLost()) return false;
   SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) hear(event, ui_state);
+  while (SDL_PollEvent(&event) != 0) handleEvent(event, ui_state);
   const std::uint64_t now_ms = SDL_GetTicks64();
   if (now_ms - drawn_ms_ >= kFrame_ms && !displayIsLost()) {
     drawn_ms_ = now_ms;
@@ -37,8 +37,8 @@ bool ViewerWindow::turn(UiState& ui_state) {
   return !closed_ && !displayIsLost();
 }
 
-void ViewerWindow::hear(const SDL_Event& event, UiState& ui_state) {
-  hearDisplay(event);
+void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
+  handleDisplayEvents(event);
   ImGui_ImplSDL2_ProcessEvent(&event);
   const ImGuiIO& io = ImGui::GetIO();
   const ImVec2 cursor(static_cast<float>(event.button.x), static_cast<float>(event.button.y));
@@ -59,7 +59,7 @@ void ViewerWindow::hear(const SDL_Event& event, UiState& ui_state) {
       break;
     case SDL_MOUSEBUTTONDOWN:
       if (event.button.button == SDL_BUTTON_LEFT && place_.contains(cursor) && !io.WantCaptureMouse)
-        drag(turnsRelief(cursor) ? Drag::kTurns : Drag::kPresses);
+        drag(isRotating(cursor) ? Drag::kTurns : Drag::kPresses);
       break;
     case SDL_MOUSEBUTTONUP:
       if (event.button.button == SDL_BUTTON_LEFT) drag(Drag::kNone);
@@ -72,10 +72,10 @@ void ViewerWindow::hear(const SDL_Event& event, UiState& ui_state) {
 void ViewerWindow::point(const SDL_MouseMotionEvent& motion, UiState& ui_state) {
   if (drag_ == Drag::kPresses) press(kDrag_mm_per_px * motion.yrel, ui_state);
   if (drag_ == Drag::kTurns)
-    relief_.turn(static_cast<float>(motion.xrel), static_cast<float>(motion.yrel));
+    relief_.rotate(static_cast<float>(motion.xrel), static_cast<float>(motion.yrel));
   if (drag_ != Drag::kNone) return;
   const ImVec2 at(static_cast<float>(motion.x), static_cast<float>(motion.y));
-  if (!place_.contains(at) || turnsRelief(at) || ImGui::GetIO().WantCaptureMouse) return;
+  if (!place_.contains(at) || isRotating(at) || ImGui::GetIO().WantCaptureMouse) return;
   if (!ui_state.pointer.known) {  // in depth it begins where the tip is
     ui_state.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
     press(0.0, ui_state);
@@ -95,7 +95,7 @@ void ViewerWindow::drag(Drag what) {
   SDL_SetRelativeMouseMode(what == Drag::kNone ? SDL_FALSE : SDL_TRUE);
 }
 
-bool ViewerWindow::turnsRelief(const ImVec2& point) const {
+bool ViewerWindow::isRotating(const ImVec2& point) const {
   return state_.relief == ReliefLook::kInSpace && within(WindowRelief::box(place_), point);
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 /// The part of the target that a command may draw on.
-SDL_Rect clipOf(const ImDrawCmd& command, const ImDrawData& data) {
+SDL_Rect toClipRect(const ImDrawCmd& command, const ImDrawData& data) {
   const auto whole = [](float value) { return static_cast<int>(std::lround(value)); };
   const ImVec4& clip = command.ClipRect;
   SDL_Rect rect;
@@ -68,7 +68,7 @@ void WindowPainter::paint(const ImDrawData& data) {
 
 void WindowPainter::paintList(const ImDrawList& list, const ImDrawData& data) {
   for (const ImDrawCmd& command : list.CmdBuffer) {
-    const SDL_Rect clip = clipOf(command, data);
+    const SDL_Rect clip = toClipRect(command, data);
     if (command.UserCallback != nullptr || clip.w <= 0 || clip.h <= 0) continue;
     SDL_RenderSetClipRect(&renderer_, &clip);
     const ImDrawVert* const vertex = list.VtxBuffer.Data + command.VtxOffset;

@@ -52,10 +52,10 @@ void showForce(const TickReport& report, const ForceHistory& history, float plot
   share(kStaticColor, "static", report.static_force_N.norm());
   ImGui::SameLine();
   share(kDynamicColor, "dynamic", report.dynamic_force_N.norm());
-  plot(history, ceilingOf(history, &ForcePoint::force_N, 1.0), "N", plot_height, kForces);
+  plot(history, upperEnvelope(history, &ForcePoint::force_N, 1.0), "N", plot_height, kForces);
   text(fmt::format("penetration {:.2f} mm, tip z {:.1f} mm", report.penetration_mm,
                    report.hip_mm.z()));
-  plot(history, ceilingOf(history, &ForcePoint::penetration_mm, 1.0), "mm", 0.6F * plot_height,
+  plot(history, upperEnvelope(history, &ForcePoint::penetration_mm, 1.0), "mm", 0.6F * plot_height,
        kDepth);
 }
 

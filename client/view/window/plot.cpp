@@ -40,7 +40,7 @@ void plot(const ForceHistory& history, double most, const char* unit, float heig
   ImGui::Dummy(size);
 }
 
-double ceilingOf(const ForceHistory& history, double ForcePoint::*value, double least) {
+double upperEnvelope(const ForceHistory& history, double ForcePoint::*value, double least) {
   const auto& points = history.points();
   double most = least;
   const double from_s = points.empty() ? 0.0 : points.back().time_s - kPlot_s;

@@ -21,7 +21,7 @@ void plot(const ForceHistory& history, double most, const char* unit, float heig
           std::span<const Curve> curves);
 
 /// A round number, at least `least`, that what was there in the plotted time stays below.
-[[nodiscard]] double ceilingOf(const ForceHistory& history, double ForcePoint::*value,
-                               double least);
+[[nodiscard]] double upperEnvelope(const ForceHistory& history, double ForcePoint::*value,
+                                   double least);
 
 }  // namespace hapticast::client

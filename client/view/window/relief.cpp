@@ -42,7 +42,7 @@ void drawCells(ImDrawList& list, const ReliefMesh& mesh, const std::vector<std::
   }
 }
 
-std::vector<std::size_t> allOf(const ReliefMesh& mesh) {
+std::vector<std::size_t> listIndices(const ReliefMesh& mesh) {
   std::vector<std::size_t> order(mesh.cells.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   return order;
@@ -52,9 +52,9 @@ std::vector<std::size_t> allOf(const ReliefMesh& mesh) {
 class Aside {
  public:
   Aside(const ReliefMesh& mesh, const ImVec4& box, double yaw_rad, double pitch_rad)
-      : turn_((Eigen::AngleAxisd(pitch_rad, Vec3::UnitX()) *
-               Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ()))
-                  .toRotationMatrix()),
+      : rotation_((Eigen::AngleAxisd(pitch_rad, Vec3::UnitX()) *
+                   Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ()))
+                      .toRotationMatrix()),
         middle_(0.5F * (box.x + box.z), 0.5F * (box.y + box.w)) {
     Vec3 low = Vec3::Constant(1e9);
     Vec3 high = Vec3::Constant(-1e9);
@@ -68,16 +68,16 @@ class Aside {
     const double across_mm = (high - low).head<2>().norm() + kStylus_mm;
     px_per_mm_ = static_cast<double>(std::min(box.z - box.x, box.w - box.y)) / across_mm;
   }
-  [[nodiscard]] Vec3 turned(const Vec3& nominal_mm) const {
-    return turn_ * (nominal_mm - centre_mm_);
+  [[nodiscard]] Vec3 rotated(const Vec3& nominal_mm) const {
+    return rotation_ * (nominal_mm - centre_mm_);
   }
   [[nodiscard]] ImVec2 operator()(const Vec3& nominal_mm) const {
-    const Vec3 seen = px_per_mm_ * turned(nominal_mm);
+    const Vec3 seen = px_per_mm_ * rotated(nominal_mm);
     return {middle_.x + bounded(seen.x()), middle_.y - bounded(seen.y())};
   }
 
  private:
-  Eigen::Matrix3d turn_;
+  Eigen::Matrix3d rotation_;
   ImVec2 middle_;
   Vec3 centre_mm_;
   double px_per_mm_;
@@ -88,9 +88,9 @@ std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) 
   std::vector<double> near(mesh.cells.size());
   for (std::size_t i = 0; i < near.size(); ++i) {
     for (const int corner : mesh.cells[i])
-      near[i] += aside.turned(mesh.corners[static_cast<std::size_t>(corner)].position_mm).z();
+      near[i] += aside.rotated(mesh.corners[static_cast<std::size_t>(corner)].position_mm).z();
   }
-  std::vector<std::size_t> order = allOf(mesh);
+  std::vector<std::size_t> order = listIndices(mesh);
   std::sort(order.begin(), order.end(),
             [&near](std::size_t a, std::size_t b) { return near[a] < near[b]; });
   return order;
@@ -113,7 +113,7 @@ void drawTouch(ImDrawList& list, const Aside& aside, const TickReport& report) {
 
 }  // namespace
 
-void WindowRelief::takeFrame(const PlayableReliefs& frame) {
+void WindowRelief::onFrame(const PlayableReliefs& frame) {
   const std::lock_guard lock(mutex_);
   // An older one than the newest belongs to a server that has started anew.
   if (!frames_.empty() && frame.media_time < frames_.back().media_time) frames_.clear();
@@ -121,7 +121,7 @@ void WindowRelief::takeFrame(const PlayableReliefs& frame) {
   if (frames_.size() > kMostFrames) frames_.pop_front();
 }
 
-void WindowRelief::follow(MediaTime play_time, const Workspace& workspace) {
+void WindowRelief::update(MediaTime play_time, const Workspace& workspace) {
   const auto off = [play_time](MediaTime time) { return std::abs((time - play_time).count()); };
   const std::lock_guard lock(mutex_);
   const auto nearest = std::min_element(frames_.begin(), frames_.end(),
@@ -144,7 +144,7 @@ void WindowRelief::follow(MediaTime play_time, const Workspace& workspace) {
   outlines_.reset();
 }
 
-void WindowRelief::turn(float right_px, float down_px) {
+void WindowRelief::rotate(float right_px, float down_px) {
   yaw_rad_ = std::remainder(yaw_rad_ + kTurn_rad_per_px * double{right_px}, 6.283185307179586);
   pitch_rad_ = std::clamp(pitch_rad_ + kTurn_rad_per_px * double{down_px}, -1.5708, 0.0);
 }
@@ -152,7 +152,7 @@ void WindowRelief::turn(float right_px, float down_px) {
 const ReliefMesh& WindowRelief::mesh(const ScenePlace& place) {
   const float px = place.pixelsPerMm() / static_cast<float>(workspace_.pixelsPerMm().x());
   const int least_px = std::max(1, static_cast<int>(std::ceil(kCell_px / px)));
-  if (!mesh_ || least_px != cell_px_) mesh_ = meshOf(reliefs_, workspace_, least_px);
+  if (!mesh_ || least_px != cell_px_) mesh_ = buildMesh(reliefs_, workspace_, least_px);
   cell_px_ = least_px;
   return *mesh_;
 }
@@ -161,7 +161,7 @@ void WindowRelief::drawOutline(ImDrawList& list, const ScenePlace& place) {
   if (!outlines_) {
     outlines_.emplace();
     for (const auto& relief : reliefs_) {
-      for (auto& line : outlineOf(*relief)) outlines_->push_back(std::move(line));
+      for (auto& line : traceOutline(*relief)) outlines_->push_back(std::move(line));
     }
   }
   for (const auto& line : *outlines_) {
@@ -172,7 +172,7 @@ void WindowRelief::drawOutline(ImDrawList& list, const ScenePlace& place) {
 }
 
 void WindowRelief::drawShaded(ImDrawList& list, const ScenePlace& place) {
-  drawCells(list, mesh(place), allOf(mesh(place)), 215,
+  drawCells(list, mesh(place), listIndices(mesh(place)), 215,
             [&place](const Vec3& position_mm) { return place.toWindow(position_mm.head<2>()); });
 }
 

@@ -25,11 +25,11 @@ class WindowRelief {
   static constexpr std::size_t kMostFrames = 32;
 
   /// Remembers the frame without keeping its reliefs.
-  void takeFrame(const PlayableReliefs& frame);
+  void onFrame(const PlayableReliefs& frame);
   /// Takes the frame that is felt at this time; while time stands, it stays.
-  void follow(MediaTime play_time, const Workspace& workspace);
+  void update(MediaTime play_time, const Workspace& workspace);
   /// Seen from another side: px that it was dragged by.
-  void turn(float right_px, float down_px);
+  void rotate(float right_px, float down_px);
 
   void drawOutline(ImDrawList& list, const ScenePlace& place);
   void drawShaded(ImDrawList& list, const ScenePlace& place);

@@ -17,7 +17,7 @@ const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px for
 
 ImVec2 plus(const ImVec2& a, const ImVec2& b) { return {a.x + b.x, a.y + b.y}; }
 ImVec2 times(const ImVec2& a, float factor) { return {a.x * factor, a.y * factor}; }
-float lengthOf(const ImVec2& a) { return std::hypot(a.x, a.y); }
+float computeLength(const ImVec2& a) { return std::hypot(a.x, a.y); }
 
 /// The stylus: a cone whose tip is the HIP, opening towards the viewer; the nearer, the larger.
 void drawCone(ImDrawList& list, const ImVec2& tip, float size) {
@@ -26,7 +26,7 @@ void drawCone(ImDrawList& list, const ImVec2& tip, float size) {
                     static_cast<float>(kTowardsViewer.y()) * size);
   const ImVec2 top = plus(tip, axis);
   const float radius = 0.24F * size;
-  const ImVec2 along = times(axis, 1.0F / lengthOf(axis));
+  const ImVec2 along = times(axis, 1.0F / computeLength(axis));
   const ImVec2 across(-along.y, along.x);
   const auto rim = [&](float angle) {
     return plus(top, plus(times(across, radius * std::cos(angle)),
@@ -50,7 +50,7 @@ float bounded(double value) {
 }
 
 void drawArrow(ImDrawList& list, const ImVec2& from, const ImVec2& way, float width, ImU32 color) {
-  const float length = lengthOf(way);
+  const float length = computeLength(way);
   if (length < 2.0F) return;
   const ImVec2 along = times(way, 1.0F / length);
   const ImVec2 across(-along.y, along.x);

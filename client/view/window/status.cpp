@@ -27,8 +27,8 @@ void TickWatch::add(const TickReport& report) {
   const Duration since = report.time - last_.time;
   if (ticks_++ > 0) {
     if (since > kLate) ++late_;
-    second_longest_ = std::max(second_longest_, report.took);
-    second_sum_ += report.took;
+    second_longest_ = std::max(second_longest_, report.tick_duration);
+    second_sum_ += report.tick_duration;
     ++second_ticks_;
   }
   if (report.time - second_begin_ >= kSecond) {
@@ -62,8 +62,8 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (!ui_state.stream.connected) return "no server yet: waiting for one";
   if (!report.enabled) return "the device's button is not held: no force";
   const std::string paused = ui_state.user.paused ? "paused; " : "";
-  if (report.lookup == Lookup::kFaded) return paused + "no fresh frames: the force has faded";
-  if (report.lookup == Lookup::kNone) return paused + "waiting for the first frames";
+  if (report.lookup == Lookup::kStale) return paused + "no fresh frames: the force has faded";
+  if (report.lookup == Lookup::kEmpty) return paused + "waiting for the first frames";
   if (report.contact) return fmt::format("{}in contact, {:.1f} N", paused, report.force_N.norm());
   return paused + (report.over_object ? "over the object" : "nothing touched");
 }

@@ -99,11 +99,11 @@ ViewerWindow::~ViewerWindow() {
   if (displayIsLost()) (void)texture_.release();
 }
 
-void ViewerWindow::takePicture(VideoFrame picture, const Workspace& workspace) {
+void ViewerWindow::onPicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
 }
 
-void ViewerWindow::takeReport(const TickReport& report) {
+void ViewerWindow::onReport(const TickReport& report) {
   ticks_.add(report);
   history_.add(report);
 }
@@ -180,7 +180,7 @@ void ViewerWindow::showScene(UiState& ui_state) {
   } else {
     list.AddRectFilled(place_.corner(), place_.end(), IM_COL32(40, 43, 46, 255));
   }
-  relief_.follow(ticks_.last().play_time, workspace_);
+  relief_.update(ticks_.last().play_time, workspace_);
   list.PushClipRect(place_.corner(), place_.end(), true);
   if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(list, place_);
   if (state_.outline) relief_.drawOutline(list, place_);

@@ -28,11 +28,11 @@ class ViewerWindow final : public View {
   ViewerWindow& operator=(const ViewerWindow&) = delete;
   ~ViewerWindow() override;
 
-  void takePicture(VideoFrame picture, const Workspace& workspace) override;
-  void takeFrame(const PlayableReliefs& frame) override { relief_.takeFrame(frame); }
-  void takeReport(const TickReport& report) override;
+  void onPicture(VideoFrame picture, const Workspace& workspace) override;
+  void onFrame(const PlayableReliefs& frame) override { relief_.onFrame(frame); }
+  void onReport(const TickReport& report) override;
   /// Hears what the user does; draws when it is time to. False when the window was closed.
-  [[nodiscard]] bool turn(UiState& ui_state) override;
+  [[nodiscard]] bool update(UiState& ui_state) override;
   /// Throws where the display took it away.
   void finish() override;
   [[nodiscard]] bool points() const override { return true; }
@@ -46,13 +46,13 @@ class ViewerWindow final : public View {
   [[nodiscard]] const ScenePlace& place() const { return place_; }
 
  private:
-  void hear(const SDL_Event& event, UiState& ui_state);
+  void handleEvent(const SDL_Event& event, UiState& ui_state);
   void point(const SDL_MouseMotionEvent& motion, UiState& ui_state);
   void press(double by_mm, UiState& ui_state) const;
   enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
   void drag(Drag what);
   /// Whether a drag there turns the relief, and does not move the tip.
-  [[nodiscard]] bool turnsRelief(const ImVec2& point) const;
+  [[nodiscard]] bool isRotating(const ImVec2& point) const;
   void showPicture();
   void show(std::shared_ptr<const StreamPicture> picture_of_stream);
   void showScene(UiState& ui_state);

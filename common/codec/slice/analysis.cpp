@@ -102,7 +102,7 @@ std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int 
 }
 
 /// The nearest number of steps, and never farther off than half a step.
-std::int32_t stepsIn(std::int32_t rest, std::int32_t step, float per_step) {
+std::int32_t countSteps(std::int32_t rest, std::int32_t step, float per_step) {
   const float exact = static_cast<float>(rest) * per_step;
   auto out = static_cast<std::int32_t>(exact + (rest < 0 ? -0.499F : 0.499F));
   const std::int32_t twice = 2 * (rest - out * step);
@@ -121,7 +121,7 @@ void analyseBase(Field& field, const Surroundings& object, const Steps& steps) {
       const bool inside = mask.data[px] != 0;  // the next slice's too
       const std::int32_t height =
           inside ? object.target[px] : continued(mask, object.target, x * kCell_px, y * kCell_px);
-      field.base[at] = stepsIn(height, steps.base, 1.0F / static_cast<float>(steps.base));
+      field.base[at] = countSteps(height, steps.base, 1.0F / static_cast<float>(steps.base));
     }
   }
 }
@@ -140,7 +140,7 @@ void correct(const Row& row, int first, int count, std::int32_t step) {
   for (std::ptrdiff_t x = first; x < count; x += Every) {
     const std::int32_t inside = row.mask[Px * x];
     const std::int32_t change =
-        stepsIn((row.target[Px * x] - row.height[x]) * inside, step, per_step);
+        countSteps((row.target[Px * x] - row.height[x]) * inside, step, per_step);
     row.detail[x] = change;
     row.height[x] += change * step;
   }
@@ -178,7 +178,7 @@ void analyseLevel(Field& field, const Surroundings& object, const Steps& steps) 
   }
 }
 
-float bitsOf(unsigned size) {
+float countBits(unsigned size) {
   return size == 0 ? 0.4F : 1.0F + 2.0F * static_cast<float>(std::bit_width(size));
 }
 
@@ -192,20 +192,20 @@ void analyse(Field& field, const Surroundings& object, const Steps& steps) {
   analyseLevel<2>(field, object, steps);
 }
 
-float costOf(const Numbers& numbers, const Field& field, int cell_x, int cell_y) {
+float estimateCost(const Numbers& numbers, const Field& field, int cell_x, int cell_y) {
   float bits = 0.0F;
   const int right = std::min((cell_x + 1) * kCell_px, field.shape.width);
   const int bottom = std::min((cell_y + 1) * kCell_px, field.shape.height);
   for (int y = cell_y * kCell_px; y < bottom; ++y) {
     for (int x = cell_x * kCell_px; x < right; ++x) {
       if (field.mask.data[y * field.mask.stride + x] == 0) continue;
-      bits += bitsOf(numbers.rest[static_cast<std::size_t>(numbers.at(x, y))]);
+      bits += countBits(numbers.rest[static_cast<std::size_t>(numbers.at(x, y))]);
     }
   }
   return bits;
 }
 
-float costOf(const Field& field, int cell_x, int cell_y) {
+float estimateCost(const Field& field, int cell_x, int cell_y) {
   const auto at = static_cast<std::size_t>(field.cell(cell_x, cell_y));
   if (field.occupied[at] == 0) return 0.0F;
   float bits = 6.0F;  // mask and base
@@ -215,7 +215,7 @@ float costOf(const Field& field, int cell_x, int cell_y) {
     for (int y = 0; y < points; ++y) {
       const std::int32_t* row =
           level.detail.data() + level.at(cell_x * points, cell_y * points + y);
-      for (int x = 0; x < points; ++x) bits += bitsOf(static_cast<unsigned>(std::abs(row[x])));
+      for (int x = 0; x < points; ++x) bits += countBits(static_cast<unsigned>(std::abs(row[x])));
     }
   }
   return bits;

@@ -13,7 +13,7 @@ void analyse(Field& field, const Surroundings& object, const Steps& steps);
 
 /// What a cell costs, roughly, in bits; of a field that was analysed, or of numbers that were
 /// coded.
-float costOf(const Field& field, int cell_x, int cell_y);
-float costOf(const Numbers& numbers, const Field& field, int cell_x, int cell_y);
+float estimateCost(const Field& field, int cell_x, int cell_y);
+float estimateCost(const Numbers& numbers, const Field& field, int cell_x, int cell_y);
 
 }  // namespace hapticast::codec

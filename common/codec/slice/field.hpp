@@ -26,7 +26,7 @@ struct Steps {
   int base = 0;
 
   /// `px`: 9..4095; `sixteenths`: the coarse step is so many of px, 1..16.
-  static Steps of(int px, int sixteenths) noexcept {
+  static Steps from(int px, int sixteenths) noexcept {
     const int coarse = std::max(1, px * sixteenths / 16);
     return {px, {std::max(1, 4 * coarse / 5), coarse, px}, std::max(1, 7 * coarse / 10)};
   }

@@ -87,7 +87,7 @@ class MaskCoder {
     const bool passes = second < target;
     const bool near = !passes && std::abs(target - first.at) <= kFarthest;
     const std::size_t k = lost ? 5 : static_cast<std::size_t>(std::clamp(first.shift, -2, 2) + 2);
-    if (!coder.bit(away_[k], !near)) {
+    if (!coder.bit(distance_[k], !near)) {
       const int usual = std::abs(first.shift) >= 2 ? first.shift : 0;
       lost = false;
       const int shift = codeNumber(coder, shift_[k], target - first.at - usual) + usual;
@@ -104,7 +104,7 @@ class MaskCoder {
 
   int width_;
   EdgeRow above_, row_;
-  std::array<BitModel, 6> away_;
+  std::array<BitModel, 6> distance_;
   std::array<NumberModel, 6> shift_;
   std::array<BitModel, 2> pass_;
   NumberModel run_;

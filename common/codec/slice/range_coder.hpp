@@ -30,7 +30,7 @@ inline constexpr auto kRates = [] {
 }();
 
 /// Moves the model towards the bit. A probability stays away from 0 and 1.
-inline void learn(BitModel& model, bool one) noexcept {
+inline void update(BitModel& model, bool one) noexcept {
   constexpr unsigned kLeast = 96;
   constexpr unsigned kMost = 65440;
   const unsigned rate = kRates[model.seen];
@@ -56,15 +56,15 @@ class RangeDecoder {
 
   bool bit(BitModel& model, bool /*value*/ = false) noexcept {
     const bool one = decide(model.zero >> 1U);
-    learn(model, one);
+    update(model, one);
     return one;
   }
 
   /// A bit that two models know something of: their mean.
   bool bit(BitModel& model, BitModel& other, bool /*value*/ = false) noexcept {
     const bool one = decide((std::uint32_t{model.zero} + other.zero) >> 2U);
-    learn(model, one);
-    learn(other, one);
+    update(model, one);
+    update(other, one);
     return one;
   }
 
@@ -121,14 +121,14 @@ class RangeEncoder {
 
   bool bit(BitModel& model, bool one) {
     write(model.zero >> 1U, one);
-    learn(model, one);
+    update(model, one);
     return one;
   }
 
   bool bit(BitModel& model, BitModel& other, bool one) {
     write((std::uint32_t{model.zero} + other.zero) >> 2U, one);
-    learn(model, one);
-    learn(other, one);
+    update(model, one);
+    update(other, one);
     return one;
   }
 

@@ -20,7 +20,7 @@ void forPixels(const Shape& shape, const Surroundings& object, const Call& call)
 
 /// So few levels that no height is farther from one than `farthest`, whose distances repeat where
 /// they can. `table`: 1 for the heights that occur, from `lowest` on; then the number of the level.
-Levels levelsOf(std::vector<std::int32_t>& table, std::int32_t lowest, std::int32_t farthest) {
+Levels buildLevels(std::vector<std::int32_t>& table, std::int32_t lowest, std::int32_t farthest) {
   Levels out;
   std::int32_t gap = 2 * farthest + 1;
   const auto size = static_cast<std::int32_t>(table.size());
@@ -60,7 +60,7 @@ Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t f
   forPixels(shape, object, [&](std::int32_t height, int, int) {
     table[static_cast<std::size_t>(height - lowest)] = 1;
   });
-  Levels levels = levelsOf(table, lowest, farthest);
+  Levels levels = buildLevels(table, lowest, farthest);
   forPixels(shape, object, [&](std::int32_t height, int x, int y) {
     numbers.level[static_cast<std::size_t>(numbers.at(x, y))] =
         table[static_cast<std::size_t>(height - lowest)];

@@ -86,9 +86,9 @@ struct Numbers {
 Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
                   Numbers& numbers);
 
-inline Around aroundOf(const std::int32_t* level, std::ptrdiff_t stride, const std::uint8_t* inside,
-                       std::ptrdiff_t mask_stride, bool top, bool at_left, bool at_right,
-                       std::int32_t last) {
+inline Around loadNeighbours(const std::int32_t* level, std::ptrdiff_t stride,
+                             const std::uint8_t* inside, std::ptrdiff_t mask_stride, bool top,
+                             bool at_left, bool at_right, std::int32_t last) {
   const bool left = !at_left && inside[-1] != 0;
   const bool up = !top && inside[-mask_stride] != 0;
   const bool up_left = !top && !at_left && inside[-mask_stride - 1] != 0;
@@ -112,8 +112,8 @@ void codeNumbers(Coder& coder, RoughModels& models, Numbers& numbers, const Shap
       if (*inside == 0) continue;
       std::int32_t* level = numbers.level.data() + numbers.at(x, y);
       std::uint8_t* rest = numbers.rest.data() + numbers.at(x, y);
-      const Around around = aroundOf(level, numbers.stride, inside, mask.stride, y == 0, x == 0,
-                                     x + 1 == shape.width, last);
+      const Around around = loadNeighbours(level, numbers.stride, inside, mask.stride, y == 0,
+                                           x == 0, x + 1 == shape.width, last);
       const std::int32_t guess = around.guess();
       const int missed = rest[-1] + rest[-numbers.stride];
       NumberModel& model = models.rest[around.unrest()][missed == 0 ? 0 : missed < 3 ? 1 : 2];

@@ -65,7 +65,7 @@ void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& ste
 /// What stands around a point of level I: the mask's edge, a corner of the coarser points' square,
 /// details of the coarser level.
 template <std::size_t I>
-std::size_t placeOf(const Field& field, const std::uint8_t* mask, int x, int y) {
+std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int y) {
   constexpr std::ptrdiff_t kPx = 4 >> I;
   const std::ptrdiff_t down = kPx * field.mask.stride;
   const bool inner = (mask[-kPx] & mask[kPx] & mask[-down] & mask[down]) != 0;
@@ -98,7 +98,7 @@ void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const 
                      size[-stride + 1];
   const auto row = static_cast<std::size_t>(y & 1);
   NumberModel& number = models.number[row][kDetailClass[static_cast<std::size_t>(around)]];
-  PlaceModel& place = models.place[row][placeOf<I>(field, mask, x, y)];
+  PlaceModel& place = models.place[row][pixelIndex<I>(field, mask, x, y)];
   const std::int32_t wanted = Coder::kDecodes ? 0 : level.detail[static_cast<std::size_t>(at)];
   if (!coder.bit(number.zero, place.zero, wanted != 0)) return;
   std::uint8_t* sign = level.sign.data() + at;

@@ -37,7 +37,7 @@ struct DepthStatistics {
   std::set<float> values;
 };
 
-DepthStatistics statisticsOf(const cv::Mat& depth) {
+DepthStatistics computeStatistics(const cv::Mat& depth) {
   DepthStatistics out;
   for (int v = 0; v < depth.rows; v += 2) {
     const auto* row = depth.ptr<float>(v);
@@ -63,7 +63,7 @@ DepthStatistics statisticsOf(const cv::Mat& depth) {
   return out;
 }
 
-double quantumOf(const std::set<float>& values) {
+double findQuantum(const std::set<float>& values) {
   std::vector<double> gaps;
   for (auto next = values.begin(); next != values.end() && std::next(next) != values.end();
        ++next) {
@@ -77,12 +77,12 @@ double quantumOf(const std::set<float>& values) {
   });
   // A clean depth takes any value: what lies between two is no step.
   if (static_cast<double>(between) > kOffLattice * static_cast<double>(gaps.size())) return 0.0;
-  return std::min(kLargestQuantum_mm, medianOf(gaps));
+  return std::min(kLargestQuantum_mm, computeMedian(gaps));
 }
 
 // The bend of a clean surface is no noise: it is in the second differences, hardly in the fourth.
 // Of correlated noise these read too little, so they count only where there is none at all.
-double sigmaOf(std::vector<double>& seconds, std::vector<double>& fourths) {
+double estimateSigma(std::vector<double>& seconds, std::vector<double>& fourths) {
   const double sigma = sigmaByMedian(seconds) / std::sqrt(6.0);
   if (fourths.size() < kFewestInBin) return sigma;
   const double unbent = sigmaByMedian(fourths) / std::sqrt(70.0);
@@ -105,18 +105,18 @@ bool DepthNoise::clean(double depth_mm) const {
 }
 
 DepthNoise measureNoise(const cv::Mat& depth) {
-  DepthStatistics statistics = statisticsOf(depth);
+  DepthStatistics statistics = computeStatistics(depth);
   DepthNoise noise;
   std::optional<double> last;
   for (std::size_t i = 0; i < statistics.differences.size(); ++i) {
     const bool known = statistics.differences[i].size() >= kFewestInBin;
     const bool nearest = !last && known;
-    if (known) last = sigmaOf(statistics.differences[i], statistics.fourths[i]);
+    if (known) last = estimateSigma(statistics.differences[i], statistics.fourths[i]);
     // What comes nearer than anything was is not noisier.
     if (nearest) std::fill(noise.sigma_mm.begin(), noise.sigma_mm.end(), *last);
     noise.sigma_mm.push_back(last.value_or(kUnknown_mm));
   }
-  noise.quantum_mm = quantumOf(statistics.values);
+  noise.quantum_mm = findQuantum(statistics.values);
   for (double& sigma : noise.sigma_mm) sigma = std::max(sigma, 0.5 * noise.quantum_mm);
   return noise;
 }

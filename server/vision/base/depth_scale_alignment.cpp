@@ -44,7 +44,7 @@ double medianOff(const auto& pairs, std::size_t step, const ScaleShift& hop) {
   offs.reserve(pairs.size() / step + 1);
   for (std::size_t i = 0; i < pairs.size(); i += step)
     offs.push_back(std::abs(hop.scale * pairs[i].now + hop.shift - pairs[i].before));
-  return medianOf(offs);
+  return computeMedian(offs);
 }
 
 // Weighted least squares; what is far off counts nothing.
@@ -72,7 +72,7 @@ ScaleShift refined(const auto& pairs, ScaleShift hop) {
 }
 
 // The hop that most agree on (least median of squares, Rousseeuw 1984), then refined.
-ScaleShift hopOf(const auto& pairs) {
+ScaleShift estimateShift(const auto& pairs) {
   const std::size_t step = pairs.size() / kJudges + 1;
   ScaleShift best;
   double least = medianOff(pairs, step, best);
@@ -103,7 +103,7 @@ cv::Mat sparse(const cv::Mat& image) {
 }
 
 // A change of exposure, as most places show it.
-float gainOf(const cv::Mat& now, const cv::Mat& before) {
+float estimateGain(const cv::Mat& now, const cv::Mat& before) {
   std::vector<float> gains;
   gains.reserve(now.total());
   for (int v = 0; v < now.rows; ++v) {
@@ -112,7 +112,7 @@ float gainOf(const cv::Mat& now, const cv::Mat& before) {
       if (was > 8.0F) gains.push_back(now.at<float>(v, u) / was);
     }
   }
-  return gains.empty() ? 1.0F : static_cast<float>(std::clamp(medianOf(gains), 0.5, 2.0));
+  return gains.empty() ? 1.0F : static_cast<float>(std::clamp(computeMedian(gains), 0.5, 2.0));
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ float gainOf(const cv::Mat& now, const cv::Mat& before) {
 std::vector<DepthScaleAlignment::Pair> DepthScaleAlignment::restingPairs(const cv::Mat& depth,
                                                                          const cv::Mat& gray,
                                                                          const cv::Mat& objects) {
-  const float gain = gainOf(gray, gray_);
+  const float gain = estimateGain(gray, gray_);
   std::vector<Pair> pairs;
   pairs.reserve(depth.total());
   std::size_t background = 0;
@@ -138,7 +138,7 @@ std::vector<DepthScaleAlignment::Pair> DepthScaleAlignment::restingPairs(const c
       ++resting;
       const float now = depth.at<float>(v, u);
       const float before = depth_.at<float>(v, u);
-      if (now > 0 && before > 0) pairs.push_back({valueOf(now), valueOf(before)});
+      if (now > 0 && before > 0) pairs.push_back({toAligned(now), toAligned(before)});
     }
   }
   camera_rests_ = static_cast<double>(resting) >= kRestingShare * static_cast<double>(background);
@@ -150,7 +150,7 @@ void DepthScaleAlignment::judge(const std::vector<Pair>& pairs, const ScaleShift
   std::vector<double> values;
   values.reserve(pairs.size());
   for (const Pair& pair : pairs) values.push_back(pair.now);
-  const double usual = medianOf(values);
+  const double usual = computeMedian(values);
   const double by = (hop.scale - 1.0) + hop.shift / usual;
   const bool explains = medianOff(pairs, 1, hop) < kExplains * medianOff(pairs, 1, {});
   const bool hops = explains && std::abs(by) > kHop;
@@ -167,7 +167,7 @@ void DepthScaleAlignment::remember(const cv::Mat& depth, const cv::Mat& gray,
       if (depth.at<float>(v, u) <= 0) continue;
       float& age = age_.at<float>(v, u);
       age = camera_rests_ ? std::min(age + 1.0F, kLongest) : 1.0F;
-      const double value = hop.scale * valueOf(depth.at<float>(v, u)) + hop.shift;
+      const double value = hop.scale * toAligned(depth.at<float>(v, u)) + hop.shift;
       const double now = inverse_ ? 1e3 / std::max(1e-3, value) : value;
       float& kept = depth_.at<float>(v, u);
       if (kept <= 0) age = 1.0F;
@@ -193,7 +193,7 @@ cv::Mat DepthScaleAlignment::steady(const cv::Mat& depth, const cv::Mat& gray,
   const std::vector<Pair> pairs = restingPairs(small_depth, small_gray, around);
   ScaleShift hop;
   if (camera_rests_ && pairs.size() >= kFewestPairs) {
-    hop = hopOf(pairs);
+    hop = estimateShift(pairs);
     judge(pairs, hop);
     if (!shown_) hop = {};
   }

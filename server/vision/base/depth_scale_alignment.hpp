@@ -37,7 +37,7 @@ class DepthScaleAlignment {
                                                const cv::Mat& objects);
   void judge(const std::vector<Pair>& pairs, const ScaleShift& hop);
   void remember(const cv::Mat& depth, const cv::Mat& gray, const ScaleShift& hop);
-  [[nodiscard]] double valueOf(float depth_mm) const {
+  [[nodiscard]] double toAligned(float depth_mm) const {
     return inverse_ ? 1e3 / double(depth_mm) : double(depth_mm);
   }
 

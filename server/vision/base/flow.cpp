@@ -25,7 +25,7 @@ constexpr std::size_t kRansacRounds = 500;
 constexpr double kSmallestScale = 0.85;
 constexpr double kLargestScale = 1.18;
 
-std::vector<cv::Point2f> movedBy(std::vector<cv::Point2f> points, const cv::Point2f& by) {
+std::vector<cv::Point2f> translate(std::vector<cv::Point2f> points, const cv::Point2f& by) {
   for (cv::Point2f& point : points) point += by;
   return points;
 }
@@ -37,10 +37,10 @@ cv::Vec2d medianShift(const PointTracks& tracks) {
     u.push_back(static_cast<double>(tracks.to[i].x - tracks.from[i].x));
     v.push_back(static_cast<double>(tracks.to[i].y - tracks.from[i].y));
   }
-  return {medianOf(u), medianOf(v)};
+  return {computeMedian(u), computeMedian(v)};
 }
 
-PointTracks inliersOf(const PointTracks& tracks, const cv::Mat& inliers) {
+PointTracks selectInliers(const PointTracks& tracks, const cv::Mat& inliers) {
   PointTracks out;
   for (std::size_t i = 0; i < tracks.from.size(); ++i) {
     if (inliers.at<unsigned char>(static_cast<int>(i)) == 0) continue;
@@ -67,10 +67,10 @@ void fitMotion(ObjectFlow& flow) {
   if (scale < kSmallestScale || scale > kLargestScale || agree < kFewestTracks) return;
   flow.similarity = matrix;
   flow.rotation_reliable = agree >= kFewestForRotation && 2 * agree > static_cast<int>(found);
-  flow.tracks = inliersOf(flow.tracks, inliers);
+  flow.tracks = selectInliers(flow.tracks, inliers);
 }
 
-std::vector<cv::Point2f> cornersOf(const cv::Mat& gray, const cv::Mat& mask) {
+std::vector<cv::Point2f> findCorners(const cv::Mat& gray, const cv::Mat& mask) {
   cv::Mat inner = erodedBy(mask, 2);
   if (cv::countNonZero(inner) < 100) inner = mask;
   cv::Mat picture = gray;
@@ -89,7 +89,7 @@ std::vector<cv::Point2f> cornersOf(const cv::Mat& gray, const cv::Mat& mask) {
 
 }  // namespace
 
-cv::Point2d ObjectFlow::carry(const cv::Point2d& point) const {
+cv::Point2d ObjectFlow::warp(const cv::Point2d& point) const {
   const cv::Vec2d out = similarity * cv::Vec3d(point.x, point.y, 1.0);
   return {out[0], out[1]};
 }
@@ -132,12 +132,12 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
   const int reach = 48 + static_cast<int>(std::min(1000.0, cv::norm(guess_px)));
   const cv::Rect box = boxAround(mask, reach);
   if (box.empty()) return flow;
-  const std::vector<cv::Point2f> corners = cornersOf(last_gray(box), mask(box));
+  const std::vector<cv::Point2f> corners = findCorners(last_gray(box), mask(box));
   if (corners.empty()) return flow;
   const cv::Mat last = last_gray(box);
   const cv::Mat now = gray(box);
   const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
-  flow.tracks = trackPoints(last, now, corners, movedBy(corners, guess));
+  flow.tracks = trackPoints(last, now, corners, translate(corners, guess));
   if (2 * flow.tracks.from.size() < corners.size() && cv::norm(guess_px) > 1.0) {
     // A bounce turns the guess into the wrong one.
     const PointTracks still = trackPoints(last, now, corners, corners);
@@ -147,13 +147,13 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
     }
   }
   const cv::Point2f corner(static_cast<float>(box.x), static_cast<float>(box.y));
-  flow.tracks = {movedBy(flow.tracks.from, corner), movedBy(flow.tracks.to, corner)};
+  flow.tracks = {translate(flow.tracks.from, corner), translate(flow.tracks.to, corner)};
   fitMotion(flow);
   return flow;
 }
 
-cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
-                   const cv::Matx23d& similarity, int interpolation) {
+cv::Mat warpImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
+                  const cv::Matx23d& similarity, int interpolation) {
   cv::Matx23d local = similarity;
   local(0, 2) += similarity(0, 0) * from_box.x + similarity(0, 1) * from_box.y - to_box.x;
   local(1, 2) += similarity(1, 0) * from_box.x + similarity(1, 1) * from_box.y - to_box.y;

@@ -24,10 +24,10 @@ struct ObjectFlow {
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< last px -> this px
   bool reliable = false;                     ///< the shift is measured; else it is the guess
   bool rotation_reliable = false;            ///< scale and rotation are measured too
-  bool stays = false;  ///< it is at rest and is not looked at: its mask is the last one
-  PointTracks tracks;  ///< on the object, those that agree with the similarity
+  bool isStatic = false;  ///< it is at rest and is not looked at: its mask is the last one
+  PointTracks tracks;     ///< on the object, those that agree with the similarity
 
-  [[nodiscard]] cv::Point2d carry(const cv::Point2d& point) const;
+  [[nodiscard]] cv::Point2d warp(const cv::Point2d& point) const;
   [[nodiscard]] double scale() const;
   /// Rotation in the picture, rad, from +u towards +v (clockwise as seen).
   [[nodiscard]] double rotation_rad() const;
@@ -47,8 +47,8 @@ PointTracks trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
 
 /// `image`, given over `from_box` of the last picture, carried into `to_box` of this one; 0 where
 /// it was not.
-cv::Mat carryImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
-                   const cv::Matx23d& similarity, int interpolation);
+cv::Mat warpImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
+                  const cv::Matx23d& similarity, int interpolation);
 
 /// A similarity as a 3 x 3 matrix, so that several can be joined by multiplication.
 cv::Matx33d homogeneous(const cv::Matx23d& similarity);

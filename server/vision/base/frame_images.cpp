@@ -35,7 +35,7 @@ std::string sizeText(const cv::Mat& image) {
 
 }  // namespace
 
-FrameImages imagesOf(const RgbdFrame& frame, const SourceInfo& info) {
+FrameImages makeFrameImages(const RgbdFrame& frame, const SourceInfo& info) {
   const cv::Size size(info.width_px, info.height_px);
   const std::string where = info.name + " frame " + std::to_string(frame.index) + ": ";
   if (frame.color.type() != CV_8UC3 || frame.color.size() != size) {

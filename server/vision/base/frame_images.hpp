@@ -29,7 +29,7 @@ struct FrameImages {
 
 /// Checks types and sizes (throws SourceError) and makes the working images. Depths that are not
 /// finite, not positive or beyond 100 m count as not measured.
-FrameImages imagesOf(const RgbdFrame& frame, const SourceInfo& info);
+FrameImages makeFrameImages(const RgbdFrame& frame, const SourceInfo& info);
 
 /// Whether two images of one type are the same, pixel by pixel. Ends at the first row that differs,
 /// which is nearly always an early one.

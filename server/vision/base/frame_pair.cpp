@@ -5,8 +5,8 @@
 
 namespace hapticast::server {
 
-FramePair FramePairs::takeIn(const RgbdFrame& frame, double time_s, const cv::Mat& objects) {
-  const FrameImages raw = imagesOf(frame, info_);
+FramePair FramePairs::push(const RgbdFrame& frame, double time_s, const cv::Mat& objects) {
+  const FrameImages raw = makeFrameImages(frame, info_);
   pair_.last = std::exchange(pair_.now, raw);
   const bool first = pair_.last.color.empty();
   pair_.index = frame.index;

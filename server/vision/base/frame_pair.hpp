@@ -36,7 +36,7 @@ class FramePairs {
   /// The next frame in order of time. Throws SourceError where it does not fit the announcement.
   /// `objects`: where objects were, 0 / 255, size of the picture, or empty: what of the depth is
   /// the background's, by which it is kept from flickering.
-  FramePair takeIn(const RgbdFrame& frame, double time_s, const cv::Mat& objects = {});
+  FramePair push(const RgbdFrame& frame, double time_s, const cv::Mat& objects = {});
   [[nodiscard]] const DepthNoise& noise() const { return pair_.noise; }
 
  private:

@@ -40,11 +40,11 @@ cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size) {
   return larger & cv::Rect(cv::Point(), size);
 }
 
-double overlapOf(const cv::Mat& a, const cv::Mat& b) {
+double computeOverlap(const cv::Mat& a, const cv::Mat& b) {
   return cv::countNonZero(a & b) / std::max(1.0, double(cv::countNonZero(a | b)));
 }
 
-cv::Point2d centroidOf(const cv::Moments& moments, const cv::Point& corner) {
+cv::Point2d computeCentroid(const cv::Moments& moments, const cv::Point& corner) {
   if (!(moments.m00 > 0)) return {0, 0};
   return {corner.x + moments.m10 / moments.m00, corner.y + moments.m01 / moments.m00};
 }

@@ -14,11 +14,11 @@ cv::Rect boxAround(const cv::Mat& mask, int margin_px);
 cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size);
 
 /// Intersection over union of two masks of one size, 0..1; 0 where both are empty.
-double overlapOf(const cv::Mat& a, const cv::Mat& b);
+double computeOverlap(const cv::Mat& a, const cv::Mat& b);
 
 /// The centroid of `moments` (of a mask whose first pixel is `corner` of the picture), px, pixel
 /// centres at whole numbers; (0, 0) of an empty mask.
-cv::Point2d centroidOf(const cv::Moments& moments, const cv::Point& corner);
+cv::Point2d computeCentroid(const cv::Moments& moments, const cv::Point& corner);
 
 /// `mask` eroded or dilated by a disc of `radius_px`; what is beyond the picture counts as outside
 /// for dilation and as inside for erosion.

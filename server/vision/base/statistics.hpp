@@ -11,7 +11,7 @@ namespace hapticast::server {
 
 /// Median of `values`, the upper one of an even number; reorders them. 0 when there are none.
 template <class Value>
-double medianOf(std::vector<Value>& values) {
+double computeMedian(std::vector<Value>& values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -22,7 +22,7 @@ double medianOf(std::vector<Value>& values) {
 /// median (the MAD; 1 / 0.6745, Rousseeuw and Croux 1993). Reorders them. 0 when there are none.
 template <class Value>
 double sigmaByMedian(std::vector<Value>& absolute_deviations) {
-  return 1.48 * medianOf(absolute_deviations);
+  return 1.48 * computeMedian(absolute_deviations);
 }
 
 /// The mean of the middle half of `values`: a quarter of them may be anything, and steps of rounded

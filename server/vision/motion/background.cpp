@@ -31,7 +31,7 @@ std::vector<cv::Vec2d> BackgroundMotion::next(const cv::Mat& gray,
   if (!flow.reliable) return steps_px;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const cv::Point2d at = 0.5 * objects[i].at_px;
-    const cv::Point2d step = 2.0 * (flow.carry(at) - at);
+    const cv::Point2d step = 2.0 * (flow.warp(at) - at);
     last_step_px_ = {step.x, step.y};
     if (cv::norm(step) > kStanding_px) steps_px[i] = last_step_px_;
   }

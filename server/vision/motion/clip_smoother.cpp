@@ -144,7 +144,7 @@ std::vector<State> smoothed(const Series& series, const std::vector<Interval>& i
 }
 
 template <class Value>
-Series seriesOf(const std::vector<Sample>& samples, bool depth, Value value) {
+Series makeSeries(const std::vector<Sample>& samples, bool depth, Value value) {
   Series out;
   const double base = value(samples.front());
   for (const Sample& sample : samples) {
@@ -154,8 +154,8 @@ Series seriesOf(const std::vector<Sample>& samples, bool depth, Value value) {
   return out;
 }
 
-std::vector<Interval> intervalsOf(const std::vector<Sample>& samples,
-                                  const std::vector<Impact>& impacts, double interval_s) {
+std::vector<Interval> splitAtImpacts(const std::vector<Sample>& samples,
+                                     const std::vector<Impact>& impacts, double interval_s) {
   std::vector<Interval> out;
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const double from_s = samples[i].time_s;
@@ -171,7 +171,7 @@ std::vector<Interval> intervalsOf(const std::vector<Sample>& samples,
   return out;
 }
 
-std::vector<Impact> impactsOf(const std::vector<Sample>& samples) {
+std::vector<Impact> findImpacts(const std::vector<Sample>& samples) {
   std::vector<Impact> out;
   ImpactFinder finder;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -183,7 +183,7 @@ std::vector<Impact> impactsOf(const std::vector<Sample>& samples) {
   return out;
 }
 
-bool standsStill(const std::vector<Sample>& samples, std::size_t at, std::size_t reach) {
+bool isResting(const std::vector<Sample>& samples, std::size_t at, std::size_t reach) {
   const std::size_t first = at > reach ? at - reach : 0;
   const std::size_t last = std::min(samples.size() - 1, at + reach);
   for (std::size_t i = first; i <= last; ++i) {
@@ -205,7 +205,7 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
   }
   const double interval_s =
       (samples.back().time_s - samples.front().time_s) / double(samples.size() - 1);
-  const std::vector<Interval> intervals = intervalsOf(samples, impacts, interval_s);
+  const std::vector<Interval> intervals = splitAtImpacts(samples, impacts, interval_s);
   const auto each = [&](const Series& series, const auto& take) {
     const std::vector<State> states = smoothed(series, intervals);
     for (std::size_t i = 0; i < states.size(); ++i) take(out[i], states[i]);
@@ -213,24 +213,25 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
   const bool pans = !panCompensated(samples).empty();
   for (int axis = 0; axis < 3; ++axis) {
     const auto value = [axis](const Sample& s) { return s.position_mm[axis]; };
-    each(seriesOf(samples, axis == 2, value), [&](Motion& motion, const State& x) {
+    each(makeSeries(samples, axis == 2, value), [&](Motion& motion, const State& x) {
       motion.position_mm[axis] = value(samples.front()) + x[0];
       motion.velocity_mm_s[axis] = x[1] / interval_s;
       motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
     });
     if (!pans || axis == 2) continue;
-    each(seriesOf(samples, false, [axis](const Sample& s) { return s.panCompensated_mm()[axis]; }),
-         [&](Motion& motion, const State& x) {
-           motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
-         });
+    each(
+        makeSeries(samples, false, [axis](const Sample& s) { return s.panCompensated_mm()[axis]; }),
+        [&](Motion& motion, const State& x) {
+          motion.acceleration_mm_s2[axis] = x[2] / (interval_s * interval_s);
+        });
   }
-  each(seriesOf(samples, false, [](const Sample& s) { return s.angle_rad; }),
+  each(makeSeries(samples, false, [](const Sample& s) { return s.angle_rad; }),
        [&](Motion& motion, const State& x) {
          motion.angle_rad = samples.front().angle_rad + x[0];
          motion.angular_velocity_rad_s = x[1] / interval_s;
        });
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (standsStill(samples, i, std::size_t(lookahead))) out[i] = motionFrom(samples, i, lookahead);
+    if (isResting(samples, i, std::size_t(lookahead))) out[i] = motionFrom(samples, i, lookahead);
   }
   return out;
 }
@@ -246,13 +247,13 @@ void ClipMotion::smooth(const NominalFrame& nominal, int lookahead, bool ended) 
     std::vector<Sample> samples;
     for (const Entry& entry : entries) {
       samples.push_back(nominal.sample(entry.pose, entry.time_s));
-      samples.back().seen = samples.back().seen && entry.well;
+      samples.back().seen = samples.back().seen && entry.well_tracked;
     }
-    track.impacts = impactsOf(samples);
+    track.impacts = findImpacts(samples);
     const std::vector<Motion> motions = smoothedTrack(samples, track.impacts, lookahead);
     const std::size_t open = ended ? 0 : std::min(samples.size(), std::size_t(lookahead));
     for (std::size_t i = 0; i + open < samples.size(); ++i) {
-      if (entries[i].well)
+      if (entries[i].well_tracked)
         track.moments[entries[i].frame] = {motions[i], samples[i].position_mm, samples[i].time_s};
     }
   }

@@ -54,7 +54,7 @@ class ClipMotion {
     std::uint64_t frame = 0;
     double time_s = 0.0;
     ObjectPose pose;
-    bool well = true;
+    bool well_tracked = true;
   };
   struct Track {
     std::map<std::uint64_t, Moment> moments;  // by frame

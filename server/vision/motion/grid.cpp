@@ -32,7 +32,7 @@ std::vector<cv::Point> latticeOver(const cv::Mat& mask) {
 }
 
 // The cell that holds a pixel of the box.
-std::size_t cellOf(const cv::Point& in_box, const CellFlow& flow) {
+std::size_t cellIndex(const cv::Point& in_box, const CellFlow& flow) {
   return static_cast<std::size_t>(in_box.y / kGridCell_px * flow.columns + in_box.x / kGridCell_px);
 }
 
@@ -64,8 +64,8 @@ void addDepths(const Surface& before, const Surface& now, const CellFlow& flow,
       if (before.measured.at<unsigned char>(there) == 0 ||
           now.measured.at<unsigned char>(here) == 0)
         continue;
-      cells[cellOf(here, flow)].steps[2].push_back(double(now.depth.at<float>(here)) -
-                                                   double(before.depth.at<float>(there)));
+      cells[cellIndex(here, flow)].steps[2].push_back(double(now.depth.at<float>(here)) -
+                                                      double(before.depth.at<float>(there)));
     }
   }
 }
@@ -78,19 +78,19 @@ CellFlow cellsOver(const cv::Rect& box) {
 }
 
 // A cell without a measurement gets 0 where that is what is `known` of it, else the median of all.
-cv::Mat mediansOf(std::vector<Cell>& cells, const CellFlow& size, bool known) {
+cv::Mat computeMedians(std::vector<Cell>& cells, const CellFlow& size, bool known) {
   std::array<cv::Mat, 3> axes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> all;
     for (const Cell& cell : cells)
       all.insert(all.end(), cell.steps[axis].begin(), cell.steps[axis].end());
     axes[axis].create(size.rows, size.columns, CV_32F);
-    axes[axis].setTo(known ? 0.0 : medianOf(all));
+    axes[axis].setTo(known ? 0.0 : computeMedian(all));
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (cells[i].steps[axis].empty()) continue;
       const int index = static_cast<int>(i);
       axes[axis].at<float>(index / size.columns, index % size.columns) =
-          static_cast<float>(medianOf(cells[i].steps[axis]));
+          static_cast<float>(computeMedian(cells[i].steps[axis]));
     }
     cv::medianBlur(axes[axis], axes[axis], 3);
   }
@@ -120,7 +120,7 @@ cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t fi
 
 }  // namespace
 
-CellFlow CellFlow::standing() const {
+CellFlow CellFlow::atRest() const {
   CellFlow out = *this;
   if (step.empty()) return out;
   // An expression assigned to a Mat of the same size is written into it, so this is a new one.
@@ -135,7 +135,7 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
   if (mode != MotionMode::kDepth) addTracks(last_gray, gray, last_mask, now, out, cells);
   if (mode != MotionMode::kLk) addDepths(before, now, out, cells);
-  out.step = mediansOf(cells, out, /*known=*/false);
+  out.step = computeMedians(cells, out, /*known=*/false);
   return out;
 }
 
@@ -163,17 +163,17 @@ CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surfa
       continue;
     const auto depth_mm = double(before.depth.at<float>(cv::Point(was) - before.box.tl()));
     const cv::Vec3d step = explained(was, depth_mm);
-    Cell& cell = cells[cellOf(here, out)];
+    Cell& cell = cells[cellIndex(here, out)];
     cell.steps[0].push_back(double(to.x - from.x) - step[0]);
     cell.steps[1].push_back(double(to.y - from.y) - step[1]);
     cell.steps[2].push_back(double(now.depth.at<float>(here)) - depth_mm - step[2]);
   }
-  out.step = mediansOf(cells, out, /*known=*/true);
+  out.step = computeMedians(cells, out, /*known=*/true);
   return out;
 }
 
-std::shared_ptr<const MotionGrid> gridFrom(const std::vector<const CellFlow*>& flows,
-                                           std::size_t at, const Vec3& mm_per_step) {
+std::shared_ptr<const MotionGrid> makeMotionGrid(const std::vector<const CellFlow*>& flows,
+                                                 std::size_t at, const Vec3& mm_per_step) {
   const CellFlow& here = *flows[at];
   if (here.columns == 0) return nullptr;
   auto grid = std::make_shared<MotionGrid>();

@@ -23,7 +23,7 @@ struct CellFlow {
   cv::Mat step;             ///< CV_32FC3, rows x columns; shared with copies, never written to
 
   /// Cells as many, in which nothing moves; none stay none.
-  [[nodiscard]] CellFlow standing() const;
+  [[nodiscard]] CellFlow atRest() const;
 };
 
 /// `kLk`: x-y only; `kDepth`: z only; `kAuto`: both. `last_mask`, `before`: the object in the last
@@ -43,7 +43,7 @@ CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surfa
 /// by position in the box): velocity is the mean of the steps into and out of the frame,
 /// acceleration the change of mean velocity from the steps before to those after. `mm_per_step`:
 /// nominal mm per px right, px down and mm of working depth.
-std::shared_ptr<const MotionGrid> gridFrom(const std::vector<const CellFlow*>& flows,
-                                           std::size_t at, const Vec3& mm_per_step);
+std::shared_ptr<const MotionGrid> makeMotionGrid(const std::vector<const CellFlow*>& flows,
+                                                 std::size_t at, const Vec3& mm_per_step);
 
 }  // namespace hapticast::server

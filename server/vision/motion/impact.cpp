@@ -66,7 +66,7 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
   if (at + 1 < kSide || at + kSide >= samples.size()) return std::nullopt;
   const Sample* first = &samples[at + 1 - kSide];
   const bool measured =
-      std::all_of(first, first + 2 * kSide, [](const Sample& s) { return s.seen && s.sure; });
+      std::all_of(first, first + 2 * kSide, [](const Sample& s) { return s.seen && s.confident; });
   if (!measured || !evenlySpaced(first, 2 * kSide)) return std::nullopt;
   const double from_s = samples[at].time_s;
   const double step_s = samples[at + 1].time_s - from_s;
@@ -99,7 +99,7 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
 
 bool ImpactFinder::aboveNoise(const Jump& jump) const {
   std::vector<double> usual(usual_mm_s_.begin(), usual_mm_s_.end());
-  return jump.delta_mm_s.norm() > std::max(kSmallest_mm_s, kAboveUsual * medianOf(usual));
+  return jump.delta_mm_s.norm() > std::max(kSmallest_mm_s, kAboveUsual * computeMedian(usual));
 }
 
 void ImpactFinder::accept(const Jump& jump) {

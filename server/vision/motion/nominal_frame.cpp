@@ -17,7 +17,7 @@ Sample NominalFrame::sample(const ObjectPose& pose, double time_s) const {
           .angle_rad = pose.angle_rad,
           .depth_seen = pose.depth_seen,
           .seen = pose.seen,
-          .sure = pose.sure,
+          .confident = pose.confident,
           .background_mm = {step.x() * pose.background_px[0], step.y() * pose.background_px[1], 0}};
 }
 

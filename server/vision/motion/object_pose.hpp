@@ -17,8 +17,8 @@ struct ObjectPose {
   double angle_rad = 0.0;  ///< about +z (towards the viewer), right-handed
   bool seen = true;        ///< false: too little of it was seen, the position is a prediction
   bool depth_seen = true;  ///< false: this frame's depth was a repeat of the last one's
-  bool sure = true;  ///< false: alignment failed and another method took over; it may be off by
-                     ///< a jump
+  bool confident = true;   ///< false: alignment failed and another method took over; it may be off
+                          ///< by a jump
   ReferencePoint point = ReferencePoint::kVisibleCentroid;
   cv::Vec2d background_px{0, 0};  ///< how far the background has moved here since the track began;
                                   ///< set by who compensates the camera's pan

@@ -73,7 +73,7 @@ std::shared_ptr<const MotionGrid> MotionHistory::grid(std::uint32_t id, std::uin
     if (entry->frame == frame) at = flows.size();
     flows.push_back(&entry->cells);
   }
-  return at ? gridFrom(flows, *at, nominal.mmPerStep()) : nullptr;
+  return at ? makeMotionGrid(flows, *at, nominal.mmPerStep()) : nullptr;
 }
 
 }  // namespace hapticast::server

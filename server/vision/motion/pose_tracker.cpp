@@ -34,7 +34,7 @@ constexpr std::size_t kFewestInCommon = 20;  // chosen, pixels of two surfaces
 const cv::Point2d kHalfPixel(0.5, 0.5);      // from centres at whole numbers to centres at +0.5
 
 double trimmedMean(std::vector<double>& values, double floor_mm) {
-  const double median = medianOf(values);
+  const double median = computeMedian(values);
   std::vector<double> off;
   off.reserve(values.size());
   for (const double value : values) off.push_back(std::abs(value - median));
@@ -78,8 +78,8 @@ double depthOf_mm(const Surface& surface) {
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
                                          const cv::Matx23d& similarity, double floor_mm) {
   cv::Mat valid = erodedBy(before.mask, 3) & before.measured;
-  valid = carryImage(valid, before.box, now.box, similarity, cv::INTER_NEAREST);
-  const cv::Mat depth = carryImage(before.depth, before.box, now.box, similarity, cv::INTER_LINEAR);
+  valid = warpImage(valid, before.box, now.box, similarity, cv::INTER_NEAREST);
+  const cv::Mat depth = warpImage(before.depth, before.box, now.box, similarity, cv::INTER_LINEAR);
   valid &= erodedBy(now.mask, 3) & now.measured;
   std::vector<double> differences;
   const int step = latticeStep(valid.size());
@@ -94,12 +94,12 @@ std::optional<double> depthDifference_mm(const Surface& before, const Surface& n
 }
 
 PoseTracker::PoseTracker(const PoseSettings& settings, const cv::Mat& gray, const Surface& first)
-    : settings_(settings), last_(shapeOf(first)), fresh_(first) {
+    : settings_(settings), last_(computeShape(first)), fresh_(first) {
   pose_.u_px = last_.centroid.x;
   pose_.v_px = last_.centroid.y;
   pose_.depth_mm = depthOf_mm(first);
   if (!settings_.rigid) return;
-  const BodyCentre centre = centreOf(first, settings_.camera);
+  const BodyCentre centre = computeCentre(first, settings_.camera);
   if (centre.position_mm.z() > 0) setPosition(centre.position_mm);
   remember(gray, first);
 }
@@ -138,7 +138,7 @@ void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
   if (shift.head<2>().norm() < kStill_px * per_px_mm && std::abs(shift.z()) < kStill_mm) {
     shift.setZero();
   } else if (trusted) {
-    const BodyCentre centre = centreOf(seen.surface, settings_.camera);
+    const BodyCentre centre = computeCentre(seen.surface, settings_.camera);
     if (centre.position_mm.z() > 0) {
       const Vec3 pull =
           (centre.sphere ? kSpherePull : kPull) * (centre.position_mm - before - shift);
@@ -165,11 +165,11 @@ cv::Vec3d PoseTracker::explained(const cv::Point2f& at_px, double depth_mm) cons
   return {moved.x(), moved.y(), to.z() - depth_mm};
 }
 
-PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
+PoseTracker::Shape PoseTracker::computeShape(const Surface& surface) const {
   Shape out;
   const cv::Moments moments = cv::moments(surface.mask, true);
   out.area_px = moments.m00;
-  out.centroid = centroidOf(moments, surface.box.tl()) + kHalfPixel;
+  out.centroid = computeCentroid(moments, surface.box.tl()) + kHalfPixel;
   const cv::Point end = surface.box.br();
   out.entire = surface.box.x > 0 && surface.box.y > 0 && end.x < settings_.picture.width &&
                end.y < settings_.picture.height;
@@ -179,7 +179,7 @@ PoseTracker::Shape PoseTracker::shapeOf(const Surface& surface) const {
 void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool trusted) {
   if (settings_.mode == MotionMode::kDepth) return;
   const cv::Point2d before(pose_.u_px, pose_.v_px);
-  cv::Point2d step = seen.flow.carry(before - kHalfPixel) + kHalfPixel - before;
+  cv::Point2d step = seen.flow.warp(before - kHalfPixel) + kHalfPixel - before;
   const bool follow_centroid =
       trusted && bothWays(settings_.mode) && (settings_.exact_masks || !seen.flow.reliable);
   if (follow_centroid) step = now.centroid - last_.centroid;
@@ -214,14 +214,14 @@ void PoseTracker::advanceInDepth(const Observation& seen, bool trusted) {
 }
 
 ObjectPose PoseTracker::advance(const Observation& seen) {
-  pose_.depth_seen = pose_.seen = pose_.sure = true;
+  pose_.depth_seen = pose_.seen = pose_.confident = true;
   aligned_ = false;
   // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
   if (settings_.mode == MotionMode::kNone || seen.at_rest) {
     step_ = last_step_ = {};
     return pose_;
   }
-  const Shape now = shapeOf(seen.surface);
+  const Shape now = computeShape(seen.surface);
   const double growth = now.area_px / std::max(1.0, last_.area_px);
   const bool trusted =
       now.entire && last_.entire && growth > 0.8 && growth < 1.25 && seen.visible_fraction > kWhole;
@@ -236,7 +236,7 @@ ObjectPose PoseTracker::advance(const Observation& seen) {
     advanceInDepth(seen, trusted);
     last_step_ = {};
     last_step_.shift_mm = position_mm() - before;
-    pose_.sure = !settings_.rigid;
+    pose_.confident = !settings_.rigid;
   }
   step_ = {};
   last_ = now;

@@ -60,7 +60,7 @@ class PoseTracker {
     double area_px = 0.0;
     bool entire = false;  // does not touch the picture's border
   };
-  [[nodiscard]] Shape shapeOf(const Surface& surface) const;
+  [[nodiscard]] Shape computeShape(const Surface& surface) const;
   [[nodiscard]] Vec3 position_mm() const;
   void setPosition(const Vec3& position_mm);
   void advanceRigidly(const Observation& seen, bool trusted);

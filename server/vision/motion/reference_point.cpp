@@ -38,11 +38,11 @@ struct Outline {
   Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();  // 1 on the ellipse of the same moments
 };
 
-Outline outlineOf(const Surface& surface) {
+Outline traceOutline(const Surface& surface) {
   const cv::Moments m = cv::moments(surface.mask, true);
   Outline out;
   if (m.m00 <= 0) return out;
-  const cv::Point2d centroid = centroidOf(m, surface.box.tl());
+  const cv::Point2d centroid = computeCentroid(m, surface.box.tl());
   out.u_px = centroid.x + 0.5;
   out.v_px = centroid.y + 0.5;
   out.radius_px = std::sqrt(m.m00 / CV_PI);
@@ -143,8 +143,8 @@ std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
 
 }  // namespace
 
-BodyCentre centreOf(const Surface& surface, const CameraModel& camera) {
-  const Outline outline = outlineOf(surface);
+BodyCentre computeCentre(const Surface& surface, const CameraModel& camera) {
+  const Outline outline = traceOutline(surface);
   const std::vector<Vector3d> points = innerPoints(surface, camera, outline.radius_px);
   if (points.size() < kFewestSurfacePoints) return {};
   std::vector<double> depths;

@@ -20,6 +20,6 @@ struct BodyCentre {
 /// fits outline and depths, or the outline's centroid as far behind the visible surface as its
 /// depth range tells (a flat thing: on it). `surface.depth` in mm; without any depth in it the
 /// position is 0.
-BodyCentre centreOf(const Surface& surface, const CameraModel& camera);
+BodyCentre computeCentre(const Surface& surface, const CameraModel& camera);
 
 }  // namespace hapticast::server

@@ -81,14 +81,14 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
         if (inside.at<uchar>(v, u) == 0) continue;
         const auto z = static_cast<double>(depth.at<float>(v, u));
         if (z <= 0) continue;
-        level.points.push_back({positionOf(u, v, z, factor), smooth_gray.at<float>(v, u)});
+        level.points.push_back({unproject(u, v, z, factor), smooth_gray.at<float>(v, u)});
       }
     }
   }
   levels_.push_back(std::move(level));
 }
 
-Vector3d RigidTemplate::positionOf(int u, int v, double depth_mm, int factor) const {
+Vector3d RigidTemplate::unproject(int u, int v, double depth_mm, int factor) const {
   return depth_mm * camera_.ray(box_.x + factor * (u + 0.5), box_.y + factor * (v + 0.5));
 }
 
@@ -120,7 +120,7 @@ void RigidTemplate::addOutline(const cv::Mat& inside, const cv::Mat& depth, int 
       const double deeper = depthAt(kDeeper_px);
       if (near_edge <= 0 || deeper <= 0) continue;
       const double at_edge = near_edge + kOnward * (near_edge - deeper);
-      outline_mm_.push_back(positionOf(edge.x, edge.y, at_edge, factor));
+      outline_mm_.push_back(unproject(edge.x, edge.y, at_edge, factor));
     }
   }
 }
@@ -152,7 +152,7 @@ RigidStep RigidTemplate::align(const FrameImages& images, const Vector3d& pivot_
   const DepthRange depths{depth_.near_mm + std::min(0.0, guess.shift_mm.z()),
                           depth_.far_mm + std::max(0.0, guess.shift_mm.z())};
   for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) {
-    const RigidRoi crop = cropOf(images, area, level->factor, depths);
+    const RigidRoi crop = cropRoi(images, area, level->factor, depths);
     if (crop.texels.empty() || level->points.size() < kFewestPoints / 2) continue;
     RigidFit fit(camera_, crop, level->points, pivot_mm, expected_turn_rad);
     if (!fit.improve(now)) return guess;
@@ -218,11 +218,12 @@ RigidStep RigidTemplate::find(const FrameImages& images, const Vector3d& pivot_m
     if (other.inliers > best.inliers) best = other;
   }
   best.reliable = best.inliers >= kFound;
-  best.similarity = similarityOf(pivot_mm, best);
+  best.similarity = computeSimilarity(pivot_mm, best);
   return best;
 }
 
-cv::Matx23d RigidTemplate::similarityOf(const Vector3d& pivot_mm, const RigidStep& step) const {
+cv::Matx23d RigidTemplate::computeSimilarity(const Vector3d& pivot_mm,
+                                             const RigidStep& step) const {
   // Least squares for (a, b, s, t) of u' = a u - b v + s, v' = b u + a v + t.
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();

@@ -43,15 +43,15 @@ class RigidTemplate {
   };
   void addLevel(const cv::Mat& gray, const Surface& surface, int factor);
   void addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor);
-  [[nodiscard]] Eigen::Vector3d positionOf(int u, int v, double depth_mm, int factor) const;
+  [[nodiscard]] Eigen::Vector3d unproject(int u, int v, double depth_mm, int factor) const;
   [[nodiscard]] RigidStep align(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                 const RigidStep& guess) const;
   /// A first guess by comparing the coarse picture place by place within about the object's size.
   [[nodiscard]] RigidStep searched(const FrameImages& images,
                                    const Eigen::Vector3d& pivot_mm) const;
   /// The similarity nearest to what the outline does in a step.
-  [[nodiscard]] cv::Matx23d similarityOf(const Eigen::Vector3d& pivot_mm,
-                                         const RigidStep& step) const;
+  [[nodiscard]] cv::Matx23d computeSimilarity(const Eigen::Vector3d& pivot_mm,
+                                              const RigidStep& step) const;
   [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
                                    const cv::Size& picture) const;
 

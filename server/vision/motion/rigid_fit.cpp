@@ -36,7 +36,7 @@ double tukey(double residual, double sigma) {
   return y * y / (sigma * sigma);
 }
 
-Matrix3d rotationOf(const Vector3d& turn_rad) {
+Matrix3d rotationMatrix(const Vector3d& turn_rad) {
   const double angle = turn_rad.norm();
   if (angle < 1e-12) return Matrix3d::Identity();
   return Eigen::AngleAxisd(angle, turn_rad / angle).toRotationMatrix();
@@ -165,7 +165,7 @@ bool RigidFit::improve(RigidStep& step) {
     if (!change.allFinite()) return false;
     const double depth_mm = std::max(1.0, pivot_mm_.z() + step.shift_mm.z());
     step.shift_mm += change.head<3>();
-    step.rotation = rotationOf(change.tail<3>()) * step.rotation;
+    step.rotation = rotationMatrix(change.tail<3>()) * step.rotation;
     const double moved_px = change.head<3>().norm() * camera_.fx_px / depth_mm;
     if (moved_px < kDone_px * crop_.factor) break;
   }

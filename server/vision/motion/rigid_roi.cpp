@@ -40,8 +40,8 @@ cv::Mat smoothedGray(const cv::Mat& gray, int factor) {
   return out;
 }
 
-RigidRoi cropOf(const FrameImages& images, const cv::Rect& area, int factor,
-                const DepthRange& depths) {
+RigidRoi cropRoi(const FrameImages& images, const cv::Rect& area, int factor,
+                 const DepthRange& depths) {
   RigidRoi out;
   out.origin = area.tl();
   out.factor = factor;

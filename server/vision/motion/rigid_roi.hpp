@@ -36,8 +36,8 @@ struct RigidRoi {
 
 /// `area` is cut to whole level pixels. Depths further than 80 mm from `depths` are not the
 /// object's and count as not known.
-RigidRoi cropOf(const FrameImages& images, const cv::Rect& area, int factor,
-                const DepthRange& depths);
+RigidRoi cropRoi(const FrameImages& images, const cv::Rect& area, int factor,
+                 const DepthRange& depths);
 
 /// `image` in 1/factor of its size each way; the size a multiple of `factor`.
 cv::Mat shrunk(const cv::Mat& image, int factor);

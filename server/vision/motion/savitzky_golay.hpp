@@ -17,7 +17,7 @@ struct Sample {
   double angle_rad = 0.0;
   bool depth_seen = true;  ///< false: position_mm.z() is no measurement
   bool seen = true;        ///< false: none of it is
-  bool sure = true;        ///< false: a jump to here may not be the object's
+  bool confident = true;   ///< false: a jump to here may not be the object's
   /// How far the background has moved where the object is, since some instant; zero unless the
   /// camera's pan is to be compensated.
   Vec3 background_mm = Vec3::Zero();

@@ -20,7 +20,7 @@ constexpr double kDepthFar_mm = 2500.0;
 constexpr int kEdge_px = 2;  // half the width of a closed edge
 
 // 1 where no edge runs: the picture falls apart into regions.
-cv::Mat regionsOf(const FrameImages& images) {
+cv::Mat labelRegions(const FrameImages& images) {
   cv::Mat smooth;
   cv::GaussianBlur(images.gray, smooth, {}, 1.2);
   cv::Mat color_edges;
@@ -46,11 +46,11 @@ class EdgeSegmenter final : public Segmenter {
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override {
     const FrameImages& images = frames.now;
     if (frames.cut) forgetScene();
-    const int count = cv::connectedComponents(regionsOf(images), labels_, 4, CV_32S);
+    const int count = cv::connectedComponents(labelRegions(images), labels_, 4, CV_32S);
     if (!started_) {
       start(images);
     } else {
-      for (Segment& segment : objects_) follow(segment, flows, count);
+      for (Segment& segment : objects_) update(segment, flows, count);
       shareOut();
       std::erase_if(objects_, [](const Segment& s) { return s.quality <= 0.0; });
       if (objects_.empty()) started_ = !points_.empty();
@@ -64,7 +64,7 @@ class EdgeSegmenter final : public Segmenter {
     started_ = started_ && !points_.empty();
   }
 
-  cv::Mat regionOf(int label) const {
+  cv::Mat selectRegion(int label) const {
     const cv::Mat mask = dilatedBy(labels_ == label, kEdge_px);
     return withoutHoles(mask, mask.rows * mask.cols / 4);
   }
@@ -73,13 +73,14 @@ class EdgeSegmenter final : public Segmenter {
     std::set<int> started;
     for (const Vec2& point : points_) {
       const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
-      if (label == 0) throwNothingAt(point, "only edges there");
+      if (label == 0) throwNoObject(point, "only edges there");
       if (!started.insert(label).second) continue;  // two points on one body name one object
-      objects_.push_back({next_id_++, regionOf(label), 1.0});
+      objects_.push_back({next_id_++, selectRegion(label), 1.0});
     }
     if (points_.empty()) {
       const cv::Mat compact = nearestCompact(images, labels_);
-      if (!compact.empty()) objects_.push_back({next_id_++, regionOf(labelUnder(compact)), 1.0});
+      if (!compact.empty())
+        objects_.push_back({next_id_++, selectRegion(labelUnder(compact)), 1.0});
     }
     shareOut();
     started_ = !objects_.empty();
@@ -118,11 +119,11 @@ class EdgeSegmenter final : public Segmenter {
   }
 
   // The region that shares most pixels with the carried mask.
-  void follow(Segment& segment, const Flows& flows, int count) {
+  void update(Segment& segment, const Flows& flows, int count) {
     cv::Mat carried = segment.mask;
     if (const auto flow = flows.find(segment.id); flow != flows.end()) {
       const cv::Rect whole({0, 0}, carried.size());
-      carried = carryImage(segment.mask, whole, whole, flow->second.similarity, cv::INTER_NEAREST);
+      carried = warpImage(segment.mask, whole, whole, flow->second.similarity, cv::INTER_NEAREST);
     }
     std::vector<int> shared(static_cast<std::size_t>(count), 0);
     for (int v = 0; v < carried.rows; ++v) {
@@ -134,7 +135,7 @@ class EdgeSegmenter final : public Segmenter {
     shared[0] = 0;
     const auto best = std::max_element(shared.begin(), shared.end());
     if (*best >= kSmallestObject_px) {
-      segment.mask = regionOf(static_cast<int>(best - shared.begin()));
+      segment.mask = selectRegion(static_cast<int>(best - shared.begin()));
       segment.quality = 1.0;
     } else {
       segment.mask = carried;

@@ -14,7 +14,7 @@ namespace {
 
 // Pixels of each value. Four counts side by side: neighbours are alike, and one counter would wait
 // for itself.
-std::array<int, 256> areasOf(const cv::Mat& mask) {
+std::array<int, 256> countLabelPixels(const cv::Mat& mask) {
   std::array<std::array<int, 256>, 4> counts{};
   for (int v = 0; v < mask.rows; ++v) {
     const auto* row = mask.ptr<unsigned char>(v);
@@ -38,7 +38,7 @@ class SourceSegmenter final : public Segmenter {
     if (images.mask.empty())
       throw SourceError("--segment source: the source brings no mask; use --segment auto");
     if (!points_.empty()) choose(images);
-    const std::array<int, 256> area = areasOf(images.mask);
+    const std::array<int, 256> area = countLabelPixels(images.mask);
     std::vector<Segment> segments;
     for (std::size_t n = 1; n < area.size(); ++n) {
       if (area[n] < kSmallestObject_px) {
@@ -57,9 +57,9 @@ class SourceSegmenter final : public Segmenter {
     for (const Vec2& point : points_) {
       const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
       const auto value = images.mask.at<unsigned char>(at);
-      if (value == 0) throwNothingAt(point, "the source's mask has no object there");
+      if (value == 0) throwNoObject(point, "the source's mask has no object there");
       if (cv::countNonZero((images.mask == double(value)) & (images.depth > 0)) == 0)
-        throwNothingAt(point, "no depth was measured on that object");
+        throwNoObject(point, "no depth was measured on that object");
       chosen_.insert(value);
     }
     points_.clear();
@@ -91,7 +91,7 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
   return std::make_unique<NarrowBandTracker>(settings, next_id, annotations);
 }
 
-void throwNothingAt(const Vec2& point_px, const std::string& why) {
+void throwNoObject(const Vec2& point_px, const std::string& why) {
   throw SourceError("--object " + std::to_string(static_cast<int>(point_px.x())) + "," +
                     std::to_string(static_cast<int>(point_px.y())) + ": " + why +
                     "; give a point well inside the object in the first frame");

@@ -48,6 +48,6 @@ std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
 
 /// Throws the SourceError of an object point with nothing under it; `why` says what is there
 /// instead.
-[[noreturn]] void throwNothingAt(const Vec2& point_px, const std::string& why);
+[[noreturn]] void throwNoObject(const Vec2& point_px, const std::string& why);
 
 }  // namespace hapticast::server

@@ -53,10 +53,10 @@ struct Sides {
   bool sharp = false;  // it is clean and jumps from one to the other
   double sigma = 0.0;  // of the object's depth
 
-  [[nodiscard]] double objectAt(int u, int v) const {
+  [[nodiscard]] double objectDepth(int u, int v) const {
     return double(object.at<float>(v / 2, u / 2));
   }
-  [[nodiscard]] double behindAt(int u, int v) const {
+  [[nodiscard]] double backgroundDepth(int u, int v) const {
     return double(behind.at<float>(v / 2, u / 2));
   }
 };
@@ -97,8 +97,8 @@ class Inwards {
 // Whether the depth at a place at the contour of a mask is its surface carried on: along the way
 // inwards it and the next pixel go on as those behind them do, be it steeply. A mixed pixel does
 // not.
-bool carriesOn(const cv::Mat& depth, const cv::Point& at, const cv::Point& inwards,
-               double tolerance_mm) {
+bool continuesBeyond(const cv::Mat& depth, const cv::Point& at, const cv::Point& inwards,
+                     double tolerance_mm) {
   const cv::Rect whole({0, 0}, depth.size());
   std::array<double, 4> z{};
   for (std::size_t i = 0; i < z.size(); ++i) {
@@ -125,17 +125,17 @@ bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
       if (ring.at<uchar>(v, u) == 0) continue;
       ++all;
       const auto z = double(depth.at<float>(v, u));
-      if (std::abs(z - sides.behindAt(u, v)) <= tolerance ||
-          std::abs(z - sides.objectAt(u, v)) <= tolerance)
+      if (std::abs(z - sides.backgroundDepth(u, v)) <= tolerance ||
+          std::abs(z - sides.objectDepth(u, v)) <= tolerance)
         continue;
-      between += carriesOn(depth, {u, v}, inwards.at(u, v), tolerance) ? 0 : 1;
+      between += continuesBeyond(depth, {u, v}, inwards.at(u, v), tolerance) ? 0 : 1;
     }
   }
   return between < kMixed * all;
 }
 
-Sides sidesOf(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
-              const DepthNoise& noise) {
+Sides findSides(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
+                const DepthNoise& noise) {
   const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
   if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
     return {};
@@ -149,8 +149,8 @@ Sides sidesOf(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_kno
 
 }  // namespace
 
-bool agree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-           const DepthNoise& noise) {
+bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
+                   const DepthNoise& noise) {
   const cv::Mat rim = known & (erodedBy(mask, 2) == 0);
   const double tolerance = 12 + 4 * noise.at(cv::mean(depth, known)[0]);
   const Inwards inwards(mask);
@@ -158,16 +158,16 @@ bool agree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       if (rim.at<uchar>(v, u) != 0)
-        strange += carriesOn(depth, {u, v}, inwards.at(u, v), tolerance) ? 0 : 1;
+        strange += continuesBeyond(depth, {u, v}, inwards.at(u, v), tolerance) ? 0 : 1;
     }
   }
   return strange < kStrange * cv::countNonZero(rim);
 }
 
-cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-              const DepthNoise& noise) {
+cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
+                         const DepthNoise& noise) {
   const cv::Mat core = erodedBy(mask, kRim_px);
-  const Sides sides = sidesOf(depth, mask, core & known, noise);
+  const Sides sides = findSides(depth, mask, core & known, noise);
   cv::Mat keep = known.clone();
   for (int v = 0; v < depth.rows; ++v) {
     const auto* is_known = known.ptr<unsigned char>(v);
@@ -178,11 +178,11 @@ cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
       // Where depth is clean, what a steep rim reads as noise is its bend.
       const double sigma = sides.sharp ? sides.sigma : noise.at(z);
       const bool rim = is_core[u] == 0;
-      const bool drop =
-          (rim && !sides.object.empty() &&
-           background(z, sides.objectAt(u, v), sides.behindAt(u, v), sigma, sides.sharp)) ||
-          (!(rim && sides.sharp) &&
-           lonely(depth, known, {u, v}, sigma, rim ? 2 : 3, !rim && sides.clean));
+      const bool drop = (rim && !sides.object.empty() &&
+                         background(z, sides.objectDepth(u, v), sides.backgroundDepth(u, v), sigma,
+                                    sides.sharp)) ||
+                        (!(rim && sides.sharp) &&
+                         lonely(depth, known, {u, v}, sigma, rim ? 2 : 3, !rim && sides.clean));
       if (drop) keep.at<unsigned char>(v, u) = 0;
     }
   }

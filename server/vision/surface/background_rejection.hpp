@@ -13,12 +13,12 @@ inline constexpr int kGateReach_px = 15;  ///< so far around a mask is looked
 
 /// Of the pixels `known` (measured, inside `mask`): those that are the object's. `depth` is working
 /// depth and reaches kGateReach_px beyond the mask.
-cv::Mat gated(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-              const DepthNoise& noise);
+cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
+                         const DepthNoise& noise);
 
 /// Whether mask and depth end at the same contour: hardly a pixel of the rim is not the surface
 /// carried on.
-bool agree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-           const DepthNoise& noise);
+bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
+                   const DepthNoise& noise);
 
 }  // namespace hapticast::server

@@ -55,7 +55,7 @@ cv::Mat fittedHeight(const cv::Mat& height, const Surface& surface, double mm_pe
 }
 
 // Heights inside the mask, cut to 0 .. top_mm; 0 outside.
-std::shared_ptr<const Relief> reliefFrom(const cv::Mat& height, const Surface& surface,
+std::shared_ptr<const Relief> makeRelief(const cv::Mat& height, const Surface& surface,
                                          float top_mm) {
   auto relief = std::make_shared<Relief>();
   relief->rect = {surface.box.x, surface.box.y, surface.box.width, surface.box.height};
@@ -95,21 +95,20 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
   const cv::Mat object = mask(wide);
   const cv::Mat near_depth = depth(wide);
   const cv::Mat known = object & (near_depth > 0);
-  const bool trusted = exact_mask && agree(near_depth, object, known, noise);
-  const cv::Mat measured = trusted ? known : gated(near_depth, object, known, noise);
+  const bool trusted = exact_mask && contoursAgree(near_depth, object, known, noise);
+  const cv::Mat measured = trusted ? known : foregroundPixels(near_depth, object, known, noise);
   out.depth = filled(near_depth, measured, object)(inner).clone();
   out.measured = measured(inner).clone();
   return out;
 }
 
-Surface carriedSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity) {
+Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity) {
   Surface out;
   out.box = boxAround(mask, 0);
   out.mask = mask(out.box).clone();
   out.measured =
-      carryImage(before.measured, before.box, out.box, similarity, cv::INTER_NEAREST) & out.mask;
-  const cv::Mat depth =
-      carryImage(before.depth, before.box, out.box, similarity, cv::INTER_NEAREST);
+      warpImage(before.measured, before.box, out.box, similarity, cv::INTER_NEAREST) & out.mask;
+  const cv::Mat depth = warpImage(before.depth, before.box, out.box, similarity, cv::INTER_NEAREST);
   out.depth = filled(depth, out.measured & (depth > 0), out.mask);
   out.quantum_mm = before.quantum_mm;
   return out;
@@ -128,13 +127,13 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
   cv::Mat height;
   surface.depth.convertTo(height, CV_32F, -gain, gain * range.far_mm);
   if (method == Method::kThesis)
-    return reliefFrom(thesisHeight(height, surface, workspace.depth_mm), surface, top_mm);
+    return makeRelief(thesisHeight(height, surface, workspace.depth_mm), surface, top_mm);
   height.setTo(0, surface.depth <= 0);
   // What lies far beyond the range, mostly not the object's, must not bend the fits beside it.
   height = cv::max(cv::min(height, workspace.depth_mm + kBeyondRange_mm), -kBeyondRange_mm);
-  if (!smooth) return reliefFrom(height, surface, top_mm);
+  if (!smooth) return makeRelief(height, surface, top_mm);
   const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());
-  return reliefFrom(fittedHeight(height, surface, gain, px_per_mm), surface, top_mm);
+  return makeRelief(fittedHeight(height, surface, gain, px_per_mm), surface, top_mm);
 }
 
 }  // namespace hapticast::server

@@ -41,7 +41,7 @@ Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& 
 
 /// The last surface carried into `mask` (0 / 255, size of the picture) by the object's motion in
 /// the picture: where this frame brings no depth of its own.
-Surface carriedSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity);
+Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity);
 
 /// Whether enough of `mask` has depth to make a surface of.
 bool hasDepth(const cv::Mat& depth, const cv::Mat& mask);

@@ -55,14 +55,14 @@ cv::Mat withoutSmallComponents(const Surface& surface, const cv::Mat& names) {
   return cv::countNonZero(seeds) > 0 ? grownLabels(surface, kMaxLayers, seeds) : names.clone();
 }
 
-Surface partOf(const Surface& surface, const cv::Mat& mask) {
+Surface cutPart(const Surface& surface, const cv::Mat& mask) {
   const cv::Rect box = cv::boundingRect(mask);
   if (box.empty()) return {};
   return {box + surface.box.tl(), mask(box).clone(), surface.depth(box).clone(),
           surface.measured(box) & mask(box), surface.quantum_mm};
 }
 
-int namesIn(const cv::Mat& names) {
+int countNames(const cv::Mat& names) {
   int count = 0;
   for (int name = 1; name <= kMaxLayers; ++name)
     count += cv::countNonZero(names == name) > 0 ? 1 : 0;
@@ -72,9 +72,9 @@ int namesIn(const cv::Mat& names) {
 }  // namespace
 
 // The last frame's image over its box, moved with the object.
-cv::Mat LayerCutter::carried(const cv::Mat& image, const Surface& surface) const {
+cv::Mat LayerCutter::warpedNames(const cv::Mat& image, const Surface& surface) const {
   const cv::Point2d moved =
-      centroidOf(cv::moments(surface.mask, true), surface.box.tl()) - last_centroid_px_;
+      computeCentroid(cv::moments(surface.mask, true), surface.box.tl()) - last_centroid_px_;
   const cv::Rect from = last_box_ + cv::Point(cvRound(moved.x), cvRound(moved.y));
   cv::Mat out = cv::Mat::zeros(surface.box.size(), CV_8UC1);
   const cv::Rect common = from & surface.box;
@@ -85,13 +85,13 @@ cv::Mat LayerCutter::carried(const cv::Mat& image, const Surface& surface) const
 
 // A pixel takes another name when three frames in a row say so, or where the edge between the two
 // moves on.
-cv::Mat LayerCutter::settled(const Surface& surface, const cv::Mat& now, const cv::Mat& before) {
-  cv::Mat doubts = carried(doubts_, surface);
+cv::Mat LayerCutter::isSettled(const Surface& surface, const cv::Mat& now, const cv::Mat& before) {
+  cv::Mat doubts = warpedNames(pending_changes_, surface);
   const cv::Mat differs = (now != before) & (before > 0);
   cv::add(doubts, 1, doubts, differs);
   doubts.setTo(0, ~differs);
   cv::Mat changes = (doubts >= kFramesToChange) | (before == 0);
-  if (namesIn(now) == namesIn(before)) {
+  if (countNames(now) == countNames(before)) {
     for (int name = 1; name <= kMaxLayers; ++name)
       changes |= differs & (now == name) & dilatedBy(before == name, kFollows_px);
   }
@@ -99,36 +99,37 @@ cv::Mat LayerCutter::settled(const Surface& surface, const cv::Mat& now, const c
   cv::Mat names = before.clone();
   now.copyTo(names, changes);
   doubts.setTo(0, changes);
-  doubts_ = doubts;
+  pending_changes_ = doubts;
   return withoutSmallComponents(surface, names);
 }
 
-cv::Mat LayerCutter::namesOf(const Surface& surface, double step_mm, const DepthRange& felt) {
+cv::Mat LayerCutter::assignNames(const Surface& surface, double step_mm, const DepthRange& felt) {
   Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0), felt);
   if (now.count < 2 && names_.empty()) {
-    doubts_.release();
+    pending_changes_.release();
     return {};
   }
   if (now.count < 2) now.labels = surface.mask / 255;
   if (count_ == 0) return now.labels;
-  const cv::Mat before = carried(names_.empty() ? last_mask_ / 255 : names_, surface);
+  const cv::Mat before = warpedNames(names_.empty() ? last_mask_ / 255 : names_, surface);
   if (cv::countNonZero(before) == 0) return now.count < 2 ? cv::Mat() : now.labels;
-  return settled(surface, named(now, before), before);
+  return isSettled(surface, named(now, before), before);
 }
 
 std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
                                       const DepthRange& felt) {
-  names_ = namesOf(surface, step_mm, felt);
-  count_ = names_.empty() ? 1 : namesIn(names_);
+  names_ = assignNames(surface, step_mm, felt);
+  count_ = names_.empty() ? 1 : countNames(names_);
   if (!names_.empty() && cv::countNonZero(names_ > 1) == 0) names_.release();
-  if (doubts_.size() != surface.box.size()) doubts_ = cv::Mat::zeros(surface.box.size(), CV_8UC1);
+  if (pending_changes_.size() != surface.box.size())
+    pending_changes_ = cv::Mat::zeros(surface.box.size(), CV_8UC1);
   last_mask_ = surface.mask;
   last_box_ = surface.box;
-  last_centroid_px_ = centroidOf(cv::moments(surface.mask, true), surface.box.tl());
+  last_centroid_px_ = computeCentroid(cv::moments(surface.mask, true), surface.box.tl());
   if (names_.empty()) return {surface};
   std::vector<Surface> out;
   out.reserve(kMaxLayers);
-  for (int name = 1; name <= kMaxLayers; ++name) out.push_back(partOf(surface, names_ == name));
+  for (int name = 1; name <= kMaxLayers; ++name) out.push_back(cutPart(surface, names_ == name));
   while (out.back().box.empty()) out.pop_back();
   return out;
 }

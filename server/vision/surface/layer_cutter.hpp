@@ -20,13 +20,14 @@ class LayerCutter {
                            const DepthRange& felt = kAllDepths);
 
  private:
-  [[nodiscard]] cv::Mat namesOf(const Surface& surface, double step_mm, const DepthRange& felt);
-  [[nodiscard]] cv::Mat settled(const Surface& surface, const cv::Mat& now, const cv::Mat& before);
-  [[nodiscard]] cv::Mat carried(const cv::Mat& image, const Surface& surface) const;
+  [[nodiscard]] cv::Mat assignNames(const Surface& surface, double step_mm, const DepthRange& felt);
+  [[nodiscard]] cv::Mat isSettled(const Surface& surface, const cv::Mat& now,
+                                  const cv::Mat& before);
+  [[nodiscard]] cv::Mat warpedNames(const cv::Mat& image, const Surface& surface) const;
 
-  cv::Mat names_;   // over the last box, CV_8UC1, 1 ..; empty with one
-  cv::Mat doubts_;  // likewise: frames in a row in which a pixel seemed to have another
-  int count_ = 0;   // of the names; 0: there was no frame yet
+  cv::Mat names_;            // over the last box, CV_8UC1, 1 ..; empty with one
+  cv::Mat pending_changes_;  // likewise: frames in a row in which a pixel seemed to have another
+  int count_ = 0;            // of the names; 0: there was no frame yet
   cv::Mat last_mask_;
   cv::Rect last_box_;
   cv::Point2d last_centroid_px_;

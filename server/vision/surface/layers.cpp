@@ -54,15 +54,15 @@ class NearestMeasured {
   // between the two that were measured.
   [[nodiscard]] double step_mm(const cv::Point& p, const cv::Point& q,
                                double slope_mm_per_px) const {
-    const cv::Point from = placeOf(p);
-    const cv::Point to = placeOf(q);
+    const cv::Point from = nearestMeasured(p);
+    const cv::Point to = nearestMeasured(q);
     const double gap_px = std::max(0.0, cv::norm(to - from) - 1.5);
     const auto off_mm = double(std::abs(depth_.at<float>(from) - depth_.at<float>(to)));
     return off_mm - slope_mm_per_px * gap_px;
   }
 
  private:
-  [[nodiscard]] cv::Point placeOf(const cv::Point& p) const {
+  [[nodiscard]] cv::Point nearestMeasured(const cv::Point& p) const {
     return places_[static_cast<std::size_t>(labels_.at<int>(p))];
   }
 
@@ -86,8 +86,8 @@ struct Borders {
   }
 };
 
-Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, double step_mm,
-                  const DepthRange& felt) {
+Borders findBorders(const Surface& surface, const cv::Mat& labels, int count, double step_mm,
+                    const DepthRange& felt) {
   Borders out;
   out.count = count;
   out.pixels.assign(static_cast<std::size_t>(count * count), 0);
@@ -113,7 +113,7 @@ Borders bordersOf(const Surface& surface, const cv::Mat& labels, int count, doub
 
 // The layer of each piece: one behind the farthest of those that it lies behind. Pieces without a
 // step to any other go with the one nearest in depth.
-std::vector<int> layersOf(const Borders& borders, const std::vector<double>& depths_mm) {
+std::vector<int> groupLayers(const Borders& borders, const std::vector<double>& depths_mm) {
   std::vector<int> order(depths_mm.size());
   std::iota(order.begin(), order.end(), 0);
   const auto depthOf = [&](int i) { return depths_mm[static_cast<std::size_t>(i)]; };
@@ -156,8 +156,9 @@ Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt
   const int pieces = largePieces(surface.mask & surface.measured & ~step, smallest_px, out.labels);
   if (pieces < 2) return {};
   out.labels = grownLabels(surface, pieces, out.labels);
-  const std::vector<int> layer = layersOf(bordersOf(surface, out.labels, pieces, step_mm, felt),
-                                          meanDepths(surface, out.labels, pieces));
+  const std::vector<int> layer =
+      groupLayers(findBorders(surface, out.labels, pieces, step_mm, felt),
+                  meanDepths(surface, out.labels, pieces));
   out.count = *std::max_element(layer.begin(), layer.end()) + 1;
   if (out.count < 2) return {};
   cv::Mat names = cv::Mat::zeros(1, 256, CV_8UC1);

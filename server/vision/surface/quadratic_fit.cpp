@@ -30,7 +30,7 @@ struct Kernels {
   int radius_px = 0;
 };
 
-Kernels kernelsOf(double sigma_px) {
+Kernels makeKernels(double sigma_px) {
   Kernels out;
   out.radius_px = static_cast<int>(std::ceil(2.5 * sigma_px));
   double sum = 0;
@@ -102,7 +102,7 @@ cv::Mat momentsAlongX(const cv::Mat& values, const cv::Mat& weight, const cv::Ma
 // All moments at one pixel: moments[j][i] is of x^i y^j of the mask, and of the values behind them.
 using Moments = std::array<AlongX, kOrders>;
 
-Moments momentsAt(const cv::Mat& along_x, const Kernels& kernels, int v, int u) {
+Moments computeMoments(const cv::Mat& along_x, const Kernels& kernels, int v, int u) {
   Moments out{};
   const int radius = kernels.radius_px;
   for (int k = -std::min(radius, v); k <= std::min(radius, along_x.rows - 1 - v); ++k) {
@@ -119,7 +119,7 @@ Moments momentsAt(const cv::Mat& along_x, const Kernels& kernels, int v, int u) 
 // needs. With the basis backwards the constant is the last unknown, so nothing has to be
 // substituted back. Measured: 143 ns a pixel; Eigen's llt() and ldlt() of the same matrix take 207
 // and 242 ns.
-double constantOf(const Moments& moments) {
+double fitConstant(const Moments& moments) {
   constexpr std::size_t n = kBasis.size();
   std::array<std::array<double, n>, n> lower;
   std::array<double, n> diagonal;
@@ -156,7 +156,7 @@ cv::Mat rimFit(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
     auto* to = out.ptr<float>(v);
     for (int u = 0; u < out.cols; ++u) {
       if (at_rim[u] == 0) continue;
-      const double value = constantOf(momentsAt(along_x, kernels, v, u));
+      const double value = fitConstant(computeMoments(along_x, kernels, v, u));
       to[u] = std::isfinite(value) ? static_cast<float>(value) : 0.0F;
     }
   }
@@ -164,9 +164,9 @@ cv::Mat rimFit(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
 }
 
 // `weight`: 0..1, how much of a pixel is known. At the pixels of `wanted` (0 / 255), also outside.
-cv::Mat fitAt(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wanted,
-              double sigma_px) {
-  const Kernels kernels = kernelsOf(sigma_px);
+cv::Mat fitAtPixels(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wanted,
+                    double sigma_px) {
+  const Kernels kernels = makeKernels(sigma_px);
   cv::Mat out = interiorFit(values, kernels);
   cv::Mat window_inside;
   const int size = 2 * kernels.radius_px + 1;
@@ -210,7 +210,8 @@ cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double si
                          int factor) {
   const cv::Mat small_weight = blockMeans(weight, factor);
   const cv::Mat wanted = dilatedBy(small_weight > 0, 2);  // cubic interpolation reads as far
-  const cv::Mat out = fitAt(blockMeans(values, factor), small_weight, wanted, sigma_px / factor);
+  const cv::Mat out =
+      fitAtPixels(blockMeans(values, factor), small_weight, wanted, sigma_px / factor);
   return fromBlocks(out, factor, values.size());
 }
 
@@ -233,7 +234,7 @@ cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px
   const Centred in(values, mask);
   const int factor = std::min(4, static_cast<int>(sigma_px / kFewestSigma_px));
   return in.mean + (factor > 1 ? fitInFewerPixels(in.values, in.weight, sigma_px, factor)
-                               : fitAt(in.values, in.weight, mask, sigma_px));
+                               : fitAtPixels(in.values, in.weight, mask, sigma_px));
 }
 
 cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
@@ -243,7 +244,8 @@ cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
   // What a block's part inside the mask would tell does not lie at the block's centre.
   const cv::Mat whole = blockMeans(in.weight, factor) > 0.999;
   const Centred blocks(blockMeans(in.values, factor), whole);
-  const cv::Mat wide = blocks.mean + fitAt(blocks.values, blocks.weight, whole, sigma_px / factor);
+  const cv::Mat wide =
+      blocks.mean + fitAtPixels(blocks.values, blocks.weight, whole, sigma_px / factor);
   cv::Mat change = wide - blockMeans(height - in.mean, factor);
   change.setTo(0, whole == 0);
   cv::Mat off;

@@ -30,7 +30,7 @@ constexpr double kLeastSteps = 16;   // chosen: a thing in 8 bits of a whole roo
 constexpr double kLeastSigmas8 = 20;
 constexpr double kWide = 2.5;  // chosen, times the usual depth of an object
 
-cv::Mat coreOf(const Surface& surface) {
+cv::Mat extractCore(const Surface& surface) {
   cv::Mat framed;
   cv::copyMakeBorder(surface.mask, framed, kMixedRim_px, kMixedRim_px, kMixedRim_px, kMixedRim_px,
                      cv::BORDER_CONSTANT, cv::Scalar(0));
@@ -38,7 +38,7 @@ cv::Mat coreOf(const Surface& surface) {
   return erodedBy(framed, kMixedRim_px)(inner) & surface.measured;
 }
 
-std::vector<float> depthsIn(const Surface& surface, const cv::Mat& where) {
+std::vector<float> collectDepths(const Surface& surface, const cv::Mat& where) {
   std::vector<float> out;
   out.reserve(where.total());
   for (int v = 0; v < where.rows; ++v) {
@@ -61,8 +61,8 @@ double quantile(std::vector<Value>& values, double share) {
 }  // namespace
 
 void RangeFinder::add(std::uint32_t object, const Surface& surface, const DepthNoise& noise) {
-  std::vector<float> depths = depthsIn(surface, coreOf(surface));
-  if (depths.size() < kFewest) depths = depthsIn(surface, surface.measured);
+  std::vector<float> depths = collectDepths(surface, extractCore(surface));
+  if (depths.size() < kFewest) depths = collectDepths(surface, surface.measured);
   if (depths.empty()) return;
   Voice voice{quantile(depths, kFront), quantile(depths, 0.5), quantile(depths, kBack)};
   voice.half_mm = std::max(voice.middle_mm - quantile(depths, kOuter),
@@ -82,7 +82,7 @@ double RangeFinder::reach_mm(const std::vector<Voice>& voices) const {
   std::vector<double> halves_mm;
   halves_mm.reserve(voices.size());
   for (const Voice& voice : voices) halves_mm.push_back(voice.half_mm);
-  return kUsualReach * medianOf(halves_mm) + slack_mm_;
+  return kUsualReach * computeMedian(halves_mm) + slack_mm_;
 }
 
 std::optional<MappedRange> RangeFinder::range(double margin) const {
@@ -105,7 +105,7 @@ std::optional<MappedRange> RangeFinder::range(double margin) const {
   const double middle = 0.5 * (near + far);
   MappedRange out;
   out.range = {middle - 0.5 * span, middle + 0.5 * span};
-  out.usual_mm = medianOf(spans_mm);
+  out.usual_mm = computeMedian(spans_mm);
   out.wide = bulk_mm >= least_mm_ && bulk_mm > kWide * out.usual_mm;
   return out;
 }

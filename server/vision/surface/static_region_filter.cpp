@@ -35,7 +35,7 @@ cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, 
 
 }  // namespace
 
-StaticNoise restNoiseOf(const DepthNoise& noise, const Surface& surface) {
+StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface) {
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
   StaticNoise out{noise.at(depth_mm)};
   // What is left of a flicker trembles like a sensor, however clean a single frame is.
@@ -55,7 +55,7 @@ void StaticRegionFilter::moveTo(const cv::Rect& area) {
   area_ = area;
 }
 
-HoldImages StaticRegionFilter::imagesIn(const cv::Mat& gray, const Surface& now) const {
+HoldImages StaticRegionFilter::makeTileImages(const cv::Mat& gray, const Surface& now) const {
   HoldImages out;
   cv::boxFilter(gray(area_), out.gray, CV_32F, {3, 3});
   out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
@@ -68,7 +68,7 @@ void StaticRegionFilter::countPixels() {
   pixels_.clear();
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column)
-      pixels_.push_back(cv::countNonZero(held_.mask(tiles_.rectOf(column, row))));
+      pixels_.push_back(cv::countNonZero(held_.mask(tiles_.tileRect(column, row))));
   }
 }
 
@@ -77,7 +77,7 @@ double StaticRegionFilter::weightAround(int column, int row) const {
   double weight = 0.0;
   for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
     for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u) {
-      if (pixelsIn(u, v) > 0) weight = std::max(weight, tiles_.tileAt(u, v).weight);
+      if (countTilePixels(u, v) > 0) weight = std::max(weight, tiles_.tile(u, v).weight);
     }
   }
   return weight;
@@ -90,9 +90,9 @@ cv::Mat StaticRegionFilter::weights() const {
   double highest = 0.0;
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const double weight = pixelsIn(column, row) == 0 ? weightAround(column, row)
-                                                       : tiles_.tileAt(column, row).weight;
-      out(tiles_.rectOf(column, row)).setTo(weight);
+      const double weight = countTilePixels(column, row) == 0 ? weightAround(column, row)
+                                                              : tiles_.tile(column, row).weight;
+      out(tiles_.tileRect(column, row)).setTo(weight);
       lowest = std::min(lowest, weight);
       highest = std::max(highest, weight);
     }
@@ -104,9 +104,9 @@ cv::Mat StaticRegionFilter::weights() const {
 void StaticRegionFilter::keepReference(const HoldImages& now) {
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const int frames = tiles_.tileAt(column, row).frames;
+      const int frames = tiles_.tile(column, row).frames;
       if (frames > Tile::kColorFrames) continue;
-      const cv::Rect rect = tiles_.rectOf(column, row);
+      const cv::Rect rect = tiles_.tileRect(column, row);
       cv::Mat reference = held_.gray(rect);
       cv::addWeighted(reference, 1 - 1.0 / frames, now.gray(rect), 1.0 / frames, 0, reference);
     }
@@ -116,7 +116,7 @@ void StaticRegionFilter::keepReference(const HoldImages& now) {
 
 void StaticRegionFilter::blend(const HoldImages& now) {
   const auto takesPart = [&](int column, int row) {
-    const Tile& tile = tiles_.tileAt(column, row);
+    const Tile& tile = tiles_.tile(column, row);
     return !tile.mask_held || tile.weight > 0.0;
   };
   std::vector<cv::Rect> changing;  // with the tiles beside them, whose borders are soft
@@ -127,13 +127,13 @@ void StaticRegionFilter::blend(const HoldImages& now) {
         for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u)
           any = any || takesPart(u, v);
       }
-      if (any) changing.push_back(tiles_.rectOf(column, row));
+      if (any) changing.push_back(tiles_.tileRect(column, row));
     }
   }
   if (changing.empty()) return;
   const cv::Mat weight = weights();
   for (const cv::Rect& rect : changing) {
-    const Tile& tile = tiles_.tileAt(rect.x / Tile::kSize_px, rect.y / Tile::kSize_px);
+    const Tile& tile = tiles_.tile(rect.x / Tile::kSize_px, rect.y / Tile::kSize_px);
     blendTile(rect, tile.mask_held, weight, now);
   }
 }
@@ -169,9 +169,9 @@ void StaticRegionFilter::countShare() {
   int all = 0;
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const int pixels = pixelsIn(column, row);
+      const int pixels = countTilePixels(column, row);
       all += pixels;
-      const Tile& tile = tiles_.tileAt(column, row);
+      const Tile& tile = tiles_.tile(column, row);
       if (tile.mask_held && tile.weight <= 0.0) still += pixels;
     }
   }
@@ -189,7 +189,7 @@ Surface StaticRegionFilter::apply(const cv::Mat& gray, const Surface& now, const
   cv::Rect box = now.box;
   if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
   moveTo(tilesAround(box, gray.size()));
-  HoldImages seen = imagesIn(gray, now);
+  HoldImages seen = makeTileImages(gray, now);
   countPixels();
   seen.gray = tiles_.judge(held_, last_gray_, seen, noise, repeated);
   blend(seen);
@@ -206,7 +206,7 @@ StaticRegionFilter StaticRegionFilter::copy() const {
   return out;
 }
 
-bool StaticRegionFilter::stays(const FrameImages& images, const StaticNoise& noise) {
+bool StaticRegionFilter::isUnchanged(const FrameImages& images, const StaticNoise& noise) {
   if (share_ < 1.0) return false;
   // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
   // released and looked at in full.

@@ -14,7 +14,7 @@
 namespace hapticast::server {
 
 /// What the depth of `surface` reads while it is at rest.
-StaticNoise restNoiseOf(const DepthNoise& noise, const Surface& surface);
+StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface);
 
 class StaticRegionFilter {
  public:
@@ -25,7 +25,7 @@ class StaticRegionFilter {
 
   /// Whether a frame shows the object as it is held, all of it at rest: then the frame is counted
   /// as apply() would have. Else nothing is changed.
-  bool stays(const FrameImages& images, const StaticNoise& noise);
+  bool isUnchanged(const FrameImages& images, const StaticNoise& noise);
 
   /// The part of the object, 0..1, that lies in tiles at rest, unchanged by this frame. 1: the
   /// surface equals the last frame's bit by bit.
@@ -36,9 +36,9 @@ class StaticRegionFilter {
  private:
   [[nodiscard]] StaticRegionFilter copy() const;
   void moveTo(const cv::Rect& area);
-  [[nodiscard]] HoldImages imagesIn(const cv::Mat& gray, const Surface& now) const;
+  [[nodiscard]] HoldImages makeTileImages(const cv::Mat& gray, const Surface& now) const;
   void countPixels();
-  [[nodiscard]] int pixelsIn(int column, int row) const {
+  [[nodiscard]] int countTilePixels(int column, int row) const {
     return pixels_[static_cast<std::size_t>(row * tiles_.columns() + column)];
   }
   [[nodiscard]] cv::Mat weights() const;

@@ -33,7 +33,7 @@ constexpr double kEnough = 12;
 constexpr double kEnoughUntextured = 6;
 constexpr double kEnoughOfAll = 4;  // of all tiles alike
 
-double evidenceOf(double off_mm, double limit_mm) {
+double computeEvidence(double off_mm, double limit_mm) {
   const double share = std::abs(off_mm) / limit_mm;
   return share > 1 ? std::min(share * share, kMostEvidence) : 0.0;
 }
@@ -55,7 +55,7 @@ struct StaticTiles::Reading {
   double depth_off_mm = 0;  // over core_measured, but for the farthest off
 };
 
-cv::Rect StaticTiles::rectOf(int column, int row) const {
+cv::Rect StaticTiles::tileRect(int column, int row) const {
   const cv::Rect tile(column * Tile::kSize_px, row * Tile::kSize_px, Tile::kSize_px,
                       Tile::kSize_px);
   return tile & cv::Rect(cv::Point(), box_.size());
@@ -73,7 +73,7 @@ void StaticTiles::moveTo(const cv::Rect& box) {
       const int from_column = column + right;
       const int from_row = row + down;
       if (from_column < 0 || from_column >= columns_ || from_row < 0 || from_row >= rows_) continue;
-      tiles[static_cast<std::size_t>(row * columns + column)] = tileAt(from_column, from_row);
+      tiles[static_cast<std::size_t>(row * columns + column)] = tile(from_column, from_row);
     }
   }
   box_ = box;
@@ -83,12 +83,12 @@ void StaticTiles::moveTo(const cv::Rect& box) {
 }
 
 // Exposure and mains flicker change all tiles alike: the median of their gains is divided out.
-double StaticTiles::gainOf(const HoldImages& held, const HoldImages& now) const {
+double StaticTiles::estimateGain(const HoldImages& held, const HoldImages& now) const {
   std::vector<double> gains;
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
-      if (tileAt(column, row).frames == 0) continue;
-      const cv::Rect rect = rectOf(column, row);
+      if (tile(column, row).frames == 0) continue;
+      const cv::Rect rect = tileRect(column, row);
       float before = 0;
       float after = 0;
       for (int v = rect.y; v < rect.br().y; v += kGainStep_px) {
@@ -100,15 +100,15 @@ double StaticTiles::gainOf(const HoldImages& held, const HoldImages& now) const 
       if (before > 0) gains.push_back(double(after / before));
     }
   }
-  return gains.size() < kFewestForGain ? 1.0 : std::clamp(medianOf(gains), 0.5, 2.0);
+  return gains.size() < kFewestForGain ? 1.0 : std::clamp(computeMedian(gains), 0.5, 2.0);
 }
 
 StaticTiles::Reading StaticTiles::readTile(int column, int row, const HoldImages& held,
                                            const cv::Mat& last_gray, const HoldImages& now,
                                            const cv::Mat& core) const {
   Reading out;
-  out.known = tileAt(column, row).frames > 0;
-  const cv::Rect rect = rectOf(column, row);
+  out.known = tile(column, row).frames > 0;
+  const cv::Rect rect = tileRect(column, row);
   out.pixels = cv::countNonZero(held.mask(rect));
   if (!out.known) return out;
   const bool whole = out.pixels < kFewestPixels;
@@ -164,7 +164,7 @@ void StaticTiles::readSurface(const cv::Rect& rect, const HoldImages& held, cons
   out.depth_off_mm = middleMean(offs);
 }
 
-void StaticTiles::learnNoise(const std::vector<Reading>& readings, double sigma_mm) {
+void StaticTiles::updateNoise(const std::vector<Reading>& readings, double sigma_mm) {
   std::vector<double> changes;
   std::vector<double> offs;
   for (const Reading& reading : readings) {
@@ -181,7 +181,7 @@ void StaticTiles::learnNoise(const std::vector<Reading>& readings, double sigma_
   const double largest_mm = std::max(0.3, sigma_mm);
   depth_noise_mm_ = depth_noise_mm_ < 0 ? largest_mm : depth_noise_mm_ * kForget;
   if (offs.size() >= kFewestTiles) {
-    const double median = medianOf(offs);
+    const double median = computeMedian(offs);
     for (double& off : offs) off = std::abs(off - median);
     depth_noise_mm_ = std::min(depth_noise_mm_, sigmaByMedian(offs));
   }
@@ -197,7 +197,7 @@ Cause StaticTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bo
   if (2 * reading.core_lost > reading.core) outline = kMostEvidence;
   double depth = 0.0;
   if (!repeated && reading.core_measured >= kFewestCore)
-    depth = evidenceOf(reading.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
+    depth = computeEvidence(reading.depth_off_mm, 5 * depth_noise_mm_ + drift_mm);
   const double evidence = std::min(outline + depth, kMostEvidence);
   if (evidence > 0 || !repeated) tile.evidence = evidence > 0 ? tile.evidence + evidence : 0.0;
   if (tile.evidence < (reading.texture < kTexture ? kEnoughUntextured : kEnough))
@@ -213,7 +213,9 @@ bool StaticTiles::allMoved(const std::vector<Reading>& readings, double drift_mm
     if (reading.core_measured >= kFewestCore) offs.push_back(reading.depth_off_mm);
   }
   const double evidence =
-      offs.size() < kFewestTiles ? 0.0 : evidenceOf(medianOf(offs), 2 * depth_noise_mm_ + drift_mm);
+      offs.size() < kFewestTiles
+          ? 0.0
+          : computeEvidence(computeMedian(offs), 2 * depth_noise_mm_ + drift_mm);
   evidence_of_all_ = evidence > 0 ? evidence_of_all_ + evidence : 0.0;
   return evidence_of_all_ >= kEnoughOfAll;
 }
@@ -268,7 +270,7 @@ void StaticTiles::release(const std::vector<Reading>& readings, double drift_mm,
 
 cv::Mat StaticTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
                            const StaticNoise& noise, bool repeated) {
-  const cv::Mat gray = seen.gray / gainOf(held, seen);
+  const cv::Mat gray = seen.gray / estimateGain(held, seen);
   const HoldImages now{gray, seen.depth, seen.mask, seen.measured};
   const cv::Mat core = erodedBy(held.mask, kCore_px);
   std::vector<Reading> readings;
@@ -277,7 +279,7 @@ cv::Mat StaticTiles::judge(const HoldImages& held, const cv::Mat& last_gray, con
     for (int column = 0; column < columns_; ++column)
       readings.push_back(readTile(column, row, held, last_gray, now, core));
   }
-  learnNoise(readings, noise.sigma_mm);
+  updateNoise(readings, noise.sigma_mm);
   release(readings, noise.drift_mm, repeated);
   weigh(readings, repeated);
   for (Tile& tile : tiles_) {

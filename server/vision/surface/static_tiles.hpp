@@ -61,7 +61,7 @@ class StaticTiles {
   cv::Mat judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& now,
                 const StaticNoise& noise, bool repeated);
 
-  [[nodiscard]] const Tile& tileAt(int column, int row) const {
+  [[nodiscard]] const Tile& tile(int column, int row) const {
     return tiles_[static_cast<std::size_t>(row * columns_ + column)];
   }
   [[nodiscard]] int columns() const { return columns_; }
@@ -69,17 +69,17 @@ class StaticTiles {
   /// Why most of what was released in this frame was; kNone: nothing of the object was.
   [[nodiscard]] Cause cause() const { return cause_; }
   /// Pixels of a tile within the box.
-  [[nodiscard]] cv::Rect rectOf(int column, int row) const;
+  [[nodiscard]] cv::Rect tileRect(int column, int row) const;
 
  private:
   struct Reading;
-  [[nodiscard]] double gainOf(const HoldImages& held, const HoldImages& now) const;
+  [[nodiscard]] double estimateGain(const HoldImages& held, const HoldImages& now) const;
   [[nodiscard]] Reading readTile(int column, int row, const HoldImages& held,
                                  const cv::Mat& last_gray, const HoldImages& now,
                                  const cv::Mat& core) const;
   static void readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
                           const cv::Mat& core, Reading& out);
-  void learnNoise(const std::vector<Reading>& readings, double sigma_mm);
+  void updateNoise(const std::vector<Reading>& readings, double sigma_mm);
   [[nodiscard]] Cause moved(Tile& tile, const Reading& reading, double drift_mm,
                             bool repeated) const;
   void release(const std::vector<Reading>& readings, double drift_mm, bool repeated);

@@ -82,7 +82,7 @@ std::optional<Envelope> natsEnvelope(std::span<const std::uint8_t> bytes) {
   return Envelope{head, std::stoul(std::string(line.substr(line.rfind(' ') + 1))), kEnd.size()};
 }
 
-std::span<const std::uint8_t> bytesOf(std::string_view text) {
+std::span<const std::uint8_t> countBytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
@@ -95,9 +95,9 @@ void readLine(int socket, std::string_view begin) {
 
 void greetNats(int socket, bool subscribe) {
   readLine(socket, "INFO");
-  sendAll(socket, bytesOf("CONNECT {\"verbose\":false,\"pedantic\":false}\r\nPING\r\n"));
+  sendAll(socket, countBytes("CONNECT {\"verbose\":false,\"pedantic\":false}\r\nPING\r\n"));
   readLine(socket, "PONG");
-  if (subscribe) sendAll(socket, bytesOf("SUB " + std::string(kTopic) + " 1\r\n"));
+  if (subscribe) sendAll(socket, countBytes("SUB " + std::string(kTopic) + " 1\r\n"));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ namespace hapticast::testing {
 namespace {
 
 /// A relief of about so many bytes on the wire; nobody here decodes it.
-std::shared_ptr<const CodedRelief> reliefOf(std::size_t bytes) {
+std::shared_ptr<const CodedRelief> makeRelief(std::size_t bytes) {
   CodedRelief relief{{0, 0, 640, 480}, {}, 0};
   for (std::size_t left = bytes; left > 0; left -= relief.slices.back().size())
     relief.slices.emplace_back(std::min(left, kMostSliceBytes),
@@ -151,11 +151,11 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
     server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
     server::DatagramSigner signer;
     server::DatagramSender sender(io, clock, listener.endpoint(), signer);
-    broadcaster.carryDatagrams(sender);
+    broadcaster.enableUdp(sender);
     listener.start();
     const std::jthread network([&io] { io.run(); });
     tell(listener.address().port);
-    const auto relief = reliefOf(frames.bytes);
+    const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
       const MediaTime now = media.now();
       const CodedFrame frame = frameWith(id, now, relief);
@@ -174,7 +174,7 @@ ServerProcess::Serve bareLoop(const Frames& frames, const Switch& playing) {
     require(::listen(listener.socket, SOMAXCONN) == 0, "cannot listen");
     tell(listener.port);
     const std::vector<int> sockets = acceptAll(listener.socket, frames.viewers);
-    const auto relief = reliefOf(frames.bytes);
+    const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
       const auto bytes = framed(encode(frameWith(id, steadyNow(), relief)));
       for (const int socket : sockets) sendAll(socket, bytes);
@@ -196,7 +196,7 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
               "no viewer");
     }
     server::DatagramSigner signer;
-    const auto relief = reliefOf(frames.bytes);
+    const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
       const server::SignedDatagrams bodies = signer.sign(frameWith(id, steadyNow(), relief));
       for (const auto& body : *bodies) {
@@ -248,7 +248,7 @@ ServerProcess::Serve publisher(Transport way, std::uint16_t port, const Frames& 
     }
     greet(way, socket, false);
     tell(port);
-    const auto relief = reliefOf(frames.bytes);
+    const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
       sendAll(socket, published(way, encode(frameWith(id, steadyNow(), relief))));
     });

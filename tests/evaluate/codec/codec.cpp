@@ -152,7 +152,7 @@ Stream sliced(const Stream& stream, const SliceSettings& settings) {
   return out;
 }
 
-std::string nameOf(const SliceSettings& settings) {
+std::string formatName(const SliceSettings& settings) {
   const SliceSettings plain;
   const std::string coarse = "/16 coarse";
   return mm(settings.error_mm) + (settings.coarse_sixteenths == plain.coarse_sixteenths
@@ -186,7 +186,7 @@ void measureForce(const Options& options, Report& report) {
     for (const SliceSettings& settings : forceSettings(options.quick)) {
       const double added = error(sliced(stream, settings)) - without;
       const bool is_default = settings == SliceSettings{};
-      report.add({touched.scene.name, "added_force", nameOf(settings), added, "points", 0.0,
+      report.add({touched.scene.name, "added_force", formatName(settings), added, "points", 0.0,
                   is_default, false});
       if (is_default) worst = std::max(worst, added);
     }

@@ -161,7 +161,7 @@ const RealObject kObjects[] = {{"visp_rbt_desk", "dragon", {505, 330}, true},
                                {"dkvfx_typing_person", "person", {125, 260}, false}};
 
 // Near and far of what is inside, but for a hundredth at either end.
-server::DepthRange rangeOf(const cv::Mat& depth, const cv::Mat& mask) {
+server::DepthRange sceneRange(const cv::Mat& depth, const cv::Mat& mask) {
   std::vector<float> values;
   values.reserve(static_cast<std::size_t>(cv::countNonZero(mask)));
   for (int v = 0; v < depth.rows; ++v) {
@@ -178,7 +178,7 @@ server::DepthRange rangeOf(const cv::Mat& depth, const cv::Mat& mask) {
 }
 
 // The heights of a mask's depth, as the server smooths them or as they are.
-Relief reliefOf(const cv::Mat& depth, const cv::Mat& mask, bool raw) {
+Relief makeRelief(const cv::Mat& depth, const cv::Mat& mask, bool raw) {
   Workspace workspace;
   workspace.width_px = depth.cols;
   workspace.height_px = depth.rows;
@@ -186,7 +186,7 @@ Relief reliefOf(const cv::Mat& depth, const cv::Mat& mask, bool raw) {
   const server::Surface surface =
       raw ? server::rawSurface(depth, mask, noise)
           : server::cleanSurface(depth, mask, noise, Method::kHapticast);
-  return *server::makeRelief(surface, rangeOf(depth, mask), workspace, Method::kHapticast, !raw);
+  return *server::makeRelief(surface, sceneRange(depth, mask), workspace, Method::kHapticast, !raw);
 }
 
 // What a whole clip shows: all that has depth (`region` empty), or what of a rectangle has.
@@ -202,7 +202,7 @@ CodecShape whole(const std::string& name, const std::filesystem::path& clip, con
       mask &= inside;
     }
     if (!raw) cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8UC1));
-    if (frame->index % 6 == 0) out.frames.push_back(reliefOf(frame->depth, mask, raw));
+    if (frame->index % 6 == 0) out.frames.push_back(makeRelief(frame->depth, mask, raw));
     if (out.frames.size() == count) break;
   }
   return out;
@@ -216,7 +216,7 @@ Relief rawOf(const Relief& relief, const cv::Mat& depth) {
   cv::Mat(inside != 0)
       .copyTo(mask(cv::Rect(relief.rect.u, relief.rect.v, relief.rect.width, relief.rect.height)));
   mask &= depth > 0.0F;
-  return reliefOf(depth, mask, true);
+  return makeRelief(depth, mask, true);
 }
 
 std::vector<CodecShape> realObject(const RealObject& object, std::size_t count) {

@@ -41,7 +41,8 @@ void drawRealClip(const Options& options, Report& report) {
           const Tick& tick) {
         if (scene.object_count == 0) return;
         Vec3 at = scene.objects[0].position_mm;
-        const auto under = client::surfaceAt(scene.objects[0], at.head<2>(), stream.workspace);
+        const auto under =
+            client::evaluateSurface(scene.objects[0], at.head<2>(), stream.workspace);
         at.z() =
             under.sample.height_mm - 1.0 + 12.0 * std::max(0.0, 1.0 - (tick.time_s - 0.4) / 0.2);
         path[std::llround(tick.time_s * 1e3)] = at;

@@ -41,7 +41,7 @@ double rmsOf(const std::vector<double>& values) {
 }
 
 double median(std::vector<double> values) {
-  return values.empty() ? -1.0 : server::medianOf(values);
+  return values.empty() ? -1.0 : server::computeMedian(values);
 }
 
 class Judge {

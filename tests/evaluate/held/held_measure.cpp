@@ -18,7 +18,7 @@ constexpr double kWorthAWord = 0.02;  // of the object's area: nobody corrects l
 constexpr double kShown = 0.25;       // of the object is seen where its mask is drawn
 constexpr double kFromEdge_px = 3.0;  // nobody clicks on the very edge
 
-const char* nameOf(DepthSense sense) {
+const char* formatName(DepthSense sense) {
   switch (sense) {
     case DepthSense::kExact:
       return "exact";
@@ -73,7 +73,7 @@ Starts clickAround(const Recording& recording, double clicks) {
       ++out.clicks;
       const auto mask = startOf(recording, {{{{u + 0.5, v + 0.5}}}, {}, {}});
       if (!mask) ++out.refused;
-      const double iou = mask ? server::overlapOf(*mask, truth) : 0.0;
+      const double iou = mask ? server::computeOverlap(*mask, truth) : 0.0;
       if (iou > kGoodStart) ++out.good;
       if (iou < kBadStart) ++out.bad;
     }
@@ -117,8 +117,9 @@ std::size_t worstFrame(const Recording& recording, const Run& run) {
   double worst = 2.0;
   for (std::size_t i = 0; i < run.masks.size(); ++i) {
     if (recording.truth[i].visibleShare() < kShown) continue;
-    const double iou =
-        run.masks[i].empty() ? 0.0 : server::overlapOf(run.masks[i], recording.truth[i].mask());
+    const double iou = run.masks[i].empty()
+                           ? 0.0
+                           : server::computeOverlap(run.masks[i], recording.truth[i].mask());
     if (iou >= worst) continue;
     worst = iou;
     out = i;
@@ -132,7 +133,7 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, double c
   const Recording recording = record(scene, {640, 480});
   Result out;
   out.name = scene.name;
-  out.sensor = nameOf(scene.sensing.kind);
+  out.sensor = formatName(scene.sensing.kind);
   out.held_at_start = scene.held_at_start;
   const Words click{{{*innermost(recording.truth[0].mask())}}, {}, {}};
   const Run run = watch(recording, click);

@@ -50,7 +50,7 @@ void scoreMasks(const Recording& recording, const Run& run, Scores& out) {
     if (truth.visibleShare() < kSeenEnough) continue;
     const cv::Mat own = truth.mask();
     ++out.frames;
-    const double iou = run.masks[i].empty() ? 0.0 : server::overlapOf(run.masks[i], own);
+    const double iou = run.masks[i].empty() ? 0.0 : server::computeOverlap(run.masks[i], own);
     out.mean_iou += iou;
     out.worst_iou = std::min(out.worst_iou, iou);
     if (iou < kLostBelow) ++out.lost;

@@ -8,7 +8,7 @@ namespace hapticast::evaluate::held {
 
 namespace {
 
-server::CameraModel cameraOf(const Scene& scene, const cv::Size& size) {
+server::CameraModel selectCamera(const Scene& scene, const cv::Size& size) {
   const double focal_px = scene.focal_share * size.width;
   return {focal_px, focal_px, 0.5 * size.width, 0.5 * size.height};
 }
@@ -35,7 +35,7 @@ Pose between(const Pose& a, const Pose& b, double share) {
   return {from.slerp(share, to).toRotationMatrix(), a.at_mm + share * (b.at_mm - a.at_mm)};
 }
 
-server::SourceInfo infoOf(const Scene& scene, const cv::Size& size, double fps) {
+server::SourceInfo describeSource(const Scene& scene, const cv::Size& size, double fps) {
   server::SourceInfo info;
   info.name = scene.name;
   info.width_px = size.width;
@@ -48,7 +48,7 @@ server::SourceInfo infoOf(const Scene& scene, const cv::Size& size, double fps) 
   const bool measured = scene.sensing.kind == DepthSense::kStructured ||
                         scene.sensing.kind == DepthSense::kFlight ||
                         scene.sensing.kind == DepthSense::kExact;
-  if (measured) info.camera = cameraOf(scene, size);
+  if (measured) info.camera = selectCamera(scene, size);
   return info;
 }
 
@@ -70,8 +70,8 @@ Thing handOf(const HandScript& script, const Scene& scene, double t) {
 
 Film::Film(const Scene& scene, const cv::Size& size, double fps)
     : scene_(scene),
-      info_(infoOf(scene, size, fps)),
-      renderer_(cameraOf(scene, size), size, scene.light),
+      info_(describeSource(scene, size, fps)),
+      renderer_(selectCamera(scene, size), size, scene.light),
       room_(renderer_.empty()),
       room_shadows_(scene.light, scene.middle_mm) {
   for (const Thing& thing : scene_.room) {

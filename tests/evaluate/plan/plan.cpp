@@ -43,7 +43,7 @@ Run run(const Clip& clip, bool everything) {
     const double start_us = threadTime_us();
     auto result = vision.push(clip.frames[i], mediaTime(double(i) / clip.info.fps));
     std::size_t bytes = 0;
-    if (result) bytes = encoder.encode(result->frame).lean->size();
+    if (result) bytes = encoder.encode(result->frame).delta->size();
     if (i >= settled) {
       out.time_us += threadTime_us() - start_us;
       out.bytes += double(bytes);

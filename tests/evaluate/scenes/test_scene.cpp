@@ -21,7 +21,7 @@ constexpr double kTilt_rad = 35.0 * CV_PI / 180.0;
 constexpr double kTableDistance_mm = 1000.0;
 constexpr double kWall_mm = 1250.0;
 
-server::SceneView viewOf(const TestScene& scene, int width_px, int height_px) {
+server::SceneView makeView(const TestScene& scene, int width_px, int height_px) {
   server::SceneView view;
   view.workspace.width_px = width_px;
   view.workspace.height_px = height_px;
@@ -84,7 +84,7 @@ TestSource::TestSource(TestScene scene, Sensor sensor, double fps, bool give_mas
       sensor_(sensor),
       give_mask_(give_mask),
       seed_(seed),
-      view_(viewOf(scene_, width_px, height_px)) {
+      view_(makeView(scene_, width_px, height_px)) {
   info_.name = scene_.name;
   info_.width_px = width_px;
   info_.height_px = height_px;

@@ -11,7 +11,7 @@ namespace hapticast::evaluate {
 
 namespace {
 
-std::string namesOf(std::uint32_t interferences) {
+std::string listNames(std::uint32_t interferences) {
   std::string all;
   for (std::size_t i = 0; i < client::kInterferenceNames.size(); ++i) {
     if (((interferences >> i) & 1U) == 0) continue;
@@ -78,7 +78,7 @@ void stabilityCases(const StabilityReport& to) {
   for (const ExtremeCase& c : all) {
     const CaseOutcome& o = c.chain;
     lines.push_back({c.name, numbers(c.naive), numbers(o), text("%g", o.excess_N),
-                     text("%.2f, %.2f", o.peak_N, o.end_N), namesOf(o.interferences)});
+                     text("%.2f, %.2f", o.peak_N, o.end_N), listNames(o.interferences)});
     std::string name = c.name;
     std::replace(name.begin(), name.end(), ',', ';');
     to.report.add({name, "extreme_energy", "naive", c.naive.energy_mJ, "mJ"});

@@ -29,7 +29,7 @@ void runAll(std::vector<ChainCell>& cells, bool quick) {
     told.count_mm = c.count_mm;
     PlantProfile real = told;
     real.delay_ticks = c.real;
-    Rig rig(told, real, c.hand->hand);
+    ChainFixture rig(told, real, c.hand->hand);
     rig.damping_Ns_m = c.damping_Ns_m;
     c.result = battery(rig, c.hand->hand, quick);
     c.excess_N = rig.max_excess_N;

@@ -24,9 +24,9 @@ struct Seen {
 
 /// A light hand rests 2 mm in a wall of K 1; then `event` acts for `ticks`.
 Seen watch(const SafetyLinks& links, double target_mm, int ticks,
-           const std::function<void(Rig&, int)>& event) {
+           const std::function<void(ChainFixture&, int)>& event) {
   const PlantProfile profile = omni(1.0, 1, 0.05);
-  Rig rig(profile, profile, Hand::light(), links);
+  ChainFixture rig(profile, profile, Hand::light(), links);
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   rig.run(300);
   for (int i = 0; i < 1600; ++i) {
@@ -51,8 +51,9 @@ Seen watch(const SafetyLinks& links, double target_mm, int ticks,
 }
 
 double counts(const SafetyLinks& links, double stiffness_N_mm, int told, int real, const Hand& hand,
-              const std::function<void(Rig&)>& change = {}) {
-  Rig rig(batteryProfile(stiffness_N_mm, told), batteryProfile(stiffness_N_mm, real), hand, links);
+              const std::function<void(ChainFixture&)>& change = {}) {
+  ChainFixture rig(batteryProfile(stiffness_N_mm, told), batteryProfile(stiffness_N_mm, real), hand,
+                   links);
   if (change) change(rig);
   return battery(rig, hand, true).counts(0.055);
 }
@@ -87,7 +88,7 @@ void withAndWithout(const StabilityReport& to) {
   line("latency watch", "5 N/mm told d 1, really 3, light grip: residual", "counts", with, without,
        with < without);
 
-  const auto rise = [](Rig& rig, int i) {
+  const auto rise = [](ChainFixture& rig, int i) {
     rig.wall_velocity_mm_s = i < 40 ? 750.0 : 0.0;
     if (i < 40) rig.wall_mm += 0.75;
   };
@@ -95,21 +96,23 @@ void withAndWithout(const StabilityReport& to) {
   without = watch({.tank = false}, -5.0, 1000, rise).speed_mm_s;
   line("tank", "surface rises 30 mm in 40 ms: hand thrown at", "mm/s", with, without,
        with < without);
-  const auto press = [](Rig& rig, int) { rig.device.setTarget({0.0, 0.0, -30.0}); };
+  const auto press = [](ChainFixture& rig, int) { rig.device.setTarget({0.0, 0.0, -30.0}); };
   with = watch({}, -5.0, 60'000, press).rms_N;
   without = watch({.thermal = false}, -5.0, 60'000, press).rms_N;
   line("thermal budget", "pressed hard for 60 s: force rms", "N", with, without,
        with < 1.1 && without > 3.0);
-  const auto gain = [](Rig& rig, int i) { rig.stiffness_N_mm = i / 100 % 2 == 0 ? 3.0 : 0.5; };
+  const auto gain = [](ChainFixture& rig, int i) {
+    rig.stiffness_N_mm = i / 100 % 2 == 0 ? 3.0 : 0.5;
+  };
   with = watch({}, -5.0, 1000, gain).excess_N;
   without = watch({.slew = false}, -5.0, 1000, gain).excess_N;
   line("slew", "the stream's stiffness changes under the hand: unexplained step", "N", with,
        without, with == 0.0 && without > 0.2);
-  const auto stall = [](Rig& rig, int i) { rig.touchable = i < 100 || i > 600; };
+  const auto stall = [](ChainFixture& rig, int i) { rig.touchable = i < 100 || i > 600; };
   with = watch({.slew = false}, -5.0, 1000, stall).step_N;
   without = watch({.slew = false, .fade = false}, -5.0, 1000, stall).step_N;
   line("fade", "a stall of 0.5 s, slew limit off: step", "N", with, without, with < without);
-  const auto appear = [](Rig& rig, int i) {
+  const auto appear = [](ChainFixture& rig, int i) {
     if (i == 100) rig.wall_mm = 35.0;
   };
   with = watch({}, 5.0, 1000, appear).speed_mm_s;
@@ -124,10 +127,10 @@ void withAndWithout(const StabilityReport& to) {
 /// The chain's force put through something that looks like a remedy.
 struct Remedy {
   const char* name;
-  std::function<void(Rig&)> put;
+  std::function<void(ChainFixture&)> put;
 };
 
-void plainSlew(Rig& rig, double step_N) {
+void plainSlew(ChainFixture& rig, double step_N) {
   rig.law = [&rig, step_N](const SafetyInput& in) {
     const Vec3 last_N = rig.out.force_N;
     SafetyOutput out = rig.chain.step(in);
@@ -137,7 +140,7 @@ void plainSlew(Rig& rig, double step_N) {
   };
 }
 
-void lowPass(Rig& rig, double cut_Hz) {
+void lowPass(ChainFixture& rig, double cut_Hz) {
   const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * cut_Hz * 1e-3);
   rig.law = [&rig, share](const SafetyInput& in) {
     const Vec3 last_N = rig.out.force_N;
@@ -148,7 +151,7 @@ void lowPass(Rig& rig, double cut_Hz) {
 }
 
 /// Halves the stiffness at each reversal of the velocity, lets it recover within a second.
-void adaptation(Rig& rig) {
+void adaptation(ChainFixture& rig) {
   rig.law = [&rig, gain = 1.0, last_mm_s = 0.0](const SafetyInput& in) mutable {
     const double v_mm_s = in.velocity_mm_s.z();
     if (in.contact && v_mm_s * last_mm_s < 0.0 && std::abs(v_mm_s - last_mm_s) > 10.0) gain *= 0.5;
@@ -162,15 +165,17 @@ void adaptation(Rig& rig) {
 
 void remedies(const StabilityReport& to) {
   const std::vector<Remedy> all = {
-      {"the chain", [](Rig&) {}},
-      {"plain slew limit 0.2 N/ms", [](Rig& rig) { plainSlew(rig, 0.2); }},
-      {"plain slew limit 0.5 N/ms", [](Rig& rig) { plainSlew(rig, 0.5); }},
-      {"plain slew limit 1 N/ms", [](Rig& rig) { plainSlew(rig, 1.0); }},
-      {"force low-pass 100 Hz", [](Rig& rig) { lowPass(rig, 100.0); }},
-      {"force low-pass 30 Hz", [](Rig& rig) { lowPass(rig, 30.0); }},
+      {"the chain", [](ChainFixture&) {}},
+      {"plain slew limit 0.2 N/ms", [](ChainFixture& rig) { plainSlew(rig, 0.2); }},
+      {"plain slew limit 0.5 N/ms", [](ChainFixture& rig) { plainSlew(rig, 0.5); }},
+      {"plain slew limit 1 N/ms", [](ChainFixture& rig) { plainSlew(rig, 1.0); }},
+      {"force low-pass 100 Hz", [](ChainFixture& rig) { lowPass(rig, 100.0); }},
+      {"force low-pass 30 Hz", [](ChainFixture& rig) { lowPass(rig, 30.0); }},
       {"stiffness adaptation", adaptation},
-      {"B = 5 for every K", [](Rig& rig) { rig.by_counts = true, rig.law = bareLaw(5.0, 8.0); }},
-      {"spring alone", [](Rig& rig) { rig.by_counts = true, rig.law = bareLaw(0.0, 8.0); }}};
+      {"B = 5 for every K",
+       [](ChainFixture& rig) { rig.by_counts = true, rig.law = bareLaw(5.0, 8.0); }},
+      {"spring alone",
+       [](ChainFixture& rig) { rig.by_counts = true, rig.law = bareLaw(0.0, 8.0); }}};
   struct Cell {
     const Remedy* remedy;
     double stiffness_N_mm;
@@ -186,7 +191,7 @@ void remedies(const StabilityReport& to) {
   onAllCores(cells.size(), [&](std::size_t i) {
     Cell& c = cells[i];
     const PlantProfile profile = batteryProfile(c.stiffness_N_mm, 1);
-    Rig rig(profile, profile, c.hand->hand);
+    ChainFixture rig(profile, profile, c.hand->hand);
     c.remedy->put(rig);
     c.result = battery(rig, c.hand->hand, to.options.quick);
   });

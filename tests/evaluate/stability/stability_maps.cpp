@@ -59,7 +59,7 @@ void run(MapCell& c) {
   DeviceProfile told = profile;  // a filter needs some count; without them a fine one
   told.count_mm = c.count_mm > 0.0 ? c.count_mm : 0.001;
   profile.count_mm = c.count_mm;
-  Rig rig(told, profile, c.hand->hand);
+  ChainFixture rig(told, profile, c.hand->hand);
   rig.by_counts = true;
   rig.law = bareLaw(c.damping_Ns_m, profile.peak_N);
   const BatteryResult result = battery(rig, c.hand->hand, true);

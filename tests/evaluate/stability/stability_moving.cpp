@@ -6,7 +6,7 @@
 #include <random>
 
 #include "tests/evaluate/stability/stability_parts.hpp"
-#include "tests/support/silence.hpp"
+#include "tests/support/vibration.hpp"
 
 namespace hapticast::evaluate {
 
@@ -44,7 +44,7 @@ double wayOf(int way, double t, double stretch_mm) {
 /// The force against K times the true depth, and what of the difference lies above 50 Hz.
 void feel(Moving& c) {
   const PlantProfile profile = batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N);
-  Rig rig(profile, profile, c.hand->hand);
+  ChainFixture rig(profile, profile, c.hand->hand);
   const double stretch_mm = 1e3 / c.hand->hand.stiffness_N_m + 1.0 / c.stiffness_N_mm;
   rig.device.reset({0.0, 0.0, 3.0}, Vec3::Zero());
   Above50Hz filter;
@@ -105,7 +105,7 @@ struct Swing {
 
 Swing swingOf(const PlantProfile& told, const PlantProfile& real, const Hand& hand, double push_N,
               double speed_mm_s, bool watched) {
-  Rig rig(told, real, hand, {.latency_watch = watched});
+  ChainFixture rig(told, real, hand, {.latency_watch = watched});
   const bool free = hand.stiffness_N_m == 0.0;
   const double stretch_mm =
       push_N * ((free ? 0.0 : 1e3 / hand.stiffness_N_m) + 1.0 / rig.renderedStiffness_N_mm());
@@ -173,7 +173,7 @@ void slowDevices(const StabilityReport& to) {
 /// wall.
 void firstTouch(const StabilityReport& to) {
   double worst_N = 0.0;
-  const auto touch = [&](Rig& rig) {
+  const auto touch = [&](ChainFixture& rig) {
     const Vec3 before_N = rig.out.force_N;
     const Vec3 before_mm = rig.device.truePosition_mm();
     rig.step();
@@ -185,7 +185,7 @@ void firstTouch(const StabilityReport& to) {
     for (const int d : {0, 1, 2, 3, 5}) {
       for (int sub = 0; sub < 10; ++sub) {
         const PlantProfile profile = batteryProfile(stiffnessLimit_N_mm(omni(1.0, d)), d);
-        Rig rig(profile, profile, Hand::none());
+        ChainFixture rig(profile, profile, Hand::none());
         rig.damping_Ns_m = damping_Ns_m;
         rig.wall_mm = 0.033 * sub;
         rig.device.reset({0.0, 0.0, 20.0}, Vec3::Zero());

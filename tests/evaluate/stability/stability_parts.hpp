@@ -10,7 +10,7 @@
 #include "tests/evaluate/all_cores.hpp"
 #include "tests/evaluate/gnuplot.hpp"
 #include "tests/evaluate/report.hpp"
-#include "tests/support/battery.hpp"
+#include "tests/support/plant_sweep.hpp"
 
 namespace hapticast::evaluate {
 

@@ -16,7 +16,7 @@ using namespace client;
 struct Plane {
   std::string name;
   double target_mm;  ///< where the hand wants to be before: -5: 2 mm deep, 5: above
-  std::function<void(Rig&, int)> event;
+  std::function<void(ChainFixture&, int)> event;
   std::function<Duration(int)> period = [](int) { return Duration(1'000'000); };
   double stiffness_N_mm = 1.0;
   const char* device = "omni";
@@ -25,7 +25,7 @@ struct Plane {
 CaseOutcome happens(const Plane& what, bool naive) {
   PlantProfile profile = loadDeviceProfile(what.device);
   profile.stiffness_N_mm = what.stiffness_N_mm;
-  Rig rig(profile, profile, Hand::light());
+  ChainFixture rig(profile, profile, Hand::light());
   rig.by_counts = naive;
   if (naive) rig.law = bareLaw(0.0, profile.peak_N);
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
@@ -55,7 +55,7 @@ CaseOutcome happens(const Plane& what, bool naive) {
   return out;
 }
 
-void moveWall(Rig& rig, int i, int ticks, double speed_mm_s) {
+void moveWall(ChainFixture& rig, int i, int ticks, double speed_mm_s) {
   rig.wall_velocity_mm_s = i < ticks ? speed_mm_s : 0.0;
   if (i < ticks) rig.wall_mm += speed_mm_s * 1e-3;
 }
@@ -67,68 +67,69 @@ std::function<Duration(int)> late(int ms) {
 std::vector<Plane> surfaces() {
   return {
       {"surface appears 30 mm above the tip", 5.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          if (i == 0) rig.wall_mm = 35.0;
        }},
       {"30 mm rise within one frame of 40 ms", -5.0,
-       [](Rig& rig, int i) { moveWall(rig, i, 40, 750.0); }},
-      {"the same, Falcon", -5.0, [](Rig& rig, int i) { moveWall(rig, i, 40, 750.0); }, late(1), 1.0,
-       "falcon"},
+       [](ChainFixture& rig, int i) { moveWall(rig, i, 40, 750.0); }},
+      {"the same, Falcon", -5.0, [](ChainFixture& rig, int i) { moveWall(rig, i, 40, 750.0); },
+       late(1), 1.0, "falcon"},
       {"object arrives at 0.9 m/s", 5.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          if (i == 0) rig.wall_mm = -20.0;
          moveWall(rig, i, 33, 900.0);
        }},
       {"stall of 0.5 s, then +20 mm", -5.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          rig.touchable = i >= 500;
          if (i == 500) rig.wall_mm += 20.0;
        }},
       {"clock jump: surface +15 mm", -5.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          if (i == 0) rig.wall_mm += 15.0;
        }},
       {"clock jump: surface -15 mm", -5.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          if (i == 0) rig.wall_mm -= 15.0;
        }},
-      {"NaN heights for 5 ticks", -5.0, [](Rig& rig, int i) { rig.nan_heights = i < 5; }},
-      {"an epoch every 20 ms", -5.0, [](Rig& rig, int i) { rig.epoch_jump = i % 20 == 0; }},
+      {"NaN heights for 5 ticks", -5.0, [](ChainFixture& rig, int i) { rig.nan_heights = i < 5; }},
+      {"an epoch every 20 ms", -5.0,
+       [](ChainFixture& rig, int i) { rig.epoch_jump = i % 20 == 0; }},
   };
 }
 
 std::vector<Plane> forces() {
-  const auto pulse = [](Rig& rig, int i) {
+  const auto pulse = [](ChainFixture& rig, int i) {
     rig.dynamic_N.z() = i < 15 ? 3.0 * std::sin(M_PI * (i + 0.5) / 15.0) : 0.0;
   };
   return {
       {"impact 3 N, 15 ms, light press", -5.0, pulse},
       {"the same while saturated", -30.0, pulse},
-      {"K = 0", -5.0, [](Rig& rig, int) { rig.stiffness_N_mm = 0.0; }},
-      {"K = 20 N/mm", -2.0, [](Rig&, int) {}, late(1), 20.0},
+      {"K = 0", -5.0, [](ChainFixture& rig, int) { rig.stiffness_N_mm = 0.0; }},
+      {"K = 20 N/mm", -2.0, [](ChainFixture&, int) {}, late(1), 20.0},
       {"K denormal, then 1e300", -5.0,
-       [](Rig& rig, int i) { rig.stiffness_N_mm = i / 200 % 2 == 0 ? 5e-324 : 1e300; }},
+       [](ChainFixture& rig, int i) { rig.stiffness_N_mm = i / 200 % 2 == 0 ? 5e-324 : 1e300; }},
       {"K NaN for 0.2 s", -5.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          rig.stiffness_N_mm = i < 200 ? std::numeric_limits<double>::quiet_NaN() : 1.0;
        }},
-      {"author's damping 1e300", -5.0, [](Rig& rig, int) { rig.damping_Ns_m = 1e300; }},
+      {"author's damping 1e300", -5.0, [](ChainFixture& rig, int) { rig.damping_Ns_m = 1e300; }},
   };
 }
 
 std::vector<Plane> hands() {
   return {
       {"tip at 2 m/s into the wall", 20.0,
-       [](Rig& rig, int i) {
+       [](ChainFixture& rig, int i) {
          if (i == 0) rig.device.reset({0.0, 0.0, 15.0}, {0.0, 0.0, -2000.0});
          rig.device.setTarget({0.0, 0.0, -5.0});
        }},
-      {"NaN positions for 5 ticks", -5.0, [](Rig& rig, int i) { rig.blind = i < 5; }},
-      {"late tick of 10 ms", -5.0, [](Rig&, int) {}, late(10)},
-      {"late tick of 200 ms", -5.0, [](Rig&, int) {}, late(200)},
+      {"NaN positions for 5 ticks", -5.0, [](ChainFixture& rig, int i) { rig.blind = i < 5; }},
+      {"late tick of 10 ms", -5.0, [](ChainFixture&, int) {}, late(10)},
+      {"late tick of 200 ms", -5.0, [](ChainFixture&, int) {}, late(200)},
       {"late tick of 200 ms, surface at 50 mm/s", -5.0,
-       [](Rig& rig, int i) { moveWall(rig, i, 300, 50.0); }, late(200)},
-      {"device lost", -5.0, [](Rig& rig, int i) { rig.lost = i >= 10; }},
+       [](ChainFixture& rig, int i) { moveWall(rig, i, 300, 50.0); }, late(200)},
+      {"device lost", -5.0, [](ChainFixture& rig, int i) { rig.lost = i >= 10; }},
   };
 }
 

@@ -90,7 +90,7 @@ Touch proxy() {
   const auto state = std::make_shared<client::ProxySurface>();
   return [=](const SceneInterpolator&, const Scene& scene, const Vec3& hip_mm,
              const Workspace& workspace) {
-    return state->touch(scene, hip_mm, workspace, deepest_mm);
+    return state->computeContact(scene, hip_mm, workspace, deepest_mm);
   };
 }
 
@@ -116,7 +116,7 @@ Touch memoryless(const Sampler& sampler,
 }
 
 Touch perturbed(double texture_K_mm) {
-  return memoryless(client::surfaceAt, [=](double depth_mm, const SurfaceSample& sample) {
+  return memoryless(client::evaluateSurface, [=](double depth_mm, const SurfaceSample& sample) {
     return client::perturbedDisplacement(depth_mm, std::max(0.0, sample.height_mm), sample.gradient,
                                          texture_K_mm, Workspace{}.depth_mm);
   });
@@ -128,7 +128,7 @@ client::SurfacePoint splineAt(const client::InterpolatedObject& object, const Ve
   client::SurfacePoint point;
   if (object.before->field == nullptr || object.before->field->empty()) return point;
   client::MovingRelief relief;
-  relief.follow(object, workspace);
+  relief.update(object, workspace);
   const Eigen::Rotation2Dd turn(object.angle_rad);
   const Vec2 q_mm = turn.inverse() * (nominal_mm - object.position_mm.head<2>());
   const client::BlendedHeight height = relief.now(relief.heights(q_mm));

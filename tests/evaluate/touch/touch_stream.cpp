@@ -59,7 +59,7 @@ Stream play(server::RgbdSource& source, const server::VisionSettings& settings, 
   const auto take = [&](server::VisionResult& result) {
     look(result.frame, vision.description().workspace);
     out.frames.push_back(
-        {toSeconds(result.frame.media_time), encoder.encode(result.frame, slices).lean});
+        {toSeconds(result.frame.media_time), encoder.encode(result.frame, slices).delta});
   };
   while (auto frame = source.read()) {
     if (frame->clip_time_s > longest_s) break;

@@ -48,7 +48,7 @@ double changeOf(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& la
   const server::ObjectFlow flow = server::trackObject(last_gray, gray, last_mask, {0, 0});
   const cv::Rect whole({0, 0}, mask.size());
   const cv::Mat carried =
-      server::carryImage(last_mask, whole, whole, flow.similarity, cv::INTER_LINEAR) > 127;
+      server::warpImage(last_mask, whole, whole, flow.similarity, cv::INTER_LINEAR) > 127;
   return double(cv::countNonZero(carried ^ mask)) / std::max(1, cv::countNonZero(mask));
 }
 

@@ -49,7 +49,7 @@ class Stages {
   // The object's mask in the next frame; empty: none.
   cv::Mat next(const server::RgbdFrame& frame, StageTimes& times) {
     StageClock clock;
-    const FramePair frames = frames_.takeIn(frame, frame.clip_time_s);
+    const FramePair frames = frames_.push(frame, frame.clip_time_s);
     clock.end(times.view);
     const server::Flows flows = follow(frames);
     clock.end(times.track);

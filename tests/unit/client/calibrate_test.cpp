@@ -12,7 +12,7 @@
 namespace hapticast::client {
 namespace {
 
-std::string textOf(const std::string& file) {
+std::string toText(const std::string& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
@@ -22,10 +22,10 @@ TEST(Calibrate, TheGainTakesItsPlaceInTheConfigFile) {
   const TempFolder folder;
   const std::string file = folder.write("a.cfg", "rearm = true\nfalcon-gain=9\nquiet = true");
   storeGain(file, 2999.6);
-  EXPECT_EQ(textOf(file), "rearm = true\nfalcon-gain = 3000\nquiet = true\n");
+  EXPECT_EQ(toText(file), "rearm = true\nfalcon-gain = 3000\nquiet = true\n");
   const std::string fresh = folder.write("b.cfg", "quiet = true\n");
   storeGain(fresh, 4100.0);
-  EXPECT_EQ(textOf(fresh), "quiet = true\nfalcon-gain = 4100\n");
+  EXPECT_EQ(toText(fresh), "quiet = true\nfalcon-gain = 4100\n");
   EXPECT_THROW(storeGain("/nowhere/c.cfg", 1.0), std::runtime_error);
 }
 

@@ -11,20 +11,20 @@ TEST(DeviceButtons, AreHeardOncePerPress) {
   profile.pause_button = 2;
   profile.rearm_button = 0;
   DeviceButtons buttons(profile);
-  EXPECT_TRUE(buttons.take(0b0100).pause);
-  EXPECT_FALSE(buttons.take(0b0100).pause) << "it is held";
-  const DeviceButtons::ButtonActions both = buttons.take(0b0101);
+  EXPECT_TRUE(buttons.onButtons(0b0100).pause);
+  EXPECT_FALSE(buttons.onButtons(0b0100).pause) << "it is held";
+  const DeviceButtons::ButtonActions both = buttons.onButtons(0b0101);
   EXPECT_TRUE(both.rearm && !both.pause && !both.other);
-  (void)buttons.take(0);
-  EXPECT_TRUE(buttons.take(0b0100).pause);
-  EXPECT_EQ(buttons.take(0b1100).other, 3);
+  (void)buttons.onButtons(0);
+  EXPECT_TRUE(buttons.onButtons(0b0100).pause);
+  EXPECT_EQ(buttons.onButtons(0b1100).other, 3);
 }
 
 TEST(DeviceButtons, WithoutAMeaningNothingIsSaid) {
   DeviceProfile dead_man;
   dead_man.enable_button = 1;
   DeviceButtons buttons(dead_man);
-  const DeviceButtons::ButtonActions wish = buttons.take(0b1111);
+  const DeviceButtons::ButtonActions wish = buttons.onButtons(0b1111);
   EXPECT_FALSE(wish.pause || wish.rearm || wish.other);
 }
 

@@ -38,7 +38,7 @@ struct PilotRig {
   void tick(const std::optional<FalconReply>& heard) {
     now += kTickPeriod;
     request = pilot.request(force_N, now);
-    if (heard) pilot.take(*heard, now);
+    if (heard) pilot.onReply(*heard, now);
     state = pilot.state();
   }
   void run(int ticks) {

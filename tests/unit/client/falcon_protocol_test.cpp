@@ -20,12 +20,12 @@ std::string text(const FalconFrame& frame) { return {frame.begin(), frame.end()}
 std::vector<FalconReply> parsed(FalconParser& parser, const std::vector<std::uint8_t>& bytes) {
   std::vector<FalconReply> replies;
   for (const std::uint8_t byte : bytes) {
-    if (const auto reply = parser.take(byte)) replies.push_back(*reply);
+    if (const auto reply = parser.push(byte)) replies.push_back(*reply);
   }
   return replies;
 }
 
-std::vector<std::uint8_t> bytesOf(const std::vector<FalconReply>& replies) {
+std::vector<std::uint8_t> countBytes(const std::vector<FalconReply>& replies) {
   std::vector<std::uint8_t> bytes;
   for (const FalconReply& reply : replies) {
     const FalconFrame frame = encodeReply(reply);
@@ -66,18 +66,18 @@ TEST(FalconProtocol, RepliesAreReadInEveryNumberAndFlag) {
   std::mt19937 random(1);
   const auto sent = someReplies(random, 1000);
   FalconParser parser;
-  EXPECT_EQ(parsed(parser, bytesOf(sent)), sent);
+  EXPECT_EQ(parsed(parser, countBytes(sent)), sent);
   EXPECT_EQ(parser.resyncs(), 0U);
   // All buttons and homed bits: the flags reach far beyond the letters of the nibbles.
   const FalconReply full{{0, -1, 32767}, 0x0F, kAllHomed};
   EXPECT_EQ(encodeReply(full)[13], 0xC0);
-  EXPECT_EQ(parsed(parser, bytesOf({full})), (std::vector{full}));
+  EXPECT_EQ(parsed(parser, countBytes({full})), (std::vector{full}));
 }
 
 TEST(FalconProtocol, AfterWhatIsCutOffOrPutBetweenTheNextWholeFrameIsRead) {
   std::mt19937 random(2);
   const auto sent = someReplies(random, 3);
-  const auto bytes = bytesOf(sent);
+  const auto bytes = countBytes(sent);
   for (std::size_t cut = 1; cut < 16; ++cut) {  // the second frame loses its end
     std::vector<std::uint8_t> damaged = bytes;
     damaged.erase(damaged.begin() + 16 + static_cast<std::ptrdiff_t>(cut), damaged.begin() + 32);
@@ -105,7 +105,7 @@ TEST(FalconProtocol, OutOfNoiseNothingComesButWholeFrames) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> any(0, 255);
   const auto sent = someReplies(random, 300);
-  std::vector<std::uint8_t> bytes = bytesOf(sent);
+  std::vector<std::uint8_t> bytes = countBytes(sent);
   std::uniform_int_distribution<std::size_t> where(0, bytes.size() - 1);
   for (int i = 0; i < 90; ++i) bytes[where(random)] = static_cast<std::uint8_t>(any(random));
   FalconParser parser;
@@ -116,7 +116,7 @@ TEST(FalconProtocol, OutOfNoiseNothingComesButWholeFrames) {
   std::vector<std::uint8_t> noise(100'000);
   for (auto& byte : noise) byte = static_cast<std::uint8_t>(any(random));
   EXPECT_TRUE(parsed(parser, noise).empty()) << "2^-60 and less for each byte";
-  EXPECT_EQ(parsed(parser, bytesOf(sent)).size(), sent.size());
+  EXPECT_EQ(parsed(parser, countBytes(sent)).size(), sent.size());
 }
 
 }  // namespace

@@ -27,14 +27,14 @@ class FilmTest : public ::testing::Test {
         VideoFrame picture{0, 0, mediaTime(1e-3 * tick), {}};
         cv::imencode(".jpg", cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(0.05 * tick)),
                      picture.jpeg);
-        film.takePicture(std::move(picture), Workspace{});
+        film.onPicture(std::move(picture), Workspace{});
       }
       TickReport report;
       report.time = localTime(1e-3 * tick);
       report.play_time = mediaTime(play_s(tick));
-      film.takeReport(report);
+      film.onReport(report);
       if (tick % 10 == 0) {
-        EXPECT_TRUE(film.turn(ui_state)) << "a film never ends a run";
+        EXPECT_TRUE(film.update(ui_state)) << "a film never ends a run";
       }
     }
     film.finish();
@@ -74,7 +74,7 @@ TEST_F(FilmTest, FollowsPlayTimeThatIsSlewed) {
 
 TEST_F(FilmTest, WithoutAPictureItSaysSo) {
   FilmView film(file);
-  film.takeReport({});
+  film.onReport({});
   try {
     film.finish();
     ADD_FAILURE() << "a film of nothing";

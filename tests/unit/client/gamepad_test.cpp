@@ -51,10 +51,10 @@ class GamepadTest : public ::testing::Test {
   DeviceState live(int ticks, double force_N = 0.0) {
     DeviceState state;
     for (int i = 0; i < ticks; ++i) {
-      if (i % 10 == 0) device->turn();
+      if (i % 10 == 0) device->poll();
       state = tick(force_N);
     }
-    device->turn();
+    device->poll();
     return state;
   }
   DeviceState tick(double force_N = 0.0) {
@@ -69,7 +69,7 @@ class GamepadTest : public ::testing::Test {
   }
   std::string allNews() {
     std::string all;
-    while (const auto line = device->news()) all.append(*line).append("\n");
+    while (const auto line = device->nextMessage()) all.append(*line).append("\n");
     return all;
   }
 
@@ -106,7 +106,7 @@ TEST_F(GamepadTest, WhatHoldsTheTipIsPressedWithTwoNewtonsAtMost) {
   const double wall_mm = tick().position_mm.z();
   double most_N = 0.0;
   for (int i = 0; i < 4000; ++i) {
-    if (i % 10 == 0) device->turn();
+    if (i % 10 == 0) device->poll();
     depth_mm = wall_mm - tick(std::max(0.0, depth_mm)).position_mm.z();
     if (i > 2000) most_N = std::max(most_N, depth_mm);
   }
@@ -139,7 +139,7 @@ TEST_F(GamepadTest, AForceThatIsNotHeardOfAnyMoreStopsTheMotors) {
   live(100, 1.0);
   EXPECT_GT(pad.motors.low, 0);
   clock.advance(std::chrono::milliseconds(150));
-  device->turn();
+  device->poll();
   EXPECT_EQ(pad.motors.low, 0);
 }
 

@@ -129,7 +129,7 @@ TEST(HandScript, AnObjectThatLeapsIsFollowedSmoothly) {
   EXPECT_LE(scenery.hardest_mm_s2, 5001.0);
 }
 
-std::vector<HandTarget> targetsOf(const std::string& text) {
+std::vector<HandTarget> readTargets(const std::string& text) {
   std::istringstream in(text);
   return readHandTargets(in, "a file");
 }
@@ -137,13 +137,13 @@ std::string targetsComplaint(const std::string& text) { return complaint(readHan
 
 TEST(HandTargetsFile, IsFollowedLinearly) {
   HandScript hand(HandKind::kFile, {},
-                  targetsOf("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
+                  readTargets("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
   Scenery scenery;
   for (int i = 0; i < 1001; ++i) scenery.step(hand);  // the first step is t = 0
   EXPECT_NEAR((scenery.target_mm - Vec3(5.0, -10.0, 35.0)).norm(), 0.0, 1e-9);
   for (int i = 0; i < 5000; ++i) scenery.step(hand);
   EXPECT_EQ(scenery.target_mm, Vec3(10.0, -20.0, 30.0));
-  HandScript early(HandKind::kFile, {}, targetsOf("0.5,1,2,3"));
+  HandScript early(HandKind::kFile, {}, readTargets("0.5,1,2,3"));
   scenery.step(early);
   EXPECT_EQ(scenery.target_mm, Vec3(1.0, 2.0, 3.0));
 }

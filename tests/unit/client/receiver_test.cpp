@@ -50,12 +50,12 @@ class ReceiverTest : public ::testing::Test {
   /// What the loop gets next; null when nothing came.
   const PlayFrame* take() {
     FramePool::Index index = 0;
-    if (!pool->take(index)) return nullptr;
+    if (!pool->pop(index)) return nullptr;
     taken.push_back(index);
     return &pool->frame(index);
   }
   void giveBack() {
-    for (const auto index : taken) pool->giveBack(index);
+    for (const auto index : taken) pool->release(index);
     taken.clear();
   }
 

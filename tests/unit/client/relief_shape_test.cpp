@@ -17,7 +17,7 @@ TEST(ReliefShape, TheOutlineFollowsTheMaskAndItsHoles) {
   for (int v = 10; v < 20; ++v) {
     for (int u = 20; u < 40; ++u) relief->mask[static_cast<std::size_t>(v * 60 + u)] = 0;
   }
-  const auto lines = outlineOf(*fieldOf(*relief, Workspace{}));
+  const auto lines = traceOutline(*fieldOf(*relief, Workspace{}));
   ASSERT_EQ(lines.size(), 2U);
   const auto spans = [&](const cv::Rect2f& wanted) {
     return std::any_of(lines.begin(), lines.end(), [&](const auto& line) {
@@ -40,7 +40,7 @@ TEST(ReliefShape, TheOutlineFollowsTheMaskAndItsHoles) {
 TEST(ReliefShape, TheMeshIsTheSurface) {
   const Workspace workspace;
   const auto field = fieldOf(*flatRelief({300, 200, 41, 41}, 7.0F), workspace);
-  const ReliefMesh mesh = meshOf({field}, workspace);
+  const ReliefMesh mesh = buildMesh({field}, workspace);
   EXPECT_EQ(mesh.cells.size(), 1600U);
   for (const ReliefMesh::Corner& corner : mesh.corners) {
     EXPECT_NEAR(corner.position_mm.z(), 7.0, 1e-4);
@@ -56,7 +56,7 @@ TEST(ReliefShape, HoweverLargeAndManyItStaysSmall) {
   workspace.height_px = 1080;
   const auto field = fieldOf(*flatRelief({0, 0, 1920, 1080}), workspace);
   for (const std::size_t count : {1U, 2U, 16U}) {
-    const ReliefMesh mesh = meshOf(Reliefs(count, field), workspace);
+    const ReliefMesh mesh = buildMesh(Reliefs(count, field), workspace);
     EXPECT_GT(mesh.cells.size(), 2000U) << count;
     EXPECT_LE(static_cast<double>(mesh.cells.size()), ReliefMesh::kMostCells) << count;
   }

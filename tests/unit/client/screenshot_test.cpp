@@ -42,24 +42,24 @@ class ScreenshotTest : public ::testing::Test {
 
 TEST_F(ScreenshotTest, ShowsTheStrongestTouchEvenIfNoPictureComes) {
   for (const double force_N : {0.0, 0.5, 2.0, 1.0, 0.0}) {
-    screenshot.takeReport(touching(force_N, force_N));
-    EXPECT_TRUE(screenshot.turn(ui_state)) << "a screenshot never ends a run";
+    screenshot.onReport(touching(force_N, force_N));
+    EXPECT_TRUE(screenshot.update(ui_state)) << "a screenshot never ends a run";
   }
   EXPECT_EQ(screenshot.moment().force_N.z(), 2.0);
   EXPECT_EQ(written().cols, 960);
 }
 
 TEST_F(ScreenshotTest, ShowsTheLastTickWhileNothingWasTouched) {
-  for (const double time_s : {1.0, 2.0}) screenshot.takeReport(touching(time_s, 0.0));
+  for (const double time_s : {1.0, 2.0}) screenshot.onReport(touching(time_s, 0.0));
   EXPECT_EQ(screenshot.moment().time, localTime(2.0));
 }
 
 TEST_F(ScreenshotTest, ShowsThePictureOfTheStrongestMoment) {
   for (int i = 0; i < 200; ++i) {  // far more than the buffer holds
     const double time_s = 0.04 * i;
-    screenshot.takePicture(greyPicture(time_s, i), Workspace{});
-    screenshot.takeReport(touching(time_s, i == 100 ? 2.0 : 1.0));
-    (void)screenshot.turn(ui_state);
+    screenshot.onPicture(greyPicture(time_s, i), Workspace{});
+    screenshot.onReport(touching(time_s, i == 100 ? 2.0 : 1.0));
+    (void)screenshot.update(ui_state);
   }
   const cv::Mat picture = written();
   ASSERT_FALSE(picture.empty());
@@ -70,8 +70,8 @@ TEST_F(ScreenshotTest, APictureOfAnotherSizeThanAnnouncedIsNotShown) {
   Workspace small;
   small.width_px = 320;
   small.height_px = 240;
-  screenshot.takePicture(greyPicture(1.0, 200), small);
-  screenshot.takeReport(touching(1.0, 1.0));
+  screenshot.onPicture(greyPicture(1.0, 200), small);
+  screenshot.onReport(touching(1.0, 1.0));
   EXPECT_LT(written().at<cv::Vec3b>(kPictureHead_px + 700, 20)[0], 100);
 }
 

@@ -19,7 +19,7 @@ class SoundMixerTest : public ::testing::Test {
     for (int i = 0; i < buffers; ++i) {
       std::vector<float> samples(512);
       if (news) ++tick_;
-      mixer_.fill(samples, {.felt = felt, .tick = tick_});
+      mixer_.fill(samples, {.force = felt, .tick = tick_});
       for (const float sample : samples) {
         loudest = std::max(loudest, std::abs(double{sample}));
         largest_step = std::max(largest_step, std::abs(double{sample} - last_));

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -61,9 +61,9 @@ class WindowTest : public ::testing::Test {
 TEST_F(WindowTest, ArrowsPointWhereTheForceDoesInEverySize) {
   for (const cv::Size size : {cv::Size(640, 480), cv::Size(1280, 720), cv::Size(1920, 1080)}) {
     ViewerWindow window(size.width, size.height);
-    window.takePicture(grey(90), Workspace{});
+    window.onPicture(grey(90), Workspace{});
     const TickReport report = touch();
-    window.takeReport(report);
+    window.onReport(report);
     window.draw(ui_state);
     const cv::Mat pixels = window.pixels();
     ASSERT_EQ(pixels.size(), size);
@@ -89,33 +89,33 @@ TEST_F(WindowTest, ThePictureOfAPausedFrameStaysHoweverLongThePauseIs) {
     window.draw(ui_state);
     return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y) - 3, 3)[1];
   };
-  window.takePicture(grey(90), Workspace{});
-  window.takeReport(touch());
+  window.onPicture(grey(90), Workspace{});
+  window.onReport(touch());
   EXPECT_NEAR(shown(), 90, 3);
   for (int i = 1; i <= 200; ++i) {  // far more than are kept
     VideoFrame later = grey(200);
     later.media_time = mediaTime(1.0 + 0.04 * i);
-    window.takePicture(std::move(later), Workspace{});
+    window.onPicture(std::move(later), Workspace{});
   }
   EXPECT_NEAR(shown(), 90, 3);
   TickReport goes_on = touch();
   goes_on.play_time = mediaTime(9.0);
-  window.takeReport(goes_on);
+  window.onReport(goes_on);
   EXPECT_NEAR(shown(), 200, 3);
 }
 
 TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   ViewerWindow window(640, 480);
-  window.takePicture(grey(90), Workspace{});
+  window.onPicture(grey(90), Workspace{});
   TickReport report = touch();
-  window.takeReport(report);
-  EXPECT_TRUE(window.turn(ui_state));
+  window.onReport(report);
+  EXPECT_TRUE(window.update(ui_state));
   const auto key = [&](SDL_Keycode code) {
     SDL_Event event{};
     event.type = SDL_KEYDOWN;
     event.key.keysym.sym = code;
     SDL_PushEvent(&event);
-    EXPECT_TRUE(window.turn(ui_state));
+    EXPECT_TRUE(window.update(ui_state));
   };
   key(SDLK_SPACE);
   EXPECT_TRUE(ui_state.user.paused);
@@ -133,7 +133,7 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   motion.motion.x = static_cast<int>(at.x);
   motion.motion.y = static_cast<int>(at.y);
   SDL_PushEvent(&motion);
-  EXPECT_TRUE(window.turn(ui_state));
+  EXPECT_TRUE(window.update(ui_state));
   ASSERT_TRUE(ui_state.pointer.known);
   EXPECT_LT((ui_state.pointer.position_mm - Vec3(-10.0, 20.0, 12.0)).norm(), 1.0)
       << "in depth it begins where the tip is";
@@ -141,27 +141,27 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   wheel.type = SDL_MOUSEWHEEL;
   wheel.wheel.preciseY = -4.0F;
   SDL_PushEvent(&wheel);
-  EXPECT_TRUE(window.turn(ui_state));
+  EXPECT_TRUE(window.update(ui_state));
   EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 8.0);
 
   SDL_Event quit{};
   quit.type = SDL_QUIT;
   SDL_PushEvent(&quit);
-  EXPECT_FALSE(window.turn(ui_state));
+  EXPECT_FALSE(window.update(ui_state));
 }
 
 TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
   ViewerWindow window(640, 480);
   const Workspace workspace;
-  window.takePicture(grey(60), workspace);
+  window.onPicture(grey(60), workspace);
   TickReport report = touch();
   report.contact = false;
   report.hip_mm = {-70.0, 50.0, 20.0};
   report.force_N = report.static_force_N = report.dynamic_force_N = Vec3::Zero();
-  window.takeReport(report);
+  window.onReport(report);
   const auto field = std::make_shared<const HeightField>(
       HeightField::prepare(*flatRelief({400, 100, 120, 80}), workspace));
-  window.takeFrame({report.play_time, {field}});
+  window.onFrame({report.play_time, {field}});
   const auto at = [&](double u, double v) {
     const ImVec2 point = window.place().fromImage({u, v});
     return window.pixels().at<cv::Vec3b>(static_cast<int>(point.y), static_cast<int>(point.x));
@@ -171,7 +171,7 @@ TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
     event.type = SDL_KEYDOWN;
     event.key.keysym.sym = code;
     SDL_PushEvent(&event);
-    EXPECT_TRUE(window.turn(ui_state));
+    EXPECT_TRUE(window.update(ui_state));
     window.draw(ui_state);
   };
   window.draw(ui_state);
@@ -195,15 +195,15 @@ TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
 
 TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
   ViewerWindow window(640, 480);
-  window.takePicture(grey(60), Workspace{});
-  window.takeReport(touch());
+  window.onPicture(grey(60), Workspace{});
+  window.onReport(touch());
   const auto field = std::make_shared<const HeightField>(
       HeightField::prepare(*flatRelief({400, 100, 120, 80}), Workspace{}));
-  window.takeFrame({touch().play_time, {field}});
+  window.onFrame({touch().play_time, {field}});
   window.draw(ui_state);
   const auto send = [&](SDL_Event event) {
     SDL_PushEvent(&event);
-    EXPECT_TRUE(window.turn(ui_state));
+    EXPECT_TRUE(window.update(ui_state));
     window.draw(ui_state);
   };
   SDL_Event key{};
@@ -236,11 +236,11 @@ TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
 
 TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
   ViewerWindow window(640, 480);
-  window.takePicture(grey(60), Workspace{});  // of 1 s
+  window.onPicture(grey(60), Workspace{});  // of 1 s
   for (const double play_s : {1.0, 1.01, 1.01, 1.02}) {
     TickReport report = touch();
     report.play_time = mediaTime(play_s);
-    window.takeReport(report);
+    window.onReport(report);
     window.draw(ui_state);
   }
   ASSERT_NE(window.eyeHand(), nullptr);
@@ -274,7 +274,7 @@ TEST_F(WindowTest, TheLineOfStatusSaysWhyThereIsNoForce) {
   TickReport report = touch();
   report.force_N = {0.0, 0.0, 1.2};
   EXPECT_EQ(statusLine(report, ui_state), "in contact, 1.2 N");
-  report.lookup = Lookup::kFaded;
+  report.lookup = Lookup::kStale;
   EXPECT_EQ(statusLine(report, ui_state), "no fresh frames: the force has faded");
   report.halt = Halt::kTrustLost;
   EXPECT_EQ(statusLine(report, ui_state),

@@ -40,7 +40,7 @@ HeightField fieldOf(const Workspace& workspace, double reach_mm, const MaskAt& i
 
 Vec2 direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
 
-Vec2 turned(const Vec2& v, double angle_rad) {
+Vec2 rotated(const Vec2& v, double angle_rad) {
   const Vec2 x = direction(angle_rad);
   return v.x() * x + v.y() * Vec2(-x.y(), x.x());
 }
@@ -125,12 +125,12 @@ void addSides(EdgeErrors& errors, double angle_rad, double first_mm, double last
   constexpr double kHalf_mm = 15.0;
   const Workspace workspace;
   const HeightField field = fieldOf(workspace, 1.5 * kHalf_mm, [&](const Vec2& at_mm) {
-    return turned(at_mm - centre_mm, -angle_rad).cwiseAbs().maxCoeff() < kHalf_mm;
+    return rotated(at_mm - centre_mm, -angle_rad).cwiseAbs().maxCoeff() < kHalf_mm;
   });
   for (double along_mm = first_mm; along_mm <= last_mm; along_mm += 0.1) {
     for (const double side : {-1.0, 1.0}) {
-      errors.add(field, workspace, centre_mm + turned({side * kHalf_mm, along_mm}, angle_rad),
-                 turned({side, 0.0}, angle_rad));
+      errors.add(field, workspace, centre_mm + rotated({side * kHalf_mm, along_mm}, angle_rad),
+                 rotated({side, 0.0}, angle_rad));
     }
   }
 }

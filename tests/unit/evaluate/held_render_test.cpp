@@ -32,7 +32,7 @@ Picture drawn(const std::vector<Thing>& things) {
 
 Pose standing(const Vec3& at_mm) { return {Mat3::Identity(), at_mm}; }
 
-Pose turned(double angle_rad, const Vec3& at_mm) {
+Pose rotated(double angle_rad, const Vec3& at_mm) {
   return {Eigen::AngleAxisd(angle_rad, Vec3(0.3, 0.8, -0.5).normalized()).toRotationMatrix(),
           at_mm};
 }
@@ -82,7 +82,7 @@ TEST(HeldRender, DepthOfABallIsItsQuadraticsRoot) {
 }
 
 TEST(HeldRender, DepthOfATurnedEllipsoidIsItsQuadraticsRoot) {
-  const Pose pose = turned(0.9, {-20, 10, 480});
+  const Pose pose = rotated(0.9, {-20, 10, 480});
   const Vec3 axes(80, 40, 55);
   const Picture picture = drawn({oneOf(makePart(Form::kEllipsoid, axes, Vec3::Zero(), 0), pose)});
   expectDepth(
@@ -96,7 +96,7 @@ TEST(HeldRender, DepthOfATurnedEllipsoidIsItsQuadraticsRoot) {
 }
 
 TEST(HeldRender, DepthOfABoxIsThatOfItsPlanes) {
-  const Pose pose = turned(0.6, {10, 0, 420});
+  const Pose pose = rotated(0.6, {10, 0, 420});
   const Vec3 half(60, 45, 30);
   Part part = makePart(Form::kBox, half, Vec3::Zero(), 0);
   part.rounding_mm = 0.0;
@@ -156,7 +156,7 @@ TEST(HeldRender, NothingIsBeforeTheFirstSurface) {
                            makePart(Form::kTube, {20, 90, -0.007}, Vec3::Zero(), 0),
                            makePart(Form::kCylinder, {40, 60, 0}, Vec3::Zero(), 0),
                            makePart(Form::kRoundCone, {45, 80, 15}, Vec3::Zero(), 0)}) {
-    const Thing thing = oneOf(part, turned(0.8, {0, 0, 420}));
+    const Thing thing = oneOf(part, rotated(0.8, {0, 0, 420}));
     const Picture picture = drawn({thing});
     int seen = 0;
     for (int v = 1; v < kSize.height; v += 7) {

@@ -217,7 +217,7 @@ TEST_F(DynamicForceTest, AnImpactIsDoubtedByWhatIsFeltOfIt) {
     before.impacts[0] = {mediaTime(time_s), {0, 0, logged_mm_s}};
     now.plausibility.impact_mm_s = believed_mm_s;
     (void)force(time_s + 0.001);
-    return dynamic.doubted();
+    return dynamic.implausible();
   };
   EXPECT_FALSE(doubts(1.0, 20.0, 19.8)) << "0.01 N less";
   EXPECT_TRUE(doubts(2.0, 20.0, 19.0)) << "0.05 N less";

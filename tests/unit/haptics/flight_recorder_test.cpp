@@ -92,7 +92,7 @@ TEST_F(FaultFilesTest, OfEveryRunStay) {
     FaultLogWriter out(folder_ / "made");
     for (int i = 0; i < 2 * FaultLogWriter::kMaxFiles; ++i) {
       fault();
-      out.take(*recorder_, localTime(0.0));
+      out.write(*recorder_, localTime(0.0));
     }
     recorder_ = std::make_unique<FlightRecorder>();
   }
@@ -122,13 +122,13 @@ TEST_F(FaultFilesTest, WithoutAFlagLieInTheStateFolderAndTheRunGoesOnWithoutOne)
   FaultLogWriter out("");
   EXPECT_TRUE(files().empty()) << "made when it is needed";
   fault();
-  out.take(*recorder_, localTime(0.0));
+  out.write(*recorder_, localTime(0.0));
   EXPECT_EQ(files(), std::set<std::string>{"hapticast"});
   std::ofstream((folder_ / "file").string()) << "in the way";
   ::setenv("XDG_STATE_HOME", (folder_ / "file").c_str(), 1);
   FaultLogWriter nowhere("");
   fault();
-  nowhere.take(*recorder_, localTime(0.0));
+  nowhere.write(*recorder_, localTime(0.0));
   EXPECT_FALSE(recorder_->frozen()) << "it records again";
   ::unsetenv("XDG_STATE_HOME");
   EXPECT_EQ(stateFolder().filename(), "hapticast");

@@ -33,13 +33,13 @@ TEST(FramePool, KeepsTheOrderAndGetsSlotsBack) {
       pool->slot(index).frame.id = ++sent;
       pool->publish(index);
     }
-    if (random() % 3 == 0 && pool->take(index)) {
+    if (random() % 3 == 0 && pool->pop(index)) {
       ASSERT_EQ(pool->frame(index).id, ++taken);
       held.push_back(index);
     }
     if (random() % 2 == 0 && !held.empty()) {
       const std::size_t which = random() % held.size();
-      pool->giveBack(held[which]);
+      pool->release(held[which]);
       held.erase(held.begin() + static_cast<std::ptrdiff_t>(which));
     }
   }
@@ -64,13 +64,13 @@ TEST(FramePool, CrossesThreadsWithoutTearing) {
   });
   for (std::uint64_t expected = 1; expected <= kFrames;) {
     FramePool::Index index = 0;
-    if (!pool->take(index)) {
+    if (!pool->pop(index)) {
       std::this_thread::yield();
       continue;
     }
     EXPECT_EQ(pool->frame(index).id, expected);
     EXPECT_EQ(pool->frame(index).objects[kMaxObjects - 1].changed_in_frame, expected++);
-    pool->giveBack(index);
+    pool->release(index);
   }
   receiver.join();
 }

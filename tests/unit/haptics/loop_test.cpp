@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/tick.hpp"
+#include "tests/support/renderer_fixture.hpp"
 #include "tests/support/scripted_device.hpp"
-#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -29,9 +29,9 @@ struct Looped {
     };
     device.answer = [this](const Vec3& force_N) { return stage.device.exchange(force_N); };
   }
-  void run() { runLoop(device, *stage.room, stage.clock, stop, *stats); }
+  void run() { runLoop(device, *stage.renderer, stage.clock, stop, *stats); }
 
-  Stage stage;
+  RendererFixture stage;
   ScriptedDevice device;
   std::unique_ptr<LoopStats> stats = std::make_unique<LoopStats>();
   LocalTime base = stage.clock.now();

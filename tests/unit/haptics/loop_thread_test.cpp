@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/renderer_fixture.hpp"
 #include "tests/support/scripted_device.hpp"
-#include "tests/support/stage.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -39,7 +39,7 @@ struct Threaded {
   }
 
   inline static const HandScript kFollower{HandKind::kFollow, HandStiffness{}};
-  Stage stage;
+  RendererFixture stage;
   ScriptedDevice device;
   std::atomic<bool> pushes{false};
   std::atomic<bool> lost{false};

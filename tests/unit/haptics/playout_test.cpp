@@ -86,7 +86,7 @@ TEST(Playout, RejoiningStartsOverAsSoonAsThereIsAConnection) {
   for (int tick = 1; tick < 500; ++tick) {
     (void)playout.advance(localMs(1000 + tick), stream, true, {.paused = true});
   }
-  playout.rejoin();
+  playout.resync();
   stream.connected = false;
   EXPECT_LT(playout.advance(localMs(1500), stream, true) - before, milliseconds(2));
   stream.connected = true;

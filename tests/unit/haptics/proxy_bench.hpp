@@ -107,7 +107,7 @@ class Table {
   PlayObject& object(std::size_t index) { return *objects_[index]; }
   Contact touch(const Vec3& hip_mm) {
     scene.play_time += Duration(1'000'000);
-    Contact contact = proxies.touch(scene, hip_mm, kWorkspace, kDeepest_mm);
+    Contact contact = proxies.computeContact(scene, hip_mm, kWorkspace, kDeepest_mm);
     most_samples = std::max(most_samples, proxies.samplesUsed());
     return contact;
   }
@@ -157,7 +157,7 @@ class Film {
   }
   [[nodiscard]] double t_s() const { return 1e-3 * tick_; }
   Contact touch(const Vec3& hip_mm) {
-    Contact contact = proxies.touch(next(), hip_mm, kWorkspace, kDeepest_mm);
+    Contact contact = proxies.computeContact(next(), hip_mm, kWorkspace, kDeepest_mm);
     most_samples = std::max(most_samples, proxies.samplesUsed());
     return contact;
   }

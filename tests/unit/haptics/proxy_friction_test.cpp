@@ -67,7 +67,7 @@ Friction given(std::optional<double> sticking, std::optional<double> sliding) {
   Material material;
   material.static_friction = sticking;
   material.dynamic_friction = sliding;
-  return frictionOf(material);
+  return toFriction(material);
 }
 
 TEST(Friction, WhatTheAuthorLeavesOutIsTheViewersAndZeroIsAValue) {

@@ -99,7 +99,8 @@ TEST(Proxy, AnotherWorkspaceIsAnotherPlaceOfThePixels) {
   twice.height_mm *= 2.0;
   EXPECT_FALSE(table.touch({15.0, 0.0, 9.0}).contact);
   table.proxies.restart();
-  const Contact contact = table.proxies.touch(table.scene, {15.0, 0.0, 9.0}, twice, kDeepest_mm);
+  const Contact contact =
+      table.proxies.computeContact(table.scene, {15.0, 0.0, 9.0}, twice, kDeepest_mm);
   EXPECT_NEAR(contact.displacement_mm.z(), 1.0, 1e-5);
 }
 

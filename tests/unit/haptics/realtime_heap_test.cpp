@@ -10,7 +10,7 @@
 #include <functional>
 #include <memory>
 
-#include "tests/support/stage.hpp"
+#include "tests/support/renderer_fixture.hpp"
 
 namespace {
 thread_local bool heap_forbidden = false;
@@ -70,7 +70,7 @@ namespace {
 void live(const RendererSettings& settings) {
   HandScript hand{HandKind::kSlide, HandStiffness{}};
   auto log = std::make_unique<HapticRenderer::Log>();
-  Stage stage(settings, &hand, 3.0, log.get());
+  RendererFixture stage(settings, &hand, 3.0, log.get());
   stage.before_tick = [] { heap_forbidden = true; };
   stage.after_tick = [] { heap_forbidden = false; };
   int contact = 0;

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -18,7 +18,7 @@ double tolerance_mJ(double truth_mJ) { return std::max(2.0, 0.05 * std::abs(trut
 /// Sums the work of what the wall alone would have given, and of all that was sent.
 class Book {
  public:
-  explicit Book(Rig& rig) : rig_(rig) {}
+  explicit Book(ChainFixture& rig) : rig_(rig) {}
   void step() {
     const Vec3 before_mm = rig_.device.truePosition_mm();
     rig_.step();
@@ -39,13 +39,13 @@ class Book {
 
  private:
   static constexpr std::size_t kDelay = 1;
-  Rig& rig_;
+  ChainFixture& rig_;
   std::array<Vec3, kDelay + 1> wall_N_{Vec3::Zero(), Vec3::Zero()};
   std::array<Vec3, kDelay + 1> all_N_{Vec3::Zero(), Vec3::Zero()};
 };
 
 /// A light hand, 1 N pressed into a wall of 1 N/mm.
-void pressIn(Rig& rig) {
+void pressIn(ChainFixture& rig) {
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   rig.run(300);
   rig.device.setTarget({0.0, 0.0, -6.0});
@@ -59,7 +59,7 @@ TEST(SafetyMeters, WhatTheSlewLimitHoldsBackIsNotTheWalls) {
       SafetyLinks links;
       links.trust = links.tank = links.passivity = links.thermal =
           false;  // only the slew limit acts
-      Rig rig(profile, profile, Hand::light(), links);
+      ChainFixture rig(profile, profile, Hand::light(), links);
       pressIn(rig);
       rig.clear();
       const PortWork start = rig.chain.work();
@@ -89,7 +89,7 @@ TEST(SafetyMeters, AForceThatRampsDownKeepsItsShares) {
   const PlantProfile profile = omni(1.0, 1);
   SafetyLinks links;
   links.trust = links.tank = links.passivity = links.thermal = false;
-  Rig rig(profile, profile, Hand::light(), links);
+  ChainFixture rig(profile, profile, Hand::light(), links);
   pressIn(rig);
   const PortWork start = rig.chain.work();
   Book book(rig);
@@ -115,7 +115,7 @@ Pumped pump(bool passivity, double frequency_hz) {
   SafetyLinks links;
   links.trust = links.tank = false;
   links.passivity = passivity;
-  Rig rig(profile, profile, Hand::light(), links);
+  ChainFixture rig(profile, profile, Hand::light(), links);
   pressIn(rig);
   rig.clear();
   const PortWork start = rig.chain.work();

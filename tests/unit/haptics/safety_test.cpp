@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -17,14 +17,14 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 SafetyChain armedChain(const DeviceProfile& profile) {
   SafetyChain chain(profile);
   SafetyInput air;
-  air.touchable = true;
+  air.in_contact = true;
   for (int i = 0; i < 250; ++i) (void)chain.step(air);
   return chain;
 }
 
 SafetyInput pressed(double depth_mm, double stiffness_N_mm = 0.5) {
   SafetyInput input;
-  input.touchable = true;
+  input.in_contact = true;
   input.contact = true;
   input.displacement_mm = {0.0, 0.0, depth_mm};
   input.stiffness_N_mm = stiffness_N_mm;
@@ -198,7 +198,7 @@ TEST(SafetyChain, TooDeepAtTheStartStaysUnarmedUntilTheHandHasLeft) {
   }
   for (int i = 0; i < 500; ++i) EXPECT_EQ(chain.step(pressed(7.0 - i * 0.0139)).force_N.z(), 0.0);
   SafetyInput air;
-  air.touchable = true;
+  air.in_contact = true;
   for (int i = 0; i < 250; ++i) (void)chain.step(air);
   EXPECT_NEAR(settled(chain, pressed(2.0)).force_N.z(), 1.0, 1e-9);
 }
@@ -207,7 +207,7 @@ TEST(SafetyChain, StaleForceFallsInATenthOfASecondAndReturnsFromZero) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   SafetyInput input = pressed(2.0);
   (void)settled(chain, input);
-  input.touchable = false;
+  input.in_contact = false;
   double last_N = 1.0;
   for (int i = 0; i < 100; ++i) {
     const double now_N = chain.step(input).force_N.z();
@@ -216,7 +216,7 @@ TEST(SafetyChain, StaleForceFallsInATenthOfASecondAndReturnsFromZero) {
     last_N = now_N;
   }
   EXPECT_NEAR(last_N, 0.0, 1e-12);
-  input.touchable = true;
+  input.in_contact = true;
   EXPECT_LE(chain.step(input).force_N.z(), 0.008);
 }
 

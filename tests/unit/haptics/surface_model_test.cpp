@@ -177,7 +177,7 @@ TEST(SurfaceModel, CarriesAReliefAtFortyPixelsPerFrame) {
       const Vec2 centre(-5.0 + 250.0 * t, 2.0);
       const Vec2 at = centre + Vec2(x, 0.5 * x);
       const double truth = std::sqrt(400.0 - (at - centre).squaredNorm());
-      const SurfacePoint point = surfaceAt(object, at, kWorkspace);
+      const SurfacePoint point = evaluateSurface(object, at, kWorkspace);
       ASSERT_TRUE(point.inside);
       carried = std::max(carried, std::abs(point.sample.height_mm - truth));
       EXPECT_NEAR((point.sample.gradient + (at - centre) / truth).norm(), 0.0, 0.01);
@@ -218,7 +218,7 @@ TEST(SurfaceModel, TurnsTheReliefAboutTheReferencePoint) {
     now.blend = s;
     now.angle_rad = 0.2 + s * quarter;
     for (const Vec2& at : {Vec2(3.0, -2.0), Vec2(5.0, 1.0), Vec2(-1.0, -4.0)}) {
-      const SurfacePoint point = surfaceAt(now, at, kWorkspace);
+      const SurfacePoint point = evaluateSurface(now, at, kWorkspace);
       EXPECT_NEAR(point.sample.height_mm, tilt(now.angle_rad)(at), 1e-4);
       const Vec2 gradient = Eigen::Rotation2Dd(now.angle_rad) * Vec2(0.4, 0.0);
       EXPECT_NEAR((point.sample.gradient - gradient).norm(), 0.0, 1e-4);
@@ -247,7 +247,7 @@ TEST(SurfaceModel, SurfaceVelocityIsMotionTurnAndChangeOfShape) {
               1e-6);
   // Against the height itself: its derivative at a still HIP over flat ground.
   now.blend = 0.6;
-  EXPECT_NEAR(surfaceAt(now, {1, 3}, kWorkspace).sample.height_mm, 11.2, 1e-6);
+  EXPECT_NEAR(evaluateSurface(now, {1, 3}, kWorkspace).sample.height_mm, 11.2, 1e-6);
 }
 
 // --- who is touched
@@ -294,7 +294,7 @@ TEST(SurfaceModel, MissingReliefOfTheNextFrameIsReplacedByThisOne) {
   now.after = &after;
   now.blend = 0.75;
   now.position_mm = {3.0, 0.0, 0.0};
-  const SurfacePoint point = surfaceAt(now, {3.0, 0.0}, kWorkspace);
+  const SurfacePoint point = evaluateSurface(now, {3.0, 0.0}, kWorkspace);
   EXPECT_TRUE(point.inside);
   EXPECT_NEAR(point.sample.height_mm, 20.0, 0.01);
 }

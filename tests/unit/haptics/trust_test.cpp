@@ -6,7 +6,7 @@
 
 #include "client/haptics/rearm_policy.hpp"
 #include "client/report/haptic_status_log.hpp"
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -56,7 +56,7 @@ TEST(Trust, SeveralInOneTickAreOne) {
 
 TEST(SafetyTrust, EndsAForceThatShakesAndWaitsForTheUser) {
   const PlantProfile profile = omni(0.5, 1);
-  Rig rig(profile, profile, Hand::light());
+  ChainFixture rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, -1.0}, Vec3::Zero());
   rig.device.setTarget({0.0, 0.0, -5.0});
   int lost = 0;
@@ -86,7 +86,7 @@ TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
   report.time = localTime(time_s);
   report.halt = halt;
   report.interferences = interferences;
-  report.distrusted = SafetyAction::kTank;
+  report.trust_loss_cause = SafetyAction::kTank;
   report.lookup = Lookup::kInterpolated;
   return report;
 }
@@ -97,11 +97,11 @@ RearmPolicy rearmAfter(int times) {
   for (int i = 0; i < times; ++i) {
     const double lost_s = 10.0 + 20.0 * i;
     EXPECT_EQ(rearm.left(), RearmPolicy::kMaxCount - i);
-    EXPECT_FALSE(rearm.take(at(lost_s, Halt::kTrustLost, kTankBit)));
-    EXPECT_FALSE(rearm.take(at(lost_s + 4.9, Halt::kTrustLost)));
-    EXPECT_TRUE(rearm.take(at(lost_s + 5.1, Halt::kTrustLost)));
-    EXPECT_FALSE(rearm.take(at(lost_s + 5.101, Halt::kTrustLost))) << "the loop is on its way";
-    EXPECT_FALSE(rearm.take(at(lost_s + 5.102, Halt::kNone)));
+    EXPECT_FALSE(rearm.onReport(at(lost_s, Halt::kTrustLost, kTankBit)));
+    EXPECT_FALSE(rearm.onReport(at(lost_s + 4.9, Halt::kTrustLost)));
+    EXPECT_TRUE(rearm.onReport(at(lost_s + 5.1, Halt::kTrustLost)));
+    EXPECT_FALSE(rearm.onReport(at(lost_s + 5.101, Halt::kTrustLost))) << "the loop is on its way";
+    EXPECT_FALSE(rearm.onReport(at(lost_s + 5.102, Halt::kNone)));
   }
   return rearm;
 }
@@ -109,8 +109,8 @@ RearmPolicy rearmAfter(int times) {
 TEST(RearmPolicy, ForgivesThreeTimesFiveSecondsLater) {
   RearmPolicy rearm = rearmAfter(3);
   EXPECT_EQ(rearm.left(), 0);
-  EXPECT_FALSE(rearm.take(at(100.0, Halt::kTrustLost)));
-  EXPECT_FALSE(rearm.take(at(200.0, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.onReport(at(100.0, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.onReport(at(200.0, Halt::kTrustLost)));
 }
 
 TEST(RearmPolicy, BringsADeviceBackAsOftenAsItComes) {
@@ -118,9 +118,9 @@ TEST(RearmPolicy, BringsADeviceBackAsOftenAsItComes) {
   for (int i = 0; i < 10; ++i) {
     TickReport lost = at(i, Halt::kDeviceLost);
     lost.device = DeviceStatus::kLost;
-    EXPECT_FALSE(rearm.take(lost));
-    EXPECT_TRUE(rearm.take(at(i + 0.5, Halt::kDeviceLost)));
-    EXPECT_FALSE(rearm.take(at(i + 0.6, Halt::kNone)));
+    EXPECT_FALSE(rearm.onReport(lost));
+    EXPECT_TRUE(rearm.onReport(at(i + 0.5, Halt::kDeviceLost)));
+    EXPECT_FALSE(rearm.onReport(at(i + 0.6, Halt::kNone)));
   }
 }
 
@@ -129,57 +129,57 @@ TEST(RearmPolicy, BringsADeviceBackThatIsLostAgainBeforeTheLoopAnswers) {
   TickReport lost = at(1.0, Halt::kDeviceLost);
   lost.device = DeviceStatus::kLost;
   for (int i = 0; i < 3; ++i) {
-    EXPECT_FALSE(rearm.take(lost));
-    EXPECT_TRUE(rearm.take(at(2.0, Halt::kDeviceLost)));
-    EXPECT_FALSE(rearm.take(at(2.1, Halt::kDeviceLost)));
+    EXPECT_FALSE(rearm.onReport(lost));
+    EXPECT_TRUE(rearm.onReport(at(2.0, Halt::kDeviceLost)));
+    EXPECT_FALSE(rearm.onReport(at(2.1, Halt::kDeviceLost)));
   }
 }
 
 TEST(RearmPolicy, WithoutTheFlagNothingComesBack) {
   RearmPolicy rearm(false);
   EXPECT_EQ(rearm.left(), 0);
-  EXPECT_FALSE(rearm.take(at(1.0, Halt::kDeviceLost)));
-  EXPECT_FALSE(rearm.take(at(100.0, Halt::kTrustLost)));
-  EXPECT_FALSE(rearm.take(at(200.0, Halt::kStopped)));
+  EXPECT_FALSE(rearm.onReport(at(1.0, Halt::kDeviceLost)));
+  EXPECT_FALSE(rearm.onReport(at(100.0, Halt::kTrustLost)));
+  EXPECT_FALSE(rearm.onReport(at(200.0, Halt::kStopped)));
 }
 
 const RearmPolicy kNever(false);
 
 TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
   HapticStatusLog log;
-  EXPECT_FALSE(log.take(at(1.0, Halt::kNone), kNever));
-  EXPECT_EQ(log.take(at(2.0, Halt::kTrustLost), kNever),
+  EXPECT_FALSE(log.onReport(at(1.0, Halt::kNone), kNever));
+  EXPECT_EQ(log.onReport(at(2.0, Halt::kTrustLost), kNever),
             "the stream is not trusted any more, too much of it had to be held back (mostly: "
             "energy into the hand was held back): no force from now on; start again, or with "
             "--rearm, to touch it");
-  EXPECT_FALSE(log.take(at(3.0, Halt::kTrustLost), kNever));
-  EXPECT_EQ(log.take(at(4.0, Halt::kNone), kNever), "re-armed: the force comes back");
-  EXPECT_EQ(log.take(at(5.0, Halt::kTrustLost), rearmAfter(2)),
+  EXPECT_FALSE(log.onReport(at(3.0, Halt::kTrustLost), kNever));
+  EXPECT_EQ(log.onReport(at(4.0, Halt::kNone), kNever), "re-armed: the force comes back");
+  EXPECT_EQ(log.onReport(at(5.0, Halt::kTrustLost), rearmAfter(2)),
             "the stream is not trusted any more, too much of it had to be held back (mostly: "
             "energy into the hand was held back): no force for 5 s, which is forgiven 1 more time");
   EXPECT_TRUE(
-      log.take(at(6.0, Halt::kDeviceLost), kNever)->starts_with("the device does not answer"));
-  EXPECT_FALSE(log.take(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
+      log.onReport(at(6.0, Halt::kDeviceLost), kNever)->starts_with("the device does not answer"));
+  EXPECT_FALSE(log.onReport(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
 }
 
 TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
   HapticStatusLog log;
   TickReport report = at(1.0, Halt::kNone);
-  EXPECT_FALSE(log.take(report, kNever));
+  EXPECT_FALSE(log.onReport(report, kNever));
   report.lookup = Lookup::kHeld;
-  EXPECT_FALSE(log.take(report, kNever));
-  report.lookup = Lookup::kFaded;
-  EXPECT_EQ(log.take(report, kNever), "no new frames come: the force has faded");
-  EXPECT_FALSE(log.take(report, kNever));
+  EXPECT_FALSE(log.onReport(report, kNever));
+  report.lookup = Lookup::kStale;
+  EXPECT_EQ(log.onReport(report, kNever), "no new frames come: the force has faded");
+  EXPECT_FALSE(log.onReport(report, kNever));
   report.lookup = Lookup::kInterpolated;
-  EXPECT_EQ(log.take(report, kNever), "frames come again");
+  EXPECT_EQ(log.onReport(report, kNever), "frames come again");
 }
 
 TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
   HapticStatusLog log;
-  EXPECT_EQ(log.take(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
+  EXPECT_EQ(log.onReport(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
             "the device does not answer: no force until it is back");
-  EXPECT_TRUE(log.take(at(2.0, Halt::kTrustLost), rearmAfter(3))
+  EXPECT_TRUE(log.onReport(at(2.0, Halt::kTrustLost), rearmAfter(3))
                   ->ends_with("no force from now on; start again to touch it"));
 }
 
@@ -187,10 +187,10 @@ TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
   HapticStatusLog log;
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
-    report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
-    EXPECT_EQ(log.take(report, kNever).has_value(), i < LogRateLimiter::kBurst);
+    report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
+    EXPECT_EQ(log.onReport(report, kNever).has_value(), i < LogRateLimiter::kBurst);
   }
-  EXPECT_TRUE(log.take(at(20.0, Halt::kTrustLost), kNever));
+  EXPECT_TRUE(log.onReport(at(20.0, Halt::kTrustLost), kNever));
 }
 
 TEST(HapticStatusLog, SaysAtMostTenHaltsAndTenOtherLinesAMinute) {
@@ -199,8 +199,8 @@ TEST(HapticStatusLog, SaysAtMostTenHaltsAndTenOtherLinesAMinute) {
   for (int i = 0; i < 59'000; ++i) {
     TickReport report = at(1.0 + i * 1e-3, i % 7 < 3 ? Halt::kTrustLost : Halt::kNone,
                            bit(SafetyAction::kStiffness));
-    report.lookup = i % 2 == 0 ? Lookup::kFaded : Lookup::kInterpolated;
-    lines += log.take(report, kNever) ? 1 : 0;
+    report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
+    lines += log.onReport(report, kNever) ? 1 : 0;
   }
   EXPECT_EQ(lines, 2 * (LogRateLimiter::kBurst + 3)) << "a token comes back at 15, 30 and 45 s";
 }
@@ -209,7 +209,7 @@ TEST(HapticStatusLog, SaysOnceAMinuteThatAWallIsSofter) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {
-    lines += log.take(at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever) ? 1 : 0;
+    lines += log.onReport(at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever) ? 1 : 0;
   }
   EXPECT_EQ(lines, 3);
 }
@@ -218,16 +218,17 @@ TEST(Trust, WhereThereIsAWindowItsKeyIsNamed) {
   TickReport report;
   report.halt = Halt::kTrustLost;
   EXPECT_NE(HapticStatusLog()
-                .take(report, RearmPolicy(false, true))
+                .onReport(report, RearmPolicy(false, true))
                 .value_or("")
                 .find("no force until R is pressed in the window"),
             std::string::npos);
-  EXPECT_NE(HapticStatusLog().take(report, RearmPolicy(false)).value_or("").find("with --rearm"),
-            std::string::npos);
+  EXPECT_NE(
+      HapticStatusLog().onReport(report, RearmPolicy(false)).value_or("").find("with --rearm"),
+      std::string::npos);
   report.halt = Halt::kDeviceLost;
-  EXPECT_EQ(HapticStatusLog().take(report, RearmPolicy(false, true)),
+  EXPECT_EQ(HapticStatusLog().onReport(report, RearmPolicy(false, true)),
             "the device does not answer: no force until it is back and R is pressed in the window");
-  EXPECT_EQ(HapticStatusLog().take(report, RearmPolicy(true, true)),
+  EXPECT_EQ(HapticStatusLog().onReport(report, RearmPolicy(true, true)),
             "the device does not answer: no force until it is back");
 }
 

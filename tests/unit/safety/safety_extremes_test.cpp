@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -44,7 +44,7 @@ struct Extreme {
     }
     rig.wall_velocity_mm_s = 0.0;
   }
-  Rig rig;
+  ChainFixture rig;
   std::string name;
 };
 

@@ -7,14 +7,14 @@
 #include <cstdio>
 
 #include "client/device/device_profile.hpp"
-#include "tests/support/rig.hpp"
+#include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
 namespace {
 
 /// A light hand 30 mm above the wall presses with about 1 N for two seconds and lets go, three
 /// times.
-void press(Rig& rig, double force_N = 1.0) {
+void press(ChainFixture& rig, double force_N = 1.0) {
   const double deep_mm = force_N * (1.0 / rig.stiffness_N_mm + 5.0);
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   for (int i = 0; i < 9000; ++i) {
@@ -30,7 +30,7 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
       for (const Hand& hand : {Hand::light(), Hand::lightGrip()}) {
         PlantProfile profile = loadDeviceProfile(name);
         profile.stiffness_N_mm = k;
-        Rig rig(profile, profile, hand);
+        ChainFixture rig(profile, profile, hand);
         press(rig, 0.8);
         EXPECT_GT(rig.max_force_N, 0.6) << name << k;
         for (const SafetyAction link :
@@ -55,7 +55,7 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
 TEST(SafetyLinks, TheMetersAgreeWithThePlant) {
   // The device's true way under the force that truly acted, tick by tick.
   const PlantProfile profile = omni(1.0, 2);
-  Rig rig(profile, profile, Hand::light());
+  ChainFixture rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   Vec3 sent_N[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   double true_mJ = 0.0;
@@ -74,7 +74,7 @@ TEST(SafetyLinks, TheMetersAgreeWithThePlant) {
 
 TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
   const PlantProfile profile = omni(1.0, 1);
-  Rig rig(profile, profile, Hand::light());
+  ChainFixture rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
   rig.run(500);
   rig.device.setTarget({0.0, 0.0, -8.0});
@@ -110,7 +110,7 @@ TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
 /// Largest speed of a light hand away from a wall that rises 30 mm within one frame of 40 ms.
 double thrown_mm_s(const SafetyLinks& links, std::uint64_t& tank_ticks) {
   const PlantProfile profile = omni(1.0, 1, 0.05);
-  Rig rig(profile, profile, Hand::light(), links);
+  ChainFixture rig(profile, profile, Hand::light(), links);
   rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
   rig.device.setTarget({0.0, 0.0, -5.0});
   rig.run(1500);
@@ -139,7 +139,7 @@ TEST(SafetyLinks, TheTankCalmsASurfaceThatRisesThirtyMillimetresInAFrame) {
 
 TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   const PlantProfile profile = omni(1.0, 1, 0.05);
-  Rig rig(profile, profile, Hand::light());
+  ChainFixture rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
   rig.device.setTarget({0.0, 0.0, -30.0});
   rig.run(700);
@@ -150,7 +150,7 @@ TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   EXPECT_NEAR(rig.out.force_N.z(), 0.88, 0.03);
   EXPECT_GT(rig.count(SafetyAction::kThermal), 19'000U);
   EXPECT_LE(rig.max_step_N, 0.05);  // eased, not dropped
-  Rig warm(profile, profile, Hand::light(), {.thermal = false});
+  ChainFixture warm(profile, profile, Hand::light(), {.thermal = false});
   warm.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
   warm.device.setTarget({0.0, 0.0, -30.0});
   warm.run(20'000);
@@ -162,7 +162,7 @@ TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
     const PlantProfile profile = omni(0.5, 1);
     SafetyChain chain(profile);
     SafetyInput in;
-    in.touchable = true;
+    in.in_contact = true;
     in.stiffness_N_mm = 0.5;
     in.damping_Ns_m = damping_Ns_m;
     in.position_mm.z() = in.ahead.position_mm.z() = 1.0;
@@ -195,12 +195,12 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
   const PlantProfile profile = omni(5.0, 3);
   double swing_mm[2] = {0.0, 0.0};
   for (const bool insured : {true, false}) {
-    Rig rig(profile, profile, Hand::lightGrip(),
-            {.stiffness_limit = false,
-             .damping = false,
-             .passivity = insured,
-             .latency_watch = false,
-             .trust = false});
+    ChainFixture rig(profile, profile, Hand::lightGrip(),
+                     {.stiffness_limit = false,
+                      .damping = false,
+                      .passivity = insured,
+                      .latency_watch = false,
+                      .trust = false});
     rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
     rig.device.setTarget({0.0, 0.0, -6.0});
     rig.run(4000);
@@ -234,7 +234,7 @@ struct Told {
     profile.peak_N = profile.continuous_N = 8.0;
     return profile;
   }
-  Rig rig;
+  ChainFixture rig;
   int alarms = 0;
 };
 

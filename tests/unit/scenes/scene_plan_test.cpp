@@ -43,13 +43,13 @@ TEST(ScenePlan, AStageGoesOffWithinTheBudgetOnly) {
   settings.error_budget_N = 0.01;
   ScenePlan plan(settings, false);
   EXPECT_TRUE(plan.on(Stage::kSmooth));  // not measured yet
-  plan.costs(Stage::kSmooth, 0.006);
+  plan.setForceError(Stage::kSmooth, 0.006);
   EXPECT_TRUE(plan.on(Stage::kSmooth));
-  plan.costs(Stage::kSmooth, 0.004);
+  plan.setForceError(Stage::kSmooth, 0.004);
   EXPECT_FALSE(plan.on(Stage::kSmooth));
-  plan.costs(Stage::kClean, std::numeric_limits<double>::infinity());
+  plan.setForceError(Stage::kClean, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(plan.on(Stage::kClean));
-  plan.costs(Stage::kSmooth, std::numeric_limits<double>::quiet_NaN());
+  plan.setForceError(Stage::kSmooth, std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(plan.on(Stage::kSmooth));
 }
 
@@ -57,16 +57,16 @@ TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
   ScenePlan plan({}, true);
   EXPECT_FALSE(plan.on(Stage::kSegment));
   EXPECT_TRUE(plan.on(Stage::kMotion));
-  plan.rest(true);
+  plan.isResting(true);
   for (const PlanLine& line : plan.lines()) EXPECT_FALSE(line.on) << line.why;
-  plan.rest(false);
+  plan.isResting(false);
   EXPECT_TRUE(plan.on(Stage::kMotion));
 
   PlanSettings forced;
   forced.forced[std::size_t(Stage::kMotion)] = true;
   forced.forced[std::size_t(Stage::kSmooth)] = false;
   ScenePlan overruled(forced, false);
-  overruled.rest(true);
+  overruled.isResting(true);
   EXPECT_TRUE(overruled.on(Stage::kMotion));
   EXPECT_FALSE(overruled.on(Stage::kSmooth));
   EXPECT_EQ(overruled.lines()[std::size_t(Stage::kMotion)].why, "the author says so");
@@ -74,7 +74,7 @@ TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
   PlanSettings all;
   all.everything = true;
   ScenePlan everything(all, true);
-  everything.rest(true);
+  everything.isResting(true);
   for (const PlanLine& line : everything.lines()) EXPECT_TRUE(line.on);
 }
 

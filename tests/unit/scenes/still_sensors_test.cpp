@@ -38,7 +38,7 @@ class StillBall {
     cv::Mat(flips * 255).copyTo(mask, dilatedBy(whole, 1) & ~erodedBy(whole, 1));
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8UC1));
     const Surface seen = cleanSurface(depth, mask, noise_, Method::kHapticast);
-    return hold_.apply(now_gray_, seen, restNoiseOf(noise_, seen), false);
+    return hold_.apply(now_gray_, seen, computeStaticNoise(noise_, seen), false);
   }
   [[nodiscard]] const StaticRegionFilter& hold() const { return hold_; }
 

@@ -53,7 +53,7 @@ class FakeCapture final : public cv::VideoCapture {
   std::size_t next_ = 0;
 };
 
-Camera cameraOf(std::vector<cv::Size> colors, std::vector<cv::Size> depths) {
+Camera selectCamera(std::vector<cv::Size> colors, std::vector<cv::Size> depths) {
   return {{std::make_unique<FakeCapture>(CV_8UC3, std::move(colors)), "/dev/video7"},
           {std::make_unique<FakeCapture>(CV_16UC1, std::move(depths)), "/dev/video8"},
           0.0};
@@ -63,7 +63,7 @@ const cv::Size kSize(64, 48);
 const cv::Size kOther(32, 24);
 
 TEST(Camera, AFrameOfAnotherSizeIsLeftOutWithOneWarning) {
-  Camera camera = cameraOf({kSize, kSize, kOther, kSize}, {kSize});
+  Camera camera = selectCamera({kSize, kSize, kOther, kSize}, {kSize});
   const LogLines log;
   EXPECT_EQ(camera.read()->index, 0U);
   EXPECT_EQ(camera.read()->index, 2U);
@@ -76,7 +76,7 @@ TEST(Camera, OneThatFailsNowAndThenDoesNotFillTheLog) {
   sizes.reserve(201);
   for (int i = 0; i < 200; ++i) sizes.push_back(i % 2 == 1 ? kOther : kSize);
   sizes.push_back(kSize);
-  Camera camera = cameraOf(sizes, {kSize});
+  Camera camera = selectCamera(sizes, {kSize});
   const LogLines log;
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(camera.read());
   EXPECT_GE(log.count(), 2);
@@ -84,7 +84,7 @@ TEST(Camera, OneThatFailsNowAndThenDoesNotFillTheLog) {
 }
 
 TEST(Camera, FramesThatStayOfAnotherSizeEndItInOneLine) {
-  Camera camera = cameraOf({kSize}, {kSize, kSize, kOther});
+  Camera camera = selectCamera({kSize}, {kSize, kSize, kOther});
   const LogLines log;
   EXPECT_TRUE(camera.read());
   EXPECT_THAT(errorOf([&] { (void)camera.read(); }),

@@ -34,36 +34,36 @@ CodedFrame decoded(const SharedBytes& bytes) {
 TEST(FrameEncoder, LeavesOutWhatDidNotChange) {
   FrameEncoder encoder;
   const EncodedFrame first = encoder.encode(frame(1));
-  EXPECT_EQ(first.lean, first.whole->payload()) << "nothing was sent before: encoded once";
+  EXPECT_EQ(first.delta, first.key_frame->payload()) << "nothing was sent before: encoded once";
   const EncodedFrame second = encoder.encode(frame(2));
   EXPECT_EQ(second.id, 2U);
   EXPECT_EQ(second.media_time, mediaTime(0.08));
-  const CodedFrame lean = decoded(second.lean);
+  const CodedFrame lean = decoded(second.delta);
   EXPECT_TRUE(lean.objects[0].relief);
   EXPECT_FALSE(lean.objects[1].relief);
   EXPECT_EQ(second.epoch, 0U);
-  const CodedFrame whole = decoded(second.whole->payload());
+  const CodedFrame whole = decoded(second.key_frame->payload());
   EXPECT_TRUE(whole.objects[0].relief);
   EXPECT_TRUE(whole.objects[1].relief);
-  EXPECT_EQ(second.whole->payload(), second.whole->payload()) << "once for all who ask";
+  EXPECT_EQ(second.key_frame->payload(), second.key_frame->payload()) << "once for all who ask";
 }
 
 TEST(FrameEncoder, RepeatsEveryReliefWithinASecondAndInANewEpoch) {
   FrameEncoder encoder;
   std::size_t since = 0;
   for (std::uint64_t id = 1; id <= 100; ++id) {
-    const bool whole = decoded(encoder.encode(frame(id)).lean).objects[1].relief != nullptr;
+    const bool whole = decoded(encoder.encode(frame(id)).delta).objects[1].relief != nullptr;
     since = whole ? 0 : since + 1;
     EXPECT_LT(since, 25U) << id;
     EXPECT_EQ(whole, id % 25 == 1) << id;
   }
   HapticFrame cut = frame(101);
-  EXPECT_TRUE(decoded(encoder.encode(cut).lean).objects[1].relief) << "its second is over";
+  EXPECT_TRUE(decoded(encoder.encode(cut).delta).objects[1].relief) << "its second is over";
   cut = frame(102);
-  EXPECT_FALSE(decoded(encoder.encode(cut).lean).objects[1].relief);
+  EXPECT_FALSE(decoded(encoder.encode(cut).delta).objects[1].relief);
   cut = frame(103);
   cut.epoch = 1;
-  EXPECT_TRUE(decoded(encoder.encode(cut).lean).objects[1].relief);
+  EXPECT_TRUE(decoded(encoder.encode(cut).delta).objects[1].relief);
 }
 
 TEST(FrameEncoder, EncodesVideo) {

@@ -53,7 +53,7 @@ TEST(EncoderThread, GivesEverySinkTheSameBytesInOrder) {
   ASSERT_EQ(second.frames.size(), 20U);
   for (std::size_t i = 0; i < 20; ++i) {
     EXPECT_EQ(first.frames[i].id, i + 1);
-    EXPECT_EQ(first.frames[i].lean, second.frames[i].lean) << "encoded once";
+    EXPECT_EQ(first.frames[i].delta, second.frames[i].delta) << "encoded once";
   }
   EXPECT_EQ(first.names, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(second.videos.size(), 20U);

@@ -48,7 +48,7 @@ TEST_F(KeyMasks, AreFewerThanPicturesAndNamedLikeThem) {
     ASSERT_TRUE(frame);
     const bool has_key = i == 1 || i == 3;
     EXPECT_EQ(frame->mask.empty(), !has_key) << i;
-    const FrameImages images = imagesOf(*frame, source.info());
+    const FrameImages images = makeFrameImages(*frame, source.info());
     EXPECT_TRUE(images.mask.empty()) << "a key mask is no mask of the source's";
     ASSERT_EQ(images.key_mask.empty(), !has_key) << i;
     if (has_key) {
@@ -63,8 +63,8 @@ TEST_F(KeyMasks, AsManyAsPicturesAreTheSources) {
   EXPECT_FALSE(source.info().key_masks);
   const auto frame = source.read();
   ASSERT_TRUE(frame);
-  EXPECT_EQ(cv::countNonZero(imagesOf(*frame, source.info()).mask), 42);
-  EXPECT_TRUE(imagesOf(*frame, source.info()).key_mask.empty());
+  EXPECT_EQ(cv::countNonZero(makeFrameImages(*frame, source.info()).mask), 42);
+  EXPECT_TRUE(makeFrameImages(*frame, source.info()).key_mask.empty());
 }
 
 TEST_F(KeyMasks, BadOnesAreRefusedWhereverTheyAre) {

@@ -47,7 +47,7 @@ TEST(SkinColors, AFingerIsSkinAndSpecksAreNotWhateverTheLight) {
     for (int v = 300; v < 460; v += 9) {
       for (int u = 300; u < 600; u += 9) cv::circle(color, {u, v}, 1, kSkin.mul(light), cv::FILLED);
     }
-    const cv::Mat skin = SkinColors::inLightOf(color).in(color);
+    const cv::Mat skin = SkinColors::adaptedToLight(color).in(color);
     const cv::Mat finger = skin({102, 110, 26, 180});
     EXPECT_GT(cv::countNonZero(finger), 0.9 * static_cast<double>(finger.total()));
     EXPECT_EQ(cv::countNonZero(skin({300, 0, 340, 480})), 0);
@@ -70,7 +70,7 @@ struct Drawn {
   FrameImages finish(std::mt19937& random) {
     color = grained(color, random);
     noise = measureNoise(depth);
-    skin = SkinColors::inLightOf(color);
+    skin = SkinColors::adaptedToLight(color);
     return imagesWith(color, depth);
   }
 };
@@ -82,7 +82,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
   const FrameImages images = drawn.finish(random);
   const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-  const GraphRoi view = GraphRoi::of(scene, {{0, 0}, kDrawn}, 1e6);
+  const GraphRoi view = GraphRoi::around(scene, {{0, 0}, kDrawn}, 1e6);
   cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
   cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
   cv::rectangle(unary, {70, 50, 160, 130}, cv::Scalar(0.2), 30);  // ... and perhaps
@@ -103,7 +103,7 @@ TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
     drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
     const FrameImages images = drawn.finish(random);
     const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-    const GraphRoi view = GraphRoi::of(scene, {{0, 0}, kDrawn}, 1e6);
+    const GraphRoi view = GraphRoi::around(scene, {{0, 0}, kDrawn}, 1e6);
     cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
     mask(whole).setTo(255);
     mask(between).setTo(0);

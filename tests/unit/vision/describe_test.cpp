@@ -100,11 +100,11 @@ TEST(Describe, CellsThatStandAreNewOnesAndThoseOfTheFrameBeforeStay) {
   measured.columns = 2;
   measured.rows = 1;
   measured.step = cv::Mat(1, 2, CV_32FC3, cv::Scalar(1, 2, 3));
-  const CellFlow stands = measured.standing();
+  const CellFlow stands = measured.atRest();
   EXPECT_EQ(stands.columns, 2);
   EXPECT_EQ(stands.step.at<cv::Vec3f>(0, 1), cv::Vec3f(0, 0, 0));
   EXPECT_EQ(measured.step.at<cv::Vec3f>(0, 1), cv::Vec3f(1, 2, 3));
-  EXPECT_TRUE(CellFlow().standing().step.empty());
+  EXPECT_TRUE(CellFlow().atRest().step.empty());
 }
 
 }  // namespace

@@ -159,7 +159,7 @@ cv::Mat ballHeights(double radius_px, double u, double v) {
 }
 
 // As 255 levels over 30 mm.
-cv::Mat levelsOf(const cv::Mat& heights_mm) {
+cv::Mat buildLevels(const cv::Mat& heights_mm) {
   cv::Mat levels = heights_mm * (255.0 / 30.0);
   for (float& level : cv::Mat_<float>(levels)) level = std::max(0.0F, std::round(level));
   return levels;
@@ -186,7 +186,7 @@ cv::Mat reliefHeights(const cv::Mat& levels, const cv::Mat& mask) {
   RgbdFrame frame;
   frame.color = cv::Mat::zeros(levels.size(), CV_8UC3);
   frame.depth = levels;
-  const FrameImages view = imagesOf(frame, info);
+  const FrameImages view = makeFrameImages(frame, info);
   DepthNoise noise = measureNoise(view.depth);
   noise.eight_bit = true;
   const Surface surface = cleanSurface(view.depth, mask, noise, Method::kHapticast);
@@ -205,7 +205,7 @@ TEST(Enhance, EightBitDepthHasNoTerraces) {
     for (int step = 0; step < 6; ++step) {
       const cv::Mat truth = ballHeights(radius_px, 140 + 0.37 * step, 140 + 0.21 * step);
       const cv::Mat mask = truth > 0;
-      const cv::Mat levels = levelsOf(truth);
+      const cv::Mat levels = buildLevels(truth);
       const Rms as_it_is = rmsError(levels * (30.0 / 255.0), truth, mask);
       const Rms fit = rmsError(quadraticFit(levels * (30.0 / 255.0), mask, 2.6), truth, mask);
       const Rms ours = rmsError(reliefHeights(levels, mask), truth, mask);
@@ -242,7 +242,7 @@ TEST(Enhance, EightBitDepthOfAGentleSlopeHasNoTerraces) {
   for (const double slope : {0.02, 0.05, 0.1}) {
     const cv::Mat truth = painted(
         280, [&](int u, int v) { return 12.0 + 0.25 * (slope * (u - 140) + 0.4 * slope * v); });
-    const cv::Mat levels = levelsOf(truth);
+    const cv::Mat levels = buildLevels(truth);
     const double narrow = slopeError(narrowFit(levels, mask), truth, mask);
     const double ours = slopeError(reliefHeights(levels, mask), truth, mask);
     EXPECT_LT(ours, 0.01) << slope;
@@ -259,7 +259,7 @@ TEST(Enhance, EightBitDepthKeepsItsWaves) {
     const cv::Mat truth = painted(280, [&](int u, int v) {
       return 12.0 + 0.5 * std::sin(2.0 * M_PI * u / length_px) + 0.01 * v;
     });
-    const cv::Mat levels = levelsOf(truth);
+    const cv::Mat levels = buildLevels(truth);
     const cv::Mat narrow = narrowFit(levels, mask);
     const cv::Mat ours = reliefHeights(levels, mask);
     EXPECT_LT(rmsError(ours, truth, mask).inside, 1.1 * rmsError(narrow, truth, mask).inside);

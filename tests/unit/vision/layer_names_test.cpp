@@ -36,7 +36,7 @@ Surface furry(cv::RNG& random, const cv::Point& at, double arm_nearer_mm) {
 }
 
 // Names over the picture, layer + 1.
-cv::Mat namesOf(const std::vector<Surface>& layers) {
+cv::Mat listNames(const std::vector<Surface>& layers) {
   cv::Mat out = cv::Mat::zeros(300, 400, CV_8UC1);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     if (!layers[i].box.empty()) out(layers[i].box).setTo(double(i + 1), layers[i].mask);
@@ -52,7 +52,7 @@ TEST(LayerNames, HardlyAPixelOfMovingFurChangesItsLayer) {
     double changed = 0.0;
     for (int i = 0; i < 50; ++i) {
       const cv::Point at(20 + 2 * i, 30 + i % 7);
-      const cv::Mat names = namesOf(cutter.cut(furry(random, at, arm_mm), kGap_mm));
+      const cv::Mat names = listNames(cutter.cut(furry(random, at, arm_mm), kGap_mm));
       const cv::Mat own = names(cv::Rect(at, kFurSize)).clone();
       if (i > 5) changed += cv::countNonZero(own != last) / static_cast<double>(own.total()) / 44.0;
       last = own;
@@ -67,10 +67,10 @@ TEST(LayerNames, StayWhenTheOrderOfDepthsChanges) {
   LayerCutter cutter;
   const cv::Point at(40, 50);
   const cv::Rect arm = cv::Rect(70, 50, 20, 50) + at;
-  const int name = namesOf(cutter.cut(furry(random, at, 60), kGap_mm)).at<uchar>(arm.tl());
+  const int name = listNames(cutter.cut(furry(random, at, 60), kGap_mm)).at<uchar>(arm.tl());
   EXPECT_EQ(name, 1);  // what is nearest begins with the first
   for (int i = 0; i < 6; ++i) {
-    const cv::Mat names = namesOf(cutter.cut(furry(random, at, -60), kGap_mm));
+    const cv::Mat names = listNames(cutter.cut(furry(random, at, -60), kGap_mm));
     EXPECT_GT(cv::countNonZero(names(arm) == name), 0.95 * arm.area()) << i;
   }
 }
@@ -81,7 +81,7 @@ TEST(LayerNames, ALayerThatGoesLeavesTheOthersTheirNames) {
   const cv::Point at(40, 50);
   (void)cutter.cut(furry(random, at, 60), kGap_mm);
   cv::Mat names;
-  for (int i = 0; i < 6; ++i) names = namesOf(cutter.cut(furry(random, at, 0), kGap_mm));
+  for (int i = 0; i < 6; ++i) names = listNames(cutter.cut(furry(random, at, 0), kGap_mm));
   EXPECT_EQ(cv::countNonZero(names == 2), kFurSize.area());
 }
 

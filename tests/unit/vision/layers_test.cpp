@@ -36,7 +36,7 @@ cv::Mat noise(const cv::Size& size, double sigma, std::uint64_t seed) {
   return out;
 }
 
-int pixelsOf(const Layers& layers, int layer) {
+int computePixelRect(const Layers& layers, int layer) {
   return cv::countNonZero(layers.labels == layer + 1);
 }
 
@@ -61,9 +61,9 @@ TEST(Layers, AStepOfTenMillimetresCutsTheObjectInTwo) {
   surface.depth += noise(surface.box.size(), 2.0, 2);
   const Layers layers = findLayers(surface, kStep_mm);
   ASSERT_EQ(layers.count, 2);
-  EXPECT_EQ(pixelsOf(layers, 0), kHand.area());
+  EXPECT_EQ(computePixelRect(layers, 0), kHand.area());
   EXPECT_EQ(cv::countNonZero(layers.labels(kHand) == 1), kHand.area());
-  EXPECT_EQ(pixelsOf(layers, 1), surface.box.area() - kHand.area());
+  EXPECT_EQ(computePixelRect(layers, 1), surface.box.area() - kHand.area());
 }
 
 TEST(Layers, AStepSmearedByTheSensorCutsToo) {
@@ -71,14 +71,14 @@ TEST(Layers, AStepSmearedByTheSensorCutsToo) {
   cv::blur(surface.depth, surface.depth, {3, 3});
   const Layers layers = findLayers(surface, kStep_mm);
   ASSERT_EQ(layers.count, 2);
-  EXPECT_NEAR(pixelsOf(layers, 0), kHand.area(), 2 * (kHand.width + kHand.height));
+  EXPECT_NEAR(computePixelRect(layers, 0), kHand.area(), 2 * (kHand.width + kHand.height));
 }
 
 TEST(Layers, TwoHandsShareALayerAndWhatTheyHoldIsBeforeThem) {
   const cv::Rect other(110, 40, 30, 60);
   const Layers layers = findLayers(body({kHand, other}, 100), kStep_mm);
   ASSERT_EQ(layers.count, 2);
-  EXPECT_EQ(pixelsOf(layers, 0), kHand.area() + other.area());
+  EXPECT_EQ(computePixelRect(layers, 0), kHand.area() + other.area());
   const cv::Rect held(65, 60, 24, 24);
   const Layers three = findLayers(body({kHand, other, held}, 100), kStep_mm);
   ASSERT_EQ(three.count, 3);

@@ -29,7 +29,7 @@ TEST(Motion, LucasKanadeMeasuresASubPixelShift) {
        {cv::Vec2d(0.37, -0.62), cv::Vec2d(7.3, 4.8), cv::Vec2d(-0.1, 0.0)}) {
     const ObjectFlow flow = trackObject(texture(0, 0), texture(shift[0], shift[1]), mask, {0, 0});
     ASSERT_TRUE(flow.reliable);
-    const cv::Point2d moved = flow.carry({120, 100}) - cv::Point2d(120, 100);
+    const cv::Point2d moved = flow.warp({120, 100}) - cv::Point2d(120, 100);
     EXPECT_NEAR(moved.x, shift[0], 0.05);
     EXPECT_NEAR(moved.y, shift[1], 0.05);
     EXPECT_NEAR(flow.rotation_rad(), 0, 0.002);
@@ -41,7 +41,7 @@ TEST(Motion, LucasKanadeFindsABounceAgainstItsGuess) {
   cv::circle(mask, {120, 100}, 50, 255, cv::FILLED);
   const ObjectFlow flow = trackObject(texture(0, 0), texture(0, -6), mask, {0, 60});
   ASSERT_TRUE(flow.reliable);
-  EXPECT_NEAR(flow.carry({120, 100}).y, 94, 0.1);
+  EXPECT_NEAR(flow.warp({120, 100}).y, 94, 0.1);
 }
 
 TEST(Motion, WithoutTextureTheGuessIsKeptAndNotTrusted) {
@@ -50,7 +50,7 @@ TEST(Motion, WithoutTextureTheGuessIsKeptAndNotTrusted) {
   const cv::Mat plain(200, 240, CV_8UC1, cv::Scalar(90));
   const ObjectFlow flow = trackObject(plain, plain, mask, {3, 1});
   EXPECT_FALSE(flow.reliable);
-  EXPECT_EQ(flow.carry({0, 0}), cv::Point2d(3, 1));
+  EXPECT_EQ(flow.warp({0, 0}), cv::Point2d(3, 1));
 }
 
 Surface flatSurface(int u, double depth_mm, double slope = 0) {
@@ -142,7 +142,8 @@ TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
   EXPECT_LT(moved(MotionMode::kAuto).second, -9);
 }
 
-std::vector<Sample> samplesOf(double fps, int count, const std::function<Vec3(double)>& position) {
+std::vector<Sample> collectSamples(double fps, int count,
+                                   const std::function<Vec3(double)>& position) {
   std::vector<Sample> out;
   out.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) out.push_back({i / fps, position(i / fps), 0.5 * i / fps, true});
@@ -161,7 +162,7 @@ TEST(Motion, WindowGivesVelocityAndAcceleration) {
   const auto path = [](double t) {
     return Vec3(20 * std::sin(6 * t), 15 * std::cos(5 * t), 8 * std::sin(4 * t + 1));
   };
-  const std::vector<Sample> samples = samplesOf(25, 20, path);
+  const std::vector<Sample> samples = collectSamples(25, 20, path);
   for (std::size_t at = 3; at + 3 < samples.size(); ++at) {
     const double t = samples[at].time_s;
     const Motion motion = motionFrom({samples.begin() + static_cast<std::ptrdiff_t>(at) - 3,
@@ -178,8 +179,8 @@ TEST(Motion, WindowGivesVelocityAndAcceleration) {
 }
 
 TEST(Motion, WindowOfAParabolaIsExactAtTheEndsToo) {
-  const std::vector<Sample> samples =
-      samplesOf(25, 5, [](double t) { return Vec3(3 + 40 * t + 200 * t * t, -100 * t * t, 5); });
+  const std::vector<Sample> samples = collectSamples(
+      25, 5, [](double t) { return Vec3(3 + 40 * t + 200 * t * t, -100 * t * t, 5); });
   for (std::size_t at = 0; at < samples.size(); ++at) {
     const Motion motion = motionFrom(samples, at, 3);
     EXPECT_NEAR(motion.acceleration_mm_s2.x(), 400, 1e-6);
@@ -191,7 +192,7 @@ TEST(Motion, WindowOfAParabolaIsExactAtTheEndsToo) {
 
 TEST(Motion, WhatStandsStillHasNoMotionAtAll) {
   const std::vector<Sample> samples =
-      samplesOf(25, 7, [](double) { return Vec3(12.3456, -7.891, 14.2); });
+      collectSamples(25, 7, [](double) { return Vec3(12.3456, -7.891, 14.2); });
   const Motion motion = motionFrom(samples, 3, 3);
   EXPECT_EQ(motion.velocity_mm_s, Vec3::Zero());
   EXPECT_EQ(motion.acceleration_mm_s2, Vec3::Zero());
@@ -199,13 +200,14 @@ TEST(Motion, WhatStandsStillHasNoMotionAtAll) {
 }
 
 TEST(Motion, OneSampleIsAPlaceWithoutMotion) {
-  const Motion motion = motionFrom(samplesOf(25, 1, [](double) { return Vec3(1, 2, 3); }), 0, 3);
+  const Motion motion =
+      motionFrom(collectSamples(25, 1, [](double) { return Vec3(1, 2, 3); }), 0, 3);
   EXPECT_EQ(motion.position_mm, Vec3(1, 2, 3));
   EXPECT_EQ(motion.velocity_mm_s, Vec3::Zero());
 }
 
 TEST(Motion, ARepeatedDepthIsLeftOutOfTheWindow) {
-  std::vector<Sample> samples = samplesOf(25, 7, [](double t) { return Vec3(0, 0, 100 * t); });
+  std::vector<Sample> samples = collectSamples(25, 7, [](double t) { return Vec3(0, 0, 100 * t); });
   samples[3].position_mm.z() = samples[2].position_mm.z();
   samples[3].depth_seen = false;
   const Motion motion = motionFrom(samples, 3, 3);
@@ -220,7 +222,7 @@ TEST(Motion, ABounceIsNotSmearedIntoAcceleration) {
     const double s = std::abs(t - 0.3);
     return Vec3(40 * t, 600 * s - 1000 * s * s, 0);
   };
-  const std::vector<Sample> samples = samplesOf(25, 16, path);
+  const std::vector<Sample> samples = collectSamples(25, 16, path);
   for (std::size_t at = 3; at + 3 < samples.size(); ++at) {
     const Motion motion = motionFrom({samples.begin() + static_cast<std::ptrdiff_t>(at) - 3,
                                       samples.begin() + static_cast<std::ptrdiff_t>(at) + 4},

@@ -66,10 +66,10 @@ TEST(Range, HoldsWhatMovesInDepthAndSaysThatItIsWide) {
   EXPECT_NEAR(mapped.usual_mm, 62, 12);
   LogLines log;
   DepthRangeLog range_log;
-  range_log.tell(std::nullopt);
+  range_log.log(std::nullopt);
   EXPECT_EQ(log.count(), 0);
-  range_log.tell(mapped);
-  range_log.tell(mapped);
+  range_log.log(mapped);
+  range_log.log(mapped);
   EXPECT_EQ(log.count(), 2);
   EXPECT_NE(log.text().find("--not"), std::string::npos);
 }

@@ -60,7 +60,8 @@ TEST(ReferencePoint, TheCentreOfAnEllipsoidIsFound) {
     for (int i = 0; i < 12; ++i) {
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(0.5 * i, Vec3(0.6, 0.3, -0.8).normalized()).matrix();
-      const BodyCentre found = centreOf(ellipsoid(of.centre_mm, of.semi_axes_mm, turn), kCamera);
+      const BodyCentre found =
+          computeCentre(ellipsoid(of.centre_mm, of.semi_axes_mm, turn), kCamera);
       EXPECT_LT((found.position_mm - of.centre_mm).norm(), 0.02 * of.semi_axes_mm.x()) << i;
     }
   }
@@ -69,7 +70,7 @@ TEST(ReferencePoint, TheCentreOfAnEllipsoidIsFound) {
 TEST(ReferencePoint, ASphereIsOneAndABoxIsNone) {
   const Vec3 centre(0, 0, 1000);
   const BodyCentre ball =
-      centreOf(ellipsoid(centre, {60, 60, 60}, Eigen::Matrix3d::Identity()), kCamera);
+      computeCentre(ellipsoid(centre, {60, 60, 60}, Eigen::Matrix3d::Identity()), kCamera);
   EXPECT_TRUE(ball.sphere);
   EXPECT_LT((ball.position_mm - centre).norm(), 1.0);
   // Edge on: two planes that meet in front. The centre is 50 mm behind the edge.
@@ -79,7 +80,7 @@ TEST(ReferencePoint, ASphereIsOneAndABoxIsNone) {
     if (std::abs(x) > 50 || std::abs(y) > 35) return std::nullopt;
     return 1000 + std::abs(x);
   });
-  const BodyCentre found = centreOf(box, kCamera);
+  const BodyCentre found = computeCentre(box, kCamera);
   EXPECT_FALSE(found.sphere);
   EXPECT_NEAR(found.position_mm.z(), 1050, 25);
 }
@@ -89,8 +90,8 @@ TEST(ReferencePoint, AFlatThingHasItsCentreOnIt) {
     if (at.x() < 80 || at.x() > 200 || at.y() < 70 || at.y() > 160) return std::nullopt;
     return 900.0;
   });
-  EXPECT_NEAR(centreOf(card, kCamera).position_mm.z(), 900, 1e-6);
-  EXPECT_EQ(centreOf(surfaceOf([](const Vec2&) { return std::nullopt; }), kCamera).position_mm,
+  EXPECT_NEAR(computeCentre(card, kCamera).position_mm.z(), 900, 1e-6);
+  EXPECT_EQ(computeCentre(surfaceOf([](const Vec2&) { return std::nullopt; }), kCamera).position_mm,
             Vec3::Zero());
 }
 

@@ -20,7 +20,7 @@ struct Frame {
 
 Frame frameOf(const test::BallScene& scene, double u, double v, double closer_mm = 0) {
   Frame out;
-  out.view = imagesOf(scene.frame(0, u, v, closer_mm), scene.info());
+  out.view = makeFrameImages(scene.frame(0, u, v, closer_mm), scene.info());
   DepthNoise noise;
   noise.sigma_mm = {0.5};
   out.surface = rawSurface(out.view.depth, out.view.mask * 255, noise);
@@ -111,7 +111,7 @@ TEST(RigidAlign, NonsenseIsNoMotion) {
 TEST(ReferencePoint, ASphereIsToldByItsCentre) {
   const test::BallScene scene;
   const Frame frame = frameOf(scene, 190, 100);
-  const BodyCentre centre = centreOf(frame.surface, scene.camera());
+  const BodyCentre centre = computeCentre(frame.surface, scene.camera());
   EXPECT_TRUE(centre.sphere);
   EXPECT_LT((centre.position_mm - centreOfBall(scene, 190, 100)).norm(), 0.5);
 }
@@ -120,12 +120,12 @@ TEST(ReferencePoint, AFlatThingIsWhereItIsSeen) {
   const test::BallScene scene;
   Frame frame = frameOf(scene, 160, 120);
   frame.surface.depth.setTo(700);
-  const BodyCentre centre = centreOf(frame.surface, scene.camera());
+  const BodyCentre centre = computeCentre(frame.surface, scene.camera());
   EXPECT_FALSE(centre.sphere);
   EXPECT_NEAR(centre.position_mm.z(), 700, 1e-6);
   EXPECT_NEAR(centre.position_mm.x(), 0, 1.0);
   frame.surface.depth.setTo(0);
-  EXPECT_EQ(centreOf(frame.surface, scene.camera()).position_mm.z(), 0.0);
+  EXPECT_EQ(computeCentre(frame.surface, scene.camera()).position_mm.z(), 0.0);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST_P(CleanBodies, ABallKeepsItsRim) {
   const double z_mm = GetParam();
   const test::BallScene scene{
       .radius_px = 80, .near_mm = z_mm, .bulge_mm = 0.25 * z_mm, .background_mm = 1.8 * z_mm};
-  const FrameImages images = imagesOf(scene.frame(0, 160, 120), scene.info());
+  const FrameImages images = makeFrameImages(scene.frame(0, 160, 120), scene.info());
   expectWhole(images.depth, images.mask * 255);
   // As files have it: whole millimetres.
   cv::Mat rounded;

@@ -26,7 +26,7 @@ struct Runner {
 
   const std::vector<Segment>& next(const RgbdFrame& frame) {
     if (!frames) frames.emplace(info, true);
-    const FramePair pair = frames->takeIn(frame, 0.0);
+    const FramePair pair = frames->push(frame, 0.0);
     Flows flows;
     for (const Segment& s : segments) {
       if (!pair.last.gray.empty())

@@ -230,11 +230,10 @@ TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
   settings.object_points = {{{100, 100}}};
   const auto segmenter = makeSegmenter(settings, false, id);
   FramePairs frames(scene.info(), true);
-  const cv::Mat first =
-      segmenter->next(frames.takeIn(scene.frame(0, 100, 100), 0.0), {}).at(0).mask;
-  const FramePair moved = frames.takeIn(scene.frame(1, 104, 100), 0.04);
+  const cv::Mat first = segmenter->next(frames.push(scene.frame(0, 100, 100), 0.0), {}).at(0).mask;
+  const FramePair moved = frames.push(scene.frame(1, 104, 100), 0.04);
   ObjectFlow flow;
-  flow.stays = true;
+  flow.isStatic = true;
   EXPECT_EQ(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 1.0);
   flow = {};
   flow.similarity(0, 2) = 4;
@@ -291,7 +290,7 @@ TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
   VisionSettings settings;
   settings.object_points = {{{80, 120}}, {{240, 120}}};
   ClipAnnotations annotations;
-  const FramePair frames = FramePairs(scene.info(), true).takeIn(twoBalls(scene), 0.0);
+  const FramePair frames = FramePairs(scene.info(), true).push(twoBalls(scene), 0.0);
   const auto segmenter = makeSegmenter(settings, false, id, &annotations);
   const std::vector<Segment> begun = segmenter->next(frames, {});
   ASSERT_EQ(begun.size(), 2U);
@@ -301,7 +300,7 @@ TEST(Segment, SharingOutTakesNothingFromARememberedStart) {
   onto.similarity(0, 2) = 160;
   onto.reliable = true;
   ObjectFlow rests;
-  rests.stays = true;
+  rests.isStatic = true;
   const std::vector<Segment> shared =
       segmenter->next(frames, {{begun[0].id, onto}, {begun[1].id, rests}});
   ASSERT_TRUE(shared.size() == 1 || overlap(shared[1].mask, second) < 0.5);
@@ -372,10 +371,11 @@ TEST(Segment, RefusesFramesOfAnotherSize) {
   const test::BallScene scene;
   RgbdFrame frame = scene.frame(3, 100, 100);
   frame.depth = frame.depth(cv::Rect(0, 0, 100, 100)).clone();
-  EXPECT_NE(errorOf([&] { imagesOf(frame, scene.info()); }).find("frame 3"), std::string::npos);
+  EXPECT_NE(errorOf([&] { makeFrameImages(frame, scene.info()); }).find("frame 3"),
+            std::string::npos);
   frame = scene.frame(3, 100, 100);
   frame.color = cv::Mat();
-  EXPECT_NE(errorOf([&] { imagesOf(frame, scene.info()); }), "");
+  EXPECT_NE(errorOf([&] { makeFrameImages(frame, scene.info()); }), "");
 }
 
 TEST(Segment, UnusableDepthsCountAsNotMeasured) {
@@ -384,7 +384,7 @@ TEST(Segment, UnusableDepthsCountAsNotMeasured) {
   frame.depth.at<float>(0, 0) = std::numeric_limits<float>::quiet_NaN();
   frame.depth.at<float>(0, 1) = -5;
   frame.depth.at<float>(0, 2) = std::numeric_limits<float>::infinity();
-  const FrameImages view = imagesOf(frame, scene.info());
+  const FrameImages view = makeFrameImages(frame, scene.info());
   for (int u = 0; u < 3; ++u) EXPECT_EQ(view.depth.at<float>(0, u), 0.0F);
 }
 

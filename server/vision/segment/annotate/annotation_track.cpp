@@ -15,27 +15,27 @@ constexpr double kJoined_mm = 60;       // chosen: a hand is larger, a finger an
 constexpr double kLeastPatch_mm = 25;   // chosen: a rim or a shadow must not teach its colours
 constexpr float kLikeThePoint = -7.0F;  // chosen, log of a density: two spreads of the camera off
 
-cv::Point pixelOf(const AuthorPoint& point) {
+cv::Point toPixel(const AuthorPoint& point) {
   return {static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y())};
 }
 
 // Times up to this one speak of the frame or of an earlier one.
-double endOf(double clip_time_s, const FramePair& frames) {
+double endTime(double clip_time_s, const FramePair& frames) {
   return clip_time_s < 0.0 ? -1.0 : clip_time_s + 0.5 * frames.frame_s;
 }
 
 void addDue(const std::vector<AuthorPoint>& points, const FramePair& frames,
             std::vector<cv::Point>& out) {
-  const double begin_s = endOf(frames.last_clip_time_s, frames);
-  const double end_s = endOf(frames.clip_time_s, frames);
+  const double begin_s = endTime(frames.last_clip_time_s, frames);
+  const double end_s = endTime(frames.clip_time_s, frames);
   for (const AuthorPoint& point : points) {
-    if (point.time_s > begin_s && point.time_s <= end_s) out.push_back(pixelOf(point));
+    if (point.time_s > begin_s && point.time_s <= end_s) out.push_back(toPixel(point));
   }
 }
 
 }  // namespace
 
-cv::Mat joinedTo(const GraphRoi& view, const cv::Point& at, int radius_px) {
+cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px) {
   cv::Mat disc = cv::Mat::zeros(view.size(), CV_8UC1);
   cv::circle(disc, at, radius_px, cv::Scalar(255), cv::FILLED);
   const ColorMixture mixture(view.lab, disc);
@@ -51,7 +51,7 @@ AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {
                        std::vector<AuthorPoint>& later) {
     for (const AuthorPoint& point : points) {
       if (point.time_s == 0.0) {
-        start.push_back(pixelOf(point));
+        start.push_back(toPixel(point));
       } else {
         later.push_back(point);
       }
@@ -70,12 +70,12 @@ Annotation AnnotationTrack::annotationAt(const FramePair& frames) const {
 }
 
 bool AnnotationTrack::hasLaterAnnotation(const FramePair& frames) const {
-  const double end_s = endOf(frames.clip_time_s, frames);
+  const double end_s = endTime(frames.clip_time_s, frames);
   const auto later = [end_s](const AuthorPoint& point) { return point.time_s > end_s; };
   return std::any_of(on_.begin(), on_.end(), later) || std::any_of(off_.begin(), off_.end(), later);
 }
 
-void avoid(const FrameContext& scene, const cv::Point& point, NegativeColors& colors) {
+void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors) {
   const cv::Size picture = scene.images.color.size();
   const float depth_mm = scene.images.depth.at<float>(point);
   const int reach_px =
@@ -85,11 +85,11 @@ void avoid(const FrameContext& scene, const cv::Point& point, NegativeColors& co
   const cv::Rect box =
       cv::Rect(point.x - reach_px, point.y - reach_px, 2 * reach_px, 2 * reach_px) &
       cv::Rect({0, 0}, picture);
-  const GraphRoi view = GraphRoi::of(scene, box, 1e9);
-  const cv::Mat region = joinedTo(view, view.placeOf(point), kPoint_px);
+  const GraphRoi view = GraphRoi::around(scene, box, 1e9);
+  const cv::Mat region = connectedTo(view, view.toRoi(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
   if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;
-  const ColorHistogram said = ColorHistogram::of(view.color, region);
+  const ColorHistogram said = ColorHistogram::fromImage(view.color, region);
   cv::Mat samples(0, 1, CV_32FC3);
   for (int v = 0; v < region.rows; ++v) {
     for (int u = 0; u < region.cols; ++u) {

@@ -44,9 +44,9 @@ class AnnotationTrack {
 };
 
 /// The pixels of the view that are joined to `at` by colours like those in a disc around it, 255.
-cv::Mat joinedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
+cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
 
 /// Adds the colours of what is at `point` of the picture, and joined to it in colour and space.
-void avoid(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
+void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
 
 }  // namespace hapticast::server

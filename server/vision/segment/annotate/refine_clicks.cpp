@@ -27,23 +27,23 @@ constexpr double kCertain = 1e3;
 // Everything about a correction in one small view.
 struct Correction {
   GraphRoi view;
-  cv::Mat old;                // 255
-  cv::Mat said_on;            // 255: discs
-  cv::Mat joined_on;          // 255: the discs and what is joined to them in colour and depth
-  cv::Mat joined_off;         // 255: the discs and what is joined to them
-  cv::Mat said_off;           // 255
-  cv::Mat near_on, near_off;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
+  cv::Mat old;                 // 255
+  cv::Mat clicked_positive;    // 255: discs
+  cv::Mat connected_positive;  // 255: the discs and what is joined to them in colour and depth
+  cv::Mat connected_negative;  // 255: the discs and what is joined to them
+  cv::Mat clicked_negative;    // 255
+  cv::Mat nearby_positive, nearby_negative;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
 };
 
 int discRadius(const GraphRoi& view) {
   return std::max(1, int(std::lround(kPoint_px * view.shrink)));
 }
 
-cv::Mat discsAt(const GraphRoi& view, const std::vector<cv::Point>& points) {
+cv::Mat drawDiscs(const GraphRoi& view, const std::vector<cv::Point>& points) {
   cv::Mat out = cv::Mat::zeros(view.size(), CV_8UC1);
   for (const cv::Point& point : points) {
     if (view.box.contains(point))
-      cv::circle(out, view.placeOf(point), discRadius(view), cv::Scalar(255), cv::FILLED);
+      cv::circle(out, view.toRoi(point), discRadius(view), cv::Scalar(255), cv::FILLED);
   }
   return out;
 }
@@ -56,9 +56,9 @@ cv::Mat nearnessTo(const cv::Mat& said, double reach_px) {
 }
 
 // What is joined to a point of the object: of its colours, near in space, on no plane.
-cv::Mat meantAt(const GraphRoi& view, const cv::Point& at, double px_per_mm) {
+cv::Mat drawClickDisc(const GraphRoi& view, const cv::Point& at, double px_per_mm) {
   const int radius = discRadius(view);
-  cv::Mat out = joinedTo(view, at, radius);
+  cv::Mat out = connectedTo(view, at, radius);
   const auto depth_mm = double(view.depth.at<float>(at));
   cv::Mat off = view.plane.clone();
   if (depth_mm > 0) off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > kMeant_mm);
@@ -72,7 +72,8 @@ cv::Mat meantAt(const GraphRoi& view, const cv::Point& at, double px_per_mm) {
   return labels == labels.at<int>(at);
 }
 
-Correction correctionOf(const FrameContext& scene, const cv::Mat& mask, const Annotation& word) {
+Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
+                             const Annotation& word) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
   for (const cv::Point& point : word.on) {
@@ -80,25 +81,25 @@ Correction correctionOf(const FrameContext& scene, const cv::Mat& mask, const An
                     2 * kWordMargin_px);
   }
   Correction out;
-  out.view = GraphRoi::of(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
+  out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
   out.old = out.view.shrunk(mask);
-  out.said_on = discsAt(out.view, word.on);
-  out.said_off = discsAt(out.view, word.off);
-  out.joined_off = out.said_off.clone();
+  out.clicked_positive = drawDiscs(out.view, word.on);
+  out.clicked_negative = drawDiscs(out.view, word.off);
+  out.connected_negative = out.clicked_negative.clone();
   for (const cv::Point& point : word.off) {
     if (out.view.box.contains(point))
-      out.joined_off |= joinedTo(out.view, out.view.placeOf(point), discRadius(out.view));
+      out.connected_negative |= connectedTo(out.view, out.view.toRoi(point), discRadius(out.view));
   }
   const double depth_mm = medianDepth(out.view.depth, out.old, 1);
   const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
   const double reach_px = kSays_mm * px_per_mm;
-  out.joined_on = out.said_on.clone();
+  out.connected_positive = out.clicked_positive.clone();
   for (const cv::Point& point : word.on) {
     if (out.view.box.contains(point))
-      out.joined_on |= meantAt(out.view, out.view.placeOf(point), px_per_mm);
+      out.connected_positive |= drawClickDisc(out.view, out.view.toRoi(point), px_per_mm);
   }
-  out.near_on = nearnessTo(out.joined_on, std::max(reach_px, 3.0));
-  out.near_off = nearnessTo(out.said_off, std::max(reach_px, 3.0));
+  out.nearby_positive = nearnessTo(out.connected_positive, std::max(reach_px, 3.0));
+  out.nearby_negative = nearnessTo(out.clicked_negative, std::max(reach_px, 3.0));
   return out;
 }
 
@@ -112,18 +113,18 @@ cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) 
   return cv::min(cv::max(out, -kMostRather), kMostRather);
 }
 
-cv::Mat evidenceOf(const Correction& c) {
-  const cv::Mat object = (c.old & ~c.joined_off) | c.joined_on;
-  const cv::Mat around = (c.old == 0) & (c.near_on <= 0.0F);
-  const cv::Mat not_color = rather(c.view.lab, object, c.said_off);
+cv::Mat computeEvidence(const Correction& c) {
+  const cv::Mat object = (c.old & ~c.connected_negative) | c.connected_positive;
+  const cv::Mat around = (c.old == 0) & (c.nearby_positive <= 0.0F);
+  const cv::Mat not_color = rather(c.view.lab, object, c.clicked_negative);
   cv::Mat own_color = rather(c.view.lab, object, around);
-  if (cv::countNonZero(c.joined_on) > 0)
-    own_color = cv::max(own_color, rather(c.view.lab, c.joined_on, around));
+  if (cv::countNonZero(c.connected_positive) > 0)
+    own_color = cv::max(own_color, rather(c.view.lab, c.connected_positive, around));
   cv::Mat out(c.old.size(), CV_32FC1);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
-      const auto on = double(c.near_on.at<float>(v, u));
-      const auto off = double(c.near_off.at<float>(v, u));
+      const auto on = double(c.nearby_positive.at<float>(v, u));
+      const auto off = double(c.nearby_negative.at<float>(v, u));
       const bool inside = c.old.at<unsigned char>(v, u) != 0;
       double sum = (inside ? kStays : -kStays) * (1.0 - std::max(on, off));
       sum += kPlace * (on - off);
@@ -132,14 +133,14 @@ cv::Mat evidenceOf(const Correction& c) {
       out.at<float>(v, u) = static_cast<float>(sum);
     }
   }
-  out.setTo(kCertain, c.said_on);
-  out.setTo(-kCertain, c.said_off);
+  out.setTo(kCertain, c.clicked_positive);
+  out.setTo(-kCertain, c.clicked_negative);
   return out;
 }
 
 // The pieces with a point that is the object, else the largest one; and what of the others was the
 // object's before and is no crumb.
-cv::Mat piecesOf(const Correction& c, const cv::Mat& cut) {
+cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
   cv::Mat labels;
   cv::Mat stats;
   cv::Mat centroids;
@@ -150,7 +151,7 @@ cv::Mat piecesOf(const Correction& c, const cv::Mat& cut) {
   cv::Mat out = cv::Mat::zeros(cut.size(), CV_8UC1);
   for (int i = 1; i < count; ++i) {
     const cv::Mat piece = labels == i;
-    const bool is_said = cv::countNonZero(piece & c.said_on) > 0;
+    const bool is_said = cv::countNonZero(piece & c.clicked_positive) > 0;
     if (is_said || stats.at<int>(i, cv::CC_STAT_AREA) > largest_px / 10) out |= piece;
   }
   return out;
@@ -158,10 +159,10 @@ cv::Mat piecesOf(const Correction& c, const cv::Mat& cut) {
 
 }  // namespace
 
-cv::Mat corrected(const FrameContext& scene, const cv::Mat& mask, const Annotation& word) {
-  const Correction c = correctionOf(scene, mask, word);
-  const cv::Mat cut = minimumCut(evidenceOf(c), c.view, scene.noise);
-  return c.view.inPicture(piecesOf(c, cut), mask.size());
+cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask, const Annotation& word) {
+  const Correction c = prepareCorrection(scene, mask, word);
+  const cv::Mat cut = minimumCut(computeEvidence(c), c.view, scene.noise);
+  return c.view.inPicture(selectPieces(c, cut), mask.size());
 }
 
 }  // namespace hapticast::server

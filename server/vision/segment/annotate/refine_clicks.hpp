@@ -12,6 +12,6 @@ namespace hapticast::server {
 
 /// `mask` (0 / 255, size of the picture) with what belongs to the points of `word` that are the
 /// object, and without what belongs to those that are none; empty where nothing is left.
-cv::Mat corrected(const FrameContext& scene, const cv::Mat& mask, const Annotation& word);
+cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask, const Annotation& word);
 
 }  // namespace hapticast::server

@@ -25,7 +25,7 @@ void smoothAlong(std::array<float, ColorHistogram::kBins>& bins, std::size_t str
 
 }  // namespace
 
-ColorHistogram ColorHistogram::of(const cv::Mat& color, const cv::Mat& mask) {
+ColorHistogram ColorHistogram::fromImage(const cv::Mat& color, const cv::Mat& mask) {
   ColorHistogram out;
   for (int v = 0; v < mask.rows; ++v) {
     const auto* row = color.ptr<cv::Vec3b>(v);
@@ -34,11 +34,11 @@ ColorHistogram ColorHistogram::of(const cv::Mat& color, const cv::Mat& mask) {
       if (in[u] != 0) out.count(row[u]);
     }
   }
-  out.settle();
+  out.finish();
   return out;
 }
 
-void ColorHistogram::settle() {
+void ColorHistogram::finish() {
   if (count_ == 0) return;
   for (float& fraction : fraction_) fraction /= static_cast<float>(count_);
   for (const std::size_t stride : {256U, 16U, 1U}) smoothAlong(fraction_, stride);
@@ -60,7 +60,7 @@ void ColorHistogram::raise(const ColorHistogram& other, double share) {
   empty_ = false;
 }
 
-double overlapOf(const ColorHistogram& a, const ColorHistogram& b) {
+double computeOverlap(const ColorHistogram& a, const ColorHistogram& b) {
   float sum = 0.0F;
   for (std::size_t i = 0; i < ColorHistogram::kBins; ++i) sum += std::sqrt(a[i] * b[i]);
   return static_cast<double>(sum);
@@ -76,12 +76,12 @@ std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogr
   return evidence;
 }
 
-cv::Mat evidenceOf(const cv::Mat& color, const std::vector<float>& evidence) {
+cv::Mat mapEvidence(const cv::Mat& color, const std::vector<float>& evidence) {
   cv::Mat out(color.size(), CV_32FC1);
   for (int v = 0; v < color.rows; ++v) {
     const auto* in = color.ptr<cv::Vec3b>(v);
     auto* to = out.ptr<float>(v);
-    for (int u = 0; u < color.cols; ++u) to[u] = evidence[ColorHistogram::binOf(in[u])];
+    for (int u = 0; u < color.cols; ++u) to[u] = evidence[ColorHistogram::binIndex(in[u])];
   }
   return out;
 }

@@ -13,20 +13,20 @@ class ColorHistogram {
  public:
   static constexpr std::size_t kBins = std::size_t{16} * 16 * 16;
 
-  [[nodiscard]] static std::size_t binOf(const cv::Vec3b& bgr) {
+  [[nodiscard]] static std::size_t binIndex(const cv::Vec3b& bgr) {
     return (std::size_t{bgr[0]} >> 4U) << 8U | (std::size_t{bgr[1]} >> 4U) << 4U |
            std::size_t{bgr[2]} >> 4U;
   }
   /// Of the pixels of `color` (CV_8UC3) where `mask` is not 0.
-  static ColorHistogram of(const cv::Mat& color, const cv::Mat& mask);
+  static ColorHistogram fromImage(const cv::Mat& color, const cv::Mat& mask);
 
   /// Counts a pixel. Call settle() after the last one, before anything else.
   void count(const cv::Vec3b& bgr) {
-    fraction_[binOf(bgr)] += 1.0F;
+    fraction_[binIndex(bgr)] += 1.0F;
     ++count_;
   }
   /// Counts become fractions, smoothed 1-2-1 along each channel.
-  void settle();
+  void finish();
 
   /// Moves towards `other` by `share`; takes it over when nothing was seen yet.
   void adapt(const ColorHistogram& other, double share);
@@ -43,7 +43,7 @@ class ColorHistogram {
 };
 
 /// How alike two histograms are (Bhattacharyya): 0 nothing in common, 1 the same.
-double overlapOf(const ColorHistogram& a, const ColorHistogram& b);
+double computeOverlap(const ColorHistogram& a, const ColorHistogram& b);
 
 /// Per bin log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), cut to +-2.5. The larger
 /// floor below makes a colour never seen background.
@@ -51,6 +51,6 @@ std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogr
                                  const ColorHistogram& background);
 
 /// The evidence (by colour bin) of each pixel of `color` (CV_8UC3), CV_32FC1.
-cv::Mat evidenceOf(const cv::Mat& color, const std::vector<float>& evidence);
+cv::Mat mapEvidence(const cv::Mat& color, const std::vector<float>& evidence);
 
 }  // namespace hapticast::server

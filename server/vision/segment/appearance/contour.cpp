@@ -230,18 +230,18 @@ void keepMainPieces(cv::Mat& mask, const ObjectRoi& patch) {
 
 }  // namespace
 
-void carryEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity) {
+void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity) {
   if (memory.evidence.empty() || patch.empty()) return;
-  memory.evidence = carryPatch(memory.evidence, memory.to_picture, patch, similarity);
+  memory.evidence = warpPatch(memory.evidence, memory.to_picture, patch, similarity);
   memory.to_picture = patch.toPicture();
 }
 
-std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
+std::vector<float> computeColorEvidence(const ContourMemory& memory) {
   ColorHistogram background = memory.background;
   background.adapt(memory.elsewhere,
-                   kWholePicture * (1.0 - overlapOf(memory.first, memory.elsewhere)));
+                   kWholePicture * (1.0 - computeOverlap(memory.first, memory.elsewhere)));
   // What is like the object in colour cannot be told from it by colour.
-  const double other = 1.0 - overlapOf(memory.first, memory.avoided);
+  const double other = 1.0 - computeOverlap(memory.first, memory.avoided);
   background.raise(memory.avoided, std::min(1.0, other / kUnlike));
   return colorEvidence(memory.first, memory.now, background);
 }
@@ -249,9 +249,9 @@ std::vector<float> colorEvidenceOf(const ContourMemory& memory) {
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory) {
   ContourResult result;
-  const cv::Mat color = evidenceOf(patch.color, colorEvidenceOf(memory));
+  const cv::Mat color = mapEvidence(patch.color, computeColorEvidence(memory));
   // Where object and background look alike, depth has to decide.
-  const double unlike = 1.0 - overlapOf(memory.first, memory.background);
+  const double unlike = 1.0 - computeOverlap(memory.first, memory.background);
   const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);
   cv::Mat evidence = color_weight * color + depthTerm(patch, planes, noise);
   cv::blur(evidence, evidence, {3, 3});
@@ -267,7 +267,7 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
   return result;
 }
 
-void learn(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
+void update(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
   const cv::Mat inside = atPatchSize(mask, patch);
   ColorHistogram object;
   ColorHistogram core;
@@ -285,7 +285,7 @@ void learn(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
       }
     }
   }
-  for (ColorHistogram* histogram : {&object, &core, &ring}) histogram->settle();
+  for (ColorHistogram* histogram : {&object, &core, &ring}) histogram->finish();
   object.adapt(core, kCoreShare);
   if (memory.first.empty()) memory.first = object;
   memory.now.adapt(object, 0.1);

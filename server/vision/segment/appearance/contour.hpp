@@ -24,10 +24,10 @@ struct ContourMemory {
 };
 
 /// Carries the last decision into the patch of this frame.
-void carryEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
+void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 
 /// By colour bin, above 0 speaks for the object; see colorEvidence().
-std::vector<float> colorEvidenceOf(const ContourMemory& memory);
+std::vector<float> computeColorEvidence(const ContourMemory& memory);
 
 struct ContourResult {
   cv::Mat mask;               ///< CV_8UC1, 0 / 255, over the patch's box at full size
@@ -41,6 +41,6 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
 
 /// Takes the colours of `mask` (0 / 255, over the patch's box at full size) and of the ring around
 /// it into the memory. Its contour is at most a band away from the patch's.
-void learn(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
+void update(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
 
 }  // namespace hapticast::server

@@ -18,7 +18,7 @@ constexpr float kLeastSpread = 16;  // squared, Lab: what a camera's noise and s
 constexpr float kTogether = 6.0F;
 constexpr float kAcrossStep = 0.25F;
 
-cv::Mat samplesOf(const cv::Mat& lab, const cv::Mat& where) {
+cv::Mat collectSamples(const cv::Mat& lab, const cv::Mat& where) {
   const int count = cv::countNonZero(where);
   const int stride = std::max(1, count / kMostSamples);
   cv::Mat out(0, 3, CV_32F);
@@ -37,7 +37,7 @@ cv::Mat samplesOf(const cv::Mat& lab, const cv::Mat& where) {
 }  // namespace
 
 ColorMixture::ColorMixture(const cv::Mat& lab, const cv::Mat& where) {
-  const cv::Mat samples = samplesOf(lab, where);
+  const cv::Mat samples = collectSamples(lab, where);
   if (samples.rows < 8) return;
   const int parts = std::min(kParts, samples.rows / 4);
   cv::Mat labels;

@@ -17,7 +17,7 @@ double pixelsPerMm(double depth_mm, const cv::Size& picture) {
   return kUsualFocal * picture.width / std::max(depth_mm, 1.0);
 }
 
-GraphRoi GraphRoi::of(const FrameContext& scene, const cv::Rect& box, double most_px) {
+GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double most_px) {
   GraphRoi out;
   out.box = box;
   out.shrink = std::min(1.0, std::sqrt(most_px / std::max(1, box.area())));
@@ -50,7 +50,7 @@ cv::Mat GraphRoi::inPicture(const cv::Mat& mask, const cv::Size& picture) const 
   return out;
 }
 
-cv::Point GraphRoi::placeOf(const cv::Point& at) const {
+cv::Point GraphRoi::toRoi(const cv::Point& at) const {
   const cv::Size small = size();
   return {std::clamp(int((at.x - box.x + 0.5) * small.width / box.width), 0, small.width - 1),
           std::clamp(int((at.y - box.y + 0.5) * small.height / box.height), 0, small.height - 1)};

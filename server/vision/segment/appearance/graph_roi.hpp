@@ -31,7 +31,7 @@ struct GraphRoi {
   cv::Mat skin;         ///< CV_8UC1
 
   /// `box` of the scene's picture in at most `most_px` pixels.
-  static GraphRoi of(const FrameContext& scene, const cv::Rect& box, double most_px);
+  static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// A mask (0 / 255) of the whole picture in this view, and one of this view in the whole picture.
   [[nodiscard]] cv::Mat shrunk(const cv::Mat& mask) const;
@@ -41,7 +41,7 @@ struct GraphRoi {
     return static_cast<float>((0.5 + 0.5 / shrink) * scene.step_mm(double(depth_mm)));
   }
   /// A place of the picture in the view.
-  [[nodiscard]] cv::Point placeOf(const cv::Point& at) const;
+  [[nodiscard]] cv::Point toRoi(const cv::Point& at) const;
 };
 
 /// px of the picture that a mm at `depth_mm` is wide, where the camera is not known.

@@ -63,14 +63,14 @@ void findDistance(ObjectRoi& patch) {
 }
 
 // Where a hand's colours are seen that are not the object's own.
-cv::Mat handIn(const cv::Mat& color, const ObjectLimits& limits) {
+cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
   cv::Mat out = limits.hand->in(color);
   if (limits.own == nullptr) return out;
   for (int v = 0; v < out.rows; ++v) {
     const auto* from = color.ptr<cv::Vec3b>(v);
     auto* to = out.ptr<unsigned char>(v);
     for (int u = 0; u < out.cols; ++u) {
-      if ((*limits.own)[ColorHistogram::binOf(from[u])] > kOwnColor) to[u] = 0;
+      if ((*limits.own)[ColorHistogram::binIndex(from[u])] > kOwnColor) to[u] = 0;
     }
   }
   return out;
@@ -81,7 +81,7 @@ void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
   if (limits.nearest_mm > 0 || limits.hand != nullptr) {
     patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
     cv::morphologyEx(patch.nearer, patch.nearer, cv::MORPH_OPEN, square);
-    if (limits.hand != nullptr) patch.nearer |= handIn(patch.color, limits);
+    if (limits.hand != nullptr) patch.nearer |= findHand(patch.color, limits);
     patch.hidden = patch.nearer & patch.inside;
     if (cv::countNonZero(patch.hidden) > 0) patch.inside.setTo(0, patch.hidden);
   }
@@ -121,7 +121,7 @@ ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::
     cv::resize(out.depth, out.depth, size, 0, 0, cv::INTER_NEAREST);
   }
   const cv::Matx33d corner{1, 0, double(from.x), 0, 1, double(from.y), 0, 0, 1};
-  out.inside = carryPatch(mask(from), corner, out, similarity) > 127;
+  out.inside = warpPatch(mask(from), corner, out, similarity) > 127;
   findHidden(out, limits);
   findDistance(out);
   return out;
@@ -131,8 +131,8 @@ ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask) {
   return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, ObjectLimits{});
 }
 
-cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
-                   const cv::Matx23d& similarity) {
+cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
+                  const cv::Matx23d& similarity) {
   const cv::Matx33d local = to.toPicture().inv() * homogeneous(similarity) * from;
   const cv::Size size(to.box.width / to.factor, to.box.height / to.factor);
   cv::Mat out;

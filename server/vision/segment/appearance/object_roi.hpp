@@ -55,8 +55,8 @@ ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 
 /// `image`, given over `from` of the last picture, carried into patch `to` of this one; 0 where it
 /// was not.
-cv::Mat carryPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
-                   const cv::Matx23d& similarity);
+cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
+                  const cv::Matx23d& similarity);
 
 /// A mask over the patch's box at full size, and back.
 cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch);

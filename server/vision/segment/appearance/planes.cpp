@@ -31,7 +31,7 @@ struct Lattice {
   double whole = 1.0;  // how many there would be if all depth were known
 };
 
-Lattice latticeOf(const cv::Mat& depth, int coarser) {
+Lattice makeLattice(const cv::Mat& depth, int coarser) {
   Lattice out;
   const int step = coarser * kLattice_px * std::max(1, depth.cols / kUsualWidth_px);
   for (int v = step / 2; v < depth.rows; v += step) {
@@ -83,7 +83,7 @@ int fitOnce(const std::vector<LatticePoint>& points, double width, Plane& plane)
   return count;
 }
 
-int countOn(const std::vector<LatticePoint>& points, const Plane& plane, std::size_t every) {
+int countInliers(const std::vector<LatticePoint>& points, const Plane& plane, std::size_t every) {
   int count = 0;
   for (std::size_t i = 0; i < points.size(); i += every) {
     count += std::abs(plane.behind(points[i].u, points[i].v, points[i].z)) <= 1.0 ? 1 : 0;
@@ -109,7 +109,7 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
     plane.widest_mm =
         8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;  // correlated noise reads 2-3 x low
     plane.tolerance_mm = plane.widest_mm;
-    const int count = countOn(points, plane, every);
+    const int count = countInliers(points, plane, every);
     if (count <= most) continue;
     most = count;
     best = plane;
@@ -123,7 +123,7 @@ bool isGround(const std::vector<LatticePoint>& points, const Plane& plane) {
   for (const LatticePoint& p : points) {
     if (std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0) ranges.push_back(p.z);
   }
-  const double range = medianOf(ranges);
+  const double range = computeMedian(ranges);
   return plane.b > 2 * std::abs(plane.a) && range * range * plane.b > kGroundSlope;
 }
 
@@ -137,7 +137,7 @@ double Plane::behind(double u, double v, double depth_mm) const {
 }
 
 std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
-  auto [points, whole] = latticeOf(depth, 1);
+  auto [points, whole] = makeLattice(depth, 1);
   cv::RNG random(7);
   std::vector<Plane> planes;
   for (int round = 0; round < 5 && planes.size() < 3; ++round) {
@@ -155,7 +155,7 @@ std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise) {
 
 bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes) {
   if (planes.empty()) return true;
-  auto [points, whole] = latticeOf(depth, kFollowed);
+  auto [points, whole] = makeLattice(depth, kFollowed);
   bool held = true;
   for (Plane& plane : planes) {
     const double before = plane.share;

@@ -19,7 +19,7 @@ std::size_t skinBin(const cv::Vec3b& bgr) {
          std::size_t{bgr[2]} >> 3U;
 }
 
-cv::Mat labOf(const cv::Mat& color) {
+cv::Mat toLab(const cv::Mat& color) {
   cv::Mat out;
   color.convertTo(out, CV_32F, 1.0 / 255.0);
   cv::cvtColor(out, out, cv::COLOR_BGR2Lab);
@@ -28,7 +28,7 @@ cv::Mat labOf(const cv::Mat& color) {
 
 // The cast (a, b per L): the median of what is nearly grey and brighter than most. Chosen: a fifth
 // of the picture, so that one pink sheet of paper is not taken for white.
-cv::Vec2f castOf(const cv::Mat& lab) {
+cv::Vec2f computeColorCast(const cv::Mat& lab) {
   std::vector<cv::Vec3f> grey;
   grey.reserve(lab.total());
   for (int v = 0; v < lab.rows; ++v) {
@@ -47,7 +47,7 @@ cv::Vec2f castOf(const cv::Mat& lab) {
     values.reserve(few);
     for (auto it = brightest; it != grey.end(); ++it)
       values.push_back(double((*it)[channel] / std::max((*it)[0], 1.0F)));
-    return static_cast<float>(medianOf(values));
+    return static_cast<float>(computeMedian(values));
   };
   return {cast(1), cast(2)};
 }
@@ -64,11 +64,11 @@ bool isSkin(const cv::Vec3f& lab, const cv::Vec2f& cast) {
 
 }  // namespace
 
-SkinColors SkinColors::inLightOf(const cv::Mat& color) {
+SkinColors SkinColors::adaptedToLight(const cv::Mat& color) {
   cv::Mat small;
   const double shrink = std::min(1.0, double(kLight_px) / color.cols);
   cv::resize(color, small, {}, shrink, shrink, cv::INTER_AREA);
-  const cv::Vec2f cast = castOf(labOf(small));
+  const cv::Vec2f cast = computeColorCast(toLab(small));
   cv::Mat all(kLevels * kLevels, kLevels, CV_8UC3);
   for (int i = 0; i < all.rows; ++i) {
     for (int k = 0; k < all.cols; ++k) {
@@ -76,7 +76,7 @@ SkinColors SkinColors::inLightOf(const cv::Mat& color) {
       all.at<cv::Vec3b>(i, k) = {level(i / kLevels), level(i % kLevels), level(k)};
     }
   }
-  const cv::Mat lab = labOf(all);
+  const cv::Mat lab = toLab(all);
   SkinColors out;
   out.is_skin_.resize(all.total());
   for (int i = 0; i < all.rows; ++i) {

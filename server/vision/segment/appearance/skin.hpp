@@ -12,7 +12,7 @@ class SkinColors {
  public:
   SkinColors() = default;
   /// Of the light in `color` (CV_8UC3): the cast of what is nearly grey is taken out.
-  static SkinColors inLightOf(const cv::Mat& color);
+  static SkinColors adaptedToLight(const cv::Mat& color);
 
   [[nodiscard]] bool empty() const { return is_skin_.empty(); }
   /// 255 where `color` (CV_8UC3; a picture about 640 px wide, or a part of it) shows skin as wide

@@ -23,12 +23,12 @@ cv::Mat inPicture(const PropagatedMask& taught, const cv::Size& size) {
   return out;
 }
 
-PropagatedMask taughtOf(const TrackedMask& object, bool given) {
+PropagatedMask toPropagatedMask(const TrackedMask& object, bool given) {
   const cv::Rect box = boxAround(object.mask(), 0);
   return {object.number(), box, object.mask()(box).clone(), given};
 }
 
-std::size_t bytesOf(const FrameImages& images) {
+std::size_t countBytes(const FrameImages& images) {
   return images.color.total() * images.color.elemSize() + images.gray.total() +
          images.depth.total() * images.depth.elemSize();
 }
@@ -60,17 +60,18 @@ double widthsOff(const cv::Mat& mask, const cv::Point& point) {
 }  // namespace
 
 bool NarrowBandTracker::hasAnnotation(const FramePair& frames) const {
-  const auto* masks = taught(frames);
+  const auto* masks = propagatedMasks(frames);
   if (masks == nullptr) return !annotation_track_.annotationAt(frames).empty();
   return std::any_of(masks->begin(), masks->end(), [&](const PropagatedMask& mask) {
     const TrackedMask* object = numbered(objects_, mask.number);
     if (object == nullptr || !object->present()) return !mask.box.empty();
     return mask.given || mask.box.empty() ||
-           overlapOf(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
+           computeOverlap(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
   });
 }
 
-const std::vector<PropagatedMask>* NarrowBandTracker::taught(const FramePair& frames) const {
+const std::vector<PropagatedMask>* NarrowBandTracker::propagatedMasks(
+    const FramePair& frames) const {
   if (annotations_ == nullptr) return nullptr;
   const auto found = annotations_->masks.find(frames.index);
   return found != annotations_->masks.end() ? &found->second : nullptr;
@@ -87,7 +88,7 @@ void NarrowBandTracker::adoptTaught(const FrameImages& images,
     const cv::Mat mask = inPicture(taught, images.color.size());
     const TrackedMask* object = numbered(objects_, taught.number);
     const bool as_taught = object != nullptr && object->present() && !taught.given &&
-                           overlapOf(object->mask(), mask) >= kAsTaught;
+                           computeOverlap(object->mask(), mask) >= kAsTaught;
     if (!as_taught) place(taught.number, mask, images, taught.given);
   }
 }
@@ -105,9 +106,10 @@ void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages
   object->adopt(mask, images, scene_, given);
 }
 
-void NarrowBandTracker::hear(const Annotation& word, const FramePair& frames) {
+void NarrowBandTracker::applyAnnotation(const Annotation& word, const FramePair& frames) {
   const FrameImages& images = frames.now;
-  for (const cv::Point& point : word.off) avoid(scene_.view(images), point, scene_.avoided);
+  for (const cv::Point& point : word.off)
+    addNegativeSample(scene_.view(images), point, scene_.avoided);
   if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;
   for (TrackedMask& object : objects_) {
     const auto in_it = [&](const cv::Point& p) { return contains(object.mask(), p); };
@@ -117,7 +119,7 @@ void NarrowBandTracker::hear(const Annotation& word, const FramePair& frames) {
     object.correct(images, scene_, of_it);
     propagate(object, frames, false);
   }
-  for (const cv::Point& point : word.on) hearPoint(point, word, frames);
+  for (const cv::Point& point : word.on) applyPoint(point, word, frames);
   if (word.masks.empty()) return;
   double numbers = 0.0;
   cv::minMaxLoc(word.masks, nullptr, &numbers);
@@ -125,7 +127,7 @@ void NarrowBandTracker::hear(const Annotation& word, const FramePair& frames) {
     const cv::Mat mask = word.masks == double(number);
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
     const TrackedMask* known = numbered(objects_, number);
-    if (known != nullptr && known->present() && overlapOf(known->mask(), mask) < kAnother)
+    if (known != nullptr && known->present() && computeOverlap(known->mask(), mask) < kAnother)
       spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
                    frames.index, number);
     place(number, mask, images, true);
@@ -134,7 +136,7 @@ void NarrowBandTracker::hear(const Annotation& word, const FramePair& frames) {
 }
 
 // The object that a point on none means: one that it is near to, else one that is lost.
-TrackedMask* NarrowBandTracker::meantBy(const cv::Point& point) {
+TrackedMask* NarrowBandTracker::findObjectAt(const cv::Point& point) {
   TrackedMask* lost = nullptr;
   for (TrackedMask& object : objects_) {
     if (object.present() && widthsOff(object.mask(), point) < kNear) return &object;
@@ -143,12 +145,12 @@ TrackedMask* NarrowBandTracker::meantBy(const cv::Point& point) {
   return lost;
 }
 
-void NarrowBandTracker::hearPoint(const cv::Point& point, const Annotation& word,
-                                  const FramePair& frames) {
+void NarrowBandTracker::applyPoint(const cv::Point& point, const Annotation& word,
+                                   const FramePair& frames) {
   const auto holds = [&](const TrackedMask& o) { return o.present() && contains(o.mask(), point); };
   if (std::any_of(objects_.begin(), objects_.end(), holds)) return;
   const FrameImages& images = frames.now;
-  TrackedMask* object = meantBy(point);
+  TrackedMask* object = findObjectAt(point);
   if (object != nullptr && object->present()) {
     object->correct(images, scene_, {{point}, word.off, {}});
     propagate(*object, frames, false);
@@ -178,7 +180,7 @@ void NarrowBandTracker::keepHistory(const FramePair& frames) {
     if (object.present()) past.masks[object.number()] = object.mask();
   }
   past_.push_back(std::move(past));
-  while (past_.size() * bytesOf(frames.now) > kPast_bytes) past_.pop_front();
+  while (past_.size() * countBytes(frames.now) > kPast_bytes) past_.pop_front();
 }
 
 void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, bool given) {
@@ -192,7 +194,7 @@ void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, 
   std::uint64_t until = 0;
   if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
   last_word_[object.number()] = frames.index;
-  annotations_->masks[frames.index].push_back(taughtOf(object, given));
+  annotations_->masks[frames.index].push_back(toPropagatedMask(object, given));
   propagateBackwards(object, frames, until, given);
 }
 
@@ -206,18 +208,19 @@ void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& 
     if (past->index >= frames.index) continue;
     const ObjectFlow flow = trackObject(later->gray, past->images.gray, object.mask(), {0, 0});
     if (!refitPlanes(past->images.depth, scene.planes)) scene.planes.clear();
-    object.follow(past->images, flow, scene);
+    object.update(past->images, flow, scene);
     if (!object.present()) return;
     later = &past->images;
     const auto before = past->masks.find(object.number());
     if (before != past->masks.end()) {
-      if (overlapOf(before->second, object.mask()) >= kAsTaught) return;  // the same from here on
+      if (computeOverlap(before->second, object.mask()) >= kAsTaught)
+        return;  // the same from here on
       if (!given && object.likeness(past->images, scene, object.mask()) <
                         object.likeness(past->images, scene, before->second))
         continue;
     }
-    carried.emplace_back(past->index, taughtOf(object, false));
-    if (!object.decided()) continue;
+    carried.emplace_back(past->index, toPropagatedMask(object, false));
+    if (!object.isDecided()) continue;
     for (auto& [index, mask] : carried) annotations_->masks[index].push_back(std::move(mask));
     carried.clear();
   }

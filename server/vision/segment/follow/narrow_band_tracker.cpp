@@ -30,11 +30,11 @@ NarrowBandTracker::NarrowBandTracker(const VisionSettings& settings, std::uint32
 std::vector<Segment> NarrowBandTracker::next(const FramePair& frames, const Flows& flows) {
   if (frames.cut) forgetScene();
   if (frame_ > 0 || !recall(frames.now)) decide(frames, flows);
-  if (const auto* masks = taught(frames)) {
+  if (const auto* masks = propagatedMasks(frames)) {
     adoptTaught(frames.now, *masks);
     shareOut();
   } else if (const Annotation word = annotation_track_.annotationAt(frames); !word.empty()) {
-    hear(word, frames);
+    applyAnnotation(word, frames);
     shareOut();
   }
   keepHistory(frames);
@@ -55,16 +55,16 @@ void NarrowBandTracker::forgetScene() {
 
 void NarrowBandTracker::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
-  followPlanes(frames.now);
-  if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::inLightOf(frames.now.color);
-  followObjects(frames.now, flows);
+  updatePlanes(frames.now);
+  if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::adaptedToLight(frames.now.color);
+  updateObjects(frames.now, flows);
   if (frame_ == 0) startAtPoints(frames.now);
   if (choosesByItself(frames)) chooseByItself(frames.now);
   shareOut();
   if (frame_ == 0) remember(frames.now);
 }
 
-void NarrowBandTracker::followObjects(const FrameImages& images, const Flows& flows) {
+void NarrowBandTracker::updateObjects(const FrameImages& images, const Flows& flows) {
   for (TrackedMask& object : objects_) {
     if (!object.present()) {
       if (auto again = object.search(images, scene_); again && !isAnother(*again)) {
@@ -74,8 +74,8 @@ void NarrowBandTracker::followObjects(const FrameImages& images, const Flows& fl
       continue;
     }
     const auto flow = flows.find(object.id());
-    if (flow != flows.end() && flow->second.stays) continue;
-    object.follow(images, flow != flows.end() ? flow->second : ObjectFlow{}, scene_);
+    if (flow != flows.end() && flow->second.isStatic) continue;
+    object.update(images, flow != flows.end() ? flow->second : ObjectFlow{}, scene_);
   }
 }
 
@@ -99,17 +99,17 @@ bool NarrowBandTracker::recall(const FrameImages& images) {
   return true;
 }
 
-void NarrowBandTracker::followPlanes(const FrameImages& images) {
+void NarrowBandTracker::updatePlanes(const FrameImages& images) {
   if (!new_scene_ && refitPlanes(images.depth, scene_.planes)) return;
   if (!new_scene_ && frame_ - planes_frame_ < kNewPlanesAfter) return;
   new_scene_ = false;
   scene_.planes = findPlanes(images.depth, scene_.noise);
-  for (const TrackedMask& object : objects_) removePlanesOf(object, images);
+  for (const TrackedMask& object : objects_) removePlanes(object, images);
   planes_frame_ = frame_;
 }
 
 // A plane found anew may be the object itself; of the others it is found out which it stands on.
-void NarrowBandTracker::removePlanesOf(const TrackedMask& object, const FrameImages& images) {
+void NarrowBandTracker::removePlanes(const TrackedMask& object, const FrameImages& images) {
   if (!object.present()) return;
   const double area = cv::countNonZero(object.mask() & (images.depth > 0));
   const cv::Rect whole({0, 0}, images.depth.size());
@@ -123,11 +123,12 @@ void NarrowBandTracker::removePlanesOf(const TrackedMask& object, const FrameIma
 
 void NarrowBandTracker::startAtPoints(const FrameImages& images) {
   const Annotation& word = annotation_track_.atStart();
-  for (const cv::Point& point : word.off) avoid(scene_.view(images), point, scene_.avoided);
+  for (const cv::Point& point : word.off)
+    addNegativeSample(scene_.view(images), point, scene_.avoided);
   int number = 0;
   for (const cv::Point& point : word.on) {
     ChosenStart start = selectInitialMask(images, scene_, point, word.off);
-    if (!start.object) throwNothingAt({double(point.x), double(point.y)}, start.why_not);
+    if (!start.object) throwNoObject({double(point.x), double(point.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
     start.object->rememberAppearance(images, scene_);
     add(std::move(*start.object), ++number);
@@ -166,7 +167,7 @@ void NarrowBandTracker::add(TrackedMask object, int number) {
 
 bool NarrowBandTracker::isAnother(const TrackedMask& found) const {
   return std::any_of(objects_.begin(), objects_.end(), [&](const TrackedMask& other) {
-    return other.present() && found.shareIn(other) > kSameObject;
+    return other.present() && found.overlapShare(other) > kSameObject;
   });
 }
 

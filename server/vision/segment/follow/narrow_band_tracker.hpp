@@ -34,9 +34,9 @@ class NarrowBandTracker final : public Segmenter {
  private:
   void forgetScene();
   void decide(const FramePair& frames, const Flows& flows);
-  void followObjects(const FrameImages& images, const Flows& flows);
-  void followPlanes(const FrameImages& images);
-  void removePlanesOf(const TrackedMask& object, const FrameImages& images);
+  void updateObjects(const FrameImages& images, const Flows& flows);
+  void updatePlanes(const FrameImages& images);
+  void removePlanes(const TrackedMask& object, const FrameImages& images);
   void startAtPoints(const FrameImages& images);
   [[nodiscard]] bool choosesByItself(const FramePair& frames) const;
   void chooseByItself(const FrameImages& images);
@@ -48,12 +48,12 @@ class NarrowBandTracker final : public Segmenter {
   bool recall(const FrameImages& images);
 
   // The author's words (band_author.cpp).
-  [[nodiscard]] const std::vector<PropagatedMask>* taught(const FramePair& frames) const;
+  [[nodiscard]] const std::vector<PropagatedMask>* propagatedMasks(const FramePair& frames) const;
   void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
-  void hear(const Annotation& word, const FramePair& frames);
-  void hearPoint(const cv::Point& point, const Annotation& word, const FramePair& frames);
+  void applyAnnotation(const Annotation& word, const FramePair& frames);
+  void applyPoint(const cv::Point& point, const Annotation& word, const FramePair& frames);
   void place(int number, const cv::Mat& mask, const FrameImages& images, bool given);
-  TrackedMask* meantBy(const cv::Point& point);
+  TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void propagate(TrackedMask& object, const FramePair& frames, bool given);
   void propagateBackwards(TrackedMask object, const FramePair& frames, std::uint64_t until,

@@ -28,15 +28,16 @@ constexpr double kForColors = 1.5;
 constexpr double kForArea = 0.5;
 
 // The colours' evidence, averaged down: patterns must not blur before they are looked up.
-cv::Mat colorsOf(const FrameContext& scene, const GraphRoi& view, const ContourMemory& memory) {
-  const cv::Mat full = evidenceOf(scene.images.color(view.box), colorEvidenceOf(memory));
+cv::Mat collectColors(const FrameContext& scene, const GraphRoi& view,
+                      const ContourMemory& memory) {
+  const cv::Mat full = mapEvidence(scene.images.color(view.box), computeColorEvidence(memory));
   cv::Mat out;
   cv::resize(full, out, view.size(), 0, 0, cv::INTER_AREA);
   return kOfColor * out;
 }
 
-cv::Mat evidenceOf(const FrameContext& scene, const GraphRoi& view, const KnownObject& known) {
-  cv::Mat out = colorsOf(scene, view, known.memory);
+cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const KnownObject& known) {
+  cv::Mat out = collectColors(scene, view, known.memory);
   cv::Mat beyond = (view.depth > 0) & (view.depth < known.limits.nearest_mm);
   if (known.limits.farthest_mm > 0) beyond |= view.depth > known.limits.farthest_mm;
   cv::add(out, cv::Scalar(double(kBeyond)), out, beyond);
@@ -83,8 +84,8 @@ cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
   }
   if (box.area() < 100) return {};
   const double most_px = known.mask.empty() ? kWhole_px : kAround_px;
-  const GraphRoi view = GraphRoi::of(scene, box, most_px);
-  const cv::Mat cut = minimumCut(evidenceOf(scene, view, known), view, scene.noise);
+  const GraphRoi view = GraphRoi::around(scene, box, most_px);
+  const cv::Mat cut = minimumCut(computeEvidence(scene, view, known), view, scene.noise);
   const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrunk(known.mask);
   const cv::Mat main = mainPiece(cut, expected);
   if (main.empty()) return {};
@@ -96,7 +97,8 @@ cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
 double reidentificationScore(const FrameContext& scene, const KnownObject& known,
                              const cv::Mat& mask) {
   const double area = std::max(1, cv::countNonZero(mask));
-  const double like = overlapOf(ColorHistogram::of(scene.images.color, mask), known.memory.first);
+  const double like =
+      computeOverlap(ColorHistogram::fromImage(scene.images.color, mask), known.memory.first);
   const double size = std::log(area / std::max(known.usual_px, 1.0));
   return objectness(scene, mask) + kForColors * like - kForArea * size * size;
 }

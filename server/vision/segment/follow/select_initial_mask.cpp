@@ -54,7 +54,7 @@ bool isHand(const FrameContext& scene, const cv::Mat& component, const cv::Point
 
 ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
                               const cv::Point& point, const std::vector<cv::Point>& not_points) {
-  ObjectStart start = objectAt(images.depth, point, scene.noise, scene.planes);
+  ObjectStart start = findObject(images.depth, point, scene.noise, scene.planes);
   SceneContext own = scene;
   if (start.why_not == nullptr) own.planes = start.planes;
   const FrameContext view = own.view(images);

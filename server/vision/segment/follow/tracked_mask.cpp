@@ -48,12 +48,12 @@ ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
       if (in[u] == 0) out.count(color[u]);
     }
   }
-  out.settle();
+  out.finish();
   return out;
 }
 
 double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv::Mat& where) {
-  const std::vector<float> evidence = colorEvidenceOf(memory);
+  const std::vector<float> evidence = computeColorEvidence(memory);
   double sum = 0.0;
   double count = 0.0;
   for (int v = 0; v < where.rows; v += 2) {
@@ -61,7 +61,7 @@ double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv:
     const auto* in = where.ptr<unsigned char>(v);
     for (int u = 0; u < where.cols; u += 2) {
       if (in[u] == 0) continue;
-      sum += double(evidence[ColorHistogram::binOf(row[u])]);
+      sum += double(evidence[ColorHistogram::binIndex(row[u])]);
       count += 1.0;
     }
   }
@@ -73,7 +73,7 @@ double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv:
 TrackedMask::TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
                          const SceneContext& scene, int most_rounds)
     : id_(id), mask_(first_mask), whole_(first_mask) {
-  settle(images, scene, most_rounds);
+  relax(images, scene, most_rounds);
 }
 
 void TrackedMask::forgetColors(const SceneContext& scene) {
@@ -81,12 +81,12 @@ void TrackedMask::forgetColors(const SceneContext& scene) {
   memory_.avoided = scene.avoided.histogram;
 }
 
-void TrackedMask::settle(const FrameImages& images, const SceneContext& scene, int most_rounds) {
+void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, int most_rounds) {
   for (int round = 0; round < most_rounds; ++round) {
     const ObjectRoi patch = patchAround(images, mask_);
     if (patch.empty()) return;
     forgetColors(scene);
-    learn(patch, mask_(patch.box), memory_);
+    update(patch, mask_(patch.box), memory_);
     const cv::Mat mask = decideContour(patch, scene.noise, scene.planes, memory_).mask;
     const int changed = cv::countNonZero(mask != mask_(patch.box));
     const int area = cv::countNonZero(mask);
@@ -94,21 +94,21 @@ void TrackedMask::settle(const FrameImages& images, const SceneContext& scene, i
     mask_ = wholePicture(mask, patch, images);
     if (changed < kSettled * area) break;
   }
-  learnLooks(patchAround(images, mask_), images, scene, kLikeSkin);
+  learnAppearance(patchAround(images, mask_), images, scene, kLikeSkin);
 }
 
-void TrackedMask::learnLooks(const ObjectRoi& patch, const FrameImages& images,
-                             const SceneContext& scene, double most_skin) {
+void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& images,
+                                  const SceneContext& scene, double most_skin) {
   forgetColors(scene);
-  learn(patch, mask_(patch.box), memory_);
+  update(patch, mask_(patch.box), memory_);
   memory_.elsewhere = elsewhere(images, mask_);
   const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
   like_skin_ = cv::countNonZero(skin) > most_skin * cv::countNonZero(patch.inside);
   whole_ = mask_;
-  seenWell(patch);
+  isSeenWell(patch);
 }
 
-void TrackedMask::seenWell(const ObjectRoi& patch) {
+void TrackedMask::isSeenWell(const ObjectRoi& patch) {
   const double area = cv::countNonZero(whole_(patch.box));
   // One that leaves the picture has not become smaller.
   if (clearOfBorder(whole_) || area > area_px_) area_px_ = area;
@@ -146,7 +146,7 @@ ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& si
   return patchAround(images, whole_, similarity, within);
 }
 
-void TrackedMask::follow(const FrameImages& images, const ObjectFlow& flow,
+void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
                          const SceneContext& scene) {
   cv::Matx23d similarity = flow.similarity;
   ObjectRoi patch = expected(images, similarity, scene);
@@ -159,29 +159,29 @@ void TrackedMask::follow(const FrameImages& images, const ObjectFlow& flow,
     }
   }
   if (patch.empty()) return lose();
-  carryEvidence(memory_, patch, similarity);
+  warpEvidence(memory_, patch, similarity);
   const ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
   const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
   const bool nothing =
       cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
   const bool convincing = !nothing && convinces(now, expected_px);
-  take(convincing ? now.mask : atFullSize(patch.inside, patch), patch, images);
+  setMask(convincing ? now.mask : atFullSize(patch.inside, patch), patch, images);
   if (convincing) {
-    seenWell(patch);
+    isSeenWell(patch);
     if (!flow.reliable) quality_ = kWeaker;
-    if (expected_px > kMostlySeen * area_px_) learn(patch, now.mask, memory_);
+    if (expected_px > kMostlySeen * area_px_) update(patch, now.mask, memory_);
   } else {
     quality_ *= kWeaker;
     ++weak_;
   }
   const bool in_doubt = weak_ == 2 || weak_ > kWeakFrames;
-  if ((in_doubt || ++since_look_ >= kLookEvery) && lookAgain(images, scene)) return;
+  if ((in_doubt || ++since_look_ >= kLookEvery) && redetect(images, scene)) return;
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
   if (nothing || weak_ > kWeakFrames || leaving) lose();
 }
 
 // `seen` over the patch's box is where it is seen now.
-void TrackedMask::take(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images) {
+void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images) {
   mask_ = wholePicture(seen, patch, images);
   const bool hidden = !patch.hidden.empty() && cv::countNonZero(patch.hidden) > 0;
   whole_ = hidden ? wholePicture(seen | atFullSize(patch.hidden, patch), patch, images) : mask_;
@@ -189,7 +189,7 @@ void TrackedMask::take(const cv::Mat& seen, const ObjectRoi& patch, const FrameI
 
 // One graph cut by what is known of it. True where that decides: it is better than what is carried
 // on, or neither is like the object.
-bool TrackedMask::lookAgain(const FrameImages& images, const SceneContext& scene) {
+bool TrackedMask::redetect(const FrameImages& images, const SceneContext& scene) {
   since_look_ = 0;
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
   const FrameContext view = scene.view(images);
@@ -206,7 +206,7 @@ bool TrackedMask::lookAgain(const FrameImages& images, const SceneContext& scene
   mask_ = mask;
   whole_ = mask;
   memory_.evidence.release();
-  seenWell(patchAround(images, mask_));
+  isSeenWell(patchAround(images, mask_));
   return true;
 }
 
@@ -223,11 +223,11 @@ double TrackedMask::likeness(const FrameImages& images, const SceneContext& scen
 void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
                           const Annotation& word) {
   memory_.avoided = scene.avoided.histogram;
-  const cv::Mat mask = corrected(scene.view(images), mask_, word);
+  const cv::Mat mask = refineWithClicks(scene.view(images), mask_, word);
   if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
   // What is left of another thing, without the part pointed at, is not it either.
   if (word.on.empty() &&
-      overlapOf(ColorHistogram::of(images.color, mask), memory_.first) < kOfOtherColors)
+      computeOverlap(ColorHistogram::fromImage(images.color, mask), memory_.first) < kOfOtherColors)
     return lose();
   adopt(mask, images, scene, false);
 }
@@ -238,11 +238,11 @@ void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const Sc
   if (patch.empty()) return;
   const cv::Mat added = mask & ~mask_;
   if (present() && cv::countNonZero(added) >= kSmallestObject_px)
-    own_.raise(ColorHistogram::of(images.color, added), 1.0);
+    own_.raise(ColorHistogram::fromImage(images.color, added), 1.0);
   mask_ = mask;
   lost_ = 0;
   since_look_ = 0;
-  learnLooks(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
+  learnAppearance(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
   rememberAppearance(images, scene);
 }
 
@@ -254,7 +254,7 @@ void TrackedMask::yieldTo(const TrackedMask& other) {
   if (cv::countNonZero(mask_) < kSmallestObject_px) lose();
 }
 
-double TrackedMask::shareIn(const TrackedMask& other) const {
+double TrackedMask::overlapShare(const TrackedMask& other) const {
   return double(cv::countNonZero(mask_ & other.mask_)) / std::max(1, cv::countNonZero(mask_));
 }
 
@@ -287,7 +287,7 @@ std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
     return std::nullopt;
   again.whole_ = again.mask_;
   again.lost_ = 0;
-  again.seenWell(patchAround(images, again.mask_));
+  again.isSeenWell(patchAround(images, again.mask_));
   again.area_px_ = std::max(again.area_px_, area_px_);  // what was found may be a part of it
   again.usual_px_ = usual_px_;
   return again;

@@ -50,7 +50,7 @@ class TrackedMask {
   /// learnt anew. A mask that was `given` has no hand in it.
   void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
   /// The mask in the next frame, moved by `flow`, its band decided anew.
-  void follow(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
+  void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
   /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
   /// by its first colours and near its last depth. Found again it is another object, without an id
   /// yet.
@@ -60,7 +60,7 @@ class TrackedMask {
   void yieldTo(const TrackedMask& other);
   void lose();
   /// The part of its pixels, 0..1, that `other` has, too.
-  [[nodiscard]] double shareIn(const TrackedMask& other) const;
+  [[nodiscard]] double overlapShare(const TrackedMask& other) const;
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }
@@ -72,23 +72,23 @@ class TrackedMask {
   /// 1: decided from this frame; less: carried on.
   [[nodiscard]] double quality() const { return quality_; }
   /// Whether its last frame was decided from what is seen there; else it was carried on.
-  [[nodiscard]] bool decided() const { return weak_ == 0; }
+  [[nodiscard]] bool isDecided() const { return weak_ == 0; }
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
 
  private:
   TrackedMask() = default;
   void forgetColors(const SceneContext& scene);
-  void settle(const FrameImages& images, const SceneContext& scene, int most_rounds);
-  void learnLooks(const ObjectRoi& patch, const FrameImages& images, const SceneContext& scene,
-                  double most_skin);
-  void seenWell(const ObjectRoi& patch);
+  void relax(const FrameImages& images, const SceneContext& scene, int most_rounds);
+  void learnAppearance(const ObjectRoi& patch, const FrameImages& images, const SceneContext& scene,
+                       double most_skin);
+  void isSeenWell(const ObjectRoi& patch);
   [[nodiscard]] ObjectLimits limits(const SceneContext& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
   [[nodiscard]] ObjectRoi expected(const FrameImages& images, const cv::Matx23d& similarity,
                                    const SceneContext& scene) const;
-  void take(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
-  bool lookAgain(const FrameImages& images, const SceneContext& scene);
+  void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
+  bool redetect(const FrameImages& images, const SceneContext& scene);
 
   std::uint32_t id_ = 0;
   int number_ = 0;

@@ -49,7 +49,7 @@ struct Surroundings {
   double px_per_mm = 1.0;
 };
 
-double depthAt(const cv::Mat& depth, const cv::Point& at) {
+double sampleDepth(const cv::Mat& depth, const cv::Point& at) {
   for (const int radius : {2, 12, 40}) {
     const cv::Rect around = cv::Rect(at.x - radius, at.y - radius, 2 * radius + 1, 2 * radius + 1) &
                             cv::Rect({0, 0}, depth.size());
@@ -60,7 +60,7 @@ double depthAt(const cv::Mat& depth, const cv::Point& at) {
         if (depth.at<float>(v, u) > 0) values.push_back(double(depth.at<float>(v, u)));
       }
     }
-    if (!values.empty()) return medianOf(values);
+    if (!values.empty()) return computeMedian(values);
   }
   return 0.0;
 }
@@ -119,20 +119,20 @@ cv::Mat placeEvidence(const Surroundings& s) {
   return out;
 }
 
-ColorMixture mixtureOf(const NegativeColors& avoided) {
+ColorMixture fitMixture(const NegativeColors& avoided) {
   if (avoided.samples.empty()) return {};
   return {avoided.samples, cv::Mat(avoided.samples.size(), CV_8UC1, cv::Scalar(255))};
 }
 
-Surroundings surroundingsOf(const FrameContext& scene, const Click& click) {
+Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) {
   Surroundings out;
   const cv::Size picture = scene.images.color.size();
-  const double depth_mm = std::max(depthAt(scene.images.depth, click.at), 1.0);
+  const double depth_mm = std::max(sampleDepth(scene.images.depth, click.at), 1.0);
   const int reach = std::max(50, int(kReach_mm * pixelsPerMm(depth_mm, picture)));
   const cv::Rect box = cv::Rect(click.at.x - reach, click.at.y - reach, 2 * reach, 2 * reach) &
                        cv::Rect({0, 0}, picture);
-  out.view = GraphRoi::of(scene, box, kView_px);
-  out.at = out.view.placeOf(click.at);
+  out.view = GraphRoi::around(scene, box, kView_px);
+  out.at = out.view.toRoi(click.at);
   out.component =
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
   out.distance = distances(out, depth_mm, picture);
@@ -146,15 +146,15 @@ Surroundings surroundingsOf(const FrameContext& scene, const Click& click) {
   const int radius = std::max(1, int(std::lround(kNotRadius_px * out.view.shrink)));
   for (const cv::Point& point : click.not_points) {
     if (box.contains(point))
-      cv::circle(out.never, out.view.placeOf(point), radius, cv::Scalar(255), cv::FILLED);
+      cv::circle(out.never, out.view.toRoi(point), radius, cv::Scalar(255), cv::FILLED);
   }
-  const ColorMixture not_mixture = mixtureOf(click.avoided);
+  const ColorMixture not_mixture = fitMixture(click.avoided);
   if (!not_mixture.empty()) out.not_log = logDensities(not_mixture, out.view.lab);
   return out;
 }
 
 // The piece with the click, and those that are one with it.
-cv::Mat piecesAt(const Surroundings& s, const cv::Mat& mask) {
+cv::Mat selectPieces(const Surroundings& s, const cv::Mat& mask) {
   cv::Mat labels;
   cv::connectedComponents(mask, labels, 4, CV_32S);
   if (labels.at<int>(s.at) == 0) return {};
@@ -173,7 +173,7 @@ cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& bac
   cv::Mat unary = color + s.unary;
   unary.setTo(-kSure, far | s.never);
   cv::circle(unary, s.at, 2, cv::Scalar(double(kSure)), cv::FILLED);
-  return piecesAt(s, minimumCut(unary, s.view, noise));
+  return selectPieces(s, minimumCut(unary, s.view, noise));
 }
 
 cv::Mat cutWithin(const Surroundings& s, const Reach& reach, const DepthNoise& noise) {
@@ -206,7 +206,7 @@ bool isNew(const std::vector<cv::Mat>& masks, const cv::Mat& mask) {
 }  // namespace
 
 std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click) {
-  const Surroundings s = surroundingsOf(scene, click);
+  const Surroundings s = prepareSurroundings(scene, click);
   std::vector<cv::Mat> small;
   for (const Reach& reach : kReaches) {
     cv::Mat mask = cutWithin(s, reach, scene.noise);

@@ -19,7 +19,7 @@ constexpr double kLeastPiece = 0.02;  // chosen, of the main one
 constexpr double kMostPiece = 2.0;    // likewise
 constexpr int kSmallestHole = 80;     // chosen: holes of a part so small of the view are filled
 
-std::vector<cv::Point> rimOf(const cv::Mat& piece) {
+std::vector<cv::Point> traceRim(const cv::Mat& piece) {
   cv::Mat inner;
   cv::erode(piece, inner, cv::Mat::ones(3, 3, CV_8UC1));
   std::vector<cv::Point> out;
@@ -29,13 +29,13 @@ std::vector<cv::Point> rimOf(const cv::Mat& piece) {
 
 // Whether what lies between the piece and the mask may hide their joint: it is near, and nothing
 // that is seen between them lies behind both.
-bool joinedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& piece,
-                  double px_per_mm) {
+bool connectedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& piece,
+                     double px_per_mm) {
   cv::Point from;
   cv::Point to;
   int nearest = 1 << 30;
-  const std::vector<cv::Point> rim = rimOf(mask);
-  for (const cv::Point& b : rimOf(piece)) {
+  const std::vector<cv::Point> rim = traceRim(mask);
+  for (const cv::Point& b : traceRim(piece)) {
     for (const cv::Point& a : rim) {
       const int square = (a - b).dot(a - b);
       if (square >= nearest) continue;
@@ -75,7 +75,7 @@ cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::
   for (bool grows = true; grows;) {
     const std::size_t before = left.size();
     std::erase_if(left, [&](const cv::Mat& piece) {
-      if (!joinedBehind(view, out, piece, px_per_mm)) return false;
+      if (!connectedBehind(view, out, piece, px_per_mm)) return false;
       out |= piece;
       return true;
     });

@@ -38,7 +38,7 @@ void bridgeLine(float* line, std::ptrdiff_t stride, int count, const DepthNoise&
   }
 }
 
-int rootOf(std::vector<int>& parent, int i) {
+int findRoot(std::vector<int>& parent, int i) {
   while (parent[static_cast<std::size_t>(i)] != i) {
     auto& up = parent[static_cast<std::size_t>(i)];
     up = parent[static_cast<std::size_t>(up)];
@@ -114,7 +114,7 @@ double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
       if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
     }
   }
-  return medianOf(values);
+  return computeMedian(values);
 }
 
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise) {
@@ -135,7 +135,7 @@ cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const Dep
       const int here = v * depth.cols + u;
       const auto join = [&](float z, int there) {
         if (z <= 0 || std::abs(double(z) - double(row[u])) > step) return;
-        parent[static_cast<std::size_t>(rootOf(parent, here))] = rootOf(parent, there);
+        parent[static_cast<std::size_t>(findRoot(parent, here))] = findRoot(parent, there);
       };
       if (u > 0) join(row[u - 1], here - 1);
       if (above != nullptr) join(above[u], here - depth.cols);
@@ -145,7 +145,7 @@ cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const Dep
   for (int i = 0; i < static_cast<int>(depth.total()); ++i) {
     const int v = i / depth.cols;
     const int u = i % depth.cols;
-    labels.at<int>(v, u) = bridged.at<float>(v, u) > 0 ? rootOf(parent, i) + 1 : 0;
+    labels.at<int>(v, u) = bridged.at<float>(v, u) > 0 ? findRoot(parent, i) + 1 : 0;
   }
   return labels;
 }
@@ -186,8 +186,8 @@ cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
   return best;
 }
 
-ObjectStart objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
-                     std::vector<Plane> planes) {
+ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
+                       std::vector<Plane> planes) {
   const cv::Rect whole({0, 0}, depth.size());
   const cv::Rect around = cv::Rect(point.x - 2, point.y - 2, 5, 5) & whole;
   const double range = medianDepth(depth(around), depth(around) > 0, 1);

@@ -37,8 +37,8 @@ struct ObjectStart {
 };
 /// A plane through the point is not taken for an object's side where it is a fifth of the picture:
 /// then the point is on nothing.
-ObjectStart objectAt(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
-                     std::vector<Plane> planes);
+ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
+                       std::vector<Plane> planes);
 
 /// `mask` settled by colour: GrabCut at half size or less; the mask itself where that changes its
 /// area to outside 0.4 .. 2.5 times. `object_point` is on it; around each of `not_points` a disc of

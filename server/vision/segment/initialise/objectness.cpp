@@ -30,12 +30,12 @@ struct MaskView {
   double area = 0.0;
 };
 
-MaskView viewOf(const FrameContext& scene, const cv::Mat& mask) {
+MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
   MaskView out;
   const double area = cv::countNonZero(mask);
   const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
   const cv::Rect box = boxAround(mask, int(kRingMargin_px / shrink) + 1);
-  out.view = GraphRoi::of(scene, box, shrink * shrink * box.area());
+  out.view = GraphRoi::around(scene, box, shrink * shrink * box.area());
   out.mask = out.view.shrunk(mask);
   cv::Mat inner;
   cv::Mat outer;
@@ -110,7 +110,7 @@ struct Colors {
   double missing = 0.0;  // in the ring, share of the area: looks like it and like nothing beyond
 };
 
-Colors colorsOf(const MaskView& m) {
+Colors collectColors(const MaskView& m) {
   ColorHistogram inside;
   ColorHistogram ring;
   ColorHistogram beyond;
@@ -123,18 +123,18 @@ Colors colorsOf(const MaskView& m) {
       if (d < -kLastOfRing_px) beyond.count(color);
     }
   }
-  for (ColorHistogram* histogram : {&inside, &ring, &beyond}) histogram->settle();
+  for (ColorHistogram* histogram : {&inside, &ring, &beyond}) histogram->finish();
   const std::vector<float> evidence = colorEvidence(inside, inside, beyond);
   double missing = 0.0;
   for (int v = 0; v < m.mask.rows; ++v) {
     for (int u = 0; u < m.mask.cols; ++u) {
       const float d = m.distance.at<float>(v, u);
       if (d < -2.0F && d > -kLastOfRing_px &&
-          evidence[ColorHistogram::binOf(m.view.color.at<cv::Vec3b>(v, u))] > 1.0F)
+          evidence[ColorHistogram::binIndex(m.view.color.at<cv::Vec3b>(v, u))] > 1.0F)
         missing += 1.0;
     }
   }
-  return {1.0 - overlapOf(inside, ring), missing / std::max(m.area, 1.0)};
+  return {1.0 - computeOverlap(inside, ring), missing / std::max(m.area, 1.0)};
 }
 
 struct Body {
@@ -145,7 +145,7 @@ struct Body {
   double skin = 0.0;
 };
 
-Body bodyOf(const MaskView& m, const cv::Size& picture) {
+Body fitBody(const MaskView& m, const cv::Size& picture) {
   Body out;
   std::vector<double> depths;
   depths.reserve(static_cast<std::size_t>(m.area));
@@ -160,7 +160,7 @@ Body bodyOf(const MaskView& m, const cv::Size& picture) {
     }
   }
   out.known = double(depths.size()) / m.area;
-  const double middle_mm = depths.empty() ? 1.0 : medianOf(depths);
+  const double middle_mm = depths.empty() ? 1.0 : computeMedian(depths);
   const double across_px = std::sqrt(4.0 * m.area / CV_PI) / m.view.shrink;
   out.diameter_mm = across_px / pixelsPerMm(middle_mm, picture);
   for (const double z : depths) {
@@ -181,11 +181,11 @@ Body bodyOf(const MaskView& m, const cv::Size& picture) {
 
 double objectness(const FrameContext& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return -10.0;
-  const MaskView m = viewOf(scene, mask);
+  const MaskView m = makeView(scene, mask);
   if (m.area < 10.0) return -10.0;
   const Contour contour = alongContour(m, scene.noise);
-  const Colors colors = colorsOf(m);
-  const Body body = bodyOf(m, mask.size());
+  const Colors colors = collectColors(m);
+  const Body body = fitBody(m, mask.size());
   const double small = std::max(0.0, std::log(kSmall_mm / body.diameter_mm));
   const double large = std::max(0.0, std::log(body.diameter_mm / kLarge_mm));
   return 0.3 * colors.apart + 1.4 * contour.edge - 0.7 * contour.weak - 1.5 * contour.contact +
@@ -196,7 +196,7 @@ double objectness(const FrameContext& scene, const cv::Mat& mask) {
 
 double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return 0.0;
-  return bodyOf(viewOf(scene, mask), mask.size()).diameter_mm;
+  return fitBody(makeView(scene, mask), mask.size()).diameter_mm;
 }
 
 }  // namespace hapticast::server

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+// The client as a user runs it, and servers that lie to it over TCP, by datagrams and to a group:
+// nothing is felt that the log could not stand, and the user is told.
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/integration/stream_fixture.hpp"
+#include "tests/support/datagram_bytes.hpp"
+#include "tests/support/malicious_server.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+/// Tells one lie to whoever comes, one viewer at a time.
+class LyingListener {
+ public:
+  explicit LyingListener(const Lie& lie)
+      : server_(lie),
+        acceptor_(io_, {asio::ip::address_v4::loopback(), 0}),
+        udp_(io_, {asio::ip::address_v4::loopback(), 0}),
+        group_(asio::ip::make_address("239.255.75.1"), udp_.local_endpoint().port()) {
+    udp_.non_blocking(true);
+    udp_.set_option(asio::ip::multicast::outbound_interface(asio::ip::address_v4::loopback()));
+    server_.offers(udp_.local_endpoint().port(),
+                   {group_.address().to_string(), group_.port(), MaliciousServer::kToken});
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+  [[nodiscard]] std::string address() const {
+    return "127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port());
+  }
+
+ private:
+  void run(const std::stop_token& stop) {
+    acceptor_.non_blocking(true);
+    while (!stop.stop_requested()) {
+      boost::system::error_code none;
+      asio::ip::tcp::socket socket(io_);
+      acceptor_.accept(socket, none);
+      if (none) {
+        pause();
+        continue;
+      }
+      RawPeer viewer(std::move(socket));
+      talk(viewer, stop);
+    }
+  }
+  void talk(RawPeer& viewer, const std::stop_token& stop) {
+    while (viewer.all<Hello>().empty() && !viewer.closed && !stop.stop_requested()) {
+      viewer.poll();
+      pause();
+    }
+    viewer.got.clear();
+    viewer.send(framed(server_.welcome()));
+    const LocalTime begin = clock_.now();
+    while (!viewer.closed && !stop.stop_requested()) {
+      viewer.poll();
+      const double now_s = secondsSince(begin);
+      for (const Ping& ping : viewer.all<Ping>()) {
+        if (const auto answer = server_.answer(ping, now_s)) viewer.send(framed(*answer));
+      }
+      viewer.got.clear();
+      for (const Bytes& message : server_.messages(now_s)) viewer.send(framed(message));
+      if (server_.byDatagrams()) sendDatagrams();
+      pause();
+    }
+  }
+  /// To whoever echoes, and to the group; a probe now and then as an honest server sends it.
+  void sendDatagrams() {
+    std::array<std::uint8_t, kEchoBytes> echo{};
+    boost::system::error_code none;
+    for (;;) {
+      asio::ip::udp::endpoint from;
+      (void)udp_.receive_from(asio::buffer(echo), from, 0, none);
+      if (none == asio::error::would_block) break;
+      if (!none) viewer_at_ = from;
+    }
+    std::vector<Bytes> bodies = server_.takeDatagrams();
+    if (++turns_ % 100 == 1) bodies.push_back(server_.probe());
+    for (const Bytes& body : bodies) {
+      const Bytes bytes = datagramBytes(MaliciousServer::kToken, body);
+      if (viewer_at_) udp_.send_to(asio::buffer(bytes), *viewer_at_, 0, none);
+      udp_.send_to(asio::buffer(bytes), group_, 0, none);
+    }
+  }
+  [[nodiscard]] double secondsSince(LocalTime begin) const {
+    return toSeconds(clock_.now() - begin);
+  }
+  static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
+
+  SteadyClock clock_;
+  asio::io_context io_;
+  MaliciousServer server_;
+  asio::ip::tcp::acceptor acceptor_;
+  asio::ip::udp::socket udp_;
+  asio::ip::udp::endpoint group_;
+  std::optional<asio::ip::udp::endpoint> viewer_at_;
+  std::uint64_t turns_ = 0;
+  std::jthread thread_;  // last: it uses the others
+};
+
+struct Told {
+  const char* lie;
+  const char* said;  ///< in the client's output; empty: nothing in particular
+  const char* transport = "udp";
+};
+
+class ProgramsLiesTest : public ProgramsTest {
+ protected:
+  /// Each lie to a client of its own, all at once.
+  void tell(std::span<const Told> told) const;
+  static const Lie& named(const std::string& name) {
+    const auto& all = lies();
+    return *std::find_if(all.begin(), all.end(), [&](const Lie& lie) { return lie.name == name; });
+  }
+  void expectSafe(const std::string& name) const {
+    const std::vector<LogRow> rows = readLog(path(name + ".csv"));
+    EXPECT_GT(rows.size(), 1000U) << name;
+    double most_N = 0.0;
+    for (const LogRow& row : rows) most_N = std::max(most_N, row.force_N.norm());
+    EXPECT_LE(most_N, 3.3 + 1e-3) << name << ", but for what the log rounds";
+    EXPECT_EQ(rows.empty() ? 1.0 : rows.back().force_N.norm(), 0.0) << name << ": it ends at rest";
+    const auto summary = nlohmann::json::parse(std::ifstream(path(name + ".json")));
+    EXPECT_EQ(summary["step_excess_max_N"], 0.0) << name;
+  }
+};
+
+TEST_F(ProgramsLiesTest, AreLimitedAndTheUserIsTold) {
+  tell(std::to_array<Told>({
+      {"acceleration_1e8_described", "the stream is not trusted any more"},
+      {"acc_square_4hz_x", "no force from now on; start again, or with --rearm"},
+      {"id_max_once", "jumps of the frames' ids"},
+      {"outside", "whose objects are not shown"},
+      {"silence", "no new frames come: the force has faded"},
+      {"stiffness_1000", "a wall is softer than the stream asks for"},
+      {"structure_cut", "trying again"},
+  }));
+}
+
+TEST_F(ProgramsLiesTest, InDatagramsAreLimitedToo) {
+  tell(std::to_array<Told>({
+      {"datagram_ids_max_first", "", "udp"},
+      {"datagram_copies_contradict_in_turns", "", "udp"},
+      {"datagram_half_sent", "", "udp"},
+      {"datagram_probes", "more of them come than can be verified", "udp"},
+      {"datagram_times_against_tcp", "", "udp"},
+  }));
+}
+
+TEST_F(ProgramsLiesTest, ToTheGroupAreLimitedToo) {
+  tell(std::to_array<Told>({
+      {"datagram_honest", "", "multicast"},
+      {"datagram_epoch_against_tcp", "", "multicast"},
+      {"datagram_copies_contradict_in_turns", "", "multicast"},
+      {"datagram_noise", "no new frames come: the force has faded", "multicast"},
+      {"datagram_ids_race", "", "multicast"},
+  }));
+}
+
+void ProgramsLiesTest::tell(std::span<const Told> told) const {
+  const std::string hold = write("hold.csv", "0,0,0,25\n1,0,0,25\n1.5,0,0,4\n100,0,0,4\n");
+  std::vector<std::unique_ptr<LyingListener>> servers;
+  std::vector<std::unique_ptr<Process>> clients;
+  servers.reserve(told.size());
+  clients.reserve(told.size());
+  for (const Told& each : told) {
+    servers.push_back(std::make_unique<LyingListener>(named(each.lie)));
+    clients.push_back(
+        startClient({servers.back()->address(), "--device", "virtual", "--hand", hold, "--log",
+                     path(std::string(each.lie) + ".csv"), "--fault-dir", path("faults"),
+                     "--seconds", "6", "--transport", each.transport, "--interface", "lo",
+                     "--summary", path(std::string(each.lie) + ".json")}));
+  }
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(clients[i]->wait(kSoon), 0) << told[i].lie << clients[i]->output();
+    EXPECT_NE(clients[i]->output().find(told[i].said), std::string::npos) << told[i].lie << ":\n"
+                                                                          << clients[i]->output();
+    const std::string output = clients[i]->output();
+    EXPECT_LE(std::count(output.begin(), output.end(), '\n'), 24) << output;
+    expectSafe(told[i].lie);
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::testing

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// A bench for the chain under a virtual clock: virtual device, HIP motion and safety chain against
+// a flat wall.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "client/device/virtual/virtual_device.hpp"
+#include "client/haptics/estimation/hip_estimator.hpp"
+#include "client/haptics/safety/chain.hpp"
+#include "tests/support/manual_clock.hpp"
+
+namespace hapticast::client {
+
+inline PlantProfile omni(double stiffness_N_mm, int delay_ticks, double friction_N = 0.0) {
+  PlantProfile profile;
+  profile.stiffness_N_mm = stiffness_N_mm;
+  profile.delay_ticks = delay_ticks;
+  profile.friction_N = friction_N;
+  return profile;
+}
+
+/// A wall facing +z at `wall_mm` (device frame). One step() is one tick: device, motion, chain (or
+/// another law in its place).
+class ChainFixture {
+ public:
+  ChainFixture(const DeviceProfile& told, const PlantProfile& real, const Hand& hand,
+               const SafetyLinks& links = {})
+      : device(real, hand, clock),
+        motion(told),
+        chain(told, links),
+        logged_(told),
+        real_delay_ticks_(real.delay_ticks) {
+    stiffness_N_mm = told.stiffness_N_mm;
+  }
+
+  const SafetyOutput& step(Duration period = Duration(1'000'000)) {
+    clock.advance(period);
+    const Vec3 from_mm = device.truePosition_mm();
+    DeviceState state = device.exchange(out.force_N);
+    work(from_mm, period);
+    if (blind) state.position_mm.setConstant(std::nan(""));
+    if (lost) state.status = DeviceStatus::kLost;
+    motion.setDelay(chain.delayTicks());
+    motion.sent(out.force_N, chain.wall_N_mm());
+    const HipEstimate& hip = motion.update(state);
+    SafetyInput input;
+    input.position_mm = hip.position_mm;
+    input.velocity_mm_s = hip.velocity_mm_s;
+    input.measurement_jumped = hip.restarted;
+    input.device_lost = lost;
+    input.ahead = hip.ahead;
+    const double depth_mm = wall_mm - (by_counts ? hip.position_mm : hip.ahead.position_mm).z();
+    input.contact = wall_present && depth_mm > 0.0;
+    input.displacement_mm = input.contact ? Vec3(0.0, 0.0, depth_mm) : Vec3(Vec3::Zero());
+    if (nan_heights) input.displacement_mm.setConstant(std::nan(""));
+    input.surface_velocity_mm_s = {0.0, 0.0, wall_velocity_mm_s};
+    input.scene_step_s = toSeconds(period);
+    input.stiffness_N_mm = stiffness_N_mm;
+    input.damping_Ns_m = damping_Ns_m;
+    input.world_jumped = epoch_jump;
+    input.in_contact = touchable;
+    input.dynamic_N = dynamic_N;
+    input.dynamic_valid = true;
+    epoch_jump = false;
+    const Vec3 before_N = out.force_N;
+    out = law ? law(input) : chain.step(input);
+    measure(hip, before_N);
+    return out;
+  }
+  [[nodiscard]] double renderedStiffness_N_mm() const {
+    return std::min(stiffness_N_mm, stiffnessLimit_N_mm(logged_));
+  }
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) step();
+  }
+
+  ManualClock clock;
+  VirtualDevice device;
+  HipEstimator motion;
+  SafetyChain chain;
+  SafetyOutput out;
+  std::function<SafetyOutput(const SafetyInput&)> law;  ///< empty: the chain
+  bool by_counts = false;  ///< a law that knows no look-ahead touches the wall where the count is
+  double wall_mm = 0.0;
+  double wall_velocity_mm_s = 0.0;
+  double stiffness_N_mm = 0.5;
+  double damping_Ns_m = 0.0;
+  bool wall_present = true;
+  bool touchable = true;
+  bool epoch_jump = false;
+  bool nan_heights = false;
+  bool blind = false;
+  bool lost = false;
+  Vec3 dynamic_N = Vec3::Zero();
+  double true_work_mJ = 0.0;  ///< of the force that truly acted over the tip's true way
+  // Over all ticks since the last clear().
+  double max_excess_N = 0.0;        // by the chain's own meter
+  double max_outer_excess_N = 0.0;  // by the test, from what goes in and out
+  double max_step_N = 0.0;
+  double max_force_N = 0.0;
+  bool finite = true;
+  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  void clear() {
+    max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0;
+    interferences.fill(0);
+  }
+  [[nodiscard]] std::uint64_t count(SafetyAction which) const {
+    return interferences[static_cast<std::size_t>(which)];
+  }
+
+ private:
+  /// The device lived through `period` with the forces sent before.
+  void work(const Vec3& from_mm, Duration period) {
+    for (Duration t{0}; t < period; t += Duration(1'000'000)) {
+      for (std::size_t i = sent_N_.size() - 1; i > 0; --i) sent_N_[i] = sent_N_[i - 1];
+      sent_N_[0] = out.force_N;
+    }
+    const Vec3& acted_N = sent_N_[static_cast<std::size_t>(real_delay_ticks_)];
+    true_work_mJ += acted_N.dot(device.truePosition_mm() - from_mm);
+  }
+  /// The same bound as the chain's meter, from what goes in and out only: K |dx| in any direction,
+  /// the damper along z, both of the wall before this tick; B v where the tip itself entered.
+  [[nodiscard]] double outerExcess_N(const HipEstimate& hip, const Vec3& before_N) const {
+    Vec3 rest_N = out.force_N - before_N;
+    Vec3 explained_N = Vec3::Zero();
+    double spring_N = 0.0;
+    const Vec3 moved_mm = hip.position_mm - last_position_mm_;
+    const bool entered = !was_contact_ && out.contact &&
+                         out.penetration_mm <= last_ahead_mm_ - hip.ahead.position_mm.z();
+    if (!hip.restarted && (was_contact_ || entered)) {
+      const double k = was_contact_ ? last_stiffness_N_mm_ : renderedStiffness_N_mm();
+      const double b_mm = wallDamping_Ns_m(k, logged_.mass_kg, stiffnessLimit_N_mm(logged_)) * 1e-3;
+      const double from_mm_s = was_contact_ ? last_velocity_mm_s_.z() : 0.0;
+      const double most_mm_s = was_contact_ ? 600.0 : 300.0;
+      const double damper_N =
+          b_mm * std::clamp(from_mm_s - hip.velocity_mm_s.z(), -most_mm_s, most_mm_s);
+      explained_N.z() = std::clamp(rest_N.z(), std::min(damper_N, 0.0), std::max(damper_N, 0.0));
+      spring_N =
+          k * (was_contact_ ? moved_mm.norm() : std::min(moved_mm.norm(), out.penetration_mm));
+    }
+    rest_N -= explained_N;
+    const bool rises = out.force_N.norm() > (before_N + explained_N).norm();
+    return rest_N.norm() - spring_N -
+           (rises ? logged_.slew_rise_N_per_tick : logged_.slew_fall_N_per_tick);
+  }
+  static std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> zeros() {
+    std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> all;
+    all.fill(Vec3::Zero());
+    return all;
+  }
+  void measure(const HipEstimate& hip, const Vec3& before_N) {
+    max_outer_excess_N = std::max(max_outer_excess_N, outerExcess_N(hip, before_N));
+    max_excess_N = std::max(max_excess_N, out.step_excess_N);
+    max_step_N = std::max(max_step_N, (out.force_N - before_N).norm());
+    max_force_N = std::max(max_force_N, out.force_N.norm());
+    finite = finite && out.force_N.allFinite();
+    for (std::size_t i = 0; i < interferences.size(); ++i) {
+      interferences[i] += (out.interferences >> i) & 1U;
+    }
+    was_contact_ = out.contact;
+    last_stiffness_N_mm_ = renderedStiffness_N_mm();
+    last_position_mm_ = hip.position_mm;
+    last_ahead_mm_ = hip.ahead.position_mm.z();
+    last_velocity_mm_s_ = hip.velocity_mm_s;
+  }
+
+  DeviceProfile logged_;
+  int real_delay_ticks_;
+  std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_ = zeros();
+  bool was_contact_ = false;
+  double last_stiffness_N_mm_ = 0.0;
+  Vec3 last_position_mm_ = Vec3::Zero();
+  double last_ahead_mm_ = 0.0;
+  Vec3 last_velocity_mm_s_ = Vec3::Zero();
+};
+
+}  // namespace hapticast::client

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// A server that lies, its lies as data. Each begins with an honest stream, a plateau of 10 mm that
+// rests in the middle of the picture at 25 frames a second, and says what it does to it. Messages
+// leave as bytes, datagrams signed: a server that lies has the key. Arithmetic only: times are
+// arguments, nothing here has a thread or a socket.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/protocol/messages.hpp"
+#include "common/transport/datagram.hpp"
+#include "tests/support/coded.hpp"
+
+namespace hapticast::testing {
+
+using Bytes = std::vector<std::uint8_t>;
+
+inline constexpr double kLiarsFps = 25.0;
+inline constexpr PixelRect kPlateau_px{260, 180, 120, 120};  ///< +-15 mm about the middle
+inline constexpr float kPlateau_mm = 10.0F;
+
+/// What has to become of a lie. Each includes that the force is finite, at most the peak, steps no
+/// more than the chain allows, and ends.
+enum class Verdict : std::uint8_t {
+  kRefused,    ///< messages or objects were not taken
+  kLimited,    ///< felt, but cut down; that it may cost the trust in the end is a matter of time
+  kTrustLost,  ///< felt for a while, then the force is zero until it is re-armed
+  kHarmless,   ///< nothing of it needed a limit
+};
+const char* verdictName(Verdict verdict) noexcept;
+
+/// The hands that feel it.
+enum class AdversarialRun : std::uint8_t {
+  kHold,     ///< wants to be 6 mm under the plateau
+  kShallow,  ///< 2.5 mm under it
+  kPress,    ///< the client's own script
+  kBeside,   ///< low beside the plateau, where its edge may come to
+  kStroke,   ///< 2 mm under it, to and fro by 8 mm once a second
+  kTap,      ///< 6 mm under it, up and down by 4 mm seven times a second
+};
+
+/// A frame that is about to be sent, honest until the lie has changed it.
+struct Telling {
+  double t_s;       ///< since the connection
+  std::uint64_t n;  ///< frames before it on this connection
+  std::mt19937_64& random;
+  HapticFrame frame;
+  std::optional<StreamDescription> description = std::nullopt;  ///< sent before the frame
+  std::optional<Bytes> bytes = std::nullopt;                    ///< sent instead of it
+  bool silent = false;                                          ///< nothing is sent
+  int copies = 1;
+
+  [[nodiscard]] HapticObject& object() { return frame.objects.front(); }
+  [[nodiscard]] Motion& motion() { return object().motion; }
+  [[nodiscard]] Material& material() { return object().material; }
+  /// The plateau as another relief; told as one that has changed.
+  void shows(std::shared_ptr<const Relief> relief);
+  /// Uniform.
+  [[nodiscard]] double between(double low, double high);
+};
+
+/// A frame's datagrams that are about to be signed and sent, honest until the lie has changed them.
+struct PartsTelling {
+  struct Part {
+    DatagramHeader header;
+    Bytes payload;
+  };
+  double t_s;       ///< since the connection
+  std::uint64_t n;  ///< frames before it on this connection
+  std::mt19937_64& random;
+  CodedFrame frame;
+  std::vector<Part> parts;  ///< in the order in which they are sent
+
+  /// The parts of a frame as an honest server packs it, under this telling's stream.
+  [[nodiscard]] static std::vector<Part> partsOf(const CodedFrame& frame);
+};
+
+/// A pong's time on the server's clock, from the true one, s.
+using ClockLie = double (*)(double true_s);
+
+struct Lie {
+  std::string name;
+  AdversarialRun hand = AdversarialRun::kHold;
+  Verdict verdict = Verdict::kLimited;
+  std::function<void(Telling&)> tell;
+  std::function<void(StreamDescription&)> announce = nullptr;
+  ClockLie clock = nullptr;  ///< null: an honest one
+  bool answers = true;       ///< pings
+  /// Frames go by datagrams, and are lied about there; null: they go over TCP.
+  std::function<void(PartsTelling&)> tell_parts = nullptr;
+  bool on_tcp = false;  ///< and over TCP, as `tell` left them
+};
+
+/// All of them.
+const std::vector<Lie>& lies();
+
+class MaliciousServer {
+ public:
+  /// `lie` outlives it.
+  explicit MaliciousServer(const Lie& lie);
+
+  static constexpr std::uint64_t kToken = 0xabcdef0123456789;
+
+  /// In the welcome from now on: where its datagrams come from, and the group that gets them, too.
+  void offers(std::uint16_t datagram_port, DatagramGroup group);
+  /// A viewer has come: everything begins anew.
+  [[nodiscard]] Bytes welcome();
+  /// What is sent up to this time (s since the welcome), oldest first.
+  [[nodiscard]] std::vector<Bytes> messages(double until_s);
+  /// The bodies of the datagrams that go with the messages since the last call.
+  [[nodiscard]] std::vector<Bytes> takeDatagrams();
+  /// The body of an honest probe.
+  [[nodiscard]] Bytes probe();
+  [[nodiscard]] bool byDatagrams() const { return lie_.tell_parts != nullptr; }
+  /// The answer to a ping, if one is given.
+  [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
+
+ private:
+  [[nodiscard]] HapticFrame honestFrame(double t_s) const;
+  void lieInParts(double t_s, const CodedFrame& frame);
+
+  const Lie& lie_;
+  FrameCoder coder_;
+  SigningKey key_{KeyBytes{17}};
+  std::uint16_t port_ = 0;
+  std::optional<DatagramGroup> group_;
+  std::vector<Bytes> datagrams_;
+  std::mt19937_64 random_{7};
+  std::uint64_t next_ = 0;
+};
+
+}  // namespace hapticast::testing

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// The preparer by hand, and once with its thread between a network and a loop.
+#include "client/net/decode_thread.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "tests/support/coded.hpp"
+#include "tests/support/flat_relief.hpp"
+#include "tests/support/manual_clock.hpp"
+
+namespace hapticast::client {
+namespace {
+
+AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief) {
+  AssembledFrame assembled;
+  assembled.frame.id = id;
+  assembled.place.epoch = 1;
+  assembled.place.media_time = assembled.frame.media_time =
+      mediaTime(0.04 * static_cast<double>(id));
+  const auto side = static_cast<int>(8 + changed % 8);
+  assembled.frame.objects.push_back(testing::coded(HapticObject{
+      7, 0, changed, with_relief ? flatRelief({0, 0, side, side}) : nullptr, {}, nullptr, {}, {}}));
+  return assembled;
+}
+
+class PreparerTest : public ::testing::Test {
+ protected:
+  PreparerTest() { decode_thread.reset(Workspace{}); }
+
+  /// The id of the next frame the loop gets, and what its object points to; 0 when none is there.
+  std::uint64_t take() {
+    FramePool::Index index = 0;
+    if (!pool->pop(index)) return 0;
+    field = pool->frame(index).objects[0].field;
+    const std::uint64_t id = pool->frame(index).id;
+    pool->release(index);
+    return id;
+  }
+
+  std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
+  ManualClock clock;
+  std::vector<PreparedFrame> done;
+  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
+                             [this](const PreparedFrame& frame) { done.push_back(frame); }};
+  const HeightField* field = nullptr;
+};
+
+TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
+  EXPECT_FALSE(decode_thread.step());
+  (void)decode_thread.push(frameOf(1, 1, true));
+  EXPECT_EQ(take(), 0U) << "pushing does not wait for the preparation";
+  clock.set(localTime(3.0));
+  EXPECT_TRUE(decode_thread.step());
+  EXPECT_EQ(take(), 1U);
+  EXPECT_NE(field, nullptr);
+  ASSERT_EQ(done.size(), 1U);
+  EXPECT_EQ(done[0].ready, localTime(3.0));
+  EXPECT_EQ(done[0].place.media_time, mediaTime(0.04));
+  EXPECT_TRUE(done[0].handed_over);
+  EXPECT_FALSE(decode_thread.step());
+}
+
+TEST_F(PreparerTest, WhatIsLeftOutMayBeCalledUnchangedLater) {
+  (void)decode_thread.push(frameOf(1, 1, true));
+  (void)decode_thread.push(frameOf(2, 2, true));
+  std::size_t left_out = 0;
+  for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
+    left_out += decode_thread.push(frameOf(id, 2, false));
+  }
+  EXPECT_EQ(left_out, 2U);
+  for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
+    ASSERT_TRUE(decode_thread.step());
+    EXPECT_EQ(done.back().reliefs_missing, 0U) << id;
+    EXPECT_EQ(take(), id);
+    ASSERT_NE(field, nullptr) << id;
+    EXPECT_EQ(field->rect().width, 10);
+  }
+}
+
+TEST_F(PreparerTest, WhatTheLoopHadNoRoomForMayBeCalledUnchangedLater) {
+  for (std::uint64_t id = 1; id <= FramePool::kSlots + 1; ++id) {
+    (void)decode_thread.push(frameOf(id, id, true));
+    (void)decode_thread.step();
+  }
+  EXPECT_FALSE(done.back().handed_over);
+  while (take() != 0) {
+  }
+  (void)decode_thread.push(frameOf(FramePool::kSlots + 2, FramePool::kSlots + 1, false));
+  (void)decode_thread.step();
+  EXPECT_EQ(take(), FramePool::kSlots + 2);
+  EXPECT_NE(field, nullptr);
+}
+
+TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
+  (void)decode_thread.push(frameOf(1, 1, true));
+  (void)decode_thread.step();
+  (void)decode_thread.push(frameOf(2, 1, false));
+  decode_thread.reset(Workspace{});
+  EXPECT_FALSE(decode_thread.step()) << "frames that waited are void";
+  (void)decode_thread.push(frameOf(3, 1, false));
+  (void)decode_thread.step();
+  EXPECT_EQ(done.back().reliefs_missing, 1U) << "reliefs of before are forgotten";
+}
+
+TEST_F(PreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {
+  (void)decode_thread.push(frameOf(1, 1, true));
+  (void)decode_thread.push(frameOf(2, 1, true));
+  (void)decode_thread.push(frameOf(3, 1, false));
+  while (decode_thread.step()) {
+  }
+  EXPECT_EQ(take(), 1U);
+  const HeightField* const first = field;
+  EXPECT_EQ(take(), 2U);
+  EXPECT_EQ(field, first);
+  EXPECT_EQ(take(), 3U);
+  EXPECT_EQ(field, first);
+}
+
+TEST(PreparerThread, BringsFramesFromTheNetworkToTheLoop) {
+  constexpr std::uint64_t kFrames = 500;
+  const SteadyClock clock;
+  const auto pool = std::make_unique<FramePool>();
+  std::atomic<std::uint64_t> dropped{0};
+  DecodeThread decode_thread(*pool, clock, Method::kHapticast, [&](const PreparedFrame& frame) {
+    if (!frame.handed_over) ++dropped;
+  });
+  decode_thread.reset(Workspace{});
+  decode_thread.start();
+  std::jthread network([&] {
+    for (std::uint64_t id = 1; id <= kFrames; ++id) {
+      dropped += decode_thread.push(frameOf(id, 1 + id / 10, id % 10 == 0 || id == 1));
+    }
+  });
+  std::uint64_t last = 0;
+  std::uint64_t got = 0;
+  while (got + dropped < kFrames) {
+    FramePool::Index index = 0;
+    if (!pool->pop(index)) {
+      std::this_thread::yield();
+      continue;
+    }
+    const PlayFrame& frame = pool->frame(index);
+    EXPECT_GT(frame.id, last);
+    ASSERT_NE(frame.objects[0].field, nullptr) << frame.id;
+    EXPECT_EQ(frame.objects[0].field->rect().width, static_cast<int>(8 + (1 + frame.id / 10) % 8));
+    last = frame.id;
+    ++got;
+    pool->release(index);
+  }
+  network.join();
+  decode_thread.stop();
+  EXPECT_EQ(got + dropped, kFrames);
+  decode_thread.stop();  // a second time is no harm
+}
+
+}  // namespace
+}  // namespace hapticast::client
