@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -16,10 +15,13 @@
 #include "client/discovery/find_server.hpp"
 #include "client/open_views.hpp"
 #include "common/cli/parse.hpp"
+#include "common/cli/run_program.hpp"
 
 namespace {
 
-enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
+using hapticast::kDone;
+using hapticast::kFailed;
+using hapticast::kWrongInput;
 
 std::atomic<bool> stop_calibration{false};
 
@@ -49,7 +51,7 @@ int calibrateFalcon(const hapticast::client::Settings& settings) {
   return kDone;
 }
 
-int touchPages(const hapticast::client::Settings& settings) {
+int runClient(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
@@ -76,14 +78,7 @@ int main(int argc, char** argv) {
     return kDone;
   }
   if (settings.list_servers) return hapticast::client::listServers() ? kDone : kFailed;
-  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-client"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
-  if (settings.quiet) spdlog::set_level(spdlog::level::warn);
-  try {
-    if (settings.calibration_g > 0.0) return calibrateFalcon(settings);
-    return touchPages(settings);
-  } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::stripControls(error.what()));
-    return kFailed;
-  }
+  return hapticast::runProgram("hapticast-client", settings.quiet, [&settings] {
+    return settings.calibration_g > 0.0 ? calibrateFalcon(settings) : runClient(settings);
+  });
 }

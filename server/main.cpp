@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <exception>
 #include <string>
 
 #include "common/cli/parse.hpp"
+#include "common/cli/run_program.hpp"
 #include "server/app.hpp"
 #include "server/command_line.hpp"
 #include "server/preview/preview.hpp"
@@ -14,7 +14,9 @@
 
 namespace {
 
-enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
+using hapticast::kDone;
+using hapticast::kFailed;
+using hapticast::kWrongInput;
 
 int serve(const hapticast::server::Settings& settings) {
   const hapticast::SteadyClock clock;
@@ -45,13 +47,6 @@ int main(int argc, char** argv) {
   hapticast::server::Settings settings;
   if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
     return *exit_code;
-  spdlog::set_default_logger(spdlog::stderr_color_mt("hapticast-server"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
-  if (settings.quiet) spdlog::set_level(spdlog::level::warn);
-  try {
-    return serve(settings);
-  } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::stripControls(error.what()));
-    return kFailed;
-  }
+  return hapticast::runProgram("hapticast-server", settings.quiet,
+                               [&settings] { return serve(settings); });
 }

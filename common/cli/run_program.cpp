@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#include "common/cli/run_program.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
+#include "common/cli/parse.hpp"
+
+namespace hapticast {
+
+int runProgram(const std::string& name, bool quiet, const std::function<int()>& run) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  if (quiet) spdlog::set_level(spdlog::level::warn);
+  try {
+    return run();
+  } catch (const std::exception& error) {
+    spdlog::error("{}", stripControls(error.what()));
+    return kFailed;
+  }
+}
+
+}  // namespace hapticast
