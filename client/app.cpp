@@ -113,7 +113,6 @@ class App::Impl {
 
   Settings settings_;
   const Clock& clock_;
-  LatestValue<TickReport> published_;  // the device's hand reads it
   LatestValue<PointerTarget> pointer_;
   Views views_;
   SelectedDevice device_;
@@ -151,11 +150,11 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
     : settings_(std::move(settings)),
       clock_(clock),
       views_(std::move(views)),
-      device_(selectDevice(settings_, clock, published_, points(views_) ? &pointer_ : nullptr)),
+      device_(selectDevice(settings_, clock, points(views_) ? &pointer_ : nullptr)),
       renderer_settings_(
           rendererSettings(settings_, device_.device->profile(), device_.auto_detected)),
       renderer_(std::make_unique<HapticRenderer>(renderer_settings_, pool_, stream_, user_controls_,
-                                                 published_, &log_ring_)),
+                                                 &log_ring_)),
       decode_thread_(pool_, clock, settings_.method,
                      [this](const PreparedFrame& frame) {
                        asio::post(io_, [this, frame] { prepared(frame); });

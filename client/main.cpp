@@ -30,12 +30,9 @@ int calibrateFalcon(const hapticast::client::Settings& settings) {
   using namespace hapticast::client;
   const auto tell = [](const std::string& line) { spdlog::info("{}", line); };
   const hapticast::SteadyClock clock;
-  hapticast::LatestValue<TickReport> seen;
-  const auto device = openDevice("falcon", {.profile = settings.profile,
-                                            .clock = clock,
-                                            .seen = seen,
-                                            .falcon = settings.falcon,
-                                            .log = tell});
+  const auto device = openDevice(
+      "falcon",
+      {.profile = settings.profile, .clock = clock, .falcon = settings.falcon, .log = tell});
   const auto stop = [](int /*signal*/) { stop_calibration = true; };
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);

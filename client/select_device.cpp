@@ -8,11 +8,10 @@
 namespace hapticast::client {
 
 SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
-                            LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer) {
+                            LatestValue<PointerTarget>* pointer) {
   const DeviceRequest request{.profile = settings.profile,
                               .hand = settings.hand,
                               .clock = clock,
-                              .seen = seen,
                               .pointer = pointer,
                               .falcon = settings.falcon,
                               .log = [](const std::string& line) { spdlog::info("{}", line); }};

@@ -18,6 +18,6 @@ struct SelectedDevice {
 /// the virtual one. What is referred to outlives the device; `pointer` may be null. Throws as
 /// openDevice() does.
 SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
-                            LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer);
+                            LatestValue<PointerTarget>* pointer);
 
 }  // namespace hapticast::client

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "client/haptics/tick_report.hpp"
 #include "common/text.hpp"
 #include "common/tick.hpp"
 
@@ -41,7 +42,7 @@ struct Hold {
   DeviceState poll() {
     device.waitForTick(deadline);
     deadline = clock.now() + kTickPeriod;
-    DeviceState state = device.exchange(force_N);
+    DeviceState state = device.exchange(force_N, {});
     while (const auto line = device.nextMessage()) log(*line);
     return state;
   }

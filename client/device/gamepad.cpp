@@ -86,7 +86,7 @@ Vec2 share(const Vec2& stick) noexcept {
 class Gamepad final : public HapticDevice {
  public:
   Gamepad(const PlantProfile& profile, const DeviceRequest& request)
-      : hand_(profile, request.clock), clock_(request.clock), seen_(request.seen), pad_(openPad()) {
+      : hand_(profile, request.clock), clock_(request.clock), pad_(openPad()) {
     if (!pad_) throw DeviceAbsent("--device gamepad: none was found; is it plugged in?");
     driveMotors();
     for (const auto& button : {profile.pause_button, profile.rearm_button, profile.enable_button}) {
@@ -101,14 +101,13 @@ class Gamepad final : public HapticDevice {
   }
   void waitForTick(LocalTime deadline) noexcept override { hand_.waitForTick(deadline); }
 
-  DeviceState exchange(const Vec3& force_N) noexcept override {
-    const TickReport& seen = seen_.load();
+  DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override {
     const LocalTime now = clock_.now();
-    rumbled_.store({.parts = meter_.next(seen), .time = now});
+    rumbled_.store({.parts = meter_.next(report), .time = now});
     const Held& held = held_.load();
     const bool heard = now - held.time < kHeard;
-    lead(heard ? held.velocity_mm_s : Vec3(Vec3::Zero()), seen.mapping);
-    DeviceState state = hand_.exchange(force_N);
+    lead(heard ? held.velocity_mm_s : Vec3(Vec3::Zero()), report.mapping);
+    DeviceState state = hand_.exchange(force_N, report);
     state.buttons = held.buttons;
     if (!held.there) state.status = DeviceStatus::kLost;
     return state;
@@ -197,7 +196,6 @@ class Gamepad final : public HapticDevice {
   // Loop:
   PointedHand hand_;
   const Clock& clock_;
-  LatestValue<TickReport>& seen_;
   TransientDetector meter_;
   bool led_ = false;
   Vec3 goal_mm_ = Vec3::Zero();  // device frame

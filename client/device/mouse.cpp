@@ -5,6 +5,7 @@
 
 #include "client/device/open_device.hpp"
 #include "client/device/pointed_hand.hpp"
+#include "client/haptics/tick_report.hpp"
 
 namespace hapticast::client {
 
@@ -16,26 +17,24 @@ constexpr double kMost_mm = 1000.0;
 class Mouse final : public HapticDevice {
  public:
   Mouse(const PlantProfile& profile, const DeviceRequest& request)
-      : hand_(profile, request.clock), pointer_(*request.pointer), seen_(request.seen) {}
+      : hand_(profile, request.clock), pointer_(*request.pointer) {}
 
   const DeviceProfile& profile() const noexcept override { return hand_.profile(); }
   std::string description() const override {
     return "mouse: a virtual device (" + profile().name + ") on a spring behind the pointer";
   }
   void waitForTick(LocalTime deadline) noexcept override { hand_.waitForTick(deadline); }
-  DeviceState exchange(const Vec3& force_N) noexcept override {
+  DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override {
     const PointerTarget& pointer = pointer_.load();
-    const DeviceMapping& mapping = seen_.load().mapping;
     if (pointer.known && pointer.position_mm.allFinite())
       hand_.moveTowards(
-          mapping.toDevice(pointer.position_mm.cwiseMax(-kMost_mm).cwiseMin(kMost_mm)));
-    return hand_.exchange(force_N);
+          report.mapping.toDevice(pointer.position_mm.cwiseMax(-kMost_mm).cwiseMin(kMost_mm)));
+    return hand_.exchange(force_N, report);
   }
 
  private:
   PointedHand hand_;
   LatestValue<PointerTarget>& pointer_;
-  LatestValue<TickReport>& seen_;
 };
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include "client/device/falcon_settings.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/pointer.hpp"
-#include "client/haptics/tick_report.hpp"
 #include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
@@ -24,7 +23,6 @@ struct DeviceRequest {
   std::string profile = {};    ///< --profile: a built-in name or a file; empty: the kind's own
   std::string hand = "press";  ///< --hand: a script's name or a CSV file
   const Clock& clock;
-  LatestValue<TickReport>& seen;  ///< what the room publishes; the device is its one reader
   /// Where a window's pointer is; null: there is no window. The device is its one reader.
   LatestValue<PointerTarget>* pointer = nullptr;
   FalconSettings falcon = {};

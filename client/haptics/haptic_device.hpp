@@ -61,6 +61,8 @@ struct DeviceTraffic {
   std::uint64_t resyncs = 0;  ///< answers that were damaged
 };
 
+struct TickReport;
+
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
@@ -71,9 +73,10 @@ class HapticDevice {
   /// Blocks until the next tick is due, at the latest about `deadline`. Called outside the tick.
   /// Thread: loop.
   virtual void waitForTick(LocalTime deadline) noexcept = 0;
-  /// Hands over the force (N, device frame, finite) and returns the newest position. Non-blocking.
-  /// Thread: loop.
-  virtual DeviceState exchange(const Vec3& force_N) noexcept = 0;
+  /// Sends the force (N, device frame, finite) and returns the newest position. `report`: of the
+  /// tick that computed the force, for a device that shows the tick or follows its workspace; a
+  /// default report before the first tick. Does not block. Thread: loop.
+  virtual DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept = 0;
   /// The force of this tick as soon as it is known, for a device that sends it before the next
   /// exchange(), which hands it over again. Non-blocking. Thread: loop.
   virtual void sendForceEarly(const Vec3& /*force_N*/) noexcept {}

@@ -41,7 +41,7 @@ void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
     const LocalTime begin = clock.now();
     if (begin - last > kLate) ++stats.late_ticks;
     last = begin;
-    const DeviceState state = device.exchange(force_N);
+    const DeviceState state = device.exchange(force_N, renderer.report());
     const LocalTime exchanged = clock.now();
     stopping = stopping || stop.load(std::memory_order_relaxed);
     if (stopping) {
@@ -59,7 +59,7 @@ void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
     deadline = std::min(deadline, begin) + kTickPeriod;
     if (end >= deadline) deadline += ((end - deadline) / kTickPeriod + 1) * kTickPeriod;
   }
-  (void)device.exchange(Vec3::Zero());
+  (void)device.exchange(Vec3::Zero(), renderer.report());
 }
 
 }  // namespace hapticast::client

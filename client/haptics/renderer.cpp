@@ -70,11 +70,10 @@ bool fresh(Lookup kind) noexcept {
 
 HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool,
                                LatestValue<StreamTiming>& stream, LatestValue<UserControls>& user,
-                               LatestValue<TickReport>& published, Log* log) noexcept
+                               Log* log) noexcept
     : settings_(settings),
       stream_(stream),
       user_(user),
-      published_(published),
       log_(log),
       motion_(settings.profile),
       lookup_(pool, settings.interpolation),
@@ -122,7 +121,7 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
   }
   report_.fault = classifyFault(out, hip, input.device_lost);
   reportObject(contact, scene);
-  publish();
+  recordTick();
   return report_;
 }
 
@@ -283,8 +282,7 @@ Fault HapticRenderer::classifyFault(const SafetyOutput& out, const HipEstimate& 
   return lasting ? Fault::kNone : fault;
 }
 
-void HapticRenderer::publish() noexcept {
-  published_.store(report_);
+void HapticRenderer::recordTick() noexcept {
   recorder_.record(report_);
   if (log_ != nullptr && !log_->tryPush(report_)) ++dropped_reports_;
 }

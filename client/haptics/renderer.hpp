@@ -40,7 +40,7 @@ class HapticRenderer {
   /// All arguments outlive the room. `log` may be null; it is never waited for.
   HapticRenderer(const RendererSettings& settings, FramePool& pool,
                  LatestValue<StreamTiming>& stream, LatestValue<UserControls>& user,
-                 LatestValue<TickReport>& published, Log* log) noexcept;
+                 Log* log) noexcept;
 
   /// One tick; report().force_N is for the device. Thread: loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
@@ -70,12 +70,11 @@ class HapticRenderer {
                   const SafetyOutput& out) noexcept;
   void reportObject(const Contact& contact, const Scene& scene) noexcept;
   Fault classifyFault(const SafetyOutput& out, const HipEstimate& hip, bool device_lost) noexcept;
-  void publish() noexcept;
+  void recordTick() noexcept;
 
   const RendererSettings& settings_;
   LatestValue<StreamTiming>& stream_;
   LatestValue<UserControls>& user_;
-  LatestValue<TickReport>& published_;
   Log* log_;
   HipEstimator motion_;
   Playout playout_;

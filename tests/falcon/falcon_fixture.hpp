@@ -47,7 +47,6 @@ class FalconTest : public ::testing::Test {
   std::unique_ptr<client::HapticDevice> openFalcon() {
     return client::openDevice(
         "falcon", {.clock = clock_,
-                   .seen = seen_,
                    .falcon = {.firmware_file = file_},
                    .log = [this](const std::string& line) { logged_.append(line).append("\n"); }});
   }
@@ -75,7 +74,6 @@ class FalconTest : public ::testing::Test {
 
   SteadyClock clock_;
   TempFolder folder_;
-  LatestValue<client::TickReport> seen_;
   std::unique_ptr<UsbPort> port_;
   std::string file_;
   std::string logged_;
@@ -90,13 +88,13 @@ class Turning {
           while (!stop_) {
             device.waitForTick(last + std::chrono::milliseconds(1));
             last = clock.now();
-            const client::DeviceState state = device.exchange(force_N_.load() * Vec3::UnitZ());
+            const client::DeviceState state = device.exchange(force_N_.load() * Vec3::UnitZ(), {});
             status_ = state.status;
             if (state.status == client::DeviceStatus::kOk) ++good_;
             if (state.status == client::DeviceStatus::kLost) ++lost_;
             device.sendForceEarly(force_N_.load() * Vec3::UnitZ());
           }
-          (void)device.exchange(Vec3::Zero());
+          (void)device.exchange(Vec3::Zero(), {});
         }) {}
   ~Turning() { stop(); }
   Turning(const Turning&) = delete;

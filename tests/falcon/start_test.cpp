@@ -47,14 +47,14 @@ TEST_F(FalconStart, TheFirmwareIsLoadedOverAShakyStart) {
 TEST_F(FalconStart, OneThatIsNotThere) {
   EXPECT_EQ(complaint(),
             "--device falcon: none was found on USB: is it plugged in, and its power supply too?");
-  EXPECT_TRUE(client::findDevice({.clock = clock_, .seen = seen_}) == nullptr);
+  EXPECT_TRUE(client::findDevice({.clock = clock_}) == nullptr);
   EXPECT_NE(client::listDevices().find("none was found"), std::string::npos);
 }
 
 TEST_F(FalconStart, OneThatIsFoundByItself) {
   bootAndPlugIn();
   EXPECT_NE(client::listDevices().find("serial number FT0TEST1"), std::string::npos);
-  EXPECT_TRUE(client::findDevice({.clock = clock_, .seen = seen_}) != nullptr);
+  EXPECT_TRUE(client::findDevice({.clock = clock_}) != nullptr);
 }
 
 TEST_F(FalconStart, OneThatBelongsToAnother) {
@@ -79,8 +79,7 @@ TEST_F(FalconStart, OneThatMayNotBeOpened) {
 TEST_F(FalconStart, AnotherSerialNumber) {
   bootAndPlugIn();
   try {
-    (void)client::openDevice("falcon",
-                             {.clock = clock_, .seen = seen_, .falcon = {.serial = "FTOTHER"}});
+    (void)client::openDevice("falcon", {.clock = clock_, .falcon = {.serial = "FTOTHER"}});
     ADD_FAILURE();
   } catch (const client::DeviceAbsent& error) {
     EXPECT_STREQ(error.what(),

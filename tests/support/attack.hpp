@@ -45,7 +45,7 @@ class Attack {
  public:
   explicit Attack(const RendererSettings& renderer_settings, double tip_height_mm = 8.0)
       : settings(renderer_settings),
-        renderer(std::make_unique<HapticRenderer>(settings, pool, stream, user, reports, nullptr)) {
+        renderer(std::make_unique<HapticRenderer>(settings, pool, stream, user, nullptr)) {
     const DeviceMapping mapping = DeviceMapping::fit(Workspace{}, settings.profile.workspace_mm);
     state.position_mm = mapping.toDevice({0.1, 0.1, tip_height_mm});
     control.connected = true;
@@ -64,7 +64,9 @@ class Attack {
     }
     stream.store(control);
     user.store(wishes);
-    if (device) state.position_mm = device->exchange(renderer->report().force_N).position_mm;
+    if (device)
+      state.position_mm =
+          device->exchange(renderer->report().force_N, renderer->report()).position_mm;
     state.time = clock.now();
     const Vec3 before_N = renderer->report().force_N;
     const TickReport& report = renderer->tick(clock.now(), state);
@@ -98,7 +100,6 @@ class Attack {
   FramePool pool;
   LatestValue<StreamTiming> stream;
   LatestValue<UserControls> user;
-  LatestValue<TickReport> reports;
   std::unique_ptr<HapticRenderer> renderer;
   StreamTiming control;
   UserControls wishes;

@@ -10,6 +10,7 @@
 #include "client/device/virtual/virtual_device.hpp"
 #include "client/haptics/estimation/hip_estimator.hpp"
 #include "client/haptics/safety/chain.hpp"
+#include "client/haptics/tick_report.hpp"
 #include "tests/support/manual_clock.hpp"
 
 namespace hapticast::client {
@@ -39,7 +40,7 @@ class ChainFixture {
   const SafetyOutput& step(Duration period = Duration(1'000'000)) {
     clock.advance(period);
     const Vec3 from_mm = device.truePosition_mm();
-    DeviceState state = device.exchange(out.force_N);
+    DeviceState state = device.exchange(out.force_N, {});
     work(from_mm, period);
     if (blind) state.position_mm.setConstant(std::nan(""));
     if (lost) state.status = DeviceStatus::kLost;

@@ -37,9 +37,9 @@ class RendererFixture {
                            double bounce_mm = 0.0, HapticRenderer::Log* log = nullptr)
       : settings(renderer_settings),
         device({settings.profile}, Hand::light(), clock),
-        renderer(std::make_unique<HapticRenderer>(settings, pool, stream, user, published, log)),
+        renderer(std::make_unique<HapticRenderer>(settings, pool, stream, user, log)),
         bounce_mm_(bounce_mm) {
-    if (script != nullptr) device.lead(*script, published, "a script");
+    if (script != nullptr) device.lead(*script, "a script");
     state.connected = true;
     state.first_epoch = epoch;
     state.playout_delay_target = Duration(60'000'000);
@@ -62,7 +62,7 @@ class RendererFixture {
     clock.advance(kTickPeriod);
     receive();
     const Vec3 force_N = renderer->report().force_N;
-    DeviceState reading = device.exchange(force_N);
+    DeviceState reading = device.exchange(force_N, renderer->report());
     if (!holds) reading.buttons = 0;
     if (silent) reading.status = DeviceStatus::kNoData;
     if (lost) reading.status = DeviceStatus::kLost;
@@ -97,7 +97,6 @@ class RendererFixture {
   FramePool pool;
   LatestValue<StreamTiming> stream;
   LatestValue<UserControls> user;
-  LatestValue<TickReport> published;
   VirtualDevice device;
   std::unique_ptr<HapticRenderer> renderer;
   StreamTiming state;

@@ -19,7 +19,7 @@ class ScriptedDevice final : public HapticDevice {
     deadlines.push_back(deadline);
     if (wait) wait(deadline);
   }
-  DeviceState exchange(const Vec3& force_N) noexcept override {
+  DeviceState exchange(const Vec3& force_N, const TickReport& /*report*/) noexcept override {
     forces_N.push_back(force_N);
     return answer ? answer(force_N) : DeviceState{};
   }

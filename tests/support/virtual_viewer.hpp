@@ -80,10 +80,9 @@ class VirtualViewer {
         decode_thread_(*pool_, clock_, settings_.method,
                        [this](const PreparedFrame& frame) { receiver_.prepared(frame); }),
         receiver_(decode_thread_, stream_, 1),
-        renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, published_,
-                                                   nullptr)),
+        renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
-    if (script != nullptr) device_.lead(*script, published_, "a script");
+    if (script != nullptr) device_.lead(*script, "a script");
     sent_N_.fill(Vec3::Zero());
   }
 
@@ -142,7 +141,7 @@ class VirtualViewer {
     const Vec3 from_mm = device_.truePosition_mm();
     const Vec3 speed_mm_s = device_.trueVelocity_mm_s();
     DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), DeviceStatus::kOk}
-                                : device_.exchange(sent_N);
+                                : device_.exchange(sent_N, renderer_->report());
     const TickReport& report = renderer_->tick(clock_.now(), state);
     reckon(report, sent_N, nailed_ ? Vec3(Vec3::Zero()) : device_.truePosition_mm() - from_mm,
            device_.trueVelocity_mm_s() - speed_mm_s, state.position_mm);
@@ -247,7 +246,6 @@ class VirtualViewer {
   LatestValue<StreamTiming> stream_;
   LatestValue<UserControls> user_;
   UserControls wishes_;
-  LatestValue<TickReport> published_;
   VirtualDevice device_;
   std::size_t delay_;
   DecodeThread decode_thread_;

@@ -64,7 +64,7 @@ class Falcon final : public HapticDevice {
     (void)link_.waitForReply(due_ + kPatience);
   }
 
-  DeviceState exchange(const Vec3& force_N) noexcept override {
+  DeviceState exchange(const Vec3& force_N, const TickReport& /*report*/) noexcept override {
     force_N_ = force_N;
     FalconNews news;
     while (link_.popEvent(news)) {

@@ -33,7 +33,7 @@ std::unique_ptr<HapticDevice> openVirtual(const DeviceRequest& request) {
                                 .surface_N_mm = profile.stiffness_N_mm};
   HandScript script = handScript(request.hand, stiffness);
   auto device = std::make_unique<VirtualDevice>(profile, Hand::light(), request.clock);
-  device->lead(std::move(script), request.seen, request.hand);
+  device->lead(std::move(script), request.hand);
   return device;
 }
 

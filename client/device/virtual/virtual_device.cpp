@@ -25,15 +25,14 @@ VirtualDevice::VirtualDevice(const PlantProfile& profile, const Hand& hand,
   reset({0.0, 0.0, 30.0}, Vec3::Zero());
 }
 
-void VirtualDevice::lead(HandScript script, LatestValue<TickReport>& seen, std::string name) {
-  annotation_track_.emplace(std::move(script));
-  position_ = &seen;
+void VirtualDevice::lead(HandScript script, std::string name) {
+  script_.emplace(std::move(script));
   led_by_ = std::move(name);
 }
 
 std::string VirtualDevice::description() const {
   return "virtual device (" + profile_.name + ") in a hand that " +
-         (annotation_track_ ? "does: " + led_by_ : std::string("rests"));
+         (script_ ? "does: " + led_by_ : std::string("rests"));
 }
 
 void VirtualDevice::waitForTick(LocalTime deadline) noexcept {
@@ -41,8 +40,8 @@ void VirtualDevice::waitForTick(LocalTime deadline) noexcept {
   sleepUntil(deadline);
 }
 
-DeviceState VirtualDevice::exchange(const Vec3& force_N) noexcept {
-  advanceScript();
+DeviceState VirtualDevice::exchange(const Vec3& force_N, const TickReport& report) noexcept {
+  advanceScript(report);
   const int ticks = ticksSinceLast();
   const Vec3 velocity_mm_s = (target_mm_ - last_target_mm_) / (ticks * kTick_s);
   for (int i = 0; i < ticks; ++i) {
@@ -87,13 +86,12 @@ void VirtualDevice::advance(const Vec3& force_N, const Vec3& target_from_mm,
   }
 }
 
-void VirtualDevice::advanceScript() noexcept {
-  if (!annotation_track_) return;
-  const TickReport& report = position_->load();
+void VirtualDevice::advanceScript(const TickReport& report) noexcept {
+  if (!script_) return;
   if (report.tick == seen_tick_) return;  // the script lives by ticks of the room
   seen_tick_ = report.tick;
   const Vec3 start_mm = report.mapping.toNominal(truePosition_mm());
-  target_mm_ = report.mapping.toDevice(annotation_track_->next(report, start_mm));
+  target_mm_ = report.mapping.toDevice(script_->next(report, start_mm));
 }
 
 void VirtualDevice::reset(const Vec3& position_mm, const Vec3& velocity_mm_s) noexcept {

@@ -10,7 +10,6 @@
 #include "client/device/virtual/axis_plant.hpp"
 #include "client/device/virtual/hand_script.hpp"
 #include "client/haptics/haptic_device.hpp"
-#include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
 
@@ -21,10 +20,9 @@ class VirtualDevice final : public HapticDevice {
   /// `clock` outlives the device. count_mm <= 0 in the profile: not quantised. delay_ticks is
   /// clamped to 0..5. Starts 30 mm above the middle. The hand rests there until it is led.
   VirtualDevice(const PlantProfile& profile, const Hand& hand, const Clock& clock) noexcept;
-  /// From now on `script` says where the hand wants to be. It watches `seen`, the room's published
-  /// reports, as a person watches the screen: at each exchange it reads that of the tick before.
-  /// The device is their one reader; they outlive it. `name`: for the description. Before the loop.
-  void lead(HandScript script, LatestValue<TickReport>& seen, std::string name);
+  /// Lets `script` set the target of the hand. The script reads the report of each exchange().
+  /// `name`: for the description. Call before the loop.
+  void lead(HandScript script, std::string name);
 
   [[nodiscard]] const DeviceProfile& profile() const noexcept override { return profile_; }
   [[nodiscard]] std::string description() const override;
@@ -33,7 +31,7 @@ class VirtualDevice final : public HapticDevice {
   void waitForTick(LocalTime deadline) noexcept override;
   /// Lives through the ticks since the last call (one at least; a second at most), then says where
   /// it is. The force acts delay_ticks after the last position was said.
-  DeviceState exchange(const Vec3& force_N) noexcept override;
+  DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override;
 
   // For whoever drives the device by hand under a virtual clock: tests and evaluate.
   void reset(const Vec3& position_mm, const Vec3& velocity_mm_s) noexcept;
@@ -43,7 +41,7 @@ class VirtualDevice final : public HapticDevice {
   [[nodiscard]] Vec3 trueVelocity_mm_s() const noexcept;
 
  private:
-  void advanceScript() noexcept;
+  void advanceScript(const TickReport& report) noexcept;
   int ticksSinceLast() noexcept;
   void advance(const Vec3& force_N, const Vec3& target_from_mm,
                const Vec3& target_velocity_mm_s) noexcept;
@@ -59,8 +57,7 @@ class VirtualDevice final : public HapticDevice {
   Vec3 target_mm_ = Vec3::Zero();
   Vec3 last_target_mm_ = Vec3::Zero();
   Vec3 push_N_ = Vec3::Zero();
-  std::optional<HandScript> annotation_track_;
-  LatestValue<TickReport>* position_ = nullptr;  // with the script
+  std::optional<HandScript> script_;
   std::uint64_t seen_tick_ = 0;
   std::string led_by_;
 };

@@ -52,8 +52,8 @@ class RoomScene {
   static constexpr double kBegin_s = 1.0;      // of the stream
 
   RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_() {
-    renderer = std::make_unique<client::HapticRenderer>(settings_, pool, stream_door, user_door,
-                                                        reports, nullptr);
+    renderer =
+        std::make_unique<client::HapticRenderer>(settings_, pool, stream_door, user_door, nullptr);
     device = std::make_unique<client::VirtualDevice>(
         client::PlantProfile{settings_.profile, kFriction_N}, client::Hand::light(), clock);
     stream.connected = true;
@@ -99,7 +99,6 @@ class RoomScene {
   client::FramePool pool;
   LatestValue<client::StreamTiming> stream_door;
   LatestValue<client::UserControls> user_door;
-  LatestValue<client::TickReport> reports;
   std::unique_ptr<client::HapticRenderer> renderer;
   std::unique_ptr<client::VirtualDevice> device;
   ManualClock clock;
@@ -130,7 +129,7 @@ class RoomScene {
   }
   void step() {
     const Vec3 before_mm = device->truePosition_mm();
-    const client::DeviceState state = device->exchange(force_N_);
+    const client::DeviceState state = device->exchange(force_N_, renderer->report());
     work_mJ_ += sent_N_[1].dot(device->truePosition_mm() - before_mm);  // the profile's delay is 1
     sent_N_[1] = sent_N_[0];
     const client::TickReport& report = renderer->tick(clock.now(), state);

@@ -185,13 +185,11 @@ void pressShape(ShapeCell& c) {
   FramePool pool;
   LatestValue<StreamTiming> stream;
   LatestValue<UserControls> user;
-  LatestValue<TickReport> reports;
   RendererSettings settings;
   static_cast<DeviceProfile&>(settings.profile) =
       batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N);
   settings.stiffness_N_mm = c.stiffness_N_mm;
-  const auto renderer =
-      std::make_unique<HapticRenderer>(settings, pool, stream, user, reports, nullptr);
+  const auto renderer = std::make_unique<HapticRenderer>(settings, pool, stream, user, nullptr);
   VirtualDevice device(batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N), c.hand->hand,
                        clock);
   StreamTiming control;
@@ -223,8 +221,8 @@ void pressShape(ShapeCell& c) {
     }
     const double s = std::clamp((i - 500) / 500.0, 0.0, 1.0);
     device.setTarget(surface_mm + (s * (5.0 + deep_mm) - 5.0) * inwards);
-    const TickReport& report =
-        renderer->tick(clock.now(), device.exchange(renderer->report().force_N));
+    const TickReport& report = renderer->tick(
+        clock.now(), device.exchange(renderer->report().force_N, renderer->report()));
     for (int axis = 0; axis < 3; ++axis) {
       const double fast_N = filters[static_cast<std::size_t>(axis)].next(report.force_N[axis]);
       if (i >= kTicks - 1000) square += fast_N * fast_N / 1000.0;

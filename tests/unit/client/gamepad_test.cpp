@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/device/open_device.hpp"
+#include "client/haptics/tick_report.hpp"
 #include "common/tick.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/virtual_pad.hpp"
@@ -44,9 +45,7 @@ class GamepadTest : public ::testing::Test {
     pad.plug();
     device = open();
   }
-  std::unique_ptr<HapticDevice> open() {
-    return openDevice("gamepad", {.clock = clock, .seen = seen});
-  }
+  std::unique_ptr<HapticDevice> open() { return openDevice("gamepad", {.clock = clock}); }
   /// Lives so long with this felt, a turn of the main thread every 10 ms.
   DeviceState live(int ticks, double force_N = 0.0) {
     DeviceState state;
@@ -60,9 +59,8 @@ class GamepadTest : public ::testing::Test {
   DeviceState tick(double force_N = 0.0) {
     TickReport report;
     report.force_N = report.static_force_N = {0.0, 0.0, force_N};
-    seen.store(report);
     clock.advance(kTickPeriod);
-    DeviceState state = device->exchange({0.0, 0.0, force_N});
+    DeviceState state = device->exchange({0.0, 0.0, force_N}, report);
     fastest_mm_s = std::max(fastest_mm_s, (state.position_mm - last_mm_).norm() / kTick_s);
     last_mm_ = state.position_mm;
     return state;
@@ -74,7 +72,6 @@ class GamepadTest : public ::testing::Test {
   }
 
   ManualClock clock;
-  LatestValue<TickReport> seen;
   testing::VirtualPad pad;
   std::unique_ptr<HapticDevice> device;
   double fastest_mm_s = 0.0;

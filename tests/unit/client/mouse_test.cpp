@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "client/device/open_device.hpp"
+#include "client/haptics/tick_report.hpp"
 #include "common/tick.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -19,7 +20,7 @@ class MouseTest : public ::testing::Test {
     DeviceState state;
     for (int i = 0; i < ticks; ++i) {
       clock.advance(kTickPeriod);
-      state = device->exchange(force_N);
+      state = device->exchange(force_N, {});
       farthest_mm = std::max(farthest_mm, state.position_mm.x());
       fastest_mm_s = std::max(fastest_mm_s, (state.position_mm - last_mm_).norm() / kTick_s);
       last_mm_ = state.position_mm;
@@ -29,10 +30,8 @@ class MouseTest : public ::testing::Test {
   void pointAt(const Vec3& nominal_mm) { pointer.store({true, nominal_mm}); }
 
   ManualClock clock;
-  LatestValue<TickReport> seen;
   LatestValue<PointerTarget> pointer;
-  std::unique_ptr<HapticDevice> device =
-      openDevice("mouse", {.clock = clock, .seen = seen, .pointer = &pointer});
+  std::unique_ptr<HapticDevice> device = openDevice("mouse", {.clock = clock, .pointer = &pointer});
   double farthest_mm = -1e9;
   double fastest_mm_s = 0.0;
 

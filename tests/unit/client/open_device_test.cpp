@@ -29,26 +29,22 @@ TEST(OpenDevice, EveryKindHasANameAndSaysWhatItIs) {
 
 TEST(OpenDevice, AVirtualOneSaysItsProfileAndItsHand) {
   const ManualClock clock;
-  LatestValue<TickReport> seen;
-  const auto device =
-      openDevice("virtual", {.profile = "falcon", .hand = "slide", .clock = clock, .seen = seen});
+  const auto device = openDevice("virtual", {.profile = "falcon", .hand = "slide", .clock = clock});
   EXPECT_EQ(device->profile().name, "falcon");
   EXPECT_EQ(device->description(), "virtual device (falcon) in a hand that does: slide");
 }
 
 TEST(OpenDevice, AutoIsTheBestKindThereIs) {
   const ManualClock clock;
-  LatestValue<TickReport> seen;
-  const auto device = openDevice("auto", {.clock = clock, .seen = seen});
+  const auto device = openDevice("auto", {.clock = clock});
   EXPECT_EQ(device->description(),
-            openDevice(deviceKinds().front().name, {.clock = clock, .seen = seen})->description());
+            openDevice(deviceKinds().front().name, {.clock = clock})->description());
 }
 
 TEST(OpenDevice, AutoIsTheMouseWhereThereIsAWindow) {
   const ManualClock clock;
-  LatestValue<TickReport> seen;
   LatestValue<PointerTarget> pointer;
-  const auto device = openDevice("auto", {.clock = clock, .seen = seen, .pointer = &pointer});
+  const auto device = openDevice("auto", {.clock = clock, .pointer = &pointer});
   EXPECT_EQ(device->description(), "mouse: a virtual device (omni) on a spring behind the pointer");
 }
 
@@ -60,15 +56,14 @@ TEST(OpenDevice, TheListNamesEveryKind) {
 
 TEST(OpenDevice, ComplaintsNameTheFlag) {
   const ManualClock clock;
-  LatestValue<TickReport> seen;
-  const std::string unknown = complaintOf("spoon", {.clock = clock, .seen = seen});
+  const std::string unknown = complaintOf("spoon", {.clock = clock});
   EXPECT_EQ(unknown.find("--device spoon: is not one of auto|virtual|mouse"), 0U) << unknown;
-  EXPECT_EQ(complaintOf("mouse", {.clock = clock, .seen = seen}),
+  EXPECT_EQ(complaintOf("mouse", {.clock = clock}),
             "--device mouse: needs the window to point in (--view on)");
-  EXPECT_EQ(complaintOf("virtual", {.profile = "/nowhere", .clock = clock, .seen = seen})
-                .find("--profile /nowhere: "),
-            0U);
-  EXPECT_EQ(complaintOf("virtual", {.hand = "/nowhere.csv", .clock = clock, .seen = seen})
+  EXPECT_EQ(
+      complaintOf("virtual", {.profile = "/nowhere", .clock = clock}).find("--profile /nowhere: "),
+      0U);
+  EXPECT_EQ(complaintOf("virtual", {.hand = "/nowhere.csv", .clock = clock})
                 .find("--hand /nowhere.csv: "),
             0U);
 }

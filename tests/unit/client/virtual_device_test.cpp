@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "client/haptics/tick_report.hpp"
 #include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {
@@ -32,7 +33,7 @@ double growth(double stiffness_N_m, double damping_Ns_m, int delay_ticks) {
   constexpr int kTicks = 8000;
   for (int i = 0; i < kTicks; ++i) {
     clock.advance(kMs);
-    const DeviceState state = device.exchange(force);
+    const DeviceState state = device.exchange(force, {});
     force = {0.0, 0.0, -stiffness_N_m * 1e-3 * state.position_mm.z()};
     const double size = std::hypot(state.position_mm.z(), device.trueVelocity_mm_s().z() / w_mm);
     if (i > 200 && i < 1200) early = std::max(early, size);
@@ -64,7 +65,7 @@ TEST(VirtualDevice, FreeFallAgainstDampingIsTheClosedForm) {
   device.reset(Vec3::Zero(), Vec3::Zero());
   for (int i = 0; i < 300; ++i) {
     clock.advance(kMs);
-    (void)device.exchange({1.0, 0.0, 0.0});
+    (void)device.exchange({1.0, 0.0, 0.0}, {});
   }
   const double tau = 0.045 / 0.5;
   const double t = 0.3;
@@ -80,7 +81,7 @@ TEST(VirtualDevice, ForceActsAfterTheDelay) {
     int first = -1;
     for (int i = 0; i < 10 && first < 0; ++i) {
       clock.advance(kMs);
-      if (device.exchange({0.0, 1.0, 0.0}).position_mm.y() > 0.0) first = i;
+      if (device.exchange({0.0, 1.0, 0.0}, {}).position_mm.y() > 0.0) first = i;
     }
     EXPECT_EQ(first, d);
   }
@@ -92,7 +93,7 @@ TEST(VirtualDevice, PositionsComeInCounts) {
   device.reset({0.0, 0.0, 0.1}, {0.0, 0.0, 50.0});
   for (int i = 0; i < 100; ++i) {
     clock.advance(kMs);
-    const double counts = device.exchange(Vec3::Zero()).position_mm.z() / 0.055;
+    const double counts = device.exchange(Vec3::Zero(), {}).position_mm.z() / 0.055;
     EXPECT_NEAR(counts, std::round(counts), 1e-9);
   }
 }
@@ -106,7 +107,7 @@ TEST(VirtualDevice, FrictionHoldsUntilItIsOvercome) {
   const auto push = [&](double force_N, int ticks) {
     for (int i = 0; i < ticks; ++i) {
       clock.advance(kMs);
-      (void)device.exchange({0.0, 0.0, force_N});
+      (void)device.exchange({0.0, 0.0, force_N}, {});
     }
     return device.truePosition_mm().z();
   };
@@ -129,7 +130,7 @@ TEST(VirtualDevice, CoulombStopMatchesTheClosedForm) {
   device.reset(Vec3::Zero(), {0.0, 0.0, 123.4});
   for (int i = 0; i < 200; ++i) {
     clock.advance(kMs);
-    (void)device.exchange(Vec3::Zero());
+    (void)device.exchange(Vec3::Zero(), {});
   }
   EXPECT_NEAR(device.truePosition_mm().z(), 0.5 * 0.1234 * 0.1234 / (0.1 / 0.045) * 1e3, 1e-9);
 }
@@ -141,13 +142,13 @@ TEST(VirtualDevice, EveryHandSettlesAtItsTarget) {
     device.setTarget({5.0, -3.0, 12.0});
     for (int i = 0; i < 4000; ++i) {
       clock.advance(kMs);
-      (void)device.exchange(Vec3::Zero());
+      (void)device.exchange(Vec3::Zero(), {});
     }
     EXPECT_LT((device.truePosition_mm() - Vec3(5.0, -3.0, 12.0)).norm(), 1e-3);
     // 1 N moves it by the springs it is held with.
     for (int i = 0; i < 4000; ++i) {
       clock.advance(kMs);
-      (void)device.exchange({0.0, 0.0, 1.0});
+      (void)device.exchange({0.0, 0.0, 1.0}, {});
     }
     const double soft_mm = 1e3 / hand.stiffness_N_m + (hand.grip_N_m > 0 ? 1e3 / hand.grip_N_m : 0);
     EXPECT_NEAR(device.truePosition_mm().z() - 12.0, soft_mm, 1e-3);
@@ -161,10 +162,10 @@ TEST(VirtualDevice, LivesThroughLostTicks) {
     VirtualDevice device(ideal(0.1, 1), Hand::light(), clock);
     device.reset(Vec3::Zero(), Vec3::Zero());
     clock.advance(kMs);
-    DeviceState state = device.exchange(Vec3::Zero());
+    DeviceState state = device.exchange(Vec3::Zero(), {});
     for (int i = 0; i < 100; i += every) {
       clock.advance(every * kMs);
-      state = device.exchange({0.0, 0.0, 1.0});
+      state = device.exchange({0.0, 0.0, 1.0}, {});
     }
     EXPECT_EQ(state.time, localTime(1.101));
     return state.position_mm.z();
@@ -177,15 +178,15 @@ TEST(VirtualDevice, AnEarlyOrLateWakeupIsOneTick) {
   ManualClock clock;
   VirtualDevice device(ideal(0.1, 1), Hand::light(), clock);
   clock.advance(kMs);
-  LocalTime last = device.exchange(Vec3::Zero()).time;
+  LocalTime last = device.exchange(Vec3::Zero(), {}).time;
   for (const int us : {900, 1100, 1000, 1400, 600, 1300, 700}) {
     clock.advance(Duration(us * 1000));
-    const LocalTime time = device.exchange(Vec3::Zero()).time;
+    const LocalTime time = device.exchange(Vec3::Zero(), {}).time;
     EXPECT_EQ(time - last, kMs) << us;
     last = time;
   }
   clock.advance(std::chrono::hours(1));  // a suspended machine: bounded work
-  EXPECT_EQ(device.exchange(Vec3::Zero()).time, clock.now());
+  EXPECT_EQ(device.exchange(Vec3::Zero(), {}).time, clock.now());
 }
 
 }  // namespace

@@ -27,7 +27,9 @@ struct Looped {
       woken.push_back(stage.clock.now());
       stage.receive();
     };
-    device.answer = [this](const Vec3& force_N) { return stage.device.exchange(force_N); };
+    device.answer = [this](const Vec3& force_N) {
+      return stage.device.exchange(force_N, stage.renderer->report());
+    };
   }
   void run() { runLoop(device, *stage.renderer, stage.clock, stop, *stats); }
 

@@ -27,7 +27,7 @@ struct Threaded {
       stage.receive();
     };
     device.answer = [this](const Vec3& force_N) {
-      DeviceState state = stage.device.exchange(force_N);
+      DeviceState state = stage.device.exchange(force_N, stage.renderer->report());
       if (lost) state.status = DeviceStatus::kLost;
       pushes = force_N.norm() > 0.2;
       ++ticks;
@@ -80,9 +80,8 @@ TEST(LoopThread, WhateverIsThrownInItsOwnersScopeTheForceEndsAndSoDoesTheThread)
 TEST(LoopThread, ALostDeviceThatIsBackWaitsForTheUsersDoor) {
   Threaded on;
   auto log = std::make_unique<HapticRenderer::Log>();
-  on.stage.renderer =
-      std::make_unique<HapticRenderer>(on.stage.settings, on.stage.pool, on.stage.stream,
-                                       on.stage.user, on.stage.published, log.get());
+  on.stage.renderer = std::make_unique<HapticRenderer>(on.stage.settings, on.stage.pool,
+                                                       on.stage.stream, on.stage.user, log.get());
   TickReport last;
   const auto newest = [&] {
     while (log->tryPop(last)) {

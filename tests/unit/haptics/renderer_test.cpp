@@ -85,8 +85,6 @@ TEST(HapticRenderer, ReportsWhatIsBelowTheTip) {
   EXPECT_TRUE(report.object_present);
   EXPECT_FALSE(report.over_object);
   EXPECT_EQ(report.height_at_hip_mm, 0.0);
-  const TickReport& published = stage.published.load();
-  EXPECT_EQ(published.tick, report.tick);
 }
 
 TEST(HapticRenderer, StiffnessIsTheSettingsElseTheMaterialsElseTheProfiles) {

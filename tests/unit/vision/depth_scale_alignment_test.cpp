@@ -11,12 +11,12 @@ namespace {
 const cv::Size kPicture(320, 240);
 
 // A room that falls back to the right, a box before it; seen from a camera at `pan_px`.
-struct HapticRenderer {
+struct DrawnRoom {
   cv::Mat gray{kPicture, CV_8UC1};
   cv::Mat depth{kPicture, CV_32FC1};
   cv::Mat object = cv::Mat::zeros(kPicture, CV_8UC1);
 
-  explicit HapticRenderer(double pan_px = 0.0, double nearer_mm = 0.0) {
+  explicit DrawnRoom(double pan_px = 0.0, double nearer_mm = 0.0) {
     for (int v = 0; v < kPicture.height; ++v) {
       for (int u = 0; u < kPicture.width; ++u) {
         const double at = u + pan_px;
@@ -46,14 +46,14 @@ double largestOff(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv
 TEST(DepthScaleAlignment, ScaleAndShiftOfAnEstimatorAreTakenOut) {
   cv::RNG random(7);
   for (int run = 0; run < 3; ++run) {
-    const HapticRenderer renderer;
+    const DrawnRoom room;
     DepthScaleAlignment flicker(DepthKind::kMetric);
     cv::Mat settled;
     for (int i = 0; i < 40; ++i) {
       const double scale = 1.0 + random.gaussian(0.03);
       const double shift = random.gaussian(0.03) / 2000;
-      const cv::Mat seen = hopped(renderer.depth + flickerNoise(random, 0.5), scale, shift);
-      const cv::Mat out = flicker.steady(seen, renderer.gray, renderer.object);
+      const cv::Mat seen = hopped(room.depth + flickerNoise(random, 0.5), scale, shift);
+      const cv::Mat out = flicker.steady(seen, room.gray, room.object);
       if (i < 10) continue;
       EXPECT_TRUE(flicker.shown());
       if (settled.empty()) cv::blur(out, settled, {9, 9});
@@ -70,14 +70,14 @@ TEST(DepthScaleAlignment, OfLevelsTooAndTheObjectKeepsItsOwnMotion) {
   double first_mm = 0.0;
   double least = 1e9;
   for (int i = 0; i < 40; ++i) {
-    const HapticRenderer renderer(0.0, 2.0 * i);
+    const DrawnRoom room(0.0, 2.0 * i);
     cv::Mat levels;
     // Levels of 1.57 mm.
     const double scale = 1.0 + random.gaussian(0.03);
-    cv::Mat((renderer.depth * scale + random.gaussian(8.0)) / 1.57).convertTo(levels, CV_32S);
+    cv::Mat((room.depth * scale + random.gaussian(8.0)) / 1.57).convertTo(levels, CV_32S);
     levels.convertTo(levels, CV_32F, 1.57);
-    const cv::Mat out = flicker.steady(levels, renderer.gray, renderer.object);
-    const double object_mm = cv::mean(out, renderer.object)[0];
+    const cv::Mat out = flicker.steady(levels, room.gray, room.object);
+    const double object_mm = cv::mean(out, room.object)[0];
     if (i == 10) first_mm = object_mm;
     if (i > 10) {
       EXPECT_NEAR(first_mm - object_mm, 2.0 * (i - 10), 3.0) << i;
@@ -89,11 +89,11 @@ TEST(DepthScaleAlignment, OfLevelsTooAndTheObjectKeepsItsOwnMotion) {
 
 TEST(DepthScaleAlignment, ASensorIsLeftAlone) {
   cv::RNG random(9);
-  const HapticRenderer renderer;
+  const DrawnRoom room;
   DepthScaleAlignment flicker(DepthKind::kMetric);
   for (int i = 0; i < 60; ++i) {
-    const cv::Mat seen = renderer.depth + flickerNoise(random, 2.0);
-    EXPECT_EQ(flicker.steady(seen, renderer.gray, renderer.object).data, seen.data);
+    const cv::Mat seen = room.depth + flickerNoise(random, 2.0);
+    EXPECT_EQ(flicker.steady(seen, room.gray, room.object).data, seen.data);
   }
   EXPECT_FALSE(flicker.shown());
 }
@@ -102,10 +102,8 @@ TEST(DepthScaleAlignment, ACameraThatMovesIsLeftAlone) {
   for (const double px : {0.5, 3.0, 8.0}) {
     DepthScaleAlignment flicker(DepthKind::kMetric);
     for (int i = 0; i < 60; ++i) {
-      const HapticRenderer renderer(px * i);
-      EXPECT_EQ(flicker.steady(renderer.depth, renderer.gray, renderer.object).data,
-                renderer.depth.data)
-          << px;
+      const DrawnRoom room(px * i);
+      EXPECT_EQ(flicker.steady(room.depth, room.gray, room.object).data, room.depth.data) << px;
     }
   }
 }
