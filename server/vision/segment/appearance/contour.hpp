@@ -41,6 +41,6 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
 
 /// Takes the colours of `mask` (0 / 255, over the patch's box at full size) and of the ring around
 /// it into the memory. Its contour is at most a band away from the patch's.
-void update(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
+void updateMemory(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
 
 }  // namespace hapticast::server
