@@ -178,26 +178,26 @@ ConnectionEvents App::Impl::connectionEvents() {
                 logStatus(true);
                 is_waiting_ = false;
                 const std::string line = greeting(stream, settings_.method);
-                if (const auto told = connection_log_.connected(line, clock_.now()))
-                  spdlog::info("{}", *told);
+                if (const auto admitted = connection_log_.connected(line, clock_.now()))
+                  spdlog::info("{}", *admitted);
               },
           .video = [this](const VideoFrame& video) { show(video); },
           .preparing =
               [this](double share) {
-                if (const auto told = connection_log_.preparing(share, clock_.now()))
-                  spdlog::info("{}", *told);
+                if (const auto admitted = connection_log_.preparing(share, clock_.now()))
+                  spdlog::info("{}", *admitted);
               },
           .delivery =
               [this](const std::string& line) {
-                if (const auto told = connection_log_.onMessage(line, clock_.now()))
-                  spdlog::info("{}", *told);
+                if (const auto admitted = connection_log_.onMessage(line, clock_.now()))
+                  spdlog::info("{}", *admitted);
               },
           .disconnected =
               [this](const std::string& why) {
                 logStatus(false);
                 is_waiting_ = !connection_log_.everConnected();
-                if (const auto told = connection_log_.lost(why, clock_.now()))
-                  spdlog::warn("{}", *told);
+                if (const auto admitted = connection_log_.lost(why, clock_.now()))
+                  spdlog::warn("{}", *admitted);
               },
           .failed =
               [this](const std::string& why) {
@@ -329,11 +329,11 @@ void App::Impl::readReports() {
 
 /// What the user presses on the device itself.
 void App::Impl::handleButtons() {
-  const DeviceButtons::ButtonActions wish = buttons_.onButtons(last_report_.buttons);
-  if (wish.pause) ui_state_.user.paused = !ui_state_.user.paused;
-  if (wish.rearm) ++ui_state_.user.rearm;
-  if (wish.pause || wish.rearm) user_controls_.store(ui_state_.user);
-  if (wish.other) spdlog::info("button {} of the device was pressed", *wish.other);
+  const DeviceButtons::ButtonActions actions = buttons_.onButtons(last_report_.buttons);
+  if (actions.pause) ui_state_.user.paused = !ui_state_.user.paused;
+  if (actions.rearm) ++ui_state_.user.rearm;
+  if (actions.pause || actions.rearm) user_controls_.store(ui_state_.user);
+  if (actions.other) spdlog::info("button {} of the device was pressed", *actions.other);
 }
 
 void App::Impl::writeFaults() {

@@ -28,16 +28,16 @@ std::atomic<bool> stop_calibration{false};
 /// --falcon-calibrate.
 int calibrateFalcon(const hapticast::client::Settings& settings) {
   using namespace hapticast::client;
-  const auto tell = [](const std::string& line) { spdlog::info("{}", line); };
+  const auto log_line = [](const std::string& line) { spdlog::info("{}", line); };
   const hapticast::SteadyClock clock;
   const auto device = openDevice(
       "falcon",
-      {.profile = settings.profile, .clock = clock, .falcon = settings.falcon, .log = tell});
+      {.profile = settings.profile, .clock = clock, .falcon = settings.falcon, .log = log_line});
   const auto stop = [](int /*signal*/) { stop_calibration = true; };
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
   const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
-                              stop_calibration, tell);
+                              stop_calibration, log_line);
   if (!gain) return kDone;
   if (settings.config_file.empty()) {
     spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);

@@ -103,19 +103,20 @@ std::optional<Vec3> GripHolder::restForce_N() const noexcept {
 
 std::optional<double> calibrate(HapticDevice& device, const Clock& clock, double gain,
                                 double weight_g, const std::atomic<bool>& stop,
-                                const std::function<void(const std::string& line)>& tell) {
+                                const std::function<void(const std::string& line)>& log_line) {
   const double weight_N = 1e-3 * weight_g * kStandardGravity_m_s2;
-  Hold hold{device, clock, stop, tell};
+  Hold hold{device, clock, stop, log_line};
   hold.deadline = clock.now() + kTickPeriod;
-  tell("calibration: 1. home it, bring the grip to the middle and let go; it holds itself there");
+  log_line(
+      "calibration: 1. home it, bring the grip to the middle and let go; it holds itself there");
   const auto empty_N = hold.rest([](const Vec3&) { return true; });
   std::optional<Vec3> loaded_N;
   if (empty_N) {
-    tell(fmt::format("calibration: 2. hang {:g} g on the grip and let go", weight_g));
+    log_line(fmt::format("calibration: 2. hang {:g} g on the grip and let go", weight_g));
     loaded_N = hold.rest(
         [&](const Vec3& force_N) { return (force_N - *empty_N).norm() > kNoticed * weight_N; });
   }
-  if (loaded_N) tell("calibration: 3. take the weight in your hand: the force goes now");
+  if (loaded_N) log_line("calibration: 3. take the weight in your hand: the force goes now");
   hold.release();
   if (!loaded_N) return std::nullopt;
   return gain * (*loaded_N - *empty_N).norm() / weight_N;

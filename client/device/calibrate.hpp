@@ -32,11 +32,11 @@ class GripHolder {
   int rest_ticks_ = 0;
 };
 
-/// Leads the user through it by `tell`, and returns the gain where `gain` has been used; none: it
-/// was stopped. Throws std::runtime_error, one line, where it does not work.
+/// Leads the user through it by `log_line`, and returns the gain where `gain` has been used; none:
+/// it was stopped. Throws std::runtime_error, one line, where it does not work.
 std::optional<double> calibrate(HapticDevice& device, const Clock& clock, double gain,
                                 double weight_g, const std::atomic<bool>& stop,
-                                const std::function<void(const std::string& line)>& tell);
+                                const std::function<void(const std::string& line)>& log_line);
 
 /// Puts `falcon-gain = gain` into a config file, in place of such a line or at its end. Throws
 /// std::runtime_error, one line.

@@ -28,7 +28,7 @@ constexpr double kMostAhead_mm = 10.0;
 constexpr double kFull_N = 2.0;
 // Chosen: ten of the main thread's turns. What has not been heard of for longer stands still, on
 // both sides, and a rumble that is not renewed ends.
-constexpr Duration kHeard = std::chrono::milliseconds(100);
+constexpr Duration kInputValid = std::chrono::milliseconds(100);
 constexpr std::uint32_t kRumble_ms = 100;
 
 /// SDL's controllers, as long as somebody needs them.
@@ -77,10 +77,10 @@ Vec2 readStick(const Pad& pad, SDL_GameControllerAxis x, SDL_GameControllerAxis 
 
 /// 0 in the dead zone, 1 at the stick's end.
 Vec2 share(const Vec2& stick) noexcept {
-  const double way = stick.norm();
-  if (!(way > kDeadZone)) return Vec2::Zero();
-  const double beyond = std::min(1.0, (way - kDeadZone) / (1.0 - kDeadZone));
-  return beyond * beyond / way * stick;
+  const double deflection = stick.norm();
+  if (!(deflection > kDeadZone)) return Vec2::Zero();
+  const double beyond = std::min(1.0, (deflection - kDeadZone) / (1.0 - kDeadZone));
+  return beyond * beyond / deflection * stick;
 }
 
 class Gamepad final : public HapticDevice {
@@ -90,7 +90,7 @@ class Gamepad final : public HapticDevice {
     if (!pad_) throw DeviceAbsent("--device gamepad: none was found; is it plugged in?");
     driveMotors();
     for (const auto& button : {profile.pause_button, profile.rearm_button, profile.enable_button}) {
-      if (button) meant_buttons_ |= std::uint32_t{1} << *button;
+      if (button) used_buttons_ |= std::uint32_t{1} << *button;
     }
   }
 
@@ -105,8 +105,8 @@ class Gamepad final : public HapticDevice {
     const LocalTime now = clock_.now();
     rumbled_.store({.parts = meter_.next(report), .time = now});
     const Held& held = held_.load();
-    const bool heard = now - held.time < kHeard;
-    lead(heard ? held.velocity_mm_s : Vec3(Vec3::Zero()), report.mapping);
+    const bool is_recent = now - held.time < kInputValid;
+    lead(is_recent ? held.velocity_mm_s : Vec3(Vec3::Zero()), report.mapping);
     DeviceState state = hand_.exchange(force_N, report);
     state.buttons = held.buttons;
     if (!held.there) state.status = DeviceStatus::kLost;
@@ -147,7 +147,7 @@ class Gamepad final : public HapticDevice {
     LocalTime time{};
   };
   /// What the hand feels.
-  struct Felt {
+  struct RumbleInput {
     ForceComponents parts;
     LocalTime time{};
   };
@@ -167,15 +167,15 @@ class Gamepad final : public HapticDevice {
       const auto button = static_cast<SDL_GameControllerButton>(i);
       if (SDL_GameControllerGetButton(pad_.get(), button) != 0) held.buttons |= 1U << i;
     }
-    held.buttons &= meant_buttons_;
+    held.buttons &= used_buttons_;
     return held;
   }
 
   void rumble() {
     if (!pad_) return;
-    const Felt& felt = rumbled_.load();
-    const bool heard = clock_.now() - felt.time < kHeard;
-    const ForceComponents parts = heard ? felt.parts : ForceComponents{};
+    const RumbleInput& rumble_input = rumbled_.load();
+    const bool is_recent = clock_.now() - rumble_input.time < kInputValid;
+    const ForceComponents parts = is_recent ? rumble_input.parts : ForceComponents{};
     SDL_GameControllerRumble(pad_.get(), motorLevel(parts.sustained_N),
                              motorLevel(parts.transient_N), kRumble_ms);
   }
@@ -200,10 +200,10 @@ class Gamepad final : public HapticDevice {
   bool led_ = false;
   Vec3 goal_mm_ = Vec3::Zero();  // device frame
   // Between both:
-  LatestValue<Held> held_;     // the main thread writes it
-  LatestValue<Felt> rumbled_;  // the loop writes it
+  LatestValue<Held> held_;            // the main thread writes it
+  LatestValue<RumbleInput> rumbled_;  // the loop writes it
   // Main:
-  std::uint32_t meant_buttons_ = 0;
+  std::uint32_t used_buttons_ = 0;
   std::deque<std::string> message_;
   PadSystem system_;
   Pad pad_;

@@ -18,11 +18,11 @@ constexpr double kMostBehind_mm = 20.0;
 
 void PointedHand::moveTowards(const Vec3& wanted_mm) noexcept {
   if (!std::exchange(moves_, true)) goal_mm_ = tip_mm();
-  Vec3 way_mm = wanted_mm - goal_mm_;
-  if (way_mm.norm() > kMostBehind_mm) way_mm *= kMostBehind_mm / way_mm.norm();
+  Vec3 path_mm = wanted_mm - goal_mm_;
+  if (path_mm.norm() > kMostBehind_mm) path_mm *= kMostBehind_mm / path_mm.norm();
   // Critically damped: it arrives without going beyond.
   velocity_mm_s_ +=
-      kTick_s * (kFollow_1_s * kFollow_1_s * way_mm - 2.0 * kFollow_1_s * velocity_mm_s_);
+      kTick_s * (kFollow_1_s * kFollow_1_s * path_mm - 2.0 * kFollow_1_s * velocity_mm_s_);
   goal_mm_ += kTick_s * velocity_mm_s_;
   device_.setTarget(goal_mm_);
 }

@@ -67,8 +67,8 @@ Vec3 shortened(const Vec3& vector, double limit) noexcept {
 
 /// Acceleration of the object's material at the contact, nominal mm/s².
 struct AtContact {
-  Vec3 told;
-  Vec3 believed;
+  Vec3 streamed;
+  Vec3 plausible;
 };
 AtContact computeAcceleration(const InterpolatedObject& object, const Vec3& contact_mm,
                               const Workspace& workspace) noexcept {
@@ -201,14 +201,14 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
     return shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
   };
-  const Vec3 logged_N = pushes_N(acceleration.told);
-  const Vec3 believed_N = pushes_N(acceleration.believed);
-  const Vec3 object_N = believed_N + shortened(logged_N - believed_N, kSlack_N);
+  const Vec3 streamed_N = pushes_N(acceleration.streamed);
+  const Vec3 plausible_N = pushes_N(acceleration.plausible);
+  const Vec3 object_N = plausible_N + shortened(streamed_N - plausible_N, kSlack_N);
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
   const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
   const Vec3 force_N = object_N + inertia_N + pulsed_N;
   implausible_ =
-      (logged_N - object_N).norm() > kFelt_N ||
+      (streamed_N - object_N).norm() > kFelt_N ||
       (implausible_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();

@@ -19,14 +19,14 @@ class TransientDetector {
  public:
   /// Sees every tick; what is felt in it.
   ForceComponents next(const TickReport& report) noexcept {
-    const double felt_N = report.force_N.norm();
-    if (!(felt_N > kNothing_N)) {
+    const double rendered_N = report.force_N.norm();
+    if (!(rendered_N > kNothing_N)) {
       *this = {};
       return {};
     }
     // The two shares are meant; what the chain let through of them is felt.
-    const double meant_N = (report.static_force_N + report.dynamic_force_N).norm();
-    const double share = std::min(1.0, felt_N / std::max(meant_N, kNothing_N));
+    const double requested_N = (report.static_force_N + report.dynamic_force_N).norm();
+    const double share = std::min(1.0, rendered_N / std::max(requested_N, kNothing_N));
     slow_N_ += (kTick_s / kSudden_s) * (report.force_N - slow_N_);
     const double sudden_N = (report.force_N - slow_N_).norm();
     const double transient_N = std::max(sudden_N, share * report.dynamic_force_N.norm());

@@ -214,8 +214,9 @@ double HapticRenderer::stiffness_N_mm(const InterpolatedObject* object) const no
   const double usual_N_mm = settings_.profile.stiffness_N_mm;
   if (object == nullptr) return usual_N_mm;
   const double limit_N_mm = stiffnessLimit_N_mm();
-  const double asked_N_mm = object->before->material.stiffness_N_mm.value_or(usual_N_mm);
-  return asked_N_mm > limit_N_mm ? limit_N_mm : asked_N_mm;  // a NaN is the chain's to judge
+  const double requested_N_mm = object->before->material.stiffness_N_mm.value_or(usual_N_mm);
+  return requested_N_mm > limit_N_mm ? limit_N_mm
+                                     : requested_N_mm;  // a NaN is the chain's to judge
 }
 
 double HapticRenderer::stiffnessLimit_N_mm() const noexcept {
@@ -232,9 +233,9 @@ bool HapticRenderer::softened(const InterpolatedObject* object) const noexcept {
 /// After a jump the force begins at zero, with the material that is there.
 void HapticRenderer::updateMaterial(SafetyInput& input) noexcept {
   const bool in_contact = report_.contact && input.contact && !input.world_jumped;
-  const double asked_N_mm = input.stiffness_N_mm * force_mix_.stiffness();
+  const double requested_N_mm = input.stiffness_N_mm * force_mix_.stiffness();
   const double most_N_mm = std::max(input.stiffness_N_mm, stiffnessLimit_N_mm());
-  const double wall_N_mm = asked_N_mm > most_N_mm ? most_N_mm : asked_N_mm;
+  const double wall_N_mm = requested_N_mm > most_N_mm ? most_N_mm : requested_N_mm;
   input.stiffness_N_mm = stiffness_.step(wall_N_mm * force_mix_.staticGain(), in_contact);
   input.damping_Ns_m = damping_.step(input.damping_Ns_m * force_mix_.staticGain(), in_contact);
   const double dynamic = force_mix_.dynamicGain(in_contact);

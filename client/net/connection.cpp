@@ -258,9 +258,9 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
 
 void Connection::handlePong(Session& session, const Pong& pong) {
   // Only what was asked counts, and once.
-  const auto asked = std::find(session.pings.begin(), session.pings.end(), pong.t0);
-  if (asked == session.pings.end()) return;
-  session.pings.erase(asked);
+  const auto requested = std::find(session.pings.begin(), session.pings.end(), pong.t0);
+  if (requested == session.pings.end()) return;
+  session.pings.erase(requested);
   session.unanswered_since.reset();
   receiver_.pong(pong, clock_.now());
 }

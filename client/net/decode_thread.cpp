@@ -75,21 +75,21 @@ std::size_t DecodeThread::push(AssembledFrame assembled) {
 }
 
 std::optional<AssembledFrame> DecodeThread::next() {
-  std::optional<FrameQueue::Taken> taken;
+  std::optional<FrameQueue::Accepted> accepted;
   std::optional<Workspace> begins;
   {
     const std::lock_guard lock(mutex_);
-    taken = queue_.pop();
+    accepted = queue_.pop();
     begins = std::exchange(begins_, std::nullopt);
   }
   if (begins) reliefs_.reset(*begins, method_);
-  if (!taken) return std::nullopt;
-  const std::uint32_t epoch = taken->assembled.place.epoch;
+  if (!accepted) return std::nullopt;
+  const std::uint32_t epoch = accepted->assembled.place.epoch;
   if (std::exchange(epoch_, epoch) != epoch) reliefs_.forget();
-  for (const CodedObject& object : taken->left_out) {
-    reliefs_.remember(object, taken->assembled.frame.id);
+  for (const CodedObject& object : accepted->left_out) {
+    reliefs_.remember(object, accepted->assembled.frame.id);
   }
-  return std::move(taken->assembled);
+  return std::move(accepted->assembled);
 }
 
 bool DecodeThread::step() {

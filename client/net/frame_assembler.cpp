@@ -136,15 +136,15 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
     const bool ready = waiting.frame || (waiting.joined->whole() && in_order);
     // Without a frame before it nothing is played, and nothing is due.
     if (!ready && !((due && last_id_) || overfull())) return std::nullopt;
-    Waiting taken = std::move(waiting);
+    Waiting accepted = std::move(waiting);
     waiting_.erase(oldest);
-    if (taken.frame) {
+    if (accepted.frame) {
       by_tcp_.insert(id);
-      if (taken.joined) left_.insert_or_assign(id, std::move(*taken.joined));
+      if (accepted.joined) left_.insert_or_assign(id, std::move(*accepted.joined));
       boundLeft();
-      return remove(std::move(*taken.frame), taken.arrived);
+      return remove(std::move(*accepted.frame), accepted.arrived);
     }
-    if (auto frame = removeReassembly(id, std::move(taken))) return frame;
+    if (auto frame = removeReassembly(id, std::move(accepted))) return frame;
   }
   return std::nullopt;
 }

@@ -26,12 +26,12 @@ std::size_t FrameQueue::push(AssembledFrame assembled) {
   return left_out;
 }
 
-std::optional<FrameQueue::Taken> FrameQueue::pop() {
+std::optional<FrameQueue::Accepted> FrameQueue::pop() {
   if (frames_.empty()) return std::nullopt;
-  Taken taken{std::move(frames_.front()), std::exchange(kept_, {})};
+  Accepted accepted{std::move(frames_.front()), std::exchange(kept_, {})};
   frames_.pop_front();
-  bytes_ -= countBytes(taken.assembled.frame.objects);
-  return taken;
+  bytes_ -= countBytes(accepted.assembled.frame.objects);
+  return accepted;
 }
 
 void FrameQueue::clear() {

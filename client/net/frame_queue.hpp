@@ -25,7 +25,7 @@ class FrameQueue {
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
   /// A frame, and the objects with the reliefs of the frames that were left out before it.
-  struct Taken {
+  struct Accepted {
     AssembledFrame assembled;
     std::vector<CodedObject> left_out;  ///< oldest first
   };
@@ -33,7 +33,7 @@ class FrameQueue {
   /// Appends a frame; returns how many older ones were left out for it.
   std::size_t push(AssembledFrame assembled);
   /// Takes the oldest frame; nullopt when none waits.
-  [[nodiscard]] std::optional<Taken> pop();
+  [[nodiscard]] std::optional<Accepted> pop();
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();
 

@@ -45,8 +45,9 @@ std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime
 std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts, LocalTime now) {
   if (!interval_.isDue(now)) return std::nullopt;
   std::string text;
-  const auto add = [&](std::uint64_t count, std::uint64_t told, const char* what) {
-    if (count > told) text += (text.empty() ? "" : "; ") + (what + std::to_string(count - told));
+  const auto add = [&](std::uint64_t count, std::uint64_t logged, const char* what) {
+    if (count > logged)
+      text += (text.empty() ? "" : "; ") + (what + std::to_string(count - logged));
   };
   add(counts.reliefs_rejected, logged_.reliefs_rejected,
       "reliefs outside the announced picture or too high, whose objects are not shown: ");

@@ -51,11 +51,12 @@ template CLI::ValidationError notANumber(const std::string&, const std::string&,
                                          std::uint64_t);
 
 CLI::Option* addPair(CLI::App& app, const std::string& name,
-                     const std::function<bool(const Vec2&)>& take, const std::string& form,
+                     const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help) {
-  const auto set = [take, name, form](const std::string& text) {
+  const auto set = [set_pair, name, form](const std::string& text) {
     const auto pair = parsePair(text);
-    if (!pair || !take(*pair)) throw CLI::ValidationError(name, quote(text) + " is not " + form);
+    if (!pair || !set_pair(*pair))
+      throw CLI::ValidationError(name, quote(text) + " is not " + form);
   };
   return app.add_option_function<std::string>(name, set, help)
       ->type_name(form.substr(0, form.find(' ')));

@@ -32,9 +32,9 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
-/// An option of two numbers "A,B"; `take` returns false for a pair that is not allowed.
+/// An option of two numbers "A,B"; `set_pair` returns false for a pair that is not allowed.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
-                     const std::function<bool(const Vec2&)>& take, const std::string& form,
+                     const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help);
 
 /// What is said of a `text` that is no number from `least` to `most`. For double and

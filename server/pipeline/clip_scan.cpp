@@ -11,12 +11,12 @@ constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: what one wa
 
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
               const std::atomic<bool>& stop, const ScanProgress& progress) {
-  MediaTime told = clock.now();
+  MediaTime logged = clock.now();
   return vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     const double share = static_cast<double>(done) / static_cast<double>(total);
     if (progress) progress(share);
-    if (stop || clock.now() - told < kTellEvery) return !stop;
-    told = clock.now();
+    if (stop || clock.now() - logged < kTellEvery) return !stop;
+    logged = clock.now();
     spdlog::info("looking through the clip: {:.0f} %", 100.0 * share);
     return true;
   });

@@ -54,25 +54,25 @@ void PlanLog::log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
     }
   }
   for (const auto& [id, lines] : plans) {
-    ToldPlan& told = logged_[id];
-    const bool too_soon = !told.lines.empty() && now - told.at < std::chrono::seconds(1);
-    if (too_soon || sameDecisions(lines, told.lines)) continue;
-    told.lines = lines;
-    if (!isNews(told, now)) continue;
-    told.at = now;
+    LoggedPlan& logged = logged_[id];
+    const bool too_soon = !logged.lines.empty() && now - logged.at < std::chrono::seconds(1);
+    if (too_soon || sameDecisions(lines, logged.lines)) continue;
+    logged.lines = lines;
+    if (!isNews(logged, now)) continue;
+    logged.at = now;
     const auto bytes = relief_bytes.find(id);
     for (const PlanLine& line : lines)
       logLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
   }
 }
 
-bool PlanLog::isNews(ToldPlan& told, MediaTime now) const {
-  const auto same = [&told](const Lines& lines) { return sameDecisions(told.lines, lines); };
+bool PlanLog::isNews(LoggedPlan& logged, MediaTime now) const {
+  const auto same = [&logged](const Lines& lines) { return sameDecisions(logged.lines, lines); };
   if (std::any_of(retired_.begin(), retired_.end(), same)) return false;
-  const auto before = std::find_if(told.all.begin(), told.all.end(),
-                                   [&](const Told& each) { return same(each.lines); });
-  if (before == told.all.end()) {
-    told.all.push_back({told.lines, now});
+  const auto before = std::find_if(logged.all.begin(), logged.all.end(),
+                                   [&](const LoggedLines& each) { return same(each.lines); });
+  if (before == logged.all.end()) {
+    logged.all.push_back({logged.lines, now});
     return true;
   }
   if (now - before->at < kSameAgain) return false;
@@ -80,8 +80,8 @@ bool PlanLog::isNews(ToldPlan& told, MediaTime now) const {
   return true;
 }
 
-void PlanLog::retire(ToldPlan plan) {
-  for (Told& each : plan.all) retired_.push_back(std::move(each.lines));
+void PlanLog::retire(LoggedPlan plan) {
+  for (LoggedLines& each : plan.all) retired_.push_back(std::move(each.lines));
   while (retired_.size() > kMostBuried) retired_.pop_front();
 }
 

@@ -25,21 +25,21 @@ class PlanLog {
 
  private:
   using Lines = std::vector<PlanLine>;
-  struct Told {
+  struct LoggedLines {
     Lines lines;
     MediaTime at;
   };
-  struct ToldPlan {
+  struct LoggedPlan {
     Lines lines;  // the newest
     MediaTime at;
-    std::vector<Told> all;  // that were told of it, each once
+    std::vector<LoggedLines> all;  // that were told of it, each once
   };
   /// Whether its newest plan is to be told; then it counts as told.
-  bool isNews(ToldPlan& told, MediaTime now) const;
-  void retire(ToldPlan plan);
+  bool isNews(LoggedPlan& logged, MediaTime now) const;
+  void retire(LoggedPlan plan);
 
-  std::map<std::uint32_t, ToldPlan> logged_;  // by object id
-  std::deque<Lines> retired_;                 // of objects that are gone, oldest first
+  std::map<std::uint32_t, LoggedPlan> logged_;  // by object id
+  std::deque<Lines> retired_;                   // of objects that are gone, oldest first
 };
 
 }  // namespace hapticast::server

@@ -115,8 +115,8 @@ std::optional<CorrectionHint> anotherColor(const cv::Mat& color, const cv::Mat& 
 
 std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return std::nullopt;
-  if (auto doubt = atTheEdge(mask)) return doubt;
-  if (auto doubt = skin(color, mask)) return doubt;
+  if (auto hint = atTheEdge(mask)) return hint;
+  if (auto hint = skin(color, mask)) return hint;
   return anotherColor(color, mask);
 }
 

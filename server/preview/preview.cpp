@@ -137,10 +137,9 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched)
   if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
   for (const std::uint32_t id : ids) {
     const cv::Size size = first.color.size();
-    if (const auto doubt = suggestCorrection(first.color, renderMask(first.haptic, id, size))) {
+    if (const auto hint = suggestCorrection(first.color, renderMask(first.haptic, id, size))) {
       return fmt::format("if object {} should not hold what is at {},{}, try --not {},{}: {}", id,
-                         doubt->at_px.x, doubt->at_px.y, doubt->at_px.x, doubt->at_px.y,
-                         doubt->why);
+                         hint->at_px.x, hint->at_px.y, hint->at_px.x, hint->at_px.y, hint->why);
     }
   }
   if (double(watched.lost) > kFewLost * double(watched.frames)) {

@@ -39,12 +39,12 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       io_, [this] { return startTimer(); }, asio::detached);
 }
 
-template <class Take>
-void Broadcaster::onIo(Take take) {
+template <class Visit>
+void Broadcaster::onIo(Visit visit) {
   ++waiting_;
-  asio::post(io_, [this, take = std::move(take)] {
+  asio::post(io_, [this, visit = std::move(visit)] {
     --waiting_;
-    take();
+    visit();
   });
 }
 
@@ -108,8 +108,8 @@ void Broadcaster::describe(const StreamDescription& description) {
 void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;
-    const Sessions strangers = pending_sessions_, viewers = viewers_;  // closing moves them
-    for (const Sessions* each : {&strangers, &viewers}) {
+    const Sessions pending = pending_sessions_, viewers = viewers_;  // closing moves them
+    for (const Sessions* each : {&pending, &viewers}) {
       for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
     }
     timer_.cancel();
@@ -128,10 +128,10 @@ void Broadcaster::accept(std::unique_ptr<Channel> channel) {
 void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
   pending_sessions_.push_back(session);
   if (pending_sessions_.size() <= kMaxPending || stopped_) return;  // at the end all hear a goodbye
-  const std::shared_ptr<Session> who = evictionCandidate();
+  const std::shared_ptr<Session> peer = evictionCandidate();
   ++counts_.refused;
-  log(spdlog::level::warn, "too many connections beside the viewers': closing " + who->label());
-  who->abort();
+  log(spdlog::level::warn, "too many connections beside the viewers': closing " + peer->label());
+  peer->abort();
 }
 
 std::shared_ptr<Session> Broadcaster::evictionCandidate() const {

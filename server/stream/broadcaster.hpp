@@ -92,9 +92,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// The oldest stranger from the address that most of them come from: so that a single host
   /// cannot take everybody's places.
   [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
-  /// Calls `take` on io when its turn comes. Thread: any.
-  template <class Take>
-  void onIo(Take take);
+  /// Calls `visit` on io when its turn comes. Thread: any.
+  template <class Visit>
+  void onIo(Visit visit);
   /// Sends something to each viewer, or, where something newer waits, only puts it into its queue.
   template <class... What>
   void sendAll(const What&... what);

@@ -28,14 +28,14 @@ void Broadcaster::logSlowViewers(LocalTime now) {
   if (!slow_interval_.isDue(now)) return;
   const StreamCounts all = counts();
   if (all.sent.dropped() == logged_.dropped()) return;
-  const bool told = log(
+  const bool logged = log(
       spdlog::level::warn,
       fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
                   "{} viewers",
                   all.sent.frames_dropped_full - logged_.frames_dropped_full,
                   all.sent.frames_dropped_old - logged_.frames_dropped_old,
                   all.sent.videos_dropped - logged_.videos_dropped, all.clients));
-  if (!told) return;
+  if (!logged) return;
   logged_ = all.sent;
   slow_interval_.onLogged(now);
 }
@@ -46,12 +46,12 @@ void Broadcaster::logDatagrams(LocalTime now) {
   const std::uint64_t lost = all.lost() - logged_datagrams_.lost();
   const std::uint64_t wrong = all.notBelieved() - logged_datagrams_.notBelieved();
   if (lost + wrong == 0) return;
-  const bool told =
+  const bool logged =
       log(spdlog::level::warn,
           fmt::format("datagrams: {} were not sent, as the network took too few; {} echoes were "
                       "not a viewer's own",
                       lost, wrong));
-  if (!told) return;
+  if (!logged) return;
   logged_datagrams_ = all;
   datagrams_interval_.onLogged(now);
 }

@@ -30,9 +30,9 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   for (const CodedObject& object : frame.objects)
     relief_bytes_[object.id] += object.relief ? object.relief->bytes() : 0;
   EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr};
-  const bool repeat = !last_whole_ || frame.epoch != epoch_ ||
-                      frame.media_time - *last_whole_ >= kRepeatReliefs ||
-                      frame.media_time < *last_whole_;
+  const bool repeat = !last_key_frame_ || frame.epoch != epoch_ ||
+                      frame.media_time - *last_key_frame_ >= kRepeatReliefs ||
+                      frame.media_time < *last_key_frame_;
   CodedFrame lean = frame;
   bool left_out = false;
   for (CodedObject& object : lean.objects) {
@@ -40,7 +40,7 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
     object.relief = nullptr;
     left_out = true;
   }
-  if (!left_out) last_whole_ = frame.media_time;
+  if (!left_out) last_key_frame_ = frame.media_time;
   epoch_ = frame.epoch;
   if (signer != nullptr) encoded.datagrams = signer->sign(lean);
   encoded.too_many_datagrams = signer != nullptr && !encoded.datagrams;

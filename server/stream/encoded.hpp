@@ -72,7 +72,7 @@ class FrameEncoder {
  private:
   FrameCoder coder_;
   ReliefBytes relief_bytes_;  // of the last frame
-  std::optional<MediaTime> last_whole_;
+  std::optional<MediaTime> last_key_frame_;
   std::uint32_t epoch_ = 0;
 };
 

@@ -22,7 +22,7 @@ bool SendQueue::pushControl(SharedBytes payload) {
 
 void SendQueue::dropOldest(std::uint64_t& cause) {
   frames_.pop_front();
-  needs_whole_ = true;
+  needs_key_frame_ = true;
   ++cause;
 }
 
@@ -40,7 +40,7 @@ void SendQueue::pushVideo(EncodedVideo video) {
 }
 
 void SendQueue::clearFrames() {
-  needs_whole_ = true;
+  needs_key_frame_ = true;
   frames_.clear();
   video_.reset();
 }
@@ -53,7 +53,7 @@ void SendQueue::clear() {
 
 SharedBytes SendQueue::pass(const EncodedFrame& frame) {
   ++counts_.frames_sent;
-  return std::exchange(needs_whole_, false) ? frame.key_frame->payload() : frame.delta;
+  return std::exchange(needs_key_frame_, false) ? frame.key_frame->payload() : frame.delta;
 }
 
 SharedBytes SendQueue::pop() {

@@ -58,7 +58,7 @@ class SendQueue {
 
   // What pass() touches comes first, in one line of the processor's cache.
   SendCounts counts_;
-  bool needs_whole_ = true;  // joined, or lost a frame since the last one sent
+  bool needs_key_frame_ = true;  // joined, or lost a frame since the last one sent
   std::deque<SharedBytes> control_;
   SharedBytes description_;
   std::deque<EncodedFrame> frames_;

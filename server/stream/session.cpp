@@ -143,8 +143,8 @@ void Session::check(LocalTime now) {
 }
 
 bool Session::stalled(LocalTime now) {
-  if (!writing_ || channel_->bytesWritten() != bytes_taken_) {
-    bytes_taken_ = channel_->bytesWritten();
+  if (!writing_ || channel_->bytesWritten() != bytes_read_) {
+    bytes_read_ = channel_->bytesWritten();
     write_progress_ = now;
   }
   return now - write_progress_ >= host_.settings().write_timeout;

@@ -128,7 +128,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool writer_sleeps_ = false;
   bool writing_ = false;
   LocalTime write_progress_;  // when the peer was last seen to take something
-  std::uint64_t bytes_taken_ = 0;
+  std::uint64_t bytes_read_ = 0;
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;
   std::uint32_t rate_count_ = 0;

@@ -64,10 +64,10 @@ class UdpSubscribers {
   /// The viewer that has this token, null where none has.
   [[nodiscard]] Viewer* find(std::uint64_t token);
   /// Calls take(token, viewer) for all to whom datagrams go.
-  template <class Take>
-  void forEachSubscriber(Take&& take) {
+  template <class Visit>
+  void forEachSubscriber(Visit&& visit) {
     for (auto& [token, viewer] : viewers_) {
-      if (viewer.at && viewer.wanted) take(token, viewer);
+      if (viewer.at && viewer.wanted) visit(token, viewer);
     }
   }
   [[nodiscard]] bool hasSubscribers() const;

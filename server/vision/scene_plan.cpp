@@ -89,9 +89,9 @@ void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
 
 void ScenePlan::setForceError(Stage stage, double error_N) { cost_N_[stageIndex(stage)] = error_N; }
 
-bool ScenePlan::residual(double felt_N) {
+bool ScenePlan::residual(double force_change_N) {
   std::optional<double>& cost_N = cost_N_[stageIndex(Stage::kGrid)];
-  cost_N = std::max(felt_N, kFade * cost_N.value_or(0.0));
+  cost_N = std::max(force_change_N, kFade * cost_N.value_or(0.0));
   return settings_.everything || settings_.forced[stageIndex(Stage::kGrid)].value_or(false) ||
          *cost_N > settings_.error_budget_N;
 }

@@ -40,7 +40,7 @@ class ScenePlan {
   void setForceError(Stage stage, double error_N);
   /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
   /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
-  bool residual(double felt_N);
+  bool residual(double force_change_N);
   /// Ends a frame and begins the next one. What is off is measured again every kMeasureEvery
   /// frames.
   void nextFrame();

@@ -87,12 +87,12 @@ class Vision::Impl {
         mapped_ && !settings_.moves() && !info_.key_masks && lastWord_s() == 0.0;
     if (info_.live || nothing_to_find) return true;
     // What is not the object is known to the second look from its first frame on.
-    const int looks = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
-    for (int look = 0; look < looks; ++look) {
+    const int needs_scan = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
+    for (int look = 0; look < needs_scan; ++look) {
       annotations_.start = nullptr;
       annotations_.masks.clear();
       annotations_.open = true;
-      const bool whole = browseOnce(source, look, looks, progress);
+      const bool whole = browseOnce(source, look, needs_scan, progress);
       annotations_.open = false;
       if (!whole) return false;
     }
@@ -137,13 +137,13 @@ class Vision::Impl {
     return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
   }
 
-  bool browseOnce(RgbdSource& source, int look, int looks, const Progress& progress) {
+  bool browseOnce(RgbdSource& source, int look, int needs_scan, const Progress& progress) {
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, annotations_);
     ClipMotion clip;
     RangeFinder finder;
-    const auto with_words = static_cast<std::uint64_t>(lastWord_s() * info_.fps) + 2;
-    const std::uint64_t longest = std::max(kLongestScan, with_words);
+    const auto with_annotations = static_cast<std::uint64_t>(lastWord_s() * info_.fps) + 2;
+    const std::uint64_t longest = std::max(kLongestScan, with_annotations);
     const std::uint64_t total = std::min(longest, info_.frame_count.value_or(longest));
     std::uint64_t done = 0;
     for (; done < longest; ++done) {
@@ -157,11 +157,11 @@ class Vision::Impl {
       }
       const std::uint64_t all = std::max(total, done + 1);
       const auto before = static_cast<std::uint64_t>(look) * total;
-      if (progress && !progress(before + done + 1, static_cast<std::uint64_t>(looks) * all))
+      if (progress && !progress(before + done + 1, static_cast<std::uint64_t>(needs_scan) * all))
         return false;
     }
     source.rewind();
-    if (look == looks - 1) setClip(std::move(clip), finder, done < longest);
+    if (look == needs_scan - 1) setClip(std::move(clip), finder, done < longest);
     return true;
   }
 

@@ -31,11 +31,11 @@ const FalconRequest kNoTorque{.lights = FalconLight::kRed};
 
 }  // namespace
 
-FalconLink::FalconLink(FalconSettings settings, const Clock& clock, const Tell& tell)
+FalconLink::FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line)
     : settings_(std::move(settings)), clock_(clock) {
   if (settings_.firmware_file.empty()) settings_.firmware_file = usualFalconFirmware();
   if (!settings_.firmware_file.empty()) (void)readFalconFirmware(settings_.firmware_file);
-  auto usb = open(tell);
+  auto usb = open(log_line);
   sem_init(&replied_, 0, 0);
   thread_ = std::thread([this, first = std::move(usb)]() mutable { keepOpen(std::move(first)); });
 }
@@ -46,14 +46,14 @@ FalconLink::~FalconLink() {
   sem_destroy(&replied_);
 }
 
-std::unique_ptr<FalconUsb> FalconLink::open(const Tell& tell) {
+std::unique_ptr<FalconUsb> FalconLink::open(const LogLine& log_line) {
   auto usb = std::make_unique<FalconUsb>(settings_.serial);
-  if (!falconRuns(*usb, settings_.event_character)) initialise(usb, tell);
+  if (!falconRuns(*usb, settings_.event_character)) initialise(usb, log_line);
   return usb;
 }
 
 /// Loads the firmware, each time with the device opened anew.
-void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const Tell& tell) {
+void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line) {
   if (settings_.firmware_file.empty())
     throw FalconError(
         "its firmware is not loaded, as after every power-up: give the file with "
@@ -62,17 +62,17 @@ void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const Tell& tell) {
   std::string trouble;
   for (int load = 1; load <= kLoads && !stop_; ++load) {
     if (load > 1) {
-      tell(fmt::format("Falcon: {}; try {} of {}", trouble, load, kLoads));
+      log_line(fmt::format("Falcon: {}; try {} of {}", trouble, load, kLoads));
       usb.reset();
       usb = std::make_unique<FalconUsb>(settings_.serial);
     }
-    tell(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
+    log_line(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
     try {
       int logged_tenths = 0;
       loadFalconFirmware(*usb, image, [&](double share) {
         if (10.0 * share < logged_tenths + 5) return;
         logged_tenths += 5;
-        tell(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
+        log_line(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
       });
       if (falconRuns(*usb, settings_.event_character)) return;
       trouble = "it does not run with this firmware: is it the right file?";
@@ -97,15 +97,15 @@ void FalconLink::keepOpen(std::unique_ptr<FalconUsb> usb) {
 
 /// Waits until it answers again; null: the end.
 std::unique_ptr<FalconUsb> FalconLink::openAgain() {
-  std::string told;
+  std::string logged;
   while (!stop_) {
     std::this_thread::sleep_for(kBetweenTries);
     try {
       return open([this](const std::string& line) { pushMessage(line); });
     } catch (const std::runtime_error& error) {
-      if (told == error.what()) continue;
-      told = error.what();
-      pushMessage("Falcon: " + told);
+      if (logged == error.what()) continue;
+      logged = error.what();
+      pushMessage("Falcon: " + logged);
     }
   }
   return nullptr;

@@ -31,12 +31,12 @@ struct FalconNews {
 
 class FalconLink {
  public:
-  using Tell = std::function<void(const std::string& line)>;
+  using LogLine = std::function<void(const std::string& line)>;
 
   /// Opens it and loads its firmware if need be, telling how far it is. Throws FalconError where
   /// there is none that answers, std::runtime_error for a firmware file that is none. `clock`
   /// outlives it.
-  FalconLink(FalconSettings settings, const Clock& clock, const Tell& tell);
+  FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line);
   /// Tells the motors zero, waits until the device has answered, and lets it go.
   ~FalconLink();
   FalconLink(const FalconLink&) = delete;
@@ -46,7 +46,7 @@ class FalconLink {
   /// Whether the device is there.
   [[nodiscard]] bool there() const noexcept { return there_.load(std::memory_order_acquire); }
   /// Never blocks.
-  bool popEvent(FalconNews& news) noexcept { return ring_.tryPop(news); }
+  bool popEvent(FalconNews& event) noexcept { return ring_.tryPop(event); }
   /// Hands a request to USB; outside the tick.
   void send(const FalconRequest& request) noexcept;
   /// Waits for the next reply, until `deadline` at most. Outside the tick.
@@ -58,8 +58,8 @@ class FalconLink {
   std::optional<std::string> nextMessage();
 
  private:
-  std::unique_ptr<FalconUsb> open(const Tell& tell);
-  void initialise(std::unique_ptr<FalconUsb>& usb, const Tell& tell);
+  std::unique_ptr<FalconUsb> open(const LogLine& log_line);
+  void initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line);
   void keepOpen(std::unique_ptr<FalconUsb> usb);
   void serve(FalconUsb& usb);
   void last_reply(std::span<const std::uint8_t> data);

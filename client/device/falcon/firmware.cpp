@@ -63,13 +63,13 @@ void setLine(FalconUsb& usb, std::uint16_t latency_ms, std::uint16_t baud) {
 }
 
 bool answersHello(FalconUsb& usb) {
-  Bytes heard;
+  Bytes received;
   for (int i = 0; i < kHellos; ++i) {
     usb.write(kHello);
-    (void)usb.read(heard, kAnswer);
+    (void)usb.read(received, kAnswer);
     // Whatever stands in front of it is noise from before.
-    if (std::search(heard.begin(), heard.end(), kHelloBack.begin(), kHelloBack.end()) !=
-        heard.end())
+    if (std::search(received.begin(), received.end(), kHelloBack.begin(), kHelloBack.end()) !=
+        received.end())
       return true;
   }
   return false;
@@ -125,12 +125,12 @@ bool falconRuns(FalconUsb& usb, bool event_character) {
   usb.control(kEventCharacter, event_character ? kEventAtEnd : 0);
   const FalconFrame neutral = encode({});
   FalconParser parser;
-  Bytes heard;
+  Bytes received;
   for (int i = 0; i < kProbes; ++i) {
     usb.write(neutral);
-    heard.clear();
-    (void)usb.read(heard, milliseconds(10));
-    for (const std::uint8_t byte : heard) {
+    received.clear();
+    (void)usb.read(received, milliseconds(10));
+    for (const std::uint8_t byte : received) {
       if (parser.push(byte)) return true;
     }
   }

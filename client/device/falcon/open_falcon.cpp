@@ -66,10 +66,10 @@ class Falcon final : public HapticDevice {
 
   DeviceState exchange(const Vec3& force_N, const TickReport& /*report*/) noexcept override {
     force_N_ = force_N;
-    FalconNews news;
-    while (link_.popEvent(news)) {
-      if (std::exchange(life_, news.life) != news.life) pilot_.lost();
-      pilot_.onReply(news.reply, news.at);
+    FalconNews event;
+    while (link_.popEvent(event)) {
+      if (std::exchange(life_, event.life) != event.life) pilot_.lost();
+      pilot_.onReply(event.reply, event.at);
     }
     if (!link_.there()) pilot_.lost();
     phase_.store(pilot_.phase(), std::memory_order_relaxed);

@@ -200,8 +200,8 @@ void FalconUsb::prepare(Transfer& transfer, bool incoming) {
                             static_cast<int>(length), done, &transfer, 0);
 }
 
-void FalconUsb::start(Take take) {
-  on_data_ = std::move(take);
+void FalconUsb::start(OnData on_data) {
+  on_data_ = std::move(on_data);
   for (Transfer& transfer : incoming_) {
     if (!queue(transfer)) throw FalconError("it went away");
   }

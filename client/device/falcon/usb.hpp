@@ -38,7 +38,7 @@ std::vector<FalconFound> findFalcons();
 /// Not thread-safe but for submit(); what belongs to which thread is said.
 class FalconUsb {
  public:
-  using Take = std::function<void(std::span<const std::uint8_t> data)>;
+  using OnData = std::function<void(std::span<const std::uint8_t> data)>;
 
   /// Opens and claims the first one, or that of `serial`. Throws FalconError.
   explicit FalconUsb(const std::string& serial);
@@ -53,10 +53,10 @@ class FalconUsb {
   /// Appends what one packet brings; false: none came in time.
   bool read(std::vector<std::uint8_t>& bytes, Duration most);
 
-  /// From now on transfers are always queued; `take` gets the bytes. Throws FalconError.
-  void start(Take take);
+  /// From now on transfers are always queued; `on_data` gets the bytes. Throws FalconError.
+  void start(OnData on_data);
   /// Handles what has come, waiting `most` for it; false: the device is gone or only fails. Thread:
-  /// one, which `take` is called on.
+  /// one, which `on_data` is called on.
   bool handleEvents(Duration most);
   /// Sends a frame without waiting for it. While the device takes none, a few are queued; an
   /// `urgent` one has places of its own. Thread: one; not while finish() runs.
@@ -86,7 +86,7 @@ class FalconUsb {
 
   libusb_context* context_ = nullptr;
   libusb_device_handle* handle_ = nullptr;
-  Take on_data_;
+  OnData on_data_;
   std::array<Transfer, kIncoming> incoming_;
   std::array<Transfer, kOutgoing> outgoing_;
   std::atomic<bool> disconnected_{false};

@@ -116,13 +116,13 @@ Vec3 HandScript::slideGoal(const TickReport& report) noexcept {
 /// Towards the goal as fast as the limits let it arrive without overshoot, carried along with the
 /// goal's own velocity.
 void HandScript::moveTowards(const Vec3& goal_mm, const Vec3& goal_velocity_mm_s) noexcept {
-  const Vec3 way_mm = goal_mm - target_mm_;
-  const double distance_mm = way_mm.norm();
+  const Vec3 path_mm = goal_mm - target_mm_;
+  const double distance_mm = path_mm.norm();
   Vec3 wanted_mm_s = goal_velocity_mm_s;
   if (distance_mm > 0.0) {
     const double speed_mm_s = std::min(
         {kSpeed_mm_s, std::sqrt(kAcceleration_mm_s2 * distance_mm), kGain_per_s * distance_mm});
-    wanted_mm_s += way_mm * (speed_mm_s / distance_mm);
+    wanted_mm_s += path_mm * (speed_mm_s / distance_mm);
   }
   velocity_mm_s_ += limited(wanted_mm_s - velocity_mm_s_, kAcceleration_mm_s2 * kTick_s);
   target_mm_ += velocity_mm_s_ * kTick_s;

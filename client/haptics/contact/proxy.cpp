@@ -103,8 +103,8 @@ Vec3 Proxy::normalHere() noexcept {
 ProxyTouch Proxy::finish() noexcept {
   rested_ticks_ = moved_ ? 0 : std::min(rested_ticks_ + 1, kStuck_ticks);
   if (rested_ticks_ >= kStuck_ticks) slipping_ = false;
-  const Vec3 way_mm = at_mm_ - hip_mm_;
-  if (jumped_ && way_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kEmbedded;
+  const Vec3 path_mm = at_mm_ - hip_mm_;
+  if (jumped_ && path_mm.squaredNorm() > deepest_mm_ * deepest_mm_) kind_ = Kind::kEmbedded;
   const bool faded = faded_;
   faded_ = true;
   if (kind_ == Kind::kFree || kind_ == Kind::kEmbedded) {
@@ -112,16 +112,16 @@ ProxyTouch Proxy::finish() noexcept {
     return {};
   }
   if (jumped_ && faded) {
-    offset_mm_ = way_mm - displacement_mm_;
+    offset_mm_ = path_mm - displacement_mm_;
   } else {
     offset_mm_ *= 1.0 - kFade;
   }
   if (offset_mm_.squaredNorm() < kForgotten_mm * kForgotten_mm) offset_mm_ = Vec3::Zero();
   ProxyTouch touch{.contact = true, .normal = normalHere()};
   // A hand that retreats faster than the offset fades is let go, not pulled.
-  const double pull_mm = std::min(0.0, (way_mm - offset_mm_).dot(touch.normal));
+  const double pull_mm = std::min(0.0, (path_mm - offset_mm_).dot(touch.normal));
   offset_mm_ += pull_mm * touch.normal;
-  displacement_mm_ = touch.displacement_mm = way_mm - offset_mm_;
+  displacement_mm_ = touch.displacement_mm = path_mm - offset_mm_;
   touch.shape_velocity_mm_s =
       kind_ == Kind::kWall
           ? Vec3(touch.normal * probe_.edgeRate_mm_s())

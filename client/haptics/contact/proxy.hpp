@@ -78,7 +78,7 @@ class Proxy {
 
   // proxy_slide.cpp: in contact
   void slideOnTop() noexcept;
-  bool detach(const Vec3& way_mm) noexcept;
+  bool detach(const Vec3& path_mm) noexcept;
   bool fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept;
   void stepOnTop(const Height& here, const Vec2& step_mm) noexcept;
   void stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept;

@@ -54,19 +54,19 @@ Metric bentUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noex
 }
 
 /// Half the gradient of the squared way to the HIP over the relief, downwards.
-Vec2 descent(const BlendedHeight& at, const Vec3& way_mm) noexcept {
-  return way_mm.head<2>() + way_mm.z() * at.gradient;
+Vec2 descent(const BlendedHeight& at, const Vec3& path_mm) noexcept {
+  return path_mm.head<2>() + path_mm.z() * at.gradient;
 }
 
 /// Newton's step to the point of the relief that is nearest to the HIP.
-Vec2 newtonStep(const BlendedHeight& at, const Vec3& way_mm) noexcept {
+Vec2 newtonStep(const BlendedHeight& at, const Vec3& path_mm) noexcept {
   const Metric plane = tangentPlane(at.gradient);
-  const double depth_mm = -way_mm.z();
+  const double depth_mm = -path_mm.z();
   Metric metric = {plane.xx + depth_mm * at.bend_xx, plane.xy + depth_mm * at.bend_xy,
                    plane.yy + depth_mm * at.bend_yy};
   const double least = 0.25 * (1.0 + at.gradient.squaredNorm());
   if (metric.xx <= 0.0 || metric.determinant() < least) metric = bentUpwards(plane, at, depth_mm);
-  return metric.solve(descent(at, way_mm));
+  return metric.solve(descent(at, path_mm));
 }
 
 double lengthOnPlane(const Vec2& step_mm, const Vec2& gradient) noexcept {
@@ -89,16 +89,16 @@ bool Proxy::accept(const Vec2& q_mm, const Height& height) noexcept {
 
 void Proxy::slideOnTop() noexcept {
   const Height here = probe_.height(at_mm_.head<2>());
-  const Vec3 way_mm = hip_mm_ - at_mm_;
+  const Vec3 path_mm = hip_mm_ - at_mm_;
   const Vec2& gradient = here.now.gradient;
-  const double above_mm = way_mm.z() - gradient.dot(way_mm.head<2>());
-  if (above_mm >= 0.0 && detach(way_mm)) return;
+  const double above_mm = path_mm.z() - gradient.dot(path_mm.head<2>());
+  if (above_mm >= 0.0 && detach(path_mm)) return;
   if (friction_.sticking > 0.0) {
     const double depth_mm = -above_mm / std::sqrt(1.0 + gradient.squaredNorm());
-    applyFriction(here, tangentPlane(gradient).solve(descent(here.now, way_mm)), depth_mm);
+    applyFriction(here, tangentPlane(gradient).solve(descent(here.now, path_mm)), depth_mm);
     return;
   }
-  const Vec2 step_mm = newtonStep(here.now, way_mm);
+  const Vec2 step_mm = newtonStep(here.now, path_mm);
   if (lengthOnPlane(step_mm, gradient) < kConverged_mm) {
     done_ = true;
     return;
@@ -107,11 +107,11 @@ void Proxy::slideOnTop() noexcept {
 }
 
 /// Off the relief towards the HIP, if that way is free.
-bool Proxy::detach(const Vec3& way_mm) noexcept {
+bool Proxy::detach(const Vec3& path_mm) noexcept {
   const double look_mm = kLookAhead_px * probe_.relief().pixel_mm();
-  const double length_mm = way_mm.head<2>().norm();
+  const double length_mm = path_mm.head<2>().norm();
   const bool whole = length_mm <= look_mm;
-  const Vec3 to_mm = whole ? hip_mm_ : Vec3(at_mm_ + way_mm * (look_mm / length_mm));
+  const Vec3 to_mm = whole ? hip_mm_ : Vec3(at_mm_ + path_mm * (look_mm / length_mm));
   if (isSolid(to_mm)) return false;
   at_mm_ = to_mm;
   kind_ = Kind::kFree;
@@ -148,8 +148,8 @@ void Proxy::stepOnTop(const Height& here, const Vec2& step_mm) noexcept {
 /// which the way still leads on.
 void Proxy::stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept {
   const auto slope = [&](const Height& height, const Vec2& at) noexcept {
-    const Vec3 way_mm = hip_mm_ - Vec3(at.x(), at.y(), height.now.height_mm);
-    return descent(height.now, way_mm).dot(step_mm);
+    const Vec3 path_mm = hip_mm_ - Vec3(at.x(), at.y(), height.now.height_mm);
+    return descent(height.now, path_mm).dot(step_mm);
   };
   const double begin = slope(here, at_mm_.head<2>());
   double low = 0.0;
@@ -214,14 +214,14 @@ void Proxy::slideOnWall() noexcept {
     return;
   }
   const Vec2 outwards = -edge.gradient / steepness;
-  const Vec3 way_mm = hip_mm_ - at_mm_;
-  const double out_mm = outwards.dot(way_mm.head<2>());
+  const Vec3 path_mm = hip_mm_ - at_mm_;
+  const double out_mm = outwards.dot(path_mm.head<2>());
   if (out_mm >= 0.0) {
     stepOffWall(outwards);
     return;
   }
-  Vec2 along_mm = way_mm.head<2>() - out_mm * outwards;
-  double rise_mm = way_mm.z();  // a wall does not hold the vertical
+  Vec2 along_mm = path_mm.head<2>() - out_mm * outwards;
+  double rise_mm = path_mm.z();  // a wall does not hold the vertical
   double length_mm = std::sqrt(along_mm.squaredNorm() + rise_mm * rise_mm);
   if (friction_.sticking > 0.0) {
     const double part = share(length_mm, -out_mm);

@@ -109,15 +109,15 @@ bool Proxy::pushOut(int moves, double longest_mm) noexcept {
 
 /// Straight towards the HIP, looking into the solid every half a pixel.
 void Proxy::castRay() noexcept {
-  const Vec3 way_mm = hip_mm_ - at_mm_;
+  const Vec3 path_mm = hip_mm_ - at_mm_;
   const double steps =
-      std::ceil(way_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
+      std::ceil(path_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
   const double most = std::max(1.0, double(probe_.left() - kReserve));
   const int count = steps > 1.0 ? static_cast<int>(std::min(steps, most)) : 1;  // 1 for NaN, too
   const Vec3 from_mm = at_mm_;
   Vec3 outside_mm = from_mm;
   for (int i = 1; i <= count; ++i) {
-    const Vec3 here_mm = i == count ? hip_mm_ : Vec3(from_mm + way_mm * (double(i) / count));
+    const Vec3 here_mm = i == count ? hip_mm_ : Vec3(from_mm + path_mm * (double(i) / count));
     if (isSolid(here_mm)) {
       enter(outside_mm, here_mm);
       return;
@@ -135,13 +135,13 @@ void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
     enterFromAbove(outside_mm, inside_mm);
     return;
   }
-  const Vec3 way_mm = inside_mm - outside_mm;
+  const Vec3 path_mm = inside_mm - outside_mm;
   Bracket edge{0.0, probe_.edge(outside_mm.head<2>()).distance_mm, 1.0,
                probe_.edge(inside_mm.head<2>()).distance_mm};
   Vec3 crossing_mm = inside_mm;
   for (int i = 0; i < 2; ++i) {
     const double t = edge.secant();
-    crossing_mm = outside_mm + t * way_mm;
+    crossing_mm = outside_mm + t * path_mm;
     edge.push(t, probe_.edge(crossing_mm.head<2>()).distance_mm);
   }
   if (crossing_mm.z() < probe_.height(crossing_mm.head<2>()).now.height_mm) {
@@ -154,7 +154,7 @@ void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
 }
 
 void Proxy::enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexcept {
-  const Vec3 way_mm = inside_mm - outside_mm;
+  const Vec3 path_mm = inside_mm - outside_mm;
   const auto depthAt = [this](const Vec3& point_mm, Height& height) noexcept {
     height = probe_.height(point_mm.head<2>());
     return height.now.height_mm - point_mm.z();
@@ -167,7 +167,7 @@ void Proxy::enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexce
   double depth_mm = 0.0;
   for (int i = 0; i < 2; ++i) {
     const double t = surface.secant();
-    crossing_mm = outside_mm + t * way_mm;
+    crossing_mm = outside_mm + t * path_mm;
     depth_mm = depthAt(crossing_mm, height);
     surface.push(t, depth_mm);
   }

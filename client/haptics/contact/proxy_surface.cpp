@@ -102,9 +102,9 @@ struct Sum {
         part_mm[i] = std::max(0.0, lengths_mm[i] - others_mm);
       }
     }
-    Vec3 way_mm = Vec3::Zero();
-    for (std::size_t i = 0; i < count; ++i) way_mm += part_mm[i] * directions[i];
-    return way_mm;
+    Vec3 path_mm = Vec3::Zero();
+    for (std::size_t i = 0; i < count; ++i) path_mm += part_mm[i] * directions[i];
+    return path_mm;
   }
 };
 
@@ -148,7 +148,7 @@ ProxySurface::ProxySlot& ProxySurface::unused() noexcept {
 /// a correction, a number that is none); an impact in between is a mean of both.
 bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& object,
                               double arm_mm, double elapsed_s) noexcept {
-  const auto way_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
+  const auto path_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
     const double speed_mm_s = velocity_mm_s.norm();
     const double share = speed_mm_s > kFastestObject_mm_s ? kFastestObject_mm_s / speed_mm_s : 1.0;
     return velocity_mm_s * (share * elapsed_s);
@@ -162,7 +162,7 @@ bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& o
     return false;
   }
   const double moved_mm =
-      computeDistanceToLine(step_mm, way_mm(tied.velocity_mm_s), way_mm(object.velocity_mm_s));
+      computeDistanceToLine(step_mm, path_mm(tied.velocity_mm_s), path_mm(object.velocity_mm_s));
   const double short_rad = std::remainder(turn_rad, 2.0 * std::numbers::pi);
   const double was_rad = tied.angular_velocity_rad_s * elapsed_s;
   const double is_rad = object.angular_velocity_rad_s * elapsed_s;

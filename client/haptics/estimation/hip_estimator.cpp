@@ -64,8 +64,8 @@ const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
   }
   estimate_.ticks_without_data = 0;
   const double gap_s = toSeconds(state.time - last_time_);
-  const double way_mm = (state.position_mm - estimate_.position_mm).norm();
-  if (!running_ || gap_s <= 0.0 || gap_s > kLongestGap_s || way_mm > kFastest_mm_s * gap_s) {
+  const double path_mm = (state.position_mm - estimate_.position_mm).norm();
+  if (!running_ || gap_s <= 0.0 || gap_s > kLongestGap_s || path_mm > kFastest_mm_s * gap_s) {
     restart(state);
   } else if (gap_s > kLateTick_s) {
     bridge(state.position_mm, gap_s);

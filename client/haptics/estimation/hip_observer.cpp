@@ -100,10 +100,11 @@ void HipObserver::update(const Vec3& measured_mm, const Vec3& acting_N, double w
 
 /// News open the filter at once, it calms down slowly: no movement sticks, and rest is silent.
 void HipObserver::correct(int axis, double residual_mm, double slowest_rad_s) noexcept {
-  const double news = std::max(std::abs(residual_mm) / kQuietResidual_counts,
-                               std::abs(mean_mm_[axis]) / kQuietMean_counts) /
-                      count_mm_;
-  const double opened_rad_s = slowest_rad_s * std::max(1.0, news * news * news * news);
+  const double innovation = std::max(std::abs(residual_mm) / kQuietResidual_counts,
+                                     std::abs(mean_mm_[axis]) / kQuietMean_counts) /
+                            count_mm_;
+  const double opened_rad_s =
+      slowest_rad_s * std::max(1.0, innovation * innovation * innovation * innovation);
   const double calmed_rad_s = slowest_rad_s + (pole_rad_s_[axis] - slowest_rad_s) * kCalms;
   pole_rad_s_[axis] = std::max(std::min(opened_rad_s, kFastest_rad_s), calmed_rad_s);
   const double h = pole_rad_s_[axis] * kTick_s;
@@ -121,10 +122,10 @@ HipState HipObserver::ahead(const SentForces& sent, int delay_ticks) const noexc
   const Vec3 most_mm_s =
       (kFastest_counts * count_mm_ / kTick_s) * rest_ticks_.cwiseMax(1.0).cwiseInverse();
   tip.velocity_mm_s = tip.velocity_mm_s.cwiseMax(-most_mm_s).cwiseMin(most_mm_s);
-  const Vec3 way_mm = (delay_ticks + kBeyondDelay_ticks) * kTick_s * most_mm_s;
+  const Vec3 path_mm = (delay_ticks + kBeyondDelay_ticks) * kTick_s * most_mm_s;
   tip.position_mm += kBeyondDelay_ticks * kTick_s * tip.velocity_mm_s;
   tip.position_mm =
-      tip.position_mm.cwiseMax(tip_.position_mm - way_mm).cwiseMin(tip_.position_mm + way_mm);
+      tip.position_mm.cwiseMax(tip_.position_mm - path_mm).cwiseMin(tip_.position_mm + path_mm);
   return tip;
 }
 

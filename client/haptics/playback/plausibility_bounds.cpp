@@ -45,11 +45,11 @@ Largest findLargest(const ObjectHistory& seen, Step step, Rate rate) noexcept {
   for (std::size_t i = 0; i < kSteps; ++i) {
     if (known(i)) most.speed = std::max(most.speed, magnitude(step(i)) / seen.interval_s[i]);
   }
-  const auto believed = [&](std::size_t i) noexcept -> Value {
-    const Value told = rate(i);
-    const double size = magnitude(told);
+  const auto plausible = [&](std::size_t i) noexcept -> Value {
+    const Value streamed = rate(i);
+    const double size = magnitude(streamed);
     const double limit = kFactor * most.speed;
-    return size > limit ? Value(told * (limit / size)) : told;
+    return size > limit ? Value(streamed * (limit / size)) : streamed;
   };
   const auto take = [&](double change, double time_s) noexcept {
     most.change = std::max(most.change, change);
@@ -57,7 +57,7 @@ Largest findLargest(const ObjectHistory& seen, Step step, Rate rate) noexcept {
   };
   for (std::size_t i = 0; i < kSteps; ++i) {
     if (!known(i)) continue;
-    const Value changed = believed(i + 1) - believed(i);
+    const Value changed = plausible(i + 1) - plausible(i);
     take(magnitude(changed), seen.interval_s[i]);
     if (i + 1 == kSteps || !known(i + 1)) continue;
     const Value turned = step(i + 1) / seen.interval_s[i + 1] - step(i) / seen.interval_s[i];

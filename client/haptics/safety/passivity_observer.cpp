@@ -51,12 +51,12 @@ double PassivityObserver::meter(const PortTick& tick) noexcept {
   static_sum_N_ += static_N;
   dynamic_sum_N_ += acted.dynamic_N;
   ticks_.array() += 1.0;
-  const Vec3 way_mm = wayTo(tick);
+  const Vec3 path_mm = wayTo(tick);
   // By axis, without a branch: counted positions move when they like.
-  const Vec3 per_tick_mm = way_mm.cwiseQuotient(ticks_);
+  const Vec3 per_tick_mm = path_mm.cwiseQuotient(ticks_);
   const double static_mJ = per_tick_mm.dot(static_sum_N_);
   const double object_mJ = per_tick_mm.dot(dynamic_sum_N_);
-  const Vec3 rests = (way_mm.array() == 0.0).cast<double>();
+  const Vec3 rests = (path_mm.array() == 0.0).cast<double>();
   static_sum_N_ = static_sum_N_.cwiseProduct(rests);
   dynamic_sum_N_ = dynamic_sum_N_.cwiseProduct(rests);
   ticks_ = ticks_.cwiseProduct(rests);

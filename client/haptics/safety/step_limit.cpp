@@ -28,11 +28,11 @@ MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& l
   // The damper's own limit: full speed when it begins, from one end to the other later.
   const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
   const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
-  const double way_mm = moved_mm.norm();
+  const double path_mm = moved_mm.norm();
   const double full_N = wall.damping_Ns_m * 1e-3 * damped_mm_s;
   const double damper_N = entering ? std::min(full_N, now.most_damper_N) : full_N;
   return {damper_N * wall.normal,
-          wall.local_stiffness_N_mm * (entering ? std::min(now.depth_mm, way_mm) : way_mm)};
+          wall.local_stiffness_N_mm * (entering ? std::min(now.depth_mm, path_mm) : path_mm)};
 }
 
 StepLimit::StepLimit(const DeviceProfile& profile) noexcept

@@ -15,7 +15,7 @@ DatagramVerifier::DatagramVerifier(std::uint64_t token, std::uint32_t stream, Ve
     : token_(token), stream_(stream), key_(std::move(key)) {}
 
 std::optional<Datagram> DatagramVerifier::verify(std::span<const std::uint8_t> bytes, LocalTime now,
-                                                 const Look& want) {
+                                                 const IsWanted& want) {
   const auto datagram = readDatagram(bytes);
   if (!datagram || datagram->token != token_ || datagram->header.stream != stream_) {
     ++counts_.foreign;

@@ -38,11 +38,11 @@ class DatagramVerifier {
   /// `token`: the session's or the group's; `stream` and `key` as the server announced them.
   DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key);
 
-  using Look = std::function<FrameAssembler::Want(const DatagramHeader&)>;
+  using IsWanted = std::function<FrameAssembler::Want(const DatagramHeader&)>;
   /// The datagram that the bytes are, where the server has sent it and it is new; `want` says what
   /// its frame still lacks. A probe is given every time.
   std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
-                                 const Look& want);
+                                 const IsWanted& want);
 
   [[nodiscard]] const DatagramCounts& counts() const { return counts_; }
 

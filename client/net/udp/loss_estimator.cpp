@@ -30,9 +30,9 @@ void LossEstimator::add(const DatagramHeader& header) {
     judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
   }
   if (header.frame <= judged_ && judged_ > 0) return;
-  Reception& came = frames_[header.frame];
-  if (came.empty()) came.resize(std::min<std::size_t>(header.parts, kMostParts));
-  count(came, header.part);
+  Reception& received = frames_[header.frame];
+  if (received.empty()) received.resize(std::min<std::size_t>(header.parts, kMostParts));
+  count(received, header.part);
 }
 
 void LossEstimator::onDuplicate(const DatagramHeader& header) {
@@ -40,8 +40,8 @@ void LossEstimator::onDuplicate(const DatagramHeader& header) {
     count(found->second, header.part);
 }
 
-void LossEstimator::count(Reception& came, std::size_t part) {
-  if (part < came.size() && came[part] < limits::kMostCopies) ++came[part];
+void LossEstimator::count(Reception& received, std::size_t part) {
+  if (part < received.size() && received[part] < limits::kMostCopies) ++received[part];
 }
 
 std::uint32_t LossEstimator::copies(LocalTime now) {
@@ -87,10 +87,10 @@ void LossEstimator::judge() {
   const double sent = tally.parts[0];
   if (sent == 0.0) return;
   std::uint32_t copies = 1;
-  double came = tally.parts[1];
+  double received = tally.parts[1];
   while (copies < limits::kMostCopies && tally.parts[copies + 1] > kCopiesAreSent * sent)
-    came += tally.parts[++copies];
-  blendIn(loss_, 1.0 - came / (sent * copies));
+    received += tally.parts[++copies];
+  blendIn(loss_, 1.0 - received / (sent * copies));
   blendIn(lost_, 1.0 - tally.parts[1] / sent);
   // Of what came once only, the copy left out would have been that one in one case of so many.
   blendIn(lost_fewer_,

@@ -45,7 +45,7 @@ class LossEstimator {
  private:
   /// Of a frame's parts: how often each has come.
   using Reception = std::vector<std::uint8_t>;
-  static void count(Reception& came, std::size_t part);
+  static void count(Reception& received, std::size_t part);
   /// How many parts came so often or oftener; those that came 0 times or oftener are all.
   struct Tally {
     std::array<double, limits::kMostCopies + 1> parts{};

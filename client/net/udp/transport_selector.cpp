@@ -10,14 +10,15 @@ namespace hapticast::client {
 
 namespace {
 
-std::string toText(Transport way) {
+std::string toText(Transport transport) {
   constexpr std::array<const char*, kWayNames.size()> kHow{"by multicast", "by UDP", "over TCP"};
-  return kHow[static_cast<std::size_t>(way)];
+  return kHow[static_cast<std::size_t>(transport)];
 }
 
 }  // namespace
 
-TransportSelector::TransportSelector(std::vector<Transport> ways) : ways_(std::move(ways)) {
+TransportSelector::TransportSelector(std::vector<Transport> transports)
+    : transports_(std::move(transports)) {
   begin(0);
 }
 
@@ -33,15 +34,16 @@ bool TransportSelector::newer(std::uint64_t id) const {
 }
 
 void TransportSelector::markFailed(const std::string& why, LocalTime now) {
-  const Transport failed = way();
+  const Transport failed = transport();
   if (failed == Transport::kTcp) return;
   failed_at_ = now;
   begin(at_ + 1);
   // A way that is tried again and fails again is no news.
   if (std::find(logged_.begin(), logged_.end(), failed) != logged_.end()) return;
   logged_.push_back(failed);
-  messages_ = "no frames come " + toText(failed) + " (" + why + "): taking them " + toText(way()) +
-              (way() == Transport::kTcp ? ", trying again every 30 s" : "");
+  messages_ = "no frames come " + toText(failed) + " (" + why + "): taking them " +
+              toText(transport()) +
+              (transport() == Transport::kTcp ? ", trying again every 30 s" : "");
 }
 
 void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
@@ -54,11 +56,11 @@ void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
   if (works_ || !probed_) return;
   works_ = true;
   if (at_ == 0 && !std::exchange(logged_, {}).empty())
-    messages_ = "frames come " + toText(way()) + " again";
+    messages_ = "frames come " + toText(transport()) + " again";
 }
 
 void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
-  if (way() != Transport::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
+  if (transport() != Transport::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
 }
 
 void TransportSelector::update(LocalTime now, std::uint32_t copies) {
@@ -78,7 +80,7 @@ void TransportSelector::update(LocalTime now, std::uint32_t copies) {
 }
 
 Delivery TransportSelector::wanted() const {
-  return {.on_tcp = !works_, .datagrams = way() == Transport::kDatagrams, .copies = copies_};
+  return {.on_tcp = !works_, .datagrams = transport() == Transport::kDatagrams, .copies = copies_};
 }
 
 std::optional<Delivery> TransportSelector::takeRequest() {

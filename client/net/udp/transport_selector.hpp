@@ -20,8 +20,8 @@ namespace hapticast::client {
 enum class Transport : std::uint8_t { kGroup, kDatagrams, kTcp };
 /// On the command line and in the summary.
 inline constexpr std::array<const char*, 3> kWayNames{"multicast", "udp", "tcp"};
-constexpr const char* transportName(Transport way) noexcept {
-  return kWayNames[static_cast<std::size_t>(way)];
+constexpr const char* transportName(Transport transport) noexcept {
+  return kWayNames[static_cast<std::size_t>(transport)];
 }
 
 /// How frames shall travel where there is a choice.
@@ -34,7 +34,7 @@ struct DeliverySettings {
 
 /// How frames travel now.
 struct DeliveryStats {
-  Transport way = Transport::kTcp;
+  Transport transport = Transport::kTcp;
   double loss = 0.0;         ///< of datagrams, 0..1, as last measured
   std::uint32_t copies = 1;  ///< of each datagram
 };
@@ -51,10 +51,10 @@ class TransportSelector {
   static constexpr Duration kProbePatience = std::chrono::seconds(2);
 
   /// The ways that there are, the best one first; the last one is kTcp.
-  explicit TransportSelector(std::vector<Transport> ways);
+  explicit TransportSelector(std::vector<Transport> transports);
 
   /// The way that is used or tried.
-  [[nodiscard]] Transport way() const { return ways_[at_]; }
+  [[nodiscard]] Transport transport() const { return transports_[at_]; }
   /// Whether frames come that way, so that TCP's are not needed.
   [[nodiscard]] bool works() const { return works_; }
 
@@ -81,7 +81,7 @@ class TransportSelector {
   [[nodiscard]] bool newer(std::uint64_t id) const;
   [[nodiscard]] Delivery wanted() const;
 
-  std::vector<Transport> ways_;
+  std::vector<Transport> transports_;
   std::size_t at_ = 0;
   bool works_ = false;
   bool suspected_ = false;  // it worked, and nothing has come for a while

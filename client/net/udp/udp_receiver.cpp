@@ -19,11 +19,11 @@ constexpr std::uint64_t kFlood = 400;
 constexpr std::uint64_t kForgedFlood = 100;
 
 std::vector<Transport> listTransports(const DeliverySettings& settings, const Welcome& welcome) {
-  std::vector<Transport> ways;
-  if (settings.best == Transport::kGroup && welcome.group) ways.push_back(Transport::kGroup);
-  if (settings.best != Transport::kTcp) ways.push_back(Transport::kDatagrams);
-  ways.push_back(Transport::kTcp);
-  return ways;
+  std::vector<Transport> transports;
+  if (settings.best == Transport::kGroup && welcome.group) transports.push_back(Transport::kGroup);
+  if (settings.best != Transport::kTcp) transports.push_back(Transport::kDatagrams);
+  transports.push_back(Transport::kTcp);
+  return transports;
 }
 
 }  // namespace
@@ -117,20 +117,20 @@ void UdpReceiver::update(LocalTime now) {
 }
 
 void UdpReceiver::applySelection(LocalTime now) {
-  while (opened_ != choice_.way()) {
+  while (opened_ != choice_.transport()) {
     if (path_) {
       counts_ = counts();
       bytes_ = bytesReceived();
       path_->close();
       path_.reset();
     }
-    const Transport way = choice_.way();
-    opened_ = way;
+    const Transport transport = choice_.transport();
+    opened_ = transport;
     echoed_at_.reset();
-    if (way == Transport::kTcp) return;
+    if (transport == Transport::kTcp) return;
     auto key = VerifyingKey::from(*welcome_.verifying_key);
     if (!key.ok()) return choice_.markFailed(key.error().message, now);
-    const bool group = way == Transport::kGroup;
+    const bool group = transport == Transport::kGroup;
     DatagramVerifier verifier(group ? welcome_.group->token : welcome_.datagram_token,
                               welcome_.stream, std::move(key).value());
     auto path =
@@ -149,12 +149,14 @@ void UdpReceiver::applySelection(LocalTime now) {
           if (want == FrameAssembler::Want::kHad) meter_.onDuplicate(header);
           return want;
         },
-        [this, way](const Datagram& datagram, LocalTime at) { onDatagram(way, datagram, at); });
+        [this, transport](const Datagram& datagram, LocalTime at) {
+          onDatagram(transport, datagram, at);
+        });
   }
 }
 
-void UdpReceiver::onDatagram(Transport way, const Datagram& datagram, LocalTime now) {
-  if (closed_ || way != choice_.way()) return;
+void UdpReceiver::onDatagram(Transport transport, const Datagram& datagram, LocalTime now) {
+  if (closed_ || transport != choice_.transport()) return;
   if (datagram.header.probe()) return choice_.probed();
   meter_.add(datagram.header);
   if (receiver_.part(datagram.header, datagram.payload, now)) {
@@ -167,7 +169,7 @@ void UdpReceiver::tcpFrame(std::uint64_t id) { choice_.tcpFrame(id, clock_.now()
 DatagramCounts UdpReceiver::counts() const { return path_ ? counts_ + path_->counts() : counts_; }
 
 DeliveryStats UdpReceiver::state() const {
-  return {choice_.works() ? choice_.way() : Transport::kTcp, meter_.loss(), copies_};
+  return {choice_.works() ? choice_.transport() : Transport::kTcp, meter_.loss(), copies_};
 }
 
 std::uint64_t UdpReceiver::bytesReceived() const {

@@ -50,7 +50,7 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   [[nodiscard]] const char* flood(LocalTime now);
   /// Opens and closes paths as the choice asks for them.
   void applySelection(LocalTime now);
-  void onDatagram(Transport way, const Datagram& datagram, LocalTime now);
+  void onDatagram(Transport transport, const Datagram& datagram, LocalTime now);
 
   asio::io_context& io_;
   const Clock& clock_;

@@ -107,9 +107,9 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
   return std::shared_ptr<UdpSocket>(new UdpSocket(std::move(socket), clock, std::move(verifier)));
 }
 
-void UdpSocket::start(Look look, Take take) {
-  is_wanted_ = std::move(look);
-  on_datagram_ = std::move(take);
+void UdpSocket::start(IsWanted is_wanted, OnDatagram on_datagram) {
+  is_wanted_ = std::move(is_wanted);
+  on_datagram_ = std::move(on_datagram);
   asio::co_spawn(
       socket_.get_executor(), [self = shared_from_this()] { return self->readAll(); },
       asio::detached);

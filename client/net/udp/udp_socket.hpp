@@ -18,8 +18,8 @@ namespace hapticast::client {
 
 class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
  public:
-  using Take = std::function<void(const Datagram&, LocalTime)>;
-  using Look = DatagramVerifier::Look;
+  using OnDatagram = std::function<void(const Datagram&, LocalTime)>;
+  using IsWanted = DatagramVerifier::IsWanted;
 
   /// `server`: an address, no name. An error is one line for a person.
   static Result<std::shared_ptr<UdpSocket>> toServer(asio::io_context& io, const Clock& clock,
@@ -32,8 +32,8 @@ class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
                                                     const Endpoint& server,
                                                     DatagramVerifier verifier);
 
-  /// Begins to read; `look` and `take` are called until close().
-  void start(Look look, Take take);
+  /// Begins to read; `is_wanted` and `on_datagram` are called until close().
+  void start(IsWanted is_wanted, OnDatagram on_datagram);
   void close();
   /// To the server, as it is; what is lost is lost.
   void send(std::span<const std::uint8_t> bytes);
@@ -50,8 +50,8 @@ class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
   asio::ip::udp::socket socket_;
   const Clock& clock_;
   DatagramVerifier verifier_;
-  Look is_wanted_;
-  Take on_datagram_;
+  IsWanted is_wanted_;
+  OnDatagram on_datagram_;
   std::uint64_t bytes_ = 0;
   std::array<std::uint8_t, kMostDatagramBytes + 1> buffer_{};  // a longer one is seen to be
 };

@@ -87,9 +87,9 @@ void slider(const char* name, double& value, float low, float high) {
 /// The thesis's method has a surface of its own.
 void chooseSurface(UserControls& user, bool thesis) {
   constexpr const char* kNames = "perturbed\0normal\0proxy\0";  // in the order of SurfaceKind
-  const SurfaceKind felt =
+  const SurfaceKind rendered =
       thesis ? SurfaceKind::kPerturbed : user.surface.value_or(SurfaceKind::kProxy);
-  auto shown = static_cast<int>(felt);
+  auto shown = static_cast<int>(rendered);
   ImGui::BeginDisabled(thesis);
   if (ImGui::Combo("surface", &shown, kNames)) user.surface = static_cast<SurfaceKind>(shown);
   ImGui::EndDisabled();

@@ -103,8 +103,9 @@ cv::Mat LayerCutter::isSettled(const Surface& surface, const cv::Mat& now, const
   return withoutSmallComponents(surface, names);
 }
 
-cv::Mat LayerCutter::assignNames(const Surface& surface, double step_mm, const DepthRange& felt) {
-  Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0), felt);
+cv::Mat LayerCutter::assignNames(const Surface& surface, double step_mm,
+                                 const DepthRange& mapped_range) {
+  Layers now = findLayers(surface, step_mm * (count_ > 1 ? kKeptStep : 1.0), mapped_range);
   if (now.count < 2 && names_.empty()) {
     pending_changes_.release();
     return {};
@@ -117,8 +118,8 @@ cv::Mat LayerCutter::assignNames(const Surface& surface, double step_mm, const D
 }
 
 std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
-                                      const DepthRange& felt) {
-  names_ = assignNames(surface, step_mm, felt);
+                                      const DepthRange& mapped_range) {
+  names_ = assignNames(surface, step_mm, mapped_range);
   count_ = names_.empty() ? 1 : countNames(names_);
   if (!names_.empty() && cv::countNonZero(names_ > 1) == 0) names_.release();
   if (pending_changes_.size() != surface.box.size())

@@ -15,12 +15,13 @@ namespace hapticast::server {
 class LayerCutter {
  public:
   /// Surfaces of the layers by name, those that have gone with an empty box; one without steps is
-  /// `surface` itself. They begin nearest first. `felt` as for findLayers().
+  /// `surface` itself. They begin nearest first. `mapped_range` as for findLayers().
   std::vector<Surface> cut(const Surface& surface, double step_mm,
-                           const DepthRange& felt = kAllDepths);
+                           const DepthRange& mapped_range = kAllDepths);
 
  private:
-  [[nodiscard]] cv::Mat assignNames(const Surface& surface, double step_mm, const DepthRange& felt);
+  [[nodiscard]] cv::Mat assignNames(const Surface& surface, double step_mm,
+                                    const DepthRange& mapped_range);
   [[nodiscard]] cv::Mat isSettled(const Surface& surface, const cv::Mat& now,
                                   const cv::Mat& before);
   [[nodiscard]] cv::Mat warpedNames(const cv::Mat& image, const Surface& surface) const;

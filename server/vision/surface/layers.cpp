@@ -36,8 +36,8 @@ cv::Mat steps(const Surface& surface, double step_mm) {
 // For every pixel the measured one that is nearest to it.
 class NearestMeasured {
  public:
-  NearestMeasured(const Surface& surface, const DepthRange& felt)
-      : depth_(cv::max(cv::min(surface.depth, felt.far_mm), felt.near_mm)) {
+  NearestMeasured(const Surface& surface, const DepthRange& mapped_range)
+      : depth_(cv::max(cv::min(surface.depth, mapped_range.far_mm), mapped_range.near_mm)) {
     cv::Mat distance;
     cv::distanceTransform(surface.measured == 0, distance, labels_, cv::DIST_L2, 5,
                           cv::DIST_LABEL_PIXEL);
@@ -87,12 +87,12 @@ struct Borders {
 };
 
 Borders findBorders(const Surface& surface, const cv::Mat& labels, int count, double step_mm,
-                    const DepthRange& felt) {
+                    const DepthRange& mapped_range) {
   Borders out;
   out.count = count;
   out.pixels.assign(static_cast<std::size_t>(count * count), 0);
   out.stepping = out.pixels;
-  const NearestMeasured nearest(surface, felt);
+  const NearestMeasured nearest(surface, mapped_range);
   const auto add = [&](const cv::Point& p, const cv::Point& q) {
     const int a = labels.at<uchar>(p);
     const int b = labels.at<uchar>(q);
@@ -146,7 +146,7 @@ std::vector<int> groupLayers(const Borders& borders, const std::vector<double>& 
 
 }  // namespace
 
-Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt) {
+Layers findLayers(const Surface& surface, double step_mm, const DepthRange& mapped_range) {
   const cv::Mat step = steps(surface, step_mm);
   if (cv::countNonZero(step) == 0) return {};
   const int area = cv::countNonZero(surface.mask);
@@ -157,7 +157,7 @@ Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt
   if (pieces < 2) return {};
   out.labels = grownLabels(surface, pieces, out.labels);
   const std::vector<int> layer =
-      groupLayers(findBorders(surface, out.labels, pieces, step_mm, felt),
+      groupLayers(findBorders(surface, out.labels, pieces, step_mm, mapped_range),
                   meanDepths(surface, out.labels, pieces));
   out.count = *std::max_element(layer.begin(), layer.end()) + 1;
   if (out.count < 2) return {};

@@ -23,7 +23,9 @@ struct Layers {
 /// their common border. What lies behind something is a layer behind it; pieces that do not touch
 /// share one. Pieces of less than 100 px or 2 % of the object stay with their neighbours. At most
 /// kMaxLayers.
-/// `felt`: depths that differ in height; what lies beyond is as high as its end, and no step.
-Layers findLayers(const Surface& surface, double step_mm, const DepthRange& felt = kAllDepths);
+/// `mapped_range`: depths that differ in height; what lies beyond is as high as its end, and no
+/// step.
+Layers findLayers(const Surface& surface, double step_mm,
+                  const DepthRange& mapped_range = kAllDepths);
 
 }  // namespace hapticast::server

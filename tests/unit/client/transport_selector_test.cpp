@@ -13,7 +13,7 @@ struct Story {
   void play(double seconds, bool tcp_works, bool way_works) {
     for (const double until_s = now_s + seconds; now_s < until_s; now_s += 0.04) {
       ++id;
-      if (way_works && choice.way() == working) {
+      if (way_works && choice.transport() == working) {
         choice.probed();
         choice.onCompleteFrame(id, localTime(now_s));
       }
@@ -50,14 +50,14 @@ TEST(TransportSelector, LeavesTcpOnceDatagramsHaveComeAndSaysNothing) {
 TEST(TransportSelector, AWayThatNeverWorksIsLeftAfterASecondAndTriedAgain) {
   Story story({Transport::kDatagrams, Transport::kTcp});
   story.play(0.9, true, false);
-  EXPECT_EQ(story.choice.way(), Transport::kDatagrams);
+  EXPECT_EQ(story.choice.transport(), Transport::kDatagrams);
   story.play(0.3, true, false);
-  EXPECT_EQ(story.choice.way(), Transport::kTcp);
+  EXPECT_EQ(story.choice.transport(), Transport::kTcp);
   EXPECT_EQ(story.order, (Delivery{true, false, 2}));
   ASSERT_EQ(story.news.size(), 1U);
   EXPECT_NE(story.news[0].find("firewall"), std::string::npos) << story.news[0];
   story.play(29.5, true, false);
-  EXPECT_EQ(story.choice.way(), Transport::kTcp);
+  EXPECT_EQ(story.choice.transport(), Transport::kTcp);
   story.play(1.0, true, false);
   EXPECT_EQ(story.order, (Delivery{true, true, 2})) << "tried again";
   story.play(90.0, true, false);
@@ -76,7 +76,7 @@ TEST(TransportSelector, AWayThatFailsInMidStreamIsLeftSoonAfterASecond) {
   story.play(0.2, true, false);
   EXPECT_TRUE(story.order.on_tcp) << "a second without a frame";
   story.play(0.3, true, false);
-  EXPECT_EQ(story.choice.way(), Transport::kTcp);
+  EXPECT_EQ(story.choice.transport(), Transport::kTcp);
   EXPECT_EQ(story.news.size(), 1U);
 }
 
@@ -87,7 +87,7 @@ TEST(TransportSelector, AStreamThatPausesIsNoFailure) {
   // The server says again what it said last when TCP is asked for.
   story.choice.tcpFrame(story.choice.works() ? 0 : 125, localTime(story.now_s));
   story.turn();
-  EXPECT_EQ(story.choice.way(), Transport::kDatagrams);
+  EXPECT_EQ(story.choice.transport(), Transport::kDatagrams);
   story.play(5.0, true, true);
   EXPECT_FALSE(story.order.on_tcp);
   EXPECT_TRUE(story.news.empty());
@@ -122,7 +122,7 @@ TEST(TransportSelector, AnAbsurdIdDoesNotHideThatAWayFails) {
   story.play(5.0, true, true);
   story.choice.onCompleteFrame(~std::uint64_t{0}, localTime(story.now_s));
   story.play(3.0, true, false);
-  EXPECT_EQ(story.choice.way(), Transport::kTcp);
+  EXPECT_EQ(story.choice.transport(), Transport::kTcp);
   EXPECT_EQ(story.news.size(), 1U);
 }
 
@@ -131,15 +131,15 @@ TEST(TransportSelector, AGroupFallsBackToDatagramsAndTheseToTcp) {
   story.turn();
   EXPECT_EQ(story.order, (Delivery{true, false, 2})) << "a group needs no datagrams of one's own";
   story.play(1.5, true, true);
-  EXPECT_EQ(story.choice.way(), Transport::kDatagrams);
+  EXPECT_EQ(story.choice.transport(), Transport::kDatagrams);
   EXPECT_FALSE(story.order.on_tcp);
   story.play(10.0, true, true);
   story.play(2.0, true, false);
-  EXPECT_EQ(story.choice.way(), Transport::kTcp);
+  EXPECT_EQ(story.choice.transport(), Transport::kTcp);
   EXPECT_EQ(story.news.size(), 2U);
   story.working = Transport::kGroup;
   story.play(61.0, true, true);
-  EXPECT_EQ(story.choice.way(), Transport::kGroup);
+  EXPECT_EQ(story.choice.transport(), Transport::kGroup);
   EXPECT_TRUE(story.choice.works());
 }
 
@@ -147,7 +147,7 @@ TEST(TransportSelector, AWayThatCannotBeOpenedIsLeftAtOnce) {
   Story story({Transport::kGroup, Transport::kDatagrams, Transport::kTcp});
   story.choice.markFailed("no network here is 'x'", localTime(story.now_s));
   story.turn();
-  EXPECT_EQ(story.choice.way(), Transport::kDatagrams);
+  EXPECT_EQ(story.choice.transport(), Transport::kDatagrams);
   ASSERT_EQ(story.news.size(), 1U);
   EXPECT_NE(story.news[0].find("no network here is 'x'"), std::string::npos);
 }

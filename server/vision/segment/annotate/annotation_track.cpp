@@ -89,7 +89,7 @@ void addNegativeSample(const FrameContext& scene, const cv::Point& point, Negati
   const cv::Mat region = connectedTo(view, view.toRoi(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
   if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;
-  const ColorHistogram said = ColorHistogram::fromImage(view.color, region);
+  const ColorHistogram clicked = ColorHistogram::fromImage(view.color, region);
   cv::Mat samples(0, 1, CV_32FC3);
   for (int v = 0; v < region.rows; ++v) {
     for (int u = 0; u < region.cols; ++u) {
@@ -97,11 +97,11 @@ void addNegativeSample(const FrameContext& scene, const cv::Point& point, Negati
     }
   }
   if (colors.samples.empty()) {
-    colors = {said, samples};
+    colors = {clicked, samples};
     return;
   }
   const double share = double(samples.rows) / (samples.rows + colors.samples.rows);
-  colors.histogram.adapt(said, share);
+  colors.histogram.adapt(clicked, share);
   cv::vconcat(colors.samples, samples, colors.samples);
 }
 

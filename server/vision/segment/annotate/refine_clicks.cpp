@@ -48,10 +48,10 @@ cv::Mat drawDiscs(const GraphRoi& view, const std::vector<cv::Point>& points) {
   return out;
 }
 
-cv::Mat nearnessTo(const cv::Mat& said, double reach_px) {
-  if (cv::countNonZero(said) == 0) return cv::Mat::zeros(said.size(), CV_32FC1);
+cv::Mat nearnessTo(const cv::Mat& clicked, double reach_px) {
+  if (cv::countNonZero(clicked) == 0) return cv::Mat::zeros(clicked.size(), CV_32FC1);
   cv::Mat distance;
-  cv::distanceTransform(said == 0, distance, cv::DIST_L2, 5);
+  cv::distanceTransform(clicked == 0, distance, cv::DIST_L2, 5);
   return cv::max(1.0 - distance / reach_px, 0.0);
 }
 
@@ -73,20 +73,20 @@ cv::Mat drawClickDisc(const GraphRoi& view, const cv::Point& at, double px_per_m
 }
 
 Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
-                             const Annotation& word) {
+                             const Annotation& annotation) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
-  for (const cv::Point& point : word.on) {
+  for (const cv::Point& point : annotation.on) {
     box |= cv::Rect(point.x - kWordMargin_px, point.y - kWordMargin_px, 2 * kWordMargin_px,
                     2 * kWordMargin_px);
   }
   Correction out;
   out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
   out.old = out.view.shrunk(mask);
-  out.clicked_positive = drawDiscs(out.view, word.on);
-  out.clicked_negative = drawDiscs(out.view, word.off);
+  out.clicked_positive = drawDiscs(out.view, annotation.on);
+  out.clicked_negative = drawDiscs(out.view, annotation.off);
   out.connected_negative = out.clicked_negative.clone();
-  for (const cv::Point& point : word.off) {
+  for (const cv::Point& point : annotation.off) {
     if (out.view.box.contains(point))
       out.connected_negative |= connectedTo(out.view, out.view.toRoi(point), discRadius(out.view));
   }
@@ -94,7 +94,7 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
   const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
   const double reach_px = kSays_mm * px_per_mm;
   out.connected_positive = out.clicked_positive.clone();
-  for (const cv::Point& point : word.on) {
+  for (const cv::Point& point : annotation.on) {
     if (out.view.box.contains(point))
       out.connected_positive |= drawClickDisc(out.view, out.view.toRoi(point), px_per_mm);
   }
@@ -151,16 +151,17 @@ cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
   cv::Mat out = cv::Mat::zeros(cut.size(), CV_8UC1);
   for (int i = 1; i < count; ++i) {
     const cv::Mat piece = labels == i;
-    const bool is_said = cv::countNonZero(piece & c.clicked_positive) > 0;
-    if (is_said || stats.at<int>(i, cv::CC_STAT_AREA) > largest_px / 10) out |= piece;
+    const bool is_clicked = cv::countNonZero(piece & c.clicked_positive) > 0;
+    if (is_clicked || stats.at<int>(i, cv::CC_STAT_AREA) > largest_px / 10) out |= piece;
   }
   return out;
 }
 
 }  // namespace
 
-cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask, const Annotation& word) {
-  const Correction c = prepareCorrection(scene, mask, word);
+cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
+                         const Annotation& annotation) {
+  const Correction c = prepareCorrection(scene, mask, annotation);
   const cv::Mat cut = minimumCut(computeEvidence(c), c.view, scene.noise);
   return c.view.inPicture(selectPieces(c, cut), mask.size());
 }

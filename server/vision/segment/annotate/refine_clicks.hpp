@@ -10,8 +10,9 @@
 
 namespace hapticast::server {
 
-/// `mask` (0 / 255, size of the picture) with what belongs to the points of `word` that are the
-/// object, and without what belongs to those that are none; empty where nothing is left.
-cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask, const Annotation& word);
+/// `mask` (0 / 255, size of the picture) with what belongs to the points of `annotation` that are
+/// the object, and without what belongs to those that are none; empty where nothing is left.
+cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
+                         const Annotation& annotation);
 
 }  // namespace hapticast::server

@@ -17,9 +17,9 @@ constexpr double kAnother = 0.05;   // chosen, IoU
 constexpr double kNear = 2.0;       // chosen, of an object's width: so far off a point means it
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
-cv::Mat inPicture(const PropagatedMask& taught, const cv::Size& size) {
+cv::Mat inPicture(const PropagatedMask& propagated, const cv::Size& size) {
   cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
-  taught.mask.copyTo(out(taught.box));
+  propagated.mask.copyTo(out(propagated.box));
   return out;
 }
 
@@ -79,17 +79,17 @@ const std::vector<PropagatedMask>* NarrowBandTracker::propagatedMasks(
 
 void NarrowBandTracker::adoptTaught(const FrameImages& images,
                                     const std::vector<PropagatedMask>& masks) {
-  for (const PropagatedMask& taught : masks) {
-    if (taught.box.empty()) {
-      TrackedMask* hidden = numbered(objects_, taught.number);
+  for (const PropagatedMask& propagated : masks) {
+    if (propagated.box.empty()) {
+      TrackedMask* hidden = numbered(objects_, propagated.number);
       if (hidden != nullptr && hidden->present()) hidden->lose();
       continue;
     }
-    const cv::Mat mask = inPicture(taught, images.color.size());
-    const TrackedMask* object = numbered(objects_, taught.number);
-    const bool as_taught = object != nullptr && object->present() && !taught.given &&
-                           computeOverlap(object->mask(), mask) >= kAsTaught;
-    if (!as_taught) place(taught.number, mask, images, taught.given);
+    const cv::Mat mask = inPicture(propagated, images.color.size());
+    const TrackedMask* object = numbered(objects_, propagated.number);
+    const bool as_propagated = object != nullptr && object->present() && !propagated.given &&
+                               computeOverlap(object->mask(), mask) >= kAsTaught;
+    if (!as_propagated) place(propagated.number, mask, images, propagated.given);
   }
 }
 
@@ -106,25 +106,26 @@ void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages
   object->adopt(mask, images, scene_, given);
 }
 
-void NarrowBandTracker::applyAnnotation(const Annotation& word, const FramePair& frames) {
+void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const FramePair& frames) {
   const FrameImages& images = frames.now;
-  for (const cv::Point& point : word.off)
+  for (const cv::Point& point : annotation.off)
     addNegativeSample(scene_.view(images), point, scene_.avoided);
   if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;
   for (TrackedMask& object : objects_) {
     const auto in_it = [&](const cv::Point& p) { return contains(object.mask(), p); };
-    if (!object.present() || std::none_of(word.off.begin(), word.off.end(), in_it)) continue;
-    Annotation of_it{{}, word.off, {}};
-    std::copy_if(word.on.begin(), word.on.end(), std::back_inserter(of_it.on), in_it);
+    if (!object.present() || std::none_of(annotation.off.begin(), annotation.off.end(), in_it))
+      continue;
+    Annotation of_it{{}, annotation.off, {}};
+    std::copy_if(annotation.on.begin(), annotation.on.end(), std::back_inserter(of_it.on), in_it);
     object.correct(images, scene_, of_it);
     propagate(object, frames, false);
   }
-  for (const cv::Point& point : word.on) applyPoint(point, word, frames);
-  if (word.masks.empty()) return;
+  for (const cv::Point& point : annotation.on) applyPoint(point, annotation, frames);
+  if (annotation.masks.empty()) return;
   double numbers = 0.0;
-  cv::minMaxLoc(word.masks, nullptr, &numbers);
+  cv::minMaxLoc(annotation.masks, nullptr, &numbers);
   for (int number = 1; number <= int(numbers); ++number) {
-    const cv::Mat mask = word.masks == double(number);
+    const cv::Mat mask = annotation.masks == double(number);
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
     const TrackedMask* known = numbered(objects_, number);
     if (known != nullptr && known->present() && computeOverlap(known->mask(), mask) < kAnother)
@@ -145,18 +146,18 @@ TrackedMask* NarrowBandTracker::findObjectAt(const cv::Point& point) {
   return lost;
 }
 
-void NarrowBandTracker::applyPoint(const cv::Point& point, const Annotation& word,
+void NarrowBandTracker::applyPoint(const cv::Point& point, const Annotation& annotation,
                                    const FramePair& frames) {
   const auto holds = [&](const TrackedMask& o) { return o.present() && contains(o.mask(), point); };
   if (std::any_of(objects_.begin(), objects_.end(), holds)) return;
   const FrameImages& images = frames.now;
   TrackedMask* object = findObjectAt(point);
   if (object != nullptr && object->present()) {
-    object->correct(images, scene_, {{point}, word.off, {}});
+    object->correct(images, scene_, {{point}, annotation.off, {}});
     propagate(*object, frames, false);
     return;
   }
-  ChosenStart start = selectInitialMask(images, scene_, point, word.off);
+  ChosenStart start = selectInitialMask(images, scene_, point, annotation.off);
   if (!start.object) {
     spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.x, point.y, frames.clip_time_s,
                  start.why_not);
@@ -187,13 +188,13 @@ void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, 
   if (annotations_ == nullptr || !annotations_->open) return;
   if (!object.present()) {
     annotations_->masks[frames.index].push_back({object.number(), {}, {}, given});
-    last_word_[object.number()] = frames.index;
+    last_annotation_[object.number()] = frames.index;
     return;
   }
-  const auto last = last_word_.find(object.number());
+  const auto last = last_annotation_.find(object.number());
   std::uint64_t until = 0;
-  if (last != last_word_.end()) until = (last->second + frames.index) / 2 + 1;
-  last_word_[object.number()] = frames.index;
+  if (last != last_annotation_.end()) until = (last->second + frames.index) / 2 + 1;
+  last_annotation_[object.number()] = frames.index;
   annotations_->masks[frames.index].push_back(toPropagatedMask(object, given));
   propagateBackwards(object, frames, until, given);
 }

@@ -33,8 +33,9 @@ std::vector<Segment> NarrowBandTracker::next(const FramePair& frames, const Flow
   if (const auto* masks = propagatedMasks(frames)) {
     adoptTaught(frames.now, *masks);
     shareOut();
-  } else if (const Annotation word = annotation_track_.annotationAt(frames); !word.empty()) {
-    applyAnnotation(word, frames);
+  } else if (const Annotation annotation = annotation_track_.annotationAt(frames);
+             !annotation.empty()) {
+    applyAnnotation(annotation, frames);
     shareOut();
   }
   keepHistory(frames);
@@ -122,12 +123,12 @@ void NarrowBandTracker::removePlanes(const TrackedMask& object, const FrameImage
 }
 
 void NarrowBandTracker::startAtPoints(const FrameImages& images) {
-  const Annotation& word = annotation_track_.atStart();
-  for (const cv::Point& point : word.off)
+  const Annotation& annotation = annotation_track_.atStart();
+  for (const cv::Point& point : annotation.off)
     addNegativeSample(scene_.view(images), point, scene_.avoided);
   int number = 0;
-  for (const cv::Point& point : word.on) {
-    ChosenStart start = selectInitialMask(images, scene_, point, word.off);
+  for (const cv::Point& point : annotation.on) {
+    ChosenStart start = selectInitialMask(images, scene_, point, annotation.off);
     if (!start.object) throwNoObject({double(point.x), double(point.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
     start.object->rememberAppearance(images, scene_);

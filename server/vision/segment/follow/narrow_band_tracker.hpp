@@ -50,8 +50,8 @@ class NarrowBandTracker final : public Segmenter {
   // The author's words (band_author.cpp).
   [[nodiscard]] const std::vector<PropagatedMask>* propagatedMasks(const FramePair& frames) const;
   void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
-  void applyAnnotation(const Annotation& word, const FramePair& frames);
-  void applyPoint(const cv::Point& point, const Annotation& word, const FramePair& frames);
+  void applyAnnotation(const Annotation& annotation, const FramePair& frames);
+  void applyPoint(const cv::Point& point, const Annotation& annotation, const FramePair& frames);
   void place(int number, const cv::Mat& mask, const FrameImages& images, bool given);
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);
@@ -68,8 +68,8 @@ class NarrowBandTracker final : public Segmenter {
   AnnotationTrack annotation_track_;
   std::uint32_t& next_id_;
   ClipAnnotations* annotations_;
-  std::deque<Past> past_;                   // while the clip is looked through and more is said
-  std::map<int, std::uint64_t> last_word_;  // the frame of it, by object number
+  std::deque<Past> past_;  // while the clip is looked through and more is said
+  std::map<int, std::uint64_t> last_annotation_;  // the frame of it, by object number
   SceneContext scene_;
   std::vector<TrackedMask> objects_;
   int frame_ = 0;

@@ -174,8 +174,8 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
     quality_ *= kWeaker;
     ++weak_;
   }
-  const bool in_doubt = weak_ == 2 || weak_ > kWeakFrames;
-  if ((in_doubt || ++since_look_ >= kLookEvery) && redetectObject(images, scene)) return;
+  const bool is_uncertain = weak_ == 2 || weak_ > kWeakFrames;
+  if ((is_uncertain || ++since_search_ >= kLookEvery) && redetectObject(images, scene)) return;
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
   if (nothing || weak_ > kWeakFrames || leaving) lose();
 }
@@ -190,7 +190,7 @@ void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const Fra
 // One graph cut by what is known of it. True where that decides: it is better than what is carried
 // on, or neither is like the object.
 bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& scene) {
-  since_look_ = 0;
+  since_search_ = 0;
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
   const FrameContext view = scene.view(images);
   const cv::Mat mask = redetect(view, known);
@@ -221,12 +221,12 @@ double TrackedMask::likeness(const FrameImages& images, const SceneContext& scen
 }
 
 void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
-                          const Annotation& word) {
+                          const Annotation& annotation) {
   memory_.avoided = scene.avoided.histogram;
-  const cv::Mat mask = refineWithClicks(scene.view(images), mask_, word);
+  const cv::Mat mask = refineWithClicks(scene.view(images), mask_, annotation);
   if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
   // What is left of another thing, without the part pointed at, is not it either.
-  if (word.on.empty() &&
+  if (annotation.on.empty() &&
       computeOverlap(ColorHistogram::fromImage(images.color, mask), memory_.first) < kOfOtherColors)
     return lose();
   adopt(mask, images, scene, false);
@@ -241,7 +241,7 @@ void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const Sc
     own_.raise(ColorHistogram::fromImage(images.color, added), 1.0);
   mask_ = mask;
   lost_ = 0;
-  since_look_ = 0;
+  since_search_ = 0;
   learnAppearance(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
   rememberAppearance(images, scene);
 }

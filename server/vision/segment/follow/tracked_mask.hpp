@@ -45,7 +45,7 @@ class TrackedMask {
                                 const cv::Mat& mask) const;
   /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
   /// nothing is left.
-  void correct(const FrameImages& images, const SceneContext& scene, const Annotation& word);
+  void correct(const FrameImages& images, const SceneContext& scene, const Annotation& annotation);
   /// From now on it is where the author's word says, and looks as it does there: its colours are
   /// learnt anew. A mask that was `given` has no hand in it.
   void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
@@ -100,7 +100,7 @@ class TrackedMask {
   int lost_ = 0;        // frames since it was lost; 0: present
   double area_px_ = 0;  // when last seen well
   double usual_px_ = 0;
-  int since_look_ = 0;     // frames
+  int since_search_ = 0;   // frames
   double likeness_ = 0.0;  // resemblance to itself at the start
   DepthSpan depth_;
   ColorHistogram own_;  // of what the author added to it: no hand, although it may look like one

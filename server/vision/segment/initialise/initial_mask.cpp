@@ -231,9 +231,9 @@ cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::ve
   cv::Mat color;
   cv::resize(images.color(box), color, half, 0, 0, cv::INTER_AREA);
   cv::resize(marks, marks, half, 0, 0, cv::INTER_NEAREST);
-  const int sure = cv::countNonZero(marks == cv::GC_FGD);
-  const int not_sure = cv::countNonZero((marks == cv::GC_BGD) | (marks == cv::GC_PR_BGD));
-  if (sure < 20 || not_sure < 20) return mask;  // GrabCut needs both
+  const int confident = cv::countNonZero(marks == cv::GC_FGD);
+  const int uncertain = cv::countNonZero((marks == cv::GC_BGD) | (marks == cv::GC_PR_BGD));
+  if (confident < 20 || uncertain < 20) return mask;  // GrabCut needs both
   cv::Mat background;
   cv::Mat foreground;
   cv::setRNGSeed(7);
