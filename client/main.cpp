@@ -14,8 +14,8 @@
 #include "client/device/open_device.hpp"
 #include "client/discovery/find_server.hpp"
 #include "client/open_views.hpp"
-#include "common/cli/parse.hpp"
 #include "common/cli/run_program.hpp"
+#include "common/text.hpp"
 
 namespace {
 
@@ -55,10 +55,10 @@ int runClient(const hapticast::client::Settings& settings) {
     app = std::make_unique<hapticast::client::App>(settings, clock,
                                                    hapticast::client::openViews(settings));
   } catch (const hapticast::client::DeviceAbsent& error) {
-    spdlog::error("{}", hapticast::stripControls(error.what()));
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kFailed;
   } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::stripControls(error.what()));
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   }
   return app->run() ? kDone : kFailed;

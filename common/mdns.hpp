@@ -4,8 +4,9 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <string_view>
+
+#include "common/text.hpp"
 
 namespace hapticast {
 
@@ -16,12 +17,9 @@ inline constexpr const char* kTxtTitleKey = "plays";
 inline constexpr std::size_t kMaxServiceName_bytes = 63;    ///< RFC 6763, section 4.1.1
 inline constexpr std::size_t kMaxServicePlays_bytes = 100;  ///< chosen; what one line has room for
 
-/// `text` as it may be shown: of valid UTF-8, with '?' for bytes that are none, for control
-/// characters (C0, C1) and for those that reorder or hide text; cut to `most_bytes` between two
-/// characters.
-[[nodiscard]] std::string printable(std::string_view text, std::size_t most_bytes);
-
-/// Whether a server can be announced by this name: 1 to 63 bytes that printable() leaves alone.
-[[nodiscard]] bool isServiceName(std::string_view text);
+/// Returns whether a server can be announced as `text`: 1 to 63 bytes that sanitizeUtf8() keeps.
+[[nodiscard]] inline bool isServiceName(std::string_view text) {
+  return !text.empty() && sanitizeUtf8(text, kMaxServiceName_bytes) == text;
+}
 
 }  // namespace hapticast

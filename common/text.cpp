@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <system_error>
 #include <type_traits>
+#include <utility>
 
 namespace hapticast {
 
@@ -60,6 +61,23 @@ Character decodeFirst(std::string_view text) {
   return {kNone, 1};
 }
 
+bool isShown(std::uint32_t code) {
+  // Controls, soft hyphen, marks of direction, what separates lines or joins invisibly, tags.
+  constexpr std::array<std::pair<std::uint32_t, std::uint32_t>, 10> kHidden{{{0x00, 0x1F},
+                                                                             {0x7F, 0x9F},
+                                                                             {0xAD, 0xAD},
+                                                                             {0x061C, 0x061C},
+                                                                             {0x200B, 0x200B},
+                                                                             {0x200E, 0x200F},
+                                                                             {0x2028, 0x202E},
+                                                                             {0x2060, 0x206F},
+                                                                             {0xFEFF, 0xFEFF},
+                                                                             {0xE0000, 0xE0FFF}}};
+  return std::none_of(kHidden.begin(), kHidden.end(), [code](const auto& range) {
+    return code >= range.first && code <= range.second;
+  });
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -73,12 +91,11 @@ std::string quote(std::string_view text) {
          (text.size() > kMostQuoted_bytes ? "...'" : "'");
 }
 
-std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes,
-                         bool (*is_shown)(std::uint32_t code)) {
+std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes) {
   std::string out;
   while (!text.empty()) {
     const Character next = decodeFirst(text);
-    const bool shown = next.code != kNone && is_shown(next.code);
+    const bool shown = next.code != kNone && isShown(next.code);
     const std::string_view put = shown ? text.substr(0, next.bytes) : "?";
     if (out.size() + put.size() > most_bytes) break;
     out.append(put);

@@ -24,10 +24,11 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 [[nodiscard]] std::string quote(std::string_view text);
 /// "a, b, c" with the separator ", ".
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
-/// `text` with '?' for each byte that is no UTF-8 and each character that `is_shown` refuses by its
-/// code; cut to `most_bytes` between two characters.
-[[nodiscard]] std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes,
-                                       bool (*is_shown)(std::uint32_t code));
+/// Returns `text` as one line that cannot steer a terminal. '?' replaces each byte outside UTF-8,
+/// each control character (C0, C1), and each character that hides text or changes its direction.
+/// Letters of any script stay. Cuts to `most_bytes` between two characters.
+[[nodiscard]] std::string sanitizeUtf8(std::string_view text,
+                                       std::size_t most_bytes = std::string_view::npos);
 /// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 

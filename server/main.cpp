@@ -4,8 +4,8 @@
 #include <exception>
 #include <string>
 
-#include "common/cli/parse.hpp"
 #include "common/cli/run_program.hpp"
+#include "common/text.hpp"
 #include "server/app.hpp"
 #include "server/command_line.hpp"
 #include "server/preview/preview.hpp"
@@ -29,12 +29,12 @@ int serve(const hapticast::server::Settings& settings) {
     app = std::make_unique<hapticast::server::App>(settings, clock);
     app->run();
   } catch (const hapticast::server::SourceError& error) {
-    const std::string what = hapticast::stripControls(error.what());
+    const std::string what = hapticast::sanitizeUtf8(error.what());
     // Some complaints are about another flag and begin with it.
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
   } catch (const hapticast::server::AddressError& error) {
-    const std::string what = hapticast::stripControls(error.what());
+    const std::string what = hapticast::sanitizeUtf8(error.what());
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
     return kWrongInput;
   }

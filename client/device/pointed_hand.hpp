@@ -15,7 +15,9 @@ class PointedHand {
 
   [[nodiscard]] const DeviceProfile& profile() const noexcept { return device_.profile(); }
   void waitForTick(LocalTime deadline) noexcept { device_.waitForTick(deadline); }
-  DeviceState exchange(const Vec3& force_N) noexcept { return device_.exchange(force_N); }
+  DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept {
+    return device_.exchange(force_N, report);
+  }
   [[nodiscard]] Vec3 tip_mm() const noexcept { return device_.truePosition_mm(); }
 
   /// One tick on the way to this place (device frame, finite). Before the first call the hand

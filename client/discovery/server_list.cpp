@@ -25,9 +25,9 @@ std::string formatVersion(const FoundServer& server) {
 
 std::string inOneLine(const FoundServer& server) {
   constexpr std::size_t kMaxHost_bytes = 64;  // chosen; a name of DNS may have 255
-  const std::string plays = printable(server.plays, kMaxServicePlays_bytes);
-  std::string line = "  " + printable(server.name, kMaxServiceName_bytes) + "  at ";
-  line.append(printable(server.host, kMaxHost_bytes)).append("  ");
+  const std::string plays = sanitizeUtf8(server.plays, kMaxServicePlays_bytes);
+  std::string line = "  " + sanitizeUtf8(server.name, kMaxServiceName_bytes) + "  at ";
+  line.append(sanitizeUtf8(server.host, kMaxHost_bytes)).append("  ");
   line.append(toString(server.address)).append("  ").append(server.interface_name);
   if (!plays.empty()) line.append("  plays ").append(plays);
   return line.append(formatVersion(server));

@@ -84,14 +84,6 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error, int arg
 
 }  // namespace
 
-std::string stripControls(std::string text) {
-  for (char& c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (code < 0x20 || code == 0x7F) c = '?';
-  }
-  return text;
-}
-
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
@@ -102,7 +94,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     std::cout << version.what() << "\n";
     return 0;
   } catch (const CLI::ParseError& error) {
-    std::cerr << app.get_name() << ": " << stripControls(complaint(app, error, argc, argv))
+    std::cerr << app.get_name() << ": " << sanitizeUtf8(complaint(app, error, argc, argv))
               << " (--help lists what is allowed)\n";
     return 2;
   }

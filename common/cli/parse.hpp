@@ -4,14 +4,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "common/cli/cli11.hpp"
 
 namespace hapticast {
-
-/// `text` with control characters as '?': what files and peers bring must not steer a terminal.
-std::string stripControls(std::string text);
 
 /// Parses; nullopt: go on. Otherwise the exit code to leave with, after one line on stderr (2) or
 /// the help (0).

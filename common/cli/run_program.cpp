@@ -6,7 +6,7 @@
 
 #include <exception>
 
-#include "common/cli/parse.hpp"
+#include "common/text.hpp"
 
 namespace hapticast {
 
@@ -17,7 +17,7 @@ int runProgram(const std::string& name, bool quiet, const std::function<int()>& 
   try {
     return run();
   } catch (const std::exception& error) {
-    spdlog::error("{}", stripControls(error.what()));
+    spdlog::error("{}", sanitizeUtf8(error.what()));
     return kFailed;
   }
 }

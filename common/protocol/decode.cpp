@@ -4,11 +4,11 @@
 
 #include <google/protobuf/stubs/logging.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "common/protocol/check.hpp"
 #include "common/protocol/read_frame.hpp"
+#include "common/text.hpp"
 #include "common/transport/framing.hpp"
 #include "common/wire_limits.hpp"
 #include "hapticast.pb.h"
@@ -20,13 +20,10 @@ namespace {
 // Bytes from a peer must not make protobuf write to our standard error.
 const google::protobuf::LogSilencer kSilence;
 
-/// Texts end up in logs and on screens: control characters become '?'.
+/// Returns `from` clean for logs and screens.
 std::string text(const std::string& from, std::size_t limit, Check& check) {
   check.bound(from.size(), limit, "a text is too long");
-  std::string clean = check.error() ? std::string() : from;
-  const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
-  std::replace_if(clean.begin(), clean.end(), control, '?');
-  return clean;
+  return check.error() ? std::string() : sanitizeUtf8(from);
 }
 
 Hello read(const proto::Hello& from, Check& check) {

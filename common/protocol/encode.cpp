@@ -11,21 +11,16 @@ namespace hapticast {
 
 namespace {
 
-/// At most `limit` bytes of valid UTF-8 without control characters (C0, DEL).
-std::string plain(const std::string& text, std::size_t limit) {
-  return sanitizeUtf8(text, limit, [](std::uint32_t code) { return code >= 0x20 && code != 0x7F; });
-}
-
 void write(const Hello& from, proto::Message& message) {
   auto& to = *message.mutable_hello();
   to.set_protocol_version(from.protocol_version);
-  to.set_client_name(plain(from.client_name, limits::kClientName));
+  to.set_client_name(sanitizeUtf8(from.client_name, limits::kClientName));
   to.set_wants_video(from.wants_video);
   to.set_wants_frames_on_tcp(from.wants_frames_on_tcp);
 }
 
 void write(const StreamDescription& from, proto::StreamDescription& to) {
-  to.set_name(plain(from.name, limits::kStreamName));
+  to.set_name(sanitizeUtf8(from.name, limits::kStreamName));
   to.set_width_px(static_cast<std::uint32_t>(from.workspace.width_px));
   to.set_height_px(static_cast<std::uint32_t>(from.workspace.height_px));
   to.set_fps(from.fps);
@@ -101,7 +96,7 @@ void write(const ReceiverReport& from, proto::Message& message) {
 
 void write(const WireError& from, proto::Message& message) {
   message.mutable_error()->set_code(static_cast<std::uint32_t>(from.code));
-  message.mutable_error()->set_message(plain(from.message, limits::kErrorText));
+  message.mutable_error()->set_message(sanitizeUtf8(from.message, limits::kErrorText));
 }
 
 void write(const Preparing& from, proto::Message& message) {

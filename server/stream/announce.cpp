@@ -56,7 +56,7 @@ struct Announcer::Service {
         name(wanted),
         listens(where),
         version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        plays(toText(kTxtTitleKey, printable(what, kMaxServicePlays_bytes))) {}
+        plays(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))) {}
 
   void make(AvahiClient* client) {
     const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {

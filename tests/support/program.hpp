@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/cli/parse.hpp"
+#include "common/text.hpp"
 
 namespace hapticast::testing {
 
@@ -23,7 +24,7 @@ int program(const char* name, std::unique_ptr<CLI::App> (*command_line)(Settings
     run(settings);
     return kDone;
   } catch (const std::exception& error) {
-    std::cerr << name << ": " << stripControls(error.what()) << "\n";
+    std::cerr << name << ": " << sanitizeUtf8(error.what()) << "\n";
     return kFailed;
   }
 }
