@@ -13,7 +13,7 @@
 #include "client/device/calibrate.hpp"
 #include "client/device/open_device.hpp"
 #include "client/discovery/find_server.hpp"
-#include "client/open_views.hpp"
+#include "client/user_interface.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the app's event loop asks of any view: a screenshot, a film, a window, a sound. A further
-// kind is one file beside this one and one line in client/open_views.cpp.
+// kind is one file beside this one and one line in client/user_interface.cpp.
 #pragma once
 
 #include <cstdint>

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "client/session.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <thread>
+#include <utility>
+
+#include "client/discovery/find_server.hpp"
+#include "client/net/connection.hpp"
+#include "client/net/receiver.hpp"
+#include "client/report/connection_log.hpp"
+#include "common/cli/signals.hpp"
+#include "common/transport/asio.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+std::string nameServer(const Settings& settings) {
+  return settings.announced.empty() ? toString(settings.server) : "mdns:" + settings.announced;
+}
+
+ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
+  return {.server = settings.server,
+          .dial = settings.announced.empty() ? Dial(dialTcp) : dialAnnounced(settings.announced),
+          .delivery = settings.delivery,
+          .wants_video = wants_video};
+}
+
+void logLine(spdlog::level::level_enum level, const std::optional<std::string>& line) {
+  if (line) spdlog::log(level, "{}", *line);
+}
+
+}  // namespace
+
+class Session::Impl {
+ public:
+  Impl(const Settings& settings, const Clock& clock, FramePool& pool,
+       LatestValue<StreamTiming>& stream, bool wants_video, Events events)
+      : method(settings.method),
+        clock(clock),
+        events(std::move(events)),
+        server_given(settings.server_given),
+        server(nameServer(settings)),
+        decode_thread(pool, clock, settings.method,
+                      [this](const PreparedFrame& frame) {
+                        asio::post(io, [this, frame] { onPrepared(frame); });
+                      }),
+        receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1),
+        connection(io, clock, connectionSettings(settings, wants_video), receiver,
+                   connectionEvents()),
+        connection_log(server) {}
+
+  ~Impl() {
+    io.stop();  // if start() was left by an exception
+  }
+
+  [[nodiscard]] ConnectionEvents connectionEvents();
+  void onPrepared(const PreparedFrame& frame);
+  void publishStats(bool connected);
+  void start();
+  void stop();
+
+  const Method method;
+  const Clock& clock;
+  const Events events;
+  const bool server_given;
+  const std::string server;
+  LatestValue<ConnectionStats> stats;  // the network thread writes it
+  asio::io_context io;
+  asio::signal_set signals{io, SIGINT, SIGTERM};
+  DecodeThread decode_thread;
+  Receiver receiver;
+  Connection connection;
+  StreamErrorLog stream_errors;         // network thread
+  ConnectionLog connection_log;         // network thread; after it has ended the caller's
+  std::atomic<bool> is_waiting{false};  // for the first connection, after a failed one
+  std::atomic<bool> failed{false};
+  ServerHint server_hint;
+  std::jthread network;  // last: it uses everything above
+};
+
+ConnectionEvents Session::Impl::connectionEvents() {
+  return {
+      .welcomed =
+          [this](const auto& stream) {
+            publishStats(true);
+            is_waiting = false;
+            logLine(spdlog::level::info,
+                    connection_log.connected(greeting(stream, method), clock.now()));
+          },
+      .video =
+          [this](const VideoFrame& video) { events.picture(video, receiver.stream().workspace); },
+      .preparing =
+          [this](double share) {
+            logLine(spdlog::level::info, connection_log.preparing(share, clock.now()));
+          },
+      .delivery =
+          [this](const std::string& line) {
+            logLine(spdlog::level::info, connection_log.onMessage(line, clock.now()));
+          },
+      .disconnected =
+          [this](const std::string& why) {
+            publishStats(false);
+            is_waiting = !connection_log.everConnected();
+            logLine(spdlog::level::warn, connection_log.lost(why, clock.now()));
+          },
+      .failed =
+          [this](const std::string& why) {
+            spdlog::error("{}: {}", server, why);
+            failed = true;
+            events.ended();
+          }};
+}
+
+void Session::Impl::onPrepared(const PreparedFrame& frame) {
+  receiver.prepared(frame);
+  events.frame(frame.playable);
+  publishStats(true);
+  logLine(spdlog::level::warn, stream_errors.onCounts(receiver.counts(), clock.now()));
+}
+
+void Session::Impl::publishStats(bool connected) {
+  const ReceiverCounts& counts = receiver.counts();
+  stats.store({.connected = connected,
+               .frames_received = counts.received,
+               .frames_lost = counts.lost,
+               .frames_late = counts.late,
+               .slices_lost = counts.slices_lost,
+               .clock_error_us = toSeconds(receiver.clockErrorBound()) * 1e6,
+               .fps = 1.0 / toSeconds(receiver.stream().frame_interval)});
+}
+
+void Session::Impl::start() {
+  if (!sighupIgnored()) signals.add(SIGHUP);
+  signals.async_wait([this](const boost::system::error_code& error, int) {
+    if (!error) events.ended();  // no wait for a second one: the force has to come down first
+  });
+  decode_thread.start();
+  connection.start();
+  network = std::jthread([this] { io.run(); });
+}
+
+void Session::Impl::stop() {
+  decode_thread.stop();
+  asio::post(io, [this] { signals.cancel(); });
+  connection.stop();
+  if (network.joinable()) network.join();
+}
+
+Session::Session(const Settings& settings, const Clock& clock, FramePool& pool,
+                 LatestValue<StreamTiming>& stream, bool wants_video, Events events)
+    : impl_(std::make_unique<Impl>(settings, clock, pool, stream, wants_video, std::move(events))) {
+}
+
+Session::~Session() = default;
+
+void Session::start() { impl_->start(); }
+
+void Session::stop() { impl_->stop(); }
+
+const ConnectionStats& Session::stats() { return impl_->stats.load(); }
+
+void Session::setInContact(bool contact) {
+  asio::post(impl_->io, [impl = impl_.get(), contact] { impl->connection.setInContact(contact); });
+}
+
+std::optional<std::string> Session::listServers(LocalTime now) {
+  if (impl_->server_given || !impl_->is_waiting) return std::nullopt;
+  return impl_->server_hint.update(now);
+}
+
+std::string Session::serverName() const { return impl_->server; }
+
+bool Session::failed() const { return impl_->failed; }
+
+std::optional<std::string> Session::neverConnected() const {
+  if (impl_->connection_log.everConnected()) return std::nullopt;
+  const std::string& reason = impl_->connection_log.reason();
+  return reason.empty() ? "no answer" : reason;
+}
+
+void Session::addTo(RunResult& result) const {
+  result.frames = impl_->receiver.counts();
+  result.bytes_received = impl_->connection.bytesReceived();
+  result.datagrams = impl_->connection.datagrams();
+  result.delivery = impl_->connection.delivery();
+  result.clock_offset_us = toSeconds(impl_->receiver.stream().clock_offset) * 1e6;
+  result.clock_error_us = toSeconds(impl_->receiver.clockErrorBound()) * 1e6;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "client/user_interface.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <utility>
+
+#include "client/view/film.hpp"
+#include "client/view/screenshot.hpp"
+#include "client/view/sound.hpp"
+#include "common/unique_filename.hpp"
+#if HAPTICAST_IMGUI
+#include "client/view/window/window.hpp"
+#endif
+
+namespace hapticast::client {
+
+namespace {
+
+#if HAPTICAST_IMGUI
+bool named(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+bool hasDisplay() { return named("DISPLAY") || named("WAYLAND_DISPLAY"); }
+
+/// With auto: where there is a display, and no flag asks for a run without a user.
+bool wantedBy(const Settings& settings) {
+  if (settings.view != ViewChoice::kAuto) return settings.view == ViewChoice::kOn;
+  const bool by_itself =
+      settings.hand_given || settings.seconds > 0.0 || !settings.screenshot_file.empty();
+  return !by_itself && hasDisplay();
+}
+
+#endif
+
+/// Opens the window of --view. Returns null where none is wanted or, with auto, none can be opened.
+std::unique_ptr<View> openWindow(const Settings& settings) {
+#if HAPTICAST_IMGUI
+  if (!wantedBy(settings)) return nullptr;
+  // SDL would draw where nobody sees it.
+  if (!hasDisplay() && !named("SDL_VIDEODRIVER"))
+    throw std::runtime_error("--view on: no display (neither DISPLAY nor WAYLAND_DISPLAY is set)");
+  try {
+    return std::make_unique<ViewerWindow>();
+  } catch (const std::runtime_error& error) {
+    if (settings.view == ViewChoice::kOn)
+      throw std::runtime_error(std::string("--view on: ") + error.what());
+    spdlog::warn("going on without a window: {}", error.what());
+    return nullptr;
+  }
+#else
+  if (settings.view == ViewChoice::kOn)
+    throw std::runtime_error("--view on: this build has no window (SDL2 and Dear ImGui)");
+  return nullptr;
+#endif
+}
+
+UserControls userControls(const Settings& settings) {
+  UserControls user;
+  user.static_on = settings.forces != Forces::kDynamic;
+  user.dynamic_on = settings.forces != Forces::kStatic;
+  user.method = settings.method;
+  user.surface = settings.surface;
+  return user;
+}
+
+bool hasPointer(const Views& views) {
+  return std::any_of(views.begin(), views.end(), [](const auto& view) { return view->points(); });
+}
+
+}  // namespace
+
+Views openViews(const Settings& settings) {
+  Views views;
+  if (!settings.screenshot_file.empty()) {
+    views.push_back(std::make_unique<Screenshot>(settings.screenshot_file));
+    requireWritable("--screenshot", settings.screenshot_file);
+  }
+  if (!settings.film_file.empty()) {
+    views.push_back(std::make_unique<FilmView>(settings.film_file));
+    requireWritable("--film", settings.film_file);
+  }
+#if HAPTICAST_SDL2
+  if (settings.sound) {
+    try {
+      views.push_back(std::make_unique<SoundView>(
+          [](const std::string& line) { spdlog::warn("--sound: {}", line); }));
+    } catch (const std::runtime_error& error) {
+      spdlog::warn("--sound: going on without: {}", error.what());
+    }
+  }
+#endif
+  if (auto window = openWindow(settings)) views.push_back(std::move(window));
+  return views;
+}
+
+UserInterface::UserInterface(const Settings& settings, Views views)
+    : views_(std::move(views)),
+      has_pointer_(hasPointer(views_)),
+      rearm_(settings.rearm, has_pointer_) {
+  state_.user = userControls(settings);
+  controls_.store(state_.user);
+}
+
+bool UserInterface::wantsVideo() const {
+  return std::any_of(views_.begin(), views_.end(),
+                     [](const auto& view) { return view->wantsVideo(); });
+}
+
+void UserInterface::onPicture(const VideoFrame& picture, const Workspace& workspace) {
+  for (const auto& view : views_) view->onPicture(picture, workspace);
+}
+
+void UserInterface::onFrame(const PlayableReliefs& frame) {
+  for (const auto& view : views_) view->onFrame(frame);
+}
+
+void UserInterface::onReport(const TickReport& report) {
+  if (recording_) recording_->write(report);
+  for (const auto& view : views_) view->onReport(report);
+  handleButtons(report.buttons);
+  if (!rearm_.onReport(report)) return;
+  ++state_.user.rearm;
+  controls_.store(state_.user);
+}
+
+bool UserInterface::update(const ConnectionStats& stats) {
+  state_.stream = stats;
+  bool go_on = true;
+  for (const auto& view : views_) go_on = view->update(state_) && go_on;
+  if (state_.record != recording_.has_value()) updateRecording();
+  pointer_.store(state_.pointer);
+  controls_.store(state_.user);
+  return go_on;
+}
+
+Histogram UserInterface::eyeHand() const {
+  Histogram eye_hand;
+  for (const auto& view : views_) {
+    if (view->eyeHand() != nullptr) eye_hand = *view->eyeHand();
+  }
+  return eye_hand;
+}
+
+void UserInterface::finish() {
+  if (recording_) recording_->close();
+  for (const auto& view : views_) view->finish();
+}
+
+/// Starts or ends the log that a view asks for while the client runs.
+void UserInterface::updateRecording() {
+  try {
+    if (state_.record) {
+      const std::string file = nextFreeFilename(".csv");
+      recording_.emplace(file);
+      state_.recording = "recording " + file + " (L ends it)";
+    } else {
+      recording_->close();
+      state_.recording = "recorded " + recording_->file();
+      recording_.reset();
+    }
+  } catch (const std::runtime_error& error) {
+    state_.recording = error.what();
+    state_.record = false;
+    recording_.reset();
+  }
+}
+
+void UserInterface::handleButtons(std::uint32_t buttons) {
+  if (!buttons_) return;
+  const DeviceButtons::ButtonActions actions = buttons_->onButtons(buttons);
+  if (actions.pause) state_.user.paused = !state_.user.paused;
+  if (actions.rearm) ++state_.user.rearm;
+  if (actions.pause || actions.rearm) controls_.store(state_.user);
+  if (actions.other) spdlog::info("button {} of the device was pressed", *actions.other);
+}
+
+}  // namespace hapticast::client
