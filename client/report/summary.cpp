@@ -99,7 +99,7 @@ Json summary(const RunResult& result) {
       {"slices", {{"lost", result.frames.slices_lost}, {"refused", result.frames.slices_refused}}},
       {"datagrams", toJson(result.datagrams)},
       {"delivery",
-       {{"way", transportName(result.delivery.way)},
+       {{"way", transportName(result.delivery.transport)},
         {"loss", result.delivery.loss},
         {"copies", result.delivery.copies}}},
       {"bytes_received", result.bytes_received},
@@ -159,7 +159,7 @@ std::string toText(const RunResult& result) {
   text += fmt::format(
       "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's "
       "clock.\n",
-      result.frames.received, transportName(result.delivery.way), result.frames.lost,
+      result.frames.received, transportName(result.delivery.transport), result.frames.lost,
       result.frames.late, result.playout_delay_ms);
   if (result.device)
     text += fmt::format("The device answered {} times; {} ticks began without, {} damaged.\n",
