@@ -15,8 +15,8 @@ namespace {
 constexpr double kStep_px = 1.0;  // longer steps tunnel through ridges of one pixel
 constexpr double kConverged_mm = 2e-4;
 constexpr double kLengthening_mm = 1e-4;  // tolerance for rounding
-constexpr double kFall_mm =
-    0.01;  // a drop by more than this, plus kFallShare of the step, ends the contact
+// A drop by more than kFall_mm plus kFallShare of the step ends the contact.
+constexpr double kFall_mm = 0.01;
 constexpr double kFallShare = 0.02;
 constexpr double kOvershoot = 0.1;
 constexpr double kBackEnough = 0.05;

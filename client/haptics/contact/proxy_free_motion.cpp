@@ -11,9 +11,8 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr int kReserve = 4;  // samples that a march leaves for the contact after it
-constexpr double kFlatEdge =
-    0.25;  // smaller gradients of the edge distance give no direction outwards
+constexpr int kReserve = 4;             // samples that a march leaves for the contact after it
+constexpr double kFlatEdge = 0.25;      // a smaller gradient has no usable direction
 constexpr double kLooseEdge_mm = 0.02;  // an edge farther away than this ends a wall contact
 constexpr double kPush_mm = 0.5;        // longest push of a wall; at most kPushes in a tick
 constexpr int kPushes = 3;

@@ -94,8 +94,7 @@ struct Sum {
         alike[i][j] = i == j ? 0.0 : std::max(0.0, directions[i].dot(directions[j]));
         all += alike[i][j];
       }
-      part_mm[i] =
-          lengths_mm[i] / (1.0 + all);  // final for objects that push alike and equally far
+      part_mm[i] = lengths_mm[i] / (1.0 + all);  // final for objects alike in push and length
     }
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (std::size_t i = 0; i < count; ++i) {
