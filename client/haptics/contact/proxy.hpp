@@ -38,9 +38,9 @@ struct ProxyTouch {
 /// relief. So the edge of the mask is a wall; there is no floor outside the mask and no bottom.
 ///
 /// On a surface at rest no move of the proxy lengthens the way to the HIP, so the spring returns
-/// only the hand's own work. A surface that rises, arrives or jumps moves the proxy with it. If it
-/// moves the proxy by more than kJump_mm in a tick, the force begins at the force of the last tick
-/// and fades to the true one (time constant 40 ms). If the way to the HIP is longer than
+/// only the hand's own work. A surface that rises, arrives or jumps moves the proxy with it. A move
+/// by more than kJump_mm in a tick is a jump. After it the force begins at the force of the last
+/// tick and fades to the true one (time constant 40 ms). If the way to the HIP is longer than
 /// ProxyTick::deepest_mm after a jump, the object is disarmed until the HIP is out of it.
 class Proxy {
  public:

@@ -83,7 +83,7 @@ struct Sum {
 
  private:
   /// Returns the shortest way that moves the HIP out of all objects. Objects that push alike count
-  /// once, by the longest displacement; walls across each other add up; opposite walls compete.
+  /// once, by the longest displacement. Walls across each other add up, and opposite walls compete.
   /// Method: coordinate ascent on the contribution of each object.
   [[nodiscard]] Vec3 shared() const noexcept {
     std::array<std::array<double, kMaxObjects>, kMaxObjects> alike;
