@@ -9,7 +9,7 @@ namespace hapticast::client {
 
 namespace {
 constexpr Duration kLate{1'500'000};  // chosen: half a period late
-// Upper bound of the ramp to zero; the ranges of a profile need far less
+// Upper bound of the ramp to zero; the ranges of a profile need far less.
 constexpr int kStopTicks = 2000;
 }  // namespace
 

@@ -42,9 +42,9 @@ class UserForceMix {
 
   [[nodiscard]] Method method() const noexcept { return method_; }
   [[nodiscard]] SurfaceKind surface() const noexcept { return surface_; }
-  /// Gain of wall and damper, 0..1
+  /// Gain of wall and damper, 0..1.
   [[nodiscard]] double staticGain() const noexcept { return wall_; }
-  /// Factor of the requested stiffness, 0.1..3
+  /// Factor of the requested stiffness, 0.1..3.
   [[nodiscard]] double stiffness() const noexcept { return stiffness_; }
   [[nodiscard]] const std::optional<double>& friction() const noexcept { return friction_; }
 

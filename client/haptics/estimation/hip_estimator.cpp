@@ -11,11 +11,11 @@
 namespace hapticast::client {
 
 namespace {
-// Measured: allows the stiffest wall of all filters in the comparison
+// Measured: allows the stiffest wall of all filters in the comparison.
 constexpr double kJerkDensity_m2_s5 = 1e6;
 constexpr double kLateTick_s = 1.5e-3;   // chosen: the loop counts late ticks by the same limit
 constexpr double kLongestGap_s = 20e-3;  // chosen
-// Above any hand: the device was homed again, or reports nonsense
+// Above any hand: the device was homed again, or reports nonsense.
 constexpr double kFastest_mm_s = 10'000.0;
 const double kOnePole20Hz = 1.0 - std::exp(-2.0 * std::numbers::pi * 20.0 * kTick_s);
 }  // namespace

@@ -19,7 +19,7 @@ constexpr double kQuietResidual_counts = 1.07;  // residuals up to a count are n
 constexpr double kQuietMean_counts = 0.19;
 constexpr double kMean_s = 11e-3;
 const double kCalms = std::exp(-kTick_s / 55e-3);
-// Largest motion of the HIP, over as many ticks as its count was constant
+// Largest motion of the HIP, over as many ticks as its count was constant.
 constexpr double kFastest_counts = 16.0;
 constexpr double kBeyondDelay_ticks = 2.0;  // margin for a delay longer than declared
 

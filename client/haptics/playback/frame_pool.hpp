@@ -52,7 +52,7 @@ inline bool isSameRelief(const PlayObject& a, const PlayObject& b) noexcept {
 
 /// One frame for the loop.
 struct PlayFrame {
-  /// Client-side epoch: new at every connection as well, so it never repeats
+  /// Client-side epoch: new at every connection as well, so it never repeats.
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;

@@ -16,7 +16,7 @@ namespace hapticast::client {
 /// Upper bounds for one object between two frames, nominal mm. The defaults are no bound.
 struct PlausibilityBounds {
   double acceleration_mm_s2 = std::numeric_limits<double>::infinity();  ///< of the reference point
-  /// Additional acceleration of a grid
+  /// Additional acceleration of a grid.
   double grid_mm_s2 = std::numeric_limits<double>::infinity();
   double impact_mm_s = std::numeric_limits<double>::infinity();
   double turn_rad_s = std::numeric_limits<double>::infinity();

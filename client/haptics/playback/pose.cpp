@@ -50,7 +50,7 @@ double shortening(double distance, double displacement, double margin) noexcept 
 
 double rotationBetween(const Motion& from, const Motion& to) noexcept {
   const double step_rad = to.angle_rad - from.angle_rad;
-  // Fast path: std::remainder costs 20 ns
+  // Fast path: std::remainder costs 20 ns.
   if (std::abs(step_rad) <= std::numbers::pi) return step_rad;
   return std::remainder(step_rad, 2.0 * std::numbers::pi);
 }

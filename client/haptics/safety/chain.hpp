@@ -54,7 +54,7 @@ struct SafetyInput {
   bool world_jumped = false;  ///< new epoch, connection or mapping
   bool in_contact = false;    ///< the scene is fresh enough for a force
   Vec3 dynamic_N = Vec3::Zero();
-  /// The part of dynamic_N that is virtual inertia: meters count it with the wall
+  /// The part of dynamic_N that is virtual inertia: meters count it with the wall.
   Vec3 inertia_N = Vec3::Zero();
   bool dynamic_valid = false;  ///< false: the dynamic force fades out
   bool implausible = false;    ///< the plausibility bounds reduced the dynamic force

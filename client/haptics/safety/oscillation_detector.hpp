@@ -68,7 +68,7 @@ class BounceDetector {
   struct State {
     Vec3 normal = Vec3::Zero();  // of the contact
     Vec3 surface_mm_s = Vec3::Zero();
-    // Largest speeds of this contact, relative to the surface
+    // Largest speeds of this contact, relative to the surface.
     double in_mm_s = 0.0, out_mm_s = 0.0;
     double carried_mm_s = 0.0;  // largest speed of the surface itself
     int contact_ticks = 0, free_ticks = 0, longest_ticks = 0, bounces = 0;

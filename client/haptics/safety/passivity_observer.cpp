@@ -12,7 +12,7 @@ namespace hapticast::client {
 namespace {
 // All values measured or chosen with the battery of client/haptics/README.md, section 6.
 constexpr double kTolerated_mJ = 3.0;
-// Limit of stored dissipation: a contact may not save up for long
+// Limit of stored dissipation: a contact may not save up for long.
 constexpr double kDebt_mJ = -2.0;
 constexpr double kForget_s = 1.0;
 constexpr double kMostPassivityDamping_Ns_m = 5.0;
