@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which device the settings ask for. Thread: main, before the loop.
+// Selects and opens the device that the settings request.
+// Thread: main, before the loop.
 #pragma once
 
 #include <memory>
@@ -9,14 +10,15 @@
 
 namespace hapticast::client {
 
+/// The result.
 struct SelectedDevice {
   std::unique_ptr<HapticDevice> device;
-  bool auto_detected = false;  ///< a real one that nobody has asked for
+  bool auto_detected = false;  ///< detected without an explicit request: needs a confirmation
 };
 
-/// Whoever asks for nothing gets a real device where one answers, whoever asks for a scripted hand
-/// the virtual one. What is referred to outlives the device; `pointer` may be null. Throws as
-/// openDevice() does.
+/// Opens the device. With `auto` that is a detected real device that answers, else the fallback of
+/// openDevice(). A scripted hand (--hand) with `auto` selects the virtual device. All references
+/// must outlive the device; `pointer` may be null. Throws like openDevice().
 SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
                             LatestValue<TickReport>& seen, LatestValue<PointerTarget>* pointer);
 

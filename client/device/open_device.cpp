@@ -7,7 +7,7 @@
 
 namespace hapticast::client {
 
-// Each is defined in a file of its own.
+// Each one is defined in a file of its own.
 OpenDevice openVirtual;
 OpenDevice openMouse;
 OpenDevice openFalcon;
@@ -23,7 +23,8 @@ std::span<const DeviceKind> deviceKinds() noexcept {
       DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
 #endif
 #ifdef HAPTICAST_GAMEPAD
-      // Many lie plugged in at a desk, and a mouse points better: only who asks for one gets it.
+      // Gamepads are often plugged in without a purpose, and a mouse points better: explicit choice
+      // only.
       DeviceKind{"gamepad", "its sticks lead the tip, its motors rumble with the force",
                  openGamepad, listGamepads, /*by_itself=*/false},
 #endif
@@ -58,7 +59,7 @@ std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
     } catch (const DeviceAbsent& error) {
       request.log(std::string("going on without it: ") + error.what());
     } catch (const std::runtime_error&) {
-      // Where nothing can be asked, nothing is plugged in; --list-devices says why.
+      // Without access nothing counts as plugged in; --list-devices shows the reason.
     }
   }
   return nullptr;

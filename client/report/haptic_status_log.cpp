@@ -11,7 +11,7 @@ bool acted(const TickReport& report, SafetyAction which) {
   return (report.interferences & bit(which)) != 0;
 }
 
-/// New, or the last time is a while ago.
+/// Returns true for the first time, and again after a minute.
 bool due(std::optional<LocalTime>& told, LocalTime now) {
   if (told && now - *told < LogRateLimiter::kWhile) return false;
   told = now;

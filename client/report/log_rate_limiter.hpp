@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Not more lines than a person can read, whatever happens. Thread: one.
+// Rate limiter for log lines: a fixed window of one minute.
+// Thread: one.
 #pragma once
 
 #include <optional>
@@ -9,13 +10,14 @@
 
 namespace hapticast::client {
 
+/// The limiter.
 class LogRateLimiter {
  public:
   static constexpr Duration kWhile = std::chrono::minutes(1);
-  /// Chosen: as many lines a while, beyond which what comes and goes is only noise.
+  /// Lines per window. Chosen: more lines are noise.
   static constexpr int kLines = 12;
 
-  /// The line, the last one of this while with a word about it; nothing when there were enough.
+  /// Returns `line`, with a note if it is the last one of the window; nullopt above the limit.
   std::optional<std::string> allow(std::string line, LocalTime now) {
     if (lines_ == 0 || now - while_began_ >= kWhile) {
       while_began_ = now;
