@@ -172,7 +172,7 @@ void FalconLink::endWithZero(FalconUsb& usb) {
     if (!usb.submit(encode(kNoTorque), true) && !usb.handleEvents(milliseconds(1))) return;
     const LocalTime until = clock_.now() + kZeroAnswer;
     while (round_trips_ == before && clock_.now() < until) {
-      if (!usb.handleEvents(milliseconds(1))) return;  // the device is gone
+      if (!usb.handleEvents(milliseconds(1))) return;  // the device is lost
     }
     if (round_trips_ != before) ++answered;
   }

@@ -59,7 +59,7 @@ class FalconUsb {
   /// Starts the continuous transfers; `take` receives the bytes. Throws FalconError.
   void start(Take take);
   /// Handles completed transfers and waits at most `most` for them. Returns false if the device is
-  /// gone, or after too many errors. Thread: one, which also calls `take`.
+  /// lost, or after too many errors. Thread: one, which also calls `take`.
   bool handleEvents(Duration most);
   /// Queues a frame without waiting. Returns false if all slots are in use; an `urgent` frame has
   /// additional slots. Thread: one; not during finish().

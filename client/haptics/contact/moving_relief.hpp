@@ -56,8 +56,8 @@ class MovingRelief {
 
   /// Upper bound of the heights of the relief, mm, object's frame.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
-  /// Returns true if the way from `a_mm` to `b_mm` certainly passes beside the mask, whatever the
-  /// heights.
+  /// Returns true if the segment from `a_mm` to `b_mm` certainly passes beside the mask, whatever
+  /// the heights.
   [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
   /// The smaller side of a pixel, mm.
   [[nodiscard]] double pixel_mm() const noexcept { return pixel_mm_; }

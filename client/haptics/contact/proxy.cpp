@@ -11,8 +11,8 @@ namespace hapticast::client {
 namespace {
 
 // Ticks at rest after which a slipping proxy sticks again. A slow hand on a wall whose normal
-// varies by a degree or two rests for single ticks. Sticking in each of them would give a saw-tooth
-// force.
+// varies by a degree or two rests for single ticks. Sticking in each of them would cause a
+// saw-tooth force.
 constexpr int kStuck_ticks = 20;
 constexpr int kPhases = 64;           // of a tick; a phase reads a height, or at most two follow
 constexpr double kFade = 1.0 / 40.0;  // share of the offset that each tick removes
@@ -43,7 +43,7 @@ ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noex
   deepest_mm_ = tick.deepest_mm;
   jumped_ = tick.jumped;
   moved_ = done_ = false;
-  // A jump is no way of the HIP through the air. The depth after the jump decides anew.
+  // After a jump the HIP has not moved through the air. The depth after the jump decides again.
   if (jumped_ && kind_ == Kind::kEmbedded) kind_ = Kind::kFree;
   if (!valid_ || (jumped_ && kind_ == Kind::kFree)) at_mm_ = hip_mm_;
   valid_ = true;
@@ -64,7 +64,7 @@ ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noex
         break;
     }
   }
-  // The samples ran out on the way: the proxy has met no surface, so it follows the HIP.
+  // The samples ran out before a contact: the proxy follows the HIP.
   if (kind_ == Kind::kFree && !done_ && !isSolid(hip_mm_)) at_mm_ = hip_mm_;
   return finish();
 }

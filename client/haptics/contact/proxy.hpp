@@ -37,11 +37,11 @@ struct ProxyTouch {
 /// The proxy of one object. *Solid* is the region with a positive edge distance and z below the
 /// relief. So the edge of the mask is a wall; there is no floor outside the mask and no bottom.
 ///
-/// On a surface at rest no move of the proxy lengthens the way to the HIP, so the spring returns
-/// only the hand's own work. A surface that rises, arrives or jumps moves the proxy with it. A move
-/// by more than kJump_mm in a tick is a jump. After it the force begins at the force of the last
-/// tick and fades to the true one (time constant 40 ms). If the way to the HIP is longer than
-/// ProxyTick::deepest_mm after a jump, the object is disarmed until the HIP is out of it.
+/// On a surface at rest no move of the proxy increases its distance from the HIP, so the spring
+/// returns only the hand's own work. A surface that rises, arrives or jumps moves the proxy with
+/// it. A move by more than kJump_mm in a tick is a jump. After it the force begins at the force of
+/// the last tick and fades to the true one (time constant 40 ms). If the distance from the HIP
+/// exceeds ProxyTick::deepest_mm after a jump, the object is disarmed until the HIP is out of it.
 class Proxy {
  public:
   /// Largest change of the surface in a tick that is no jump (prototype).
@@ -51,7 +51,7 @@ class Proxy {
   void restart(bool faded) noexcept;
   /// Invalidates the stored samples of the relief.
   void forgetSamples() noexcept { probe_.forget(); }
-  /// Moves a free proxy to the HIP if no contact is possible on the way. Returns false if the tick
+  /// Moves a free proxy to the HIP if no contact is possible in between. Returns false if the tick
   /// needs update().
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
   /// Computes the contact of one tick.
@@ -92,10 +92,10 @@ class Proxy {
   void slideOnWall() noexcept;
   void stepOffWall(const Vec2& outwards) noexcept;
   void stepAlongWall(const Vec2& along_mm) noexcept;
-  /// Share (0..1) of a way of `length_mm` that friction allows to a proxy with the penetration
+  /// Share (0..1) of a move by `length_mm` that friction allows to a proxy with the penetration
   /// `depth_mm`. Updates slipping_.
   [[nodiscard]] double share(double length_mm, double depth_mm) noexcept;
-  /// Moves the proxy to `q_mm` unless the way to the HIP would become longer. Returns true if the
+  /// Moves the proxy to `q_mm` unless that increases the distance from the HIP. Returns true if the
   /// proxy moved.
   bool accept(const Vec2& q_mm, const Height& height) noexcept;
 
@@ -106,7 +106,7 @@ class Proxy {
   bool slipping_ = false;
   int rested_ticks_ = 0;  // ticks without a move, up to the limit for sticking
   Vec3 at_mm_ = Vec3::Zero();
-  /// Offset of a jump: subtracted from the way to the HIP, decays to zero.
+  /// Offset of a jump: subtracted from the vector from HIP to proxy, decays to zero.
   Vec3 offset_mm_ = Vec3::Zero();
   /// Displacement of the last tick, with the offset.
   Vec3 displacement_mm_ = Vec3::Zero();

@@ -54,7 +54,7 @@ Metric bentUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noex
   return metric;
 }
 
-/// Half the negative gradient of the squared way to the HIP, over the relief.
+/// Half the negative gradient of the squared distance from the HIP, over the relief.
 Vec2 descent(const BlendedHeight& at, const Vec3& way_mm) noexcept {
   return way_mm.head<2>() + way_mm.z() * at.gradient;
 }
@@ -106,7 +106,7 @@ void Proxy::slideOnTop() noexcept {
   stepOnTop(here, limited(step_mm, kStep_px * probe_.relief().pixel_mm()));
 }
 
-/// Leaves the relief towards the HIP if that way is free. Returns true if the proxy left.
+/// Leaves the relief towards the HIP if that path is free. Returns true if the proxy left.
 bool Proxy::detach(const Vec3& way_mm) noexcept {
   const double look_mm = kLookAhead_px * probe_.relief().pixel_mm();
   const double length_mm = way_mm.head<2>().norm();
@@ -145,7 +145,7 @@ void Proxy::stepOnTop(const Height& here, const Vec2& step_mm) noexcept {
 }
 
 /// Line search: if the whole step passes the nearest point along it, shortens the step to the
-/// farthest place from which the way still descends.
+/// farthest place where the distance still descends.
 void Proxy::stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept {
   const auto slope = [&](const Height& height, const Vec2& at) noexcept {
     const Vec3 way_mm = hip_mm_ - Vec3(at.x(), at.y(), height.now.height_mm);

@@ -67,7 +67,7 @@ void Proxy::resolveWall() noexcept {
   jumped_ = jumped_ || (at_mm_ - before_mm).norm() > kJump_mm;
 }
 
-/// The surface enclosed a free proxy: the proxy leaves by the shorter way.
+/// The surface enclosed a free proxy: the proxy leaves by the shorter path.
 void Proxy::resolveFree() noexcept {
   if (!isSolid(at_mm_)) return;
   const Vec2 q_mm = at_mm_.head<2>();
@@ -92,8 +92,8 @@ void Proxy::resolveFree() noexcept {
   jumped_ = jumped_ || up_mm > kJump_mm;
 }
 
-/// Moves the proxy by Newton steps to just outside the edge. Returns false if the distance gives no
-/// direction.
+/// Moves the proxy by Newton steps to just outside the edge. Returns false if the gradient of the
+/// distance is too small for a direction.
 bool Proxy::pushOut(int moves, double longest_mm) noexcept {
   for (int i = 0; i < moves; ++i) {
     const EdgeSample edge = probe_.edge(at_mm_.head<2>());
@@ -112,7 +112,7 @@ void Proxy::castRay() noexcept {
   const double steps =
       std::ceil(way_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
   const double most = std::max(1.0, double(probe_.left() - kReserve));
-  const int count = steps > 1.0 ? static_cast<int>(std::min(steps, most)) : 1;  // NaN gives 1
+  const int count = steps > 1.0 ? static_cast<int>(std::min(steps, most)) : 1;  // 1 for NaN
   const Vec3 from_mm = at_mm_;
   Vec3 outside_mm = from_mm;
   for (int i = 1; i <= count; ++i) {

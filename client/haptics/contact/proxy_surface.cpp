@@ -82,9 +82,9 @@ struct Sum {
   }
 
  private:
-  /// Returns the shortest way that moves the HIP out of all objects. Objects that push alike count
-  /// once, by the longest displacement. Walls across each other add up, and opposite walls compete.
-  /// Method: coordinate ascent on the contribution of each object.
+  /// Returns the shortest displacement that moves the HIP out of all objects. Objects that push
+  /// alike count once, by the longest displacement. Walls across each other add up, and opposite
+  /// walls compete. Method: coordinate ascent on the contribution of each object.
   [[nodiscard]] Vec3 shared() const noexcept {
     std::array<std::array<double, kMaxObjects>, kMaxObjects> alike;
     std::array<double, kMaxObjects> part_mm;

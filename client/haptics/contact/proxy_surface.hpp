@@ -30,7 +30,7 @@ class ProxySurface {
 
   /// Returns the contact of the HIP with all objects of `scene` (nominal mm).
   ///
-  /// The displacement is the shortest way out of all objects: overlapping objects do not add up,
+  /// The displacement is the shortest one out of all objects: overlapping objects do not add up,
   /// walls across each other do. Normal and surface velocity are means over the contacts, weighted
   /// by the lengths of the displacements. `object` is the object with the longest displacement. A
   /// proxy belongs to an object id and a layer, and ends with its object.

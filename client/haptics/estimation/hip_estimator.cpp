@@ -103,7 +103,7 @@ void HipEstimator::onPosition(const Vec3& measured_mm) noexcept {
   filterAcceleration((observer_.tip().velocity_mm_s - before_mm_s) / (kTick_s * 1000.0));
 }
 
-// Uses the mean velocity over the gap, which is certain. A prediction through the gap would give a
+// Uses the mean velocity over the gap, which is certain. A prediction through the gap would cause a
 // spike by the old acceleration.
 void HipEstimator::bridge(const Vec3& measured_mm, double gap_s) noexcept {
   x_mm_ = measured_mm;

@@ -23,7 +23,7 @@ struct Pose {
 /// Returns b - a in seconds, for any two times.
 double secondsBetween(MediaTime a, MediaTime b) noexcept;
 
-/// Returns the turn from one frame to the next, the short way round: -pi..pi.
+/// Returns the turn from one frame to the next, the shorter of both directions: -pi..pi.
 double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
 /// Returns the pose of the frame, at rest, with its acceleration.

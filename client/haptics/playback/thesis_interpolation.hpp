@@ -25,7 +25,7 @@ class ThesisInterpolation {
   /// `contact.object` is the touched object of frame i or i+1, with linear acceleration; valid
   /// until the next call. `jump` is set at the first tick of an epoch, and for an object that is
   /// not in frame i-1. An object that is not in frame i does not exist yet. A new interval, and so
-  /// a new epoch, reads the HIP anew.
+  /// a new epoch, reads the HIP again.
   Contact evaluate(const SceneInterpolator& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 

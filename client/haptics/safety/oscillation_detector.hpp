@@ -16,9 +16,9 @@ class OscillationDetector {
  public:
   explicit OscillationDetector(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
 
-  /// Processes a tick with the ways of HIP and surface along the normal, mm. `acts`: a force acts.
-  /// The force may pause for 33 ms, because a swing can leave the wall. Returns true if this tick
-  /// completes an alarm. The detector then starts over.
+  /// Processes a tick with the motions of HIP and surface along the normal, mm. `acts`: a force
+  /// acts. The force may pause for 33 ms, because a swing can leave the wall. Returns true if this
+  /// tick completes an alarm. The detector then starts over.
   bool alarmed(double moved_mm, double surface_mm, bool acts) noexcept;
 
  private:

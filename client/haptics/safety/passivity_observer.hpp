@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Energy metering and energy limits: the work of the force at the ports of the loop, a passivity
+// Energy metering: the work of the force at the ports of the loop. Energy limits: a passivity
 // observer and controller for the contact (Hannaford and Ryu 2002), and an energy tank. 1 N·mm = 1
 // mJ.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
@@ -23,7 +23,7 @@ struct PortWork {
 /// Input of the meters: the tick that ended at this position.
 struct PortTick {
   Vec3 position_mm = Vec3::Zero();  ///< HIP, measured
-  bool connected = true;            ///< false: no connection with the last tick, so no way
+  bool connected = true;            ///< false: no connection with the last tick, so no motion
   Vec3 surface_mm = Vec3::Zero();   ///< announced step of the surface at the contact
   // Energy of the spring at the depth of this tick and of the last tick. Each uses the stiffness of
   // its own tick, because a stream that stiffens a pressed spring adds energy. Both use the gain of
@@ -37,8 +37,8 @@ struct PortTick {
 /// Meters, observer and controller.
 ///
 /// A counted position moves late and in steps. A step times the force of its tick would count as
-/// work that nobody did (F x count for each press). So the meter uses a position with half a count
-/// of play. It pays a way with the mean force since the last step, axis by axis.
+/// work that the hand never did (F x count for each press). So the meter uses a position with half
+/// a count of play. It multiplies a motion by the mean force since the last step, axis by axis.
 class PassivityObserver {
  public:
   PassivityObserver(int delay_ticks, double count_mm) noexcept : half_count_mm_(0.5 * count_mm) {
@@ -51,8 +51,7 @@ class PassivityObserver {
   /// Meters a tick with the force that acted in it, sent 1 + delay ticks before. Returns the work
   /// on the hand, mJ.
   double meter(const PortTick& tick) noexcept;
-  /// Records the force that goes to the device after this tick. `dynamic_N` is the object's share
-  /// of it.
+  /// Records the force sent to the device after this tick. `dynamic_N` is the object's share of it.
   void sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept;
 
   /// Returns the additional damping (N·s/m) along the normal at the relative speed u: (G - 3 mJ) /
@@ -68,7 +67,7 @@ class PassivityObserver {
     Vec3 force_N = Vec3::Zero();
     Vec3 dynamic_N = Vec3::Zero();
   };
-  /// Applies the play; returns the way of this tick.
+  /// Applies the play; returns the motion of this tick.
   [[nodiscard]] Vec3 wayTo(const PortTick& tick) noexcept;
 
   double half_count_mm_;
@@ -91,9 +90,10 @@ class PassivityObserver {
 /// refill the tank.
 ///
 /// Energy beyond the content is a debt and refilled first. The debt is at most one tank, so that
-/// one broken number does not end the contact. The power comes from a reserve, worth 0.3 s of it.
-/// The reserve grows by a fifth of the power, and by the energy of the hand into a full tank. So in
-/// any 10 s a stream transfers at most the tank, the reserve and 10 s of that fifth (Omni: 475 mJ).
+/// one broken number does not end the contact. The power is drawn from a reserve, worth 0.3 s of
+/// it. The reserve grows by a fifth of the power, and by the energy of the hand into a full tank.
+/// So in any 10 s a stream transfers at most the tank, the reserve and 10 s of that fifth (Omni:
+/// 475 mJ).
 class EnergyTank {
  public:
   explicit EnergyTank(const DeviceProfile& profile) noexcept;

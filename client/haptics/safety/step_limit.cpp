@@ -64,7 +64,7 @@ Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
   const Step step = computeStep(force_N, last_N, hand);
   Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;
-  // The limited step exceeds the peak. The straight way does not.
+  // The limited step exceeds the peak. A step straight to the force does not.
   const Vec3 straight_N = force_N - last_N;
   return last_N + straight_N * std::min(1.0, std::min(rise_N_, fall_N_) / straight_N.norm());
 }

@@ -36,8 +36,8 @@ struct MotionExplainedStep {
 ///
 /// It uses the counted motion of the HIP and the wall *before* this tick, not the force: K|dx| in
 /// any direction, and B dv along the normal. Where the HIP itself enters (the depth is at most its
-/// way inwards), it uses K depth, and B v up to the damper's limit. The speed is limited like that
-/// of the damper.
+/// motion inwards), it uses K depth, and B v up to the damper's limit. The speed is limited like
+/// that of the damper.
 ///
 /// Changes of stiffness, surface or contact by the stream explain nothing. Nor does a predicted
 /// motion: if it does not occur, a stream would cause the steps.

@@ -9,7 +9,7 @@
 namespace hapticast::client {
 
 namespace {
-// Fewer frames give no estimate: one lost fragment of twenty would be 5 %.
+// Fewer frames allow no estimate: one lost fragment of twenty would be 5 %.
 constexpr std::size_t kLeastFrames = 20;
 // Chosen: the first fragments of a larger frame suffice, and memory is bounded.
 constexpr std::size_t kMostParts = 256;
