@@ -10,7 +10,6 @@
 
 namespace hapticast::client {
 
-/// The result.
 struct SelectedDevice {
   std::unique_ptr<HapticDevice> device;
   bool auto_detected = false;  ///< detected without an explicit request: needs a confirmation

@@ -18,7 +18,6 @@ enum class ViewChoice : std::uint8_t { kAuto, kOn, kOff };
 /// --forces: the forces that are rendered.
 enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 
-/// Settings of a run.
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string announced;      ///< mDNS name of the requested server (mdns:NAME); empty: `server`

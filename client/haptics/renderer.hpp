@@ -24,7 +24,6 @@
 
 namespace hapticast::client {
 
-/// Settings of a run.
 struct RendererSettings {
   DeviceProfile profile;
   SurfaceKind surface = SurfaceKind::kProxy;

@@ -20,7 +20,6 @@
 
 namespace hapticast::client {
 
-/// Settings of a connection.
 struct ConnectionSettings {
   Endpoint server{"127.0.0.1", kDefaultPort};
   Dial dial = dialTcp;
@@ -86,8 +85,9 @@ class Connection {
 
   /// Loop over sessions and retries, until stop() or a permanent error.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless. Cases: the server has another protocol version. Or no
-  /// server was ever reached, and the host name does not exist or the peer uses another protocol.
+  /// Returns true if a retry is useless. The first case is a server of another protocol version.
+  /// The second case needs that no server was ever reached: the host name does not exist, or the
+  /// peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);

@@ -16,7 +16,6 @@
 
 namespace hapticast::client {
 
-/// The queue.
 class FrameQueue {
  public:
   /// As many as the loop can hold, so that the burst after a stall of the network is played.

@@ -20,7 +20,6 @@
 
 namespace hapticast::client {
 
-/// The cache.
 class ReliefCache {
  public:
   /// Result of resolve().

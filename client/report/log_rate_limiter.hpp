@@ -10,7 +10,6 @@
 
 namespace hapticast::client {
 
-/// The limiter.
 class LogRateLimiter {
  public:
   static constexpr Duration kWhile = std::chrono::minutes(1);

@@ -20,7 +20,6 @@
 
 namespace hapticast::client {
 
-/// The film.
 class FilmView final : public View {
  public:
   /// Limit of the queued drawings; above it, the drawing before is shown for longer. Chosen: ten

@@ -19,7 +19,6 @@ struct StreamPicture {
   Workspace workspace;
 };
 
-/// The buffer.
 class PictureBuffer {
  public:
   /// Covers the longest playout delay: 2 s (JitterEstimator::kMaxDelay) are 50 pictures at 25

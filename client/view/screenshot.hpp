@@ -13,7 +13,6 @@
 
 namespace hapticast::client {
 
-/// The screenshot.
 class Screenshot final : public View {
  public:
   /// Throws std::runtime_error unless the extension of `file` is a picture format, such as .png.

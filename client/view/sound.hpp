@@ -14,7 +14,6 @@
 
 namespace hapticast::client {
 
-/// The sound.
 class SoundView final : public View {
  public:
   /// Opens the sound device. `tell` receives a line in the main thread if the device is lost later.

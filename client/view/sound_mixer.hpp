@@ -17,7 +17,6 @@ struct SoundCue {
   std::uint64_t tick = 0;  ///< tick of the force
 };
 
-/// The synthesiser.
 class SoundMixer {
  public:
   static constexpr int kRate_Hz = 48000;

@@ -18,8 +18,7 @@ class FalconPilot {
     kAway,     ///< no replies
     kHoming,   ///< red: the position is unknown until the grip has moved out and in
     kOutside,  ///< blue: homed, but the grip is not near the middle yet
-    /// green: a force may act
-    kReady,  ///< green
+    kReady,    ///< green: a force may act
   };
   // Chosen, all of them:
   static constexpr int kHomedReplies = 50;     ///< replies in a row until homing counts

@@ -35,7 +35,6 @@ struct HandStiffness {
   double surface_N_mm = 0.5;
 };
 
-/// The script.
 class HandScript {
  public:
   /// `targets` is for kFile only, and then not empty.

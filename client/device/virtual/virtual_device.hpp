@@ -15,7 +15,6 @@
 
 namespace hapticast::client {
 
-/// The device.
 class VirtualDevice final : public HapticDevice {
  public:
   static constexpr int kLongestDelay_ticks = 5;

@@ -27,7 +27,6 @@ class ReliefProbe {
   /// Invalidates the stored samples.
   void forget() noexcept { height_known_ = edge_known_ = false; }
 
-  /// Requires begin().
   [[nodiscard]] const MovingRelief& relief() const noexcept { return *relief_; }
   /// Remaining height samples of this tick.
   [[nodiscard]] int left() const noexcept { return left_; }

@@ -44,7 +44,7 @@ struct ProxyTouch {
 /// exceeds ProxyTick::deepest_mm after a jump, the object is disarmed until the HIP is out of it.
 class Proxy {
  public:
-  /// Largest change of the surface in a tick that is no jump (prototype).
+  /// Largest change of the surface in a tick that is no jump.
   static constexpr double kJump_mm = 0.3;
 
   /// Starts over at the next HIP. With `faded`, a contact at that HIP begins without a force.

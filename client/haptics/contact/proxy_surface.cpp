@@ -13,8 +13,7 @@ namespace hapticast::client {
 namespace {
 
 constexpr double kMostFriction = 1.5;  // the wire has the same limit
-// Chosen: play time that advances by more than this in a tick counts as this much. The rest is a
-// jump.
+// Play time that advances by more than this in a tick counts as this much. The rest is a jump.
 constexpr double kLongestTick_s = 5e-3;
 constexpr double kFastestObject_mm_s = 1500.0;  // the chain limits surfaces to the same speed
 constexpr double kWeight_mm = 1e-9;             // weight of a contact without a displacement yet

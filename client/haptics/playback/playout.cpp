@@ -7,7 +7,7 @@
 namespace hapticast::client {
 
 namespace {
-constexpr std::int64_t kRateDivisor = 50;  // 2 %, chosen
+constexpr std::int64_t kRateDivisor = 50;  // 2 %
 constexpr Duration kLongestDelay{10'000'000'000};
 // Keeps a sum of three times within 64 bits, for any value of a server's clock.
 constexpr Duration kLargestOffset{std::int64_t{1} << 61};

@@ -10,8 +10,8 @@ namespace hapticast::client {
 namespace {
 
 // A velocity counts as sent while it moves the object by less than kPlausibleFactor times the
-// distance of the two frames, plus a margin. Chosen: any motion between two frames is below that,
-// including a reversal.
+// distance of the two frames, plus a margin. Any motion between two frames is below that, including
+// a reversal.
 constexpr double kPlausibleFactor = 3.0;
 constexpr double kPlausible_mm = 4.0;
 constexpr double kPlausible_rad = 0.5;

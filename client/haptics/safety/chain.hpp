@@ -60,7 +60,6 @@ struct SafetyInput {
   bool implausible = false;    ///< the plausibility bounds reduced the dynamic force
 };
 
-/// Result of a tick.
 struct SafetyOutput {
   Vec3 force_N = Vec3::Zero();          ///< force for the device
   Vec3 static_force_N = Vec3::Zero();   ///< force of the wall law

@@ -23,7 +23,7 @@ class OscillationDetector {
 
  private:
   struct Point {
-    double tip_mm = 0.0;  // ways along the normal since the start
+    double tip_mm = 0.0;  // motions along the normal since the start
     double surface_mm = 0.0;
     int tick = 0;
   };

@@ -12,7 +12,6 @@
 
 namespace hapticast::client {
 
-/// The counter.
 class Trust {
  public:
   /// The actions that count. Measured (client/haptics/README.md, "Trust"): a stream causes these
@@ -40,7 +39,7 @@ class Trust {
   void renew() noexcept { *this = Trust(); }
 
  private:
-  /// Chosen: 2 s.
+  /// Decay of the score: 2 s.
   static constexpr double kMemory_ticks = 2000.0;
   double ticks_ = 0.0;
   std::array<double, kCounted.size()> of_each_{};

@@ -17,7 +17,6 @@
 
 namespace hapticast::client {
 
-/// The estimator of one connection.
 class LossEstimator {
  public:
   /// Redundancy for an unmeasured network.

@@ -16,7 +16,6 @@ struct TextureEnd {
 };
 using Texture = std::unique_ptr<SDL_Texture, TextureEnd>;
 
-/// The renderer.
 class WindowPainter {
  public:
   /// Requires a current ImGui context. Context and `renderer` must outlive this object.

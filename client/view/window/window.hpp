@@ -18,7 +18,6 @@
 
 namespace hapticast::client {
 
-/// The window.
 class ViewerWindow final : public View {
  public:
   static constexpr int kWidth_px = 1280;
@@ -54,7 +53,7 @@ class ViewerWindow final : public View {
   void press(double by_mm, UiState& ui_state) const;
   enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
   void drag(Drag what);
-  /// Returns true if a drag at `point` rotates the relief instead of the HIP's target.
+  /// Returns true if a drag at `point` rotates the relief and does not move the HIP's target.
   [[nodiscard]] bool isRotating(const ImVec2& point) const;
   void showPicture();
   void show(std::shared_ptr<const StreamPicture> picture_of_stream);
