@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// hapticast-client's command line: flags, config keys and their help. Thread: main, at start-up.
+// Command line of hapticast-client: flags, config keys and their help.
+// Thread: main, at start-up.
 #pragma once
 
 #include <memory>
@@ -10,12 +11,12 @@
 
 namespace hapticast::client {
 
-/// Returns the command line that fills `settings`, which outlives it. Parse with
+/// Returns the command line that fills `settings`, which must outlive it. Parse it with
 /// parseCommandLine().
 [[nodiscard]] std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
-/// Fills `settings` from the program's arguments. Returns nullopt to go on, else the exit code:
-/// 2 after one line on stderr, 0 after the help.
+/// Fills `settings` from the program's arguments. Returns nullopt on success, else the exit code: 2
+/// after an error (one line on stderr), 0 after the help.
 [[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
                                                  const char* const* argv);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// hapticast-client's settings and their defaults. command_line.hpp reads them.
+// Settings of hapticast-client and their defaults. command_line.hpp fills them.
+// Thread: main; constant after start-up.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +13,25 @@
 
 namespace hapticast::client {
 
-/// Whether there is a window (--view). kAuto: where there is a display, and nothing was asked for
-/// that runs by itself.
+/// --view. kAuto opens a window if there is a display and no flag requests an unattended run.
 enum class ViewChoice : std::uint8_t { kAuto, kOn, kOff };
-/// Which forces are felt (--forces).
+/// --forces: the forces that are rendered.
 enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
-  std::string announced;      ///< of the server that is wanted (mdns:NAME); empty: `server`
-  bool server_given = false;  ///< one of both
+  std::string announced;      ///< mDNS name of the requested server (mdns:NAME); empty: `server`
+  bool server_given = false;  ///< `server` or `announced` was given
   bool list_servers = false;
   std::string device = "auto";
-  std::string profile;  ///< a built-in name or a file; empty: as the device has it
+  std::string profile;  ///< a built-in name or a file; empty: default of the device
   FalconSettings falcon;
   bool list_devices = false;
-  double calibration_g = 0.0;  ///< the known weight; 0: no calibration
+  double calibration_g = 0.0;  ///< weight in g; 0: no calibration
   DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;
-  std::string hand = "press";  ///< a script's name or a CSV file
-  bool hand_given = false;     ///< somebody has asked for a scripted hand
+  std::string hand = "press";  ///< name of a script, or a CSV file
+  bool hand_given = false;     ///< --hand was given
   ViewChoice view = ViewChoice::kAuto;
   Forces forces = Forces::kBoth;
   bool sound = false;
@@ -41,15 +41,15 @@ struct Settings {
   std::string summary_file;
   std::string fault_folder;           ///< empty: the state folder
   double stiffness_limit_N_mm = 0.0;  ///< 0: three times the profile's stiffness
-  bool rearm = false;                 ///< after a lost device or trust the force returns by itself
-  double seconds = 0.0;               ///< 0: until Ctrl-C
+  bool rearm = false;    ///< automatic re-arming after a lost device or a loss of trust
+  double seconds = 0.0;  ///< 0: until Ctrl-C
   Method method = Method::kHapticast;
-  std::string config_file;  ///< that --config named; empty: none
+  std::string config_file;  ///< file of --config; empty: none
   bool quiet = false;
 };
 
-/// Finds out before a session whether `file` (empty: nothing was asked for) can be written after
-/// it. Throws std::runtime_error, one line that names `flag` and `file`.
+/// Checks before a run that `file` (empty: not requested) can be written after it. Throws
+/// std::runtime_error with one line: `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);
 
 }  // namespace hapticast::client

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the buttons of a device mean, apart from a dead-man's. Thread: main.
+// Edge detection for the buttons of a device, except its enabling button.
+// Thread: main.
 #pragma once
 
 #include <bit>
@@ -11,12 +12,14 @@
 
 namespace hapticast::client {
 
+/// Converts button states to actions of the user.
 class DeviceButtons {
  public:
+  /// Actions of newly pressed buttons.
   struct ButtonActions {
     bool pause = false;
     bool rearm = false;
-    std::optional<int> other;  ///< a button without a meaning
+    std::optional<int> other;  ///< a button without a function
   };
 
   explicit DeviceButtons(const DeviceProfile& profile)
@@ -25,7 +28,8 @@ class DeviceButtons {
         enable_(profile.enable_button),
         initialised_(pause_ || rearm_) {}
 
-  /// What is pressed now and was not before. A device whose buttons mean nothing has no wishes.
+  /// Returns the actions of the buttons pressed since the last call. Returns no action for a
+  /// profile without pause and re-arming buttons.
   [[nodiscard]] ButtonActions onButtons(std::uint32_t buttons) {
     const std::uint32_t pressed = buttons & ~std::exchange(last_, buttons);
     ButtonActions wish;

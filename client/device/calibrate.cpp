@@ -16,20 +16,20 @@ namespace hapticast::client {
 
 namespace {
 
-// Chosen: soft enough for a gain that is three times too large, firm enough for a third of it.
+// Chosen: stable for a gain three times too large, and stiff enough for a third of the gain.
 constexpr double kStiffness_N_mm = 0.2;
 constexpr double kDamping_Ns_mm = 0.003;
 constexpr double kIntegral_N_mm_s = 0.4;
 constexpr double kMost_N = 6.0;
-constexpr double kFilter = 0.2;   // of the velocity, a tick
+constexpr double kFilter = 0.2;   // low-pass of the velocity, share per tick
 constexpr double kRest_mm = 0.3;  // seven counts
 constexpr int kCalibrationRest_ticks = 2000;
 constexpr double kStandardGravity_m_s2 = 9.80665;
-constexpr double kNoticed = 0.2;  // of the weight at least has to be felt
+constexpr double kNoticed = 0.2;  // share of the weight that has to appear in the force
 constexpr int kLetGo_ticks = 1000;
 constexpr auto kCalibrationPatience = std::chrono::seconds(180);
 
-/// A device that is turned tick by tick while it holds its grip.
+/// Runs the ticks of a device while it holds its grip.
 struct Hold {
   HapticDevice& device;
   const Clock& clock;
@@ -46,7 +46,7 @@ struct Hold {
     while (const auto line = device.nextMessage()) log(*line);
     return state;
   }
-  /// The force at rest, when `good` likes it.
+  /// Returns the force at rest once `good` accepts it.
   std::optional<Vec3> rest(const std::function<bool(const Vec3&)>& good) {
     holder.begin();
     const LocalTime until = clock.now() + kCalibrationPatience;
@@ -65,8 +65,8 @@ struct Hold {
     if (!stop) throw std::runtime_error("--falcon-calibrate: the grip did not come to rest");
     return std::nullopt;
   }
-  /// A weight that nobody takes falls then, perhaps out of what the device believes: no reason to
-  /// forget what was measured.
+  /// Ramps the force down. A weight without a hand falls then and may cause an implausible
+  /// position. That is no reason to lose the measurement.
   void release() {
     const Vec3 from_N = force_N;
     for (int i = kLetGo_ticks - 1; i >= 0; --i) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// --falcon-calibrate: what the motors have to be sent for a newton, found with a known weight. The
-// device holds its grip in the middle by itself; the force that it needs more under the weight is
-// the weight's. Thread: one, which turns the device.
+// Calibration of a Falcon's motors (--falcon-calibrate) with a known weight. A position controller
+// holds the grip in the middle. The additional force under the weight equals the weight, so the
+// ratio of both corrects the gain.
+// Thread: one, which runs the ticks of the device.
 #pragma once
 
 #include <atomic>
@@ -13,14 +14,15 @@
 
 namespace hapticast::client {
 
-/// Holds a grip in the middle. Pure. One step a tick.
+/// PID controller that holds the grip in the middle. Pure; call once a tick.
 class GripHolder {
  public:
-  /// The force for where it is now.
+  /// Returns the force (N) for the grip at `position_mm`.
   Vec3 hold(const Vec3& position_mm) noexcept;
-  /// Mean force of the last two seconds, when the grip has been at rest in the middle as long.
+  /// Returns the mean force of the last two seconds; nullopt unless the grip was at rest in the
+  /// middle for that time.
   [[nodiscard]] std::optional<Vec3> restForce_N() const noexcept;
-  /// The two seconds begin now.
+  /// Restarts the two seconds.
   void begin() noexcept { rest_ticks_ = 0; }
 
  private:
@@ -32,14 +34,15 @@ class GripHolder {
   int rest_ticks_ = 0;
 };
 
-/// Leads the user through it by `log_line`, and returns the gain where `gain` has been used; none:
-/// it was stopped. Throws std::runtime_error, one line, where it does not work.
+/// Guides the user through the calibration with lines to `tell`. `gain` is the present gain,
+/// `weight_g` the weight. Returns the corrected gain; nullopt after `stop`. Throws
+/// std::runtime_error (one line) if the calibration fails.
 std::optional<double> calibrate(HapticDevice& device, const Clock& clock, double gain,
                                 double weight_g, const std::atomic<bool>& stop,
                                 const std::function<void(const std::string& line)>& log_line);
 
-/// Puts `falcon-gain = gain` into a config file, in place of such a line or at its end. Throws
-/// std::runtime_error, one line.
+/// Writes `falcon-gain = gain` into the config file `file`: replaces the first such line, or
+/// appends one. Throws std::runtime_error (one line).
 void storeGain(const std::string& file, double gain);
 
 }  // namespace hapticast::client

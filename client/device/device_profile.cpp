@@ -17,7 +17,7 @@ namespace hapticast::client {
 namespace {
 constexpr std::size_t kLongestName = 64;
 
-/// Omni class. Its data sheet says 0.26 N of backdrive friction; the plant gets 0.05 N (chosen),
+/// Omni class. The data sheet states a backdrive friction of 0.26 N. The plant has 0.05 N (chosen),
 /// because friction flatters stability.
 PlantProfile omni() {
   PlantProfile profile;
@@ -25,9 +25,9 @@ PlantProfile omni() {
   return profile;
 }
 
-/// Falcon class: 8 N and the workspace as CHAI3D's driver has them, counts of the encoder's data
-/// sheet; mass, damping and continuous force are assumed, the rest is the Omni's, scaled by the
-/// force.
+/// Falcon class. Peak (8 N) and workspace are those of CHAI3D's driver, the count is from the
+/// encoder's data sheet. Mass, damping and continuous force are assumed. The rest is the Omni's,
+/// scaled by the force.
 PlantProfile falcon() {
   PlantProfile profile;
   profile.name = "falcon";
@@ -75,7 +75,7 @@ constexpr int kMostButton = 31;
 constexpr double kLeastWorkspace_mm = 10.0;
 constexpr double kMostWorkspace_mm = 2000.0;
 
-/// A file position that complains.
+/// A position in a file, for error messages.
 struct Place {
   const std::string& file;
   int line;

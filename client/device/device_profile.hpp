@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Device profiles: built in, or read from a file of `key = value` lines. Before the loop; may
-// allocate and throw.
+// Device profiles: built in, or read from a file of `key = value` lines.
+// Thread: any, before the loop; may allocate and throw.
 #pragma once
 
 #include <istream>
@@ -10,17 +10,19 @@
 
 namespace hapticast::client {
 
-/// A profile and what only a simulation knows of the device: its losses on every axis.
+/// A profile, and the losses of the simulated device on every axis.
 struct PlantProfile : DeviceProfile {
   double friction_N = 0.0;    ///< Coulomb friction
-  double damping_Ns_m = 0.1;  ///< physical damping; the least that is said of an Omni
+  double damping_Ns_m = 0.1;  ///< physical damping; default: the lowest published value of an Omni
 };
 
-/// `omni`, `falcon`, or the name of a file. In the file every field of PlantProfile may stand by
-/// its name, `#` begins a comment, workspace_mm is three numbers; what is not said is as in `omni`.
-/// Throws std::runtime_error with one line that names file, line, key and what is allowed.
+/// Returns the profile `omni` or `falcon`, or that of a file. A file may set every field of
+/// PlantProfile by its name. workspace_mm has three numbers, and `#` begins a comment. Missing
+/// fields have the values of `omni`. Throws std::runtime_error with one line: file, line, key and
+/// the allowed values.
 PlantProfile loadDeviceProfile(const std::string& name_or_file);
-/// The text of such a file; `file` only names it in complaints.
+/// Parses the text of such a file. `file` is its name for error messages. Throws like
+/// loadDeviceProfile().
 PlantProfile readDeviceProfile(std::istream& in, const std::string& file);
 
 }  // namespace hapticast::client

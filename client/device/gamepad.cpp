@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SDL is called by the main thread's turns alone; between them and the tick are two latest values.
+// SDL is called in the main thread only. Two LatestValues connect the main thread and the loop.
 #if HAPTICAST_SDL2
 #include "client/device/gamepad.hpp"
 
@@ -17,29 +17,30 @@ namespace hapticast::client {
 
 namespace {
 
-// Sticks do not come back to their middle: XInput's dead zone of a left stick, 7849 of 32767.
+// Sticks do not return exactly to the middle. The value is XInput's dead zone of a left stick: 7849
+// of 32767.
 constexpr double kDeadZone = 0.24;
-// Chosen: over the picture in two seconds, through the relief in one; half the way of a stick is a
-// quarter of it, for fine movements.
+// Chosen: across the picture in two seconds, through the relief in one. Half a stick's deflection
+// is a quarter of the speed, for fine movements.
 constexpr double kAcross_mm_s = 80.0;
 constexpr double kInto_mm_s = 30.0;
 // Chosen: a press of 2 N on the hand's spring of 0.2 N/mm, and no longer way back.
 constexpr double kMostAhead_mm = 10.0;
 constexpr double kFull_N = 2.0;
-// Chosen: ten of the main thread's turns. What has not been heard of for longer stands still, on
-// both sides, and a rumble that is not renewed ends.
+// Chosen: ten cycles of the main thread. Older values count as zero, on both sides, and a rumble
+// without a renewal ends.
 constexpr Duration kInputValid = std::chrono::milliseconds(100);
 constexpr std::uint32_t kRumble_ms = 100;
 
-/// SDL's controllers, as long as somebody needs them.
+/// SDL's controller subsystem (RAII).
 struct PadSystem {
   PadSystem() {
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the client's
-    // The pad leads the hand, whichever window the keys go to.
+    // The pad moves the hand, whichever window has the keyboard.
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
     if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0)
       throw DeviceAbsent(std::string("--device gamepad: ") + SDL_GetError());
-    // They are asked each turn: events would wait for a window that may not be there.
+    // The pad is polled: events would wait for a window that may not exist.
     SDL_GameControllerEventState(SDL_IGNORE);
     SDL_JoystickEventState(SDL_IGNORE);
   }
@@ -56,7 +57,7 @@ struct ClosePad {
 };
 using Pad = std::unique_ptr<SDL_GameController, ClosePad>;
 
-/// The first one; null: there is none.
+/// Opens the first gamepad; null if there is none.
 Pad openPad() {
   for (int i = 0; i < SDL_NumJoysticks(); ++i) {
     if (SDL_IsGameController(i) != SDL_TRUE) continue;
@@ -75,7 +76,7 @@ Vec2 readStick(const Pad& pad, SDL_GameControllerAxis x, SDL_GameControllerAxis 
          double{SDL_JOYSTICK_AXIS_MAX};
 }
 
-/// 0 in the dead zone, 1 at the stick's end.
+/// Deflection with the dead zone removed: 0 in the dead zone, 1 at the stick's end.
 Vec2 share(const Vec2& stick) noexcept {
   const double deflection = stick.norm();
   if (!(deflection > kDeadZone)) return Vec2::Zero();
@@ -139,14 +140,14 @@ class Gamepad final : public HapticDevice {
   }
 
  private:
-  /// What the pad does with the hand.
+  /// Input of the pad for the loop.
   struct Held {
     Vec3 velocity_mm_s = Vec3::Zero();  // nominal
     std::uint32_t buttons = 0;
     bool there = true;
     LocalTime time{};
   };
-  /// What the hand feels.
+  /// Output of the loop for the motors.
   struct RumbleInput {
     ForceComponents parts;
     LocalTime time{};
@@ -180,8 +181,8 @@ class Gamepad final : public HapticDevice {
                              motorLevel(parts.transient_N), kRumble_ms);
   }
 
-  /// The sticks lead the hand's goal, within the workspace and never far from the tip: what holds
-  /// the tip must not be wound up.
+  /// Moves the hand's target with the sticks, within the workspace and close to the HIP. So an
+  /// obstacle causes no wind-up.
   void lead(const Vec3& velocity_mm_s, const DeviceMapping& mapping) noexcept {
     if (!led_ && velocity_mm_s == Vec3::Zero()) return;
     if (!std::exchange(led_, true)) goal_mm_ = hand_.tip_mm();
@@ -199,7 +200,7 @@ class Gamepad final : public HapticDevice {
   TransientDetector meter_;
   bool led_ = false;
   Vec3 goal_mm_ = Vec3::Zero();  // device frame
-  // Between both:
+  // Shared:
   LatestValue<Held> held_;            // the main thread writes it
   LatestValue<RumbleInput> rumbled_;  // the loop writes it
   // Main:
@@ -216,8 +217,8 @@ Vec3 stickVelocity_mm_s(const Vec2& left, const Vec2& right) noexcept {
   return {across.x(), -across.y(), kInto_mm_s * share({0.0, right.y()}).y()};
 }
 
-// What is felt of a motor grows with the square of its speed, and below about a tenth of it it does
-// not turn at all: hence the root.
+// The perceived vibration grows with the square of the motor's speed, and below about a tenth the
+// motor does not turn. Hence the root.
 std::uint16_t motorLevel(double force_N) noexcept {
   const double level = std::sqrt(std::clamp(force_N / kFull_N, 0.0, 1.0));
   return static_cast<std::uint16_t>(std::lround(65535.0 * level));

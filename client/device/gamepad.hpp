@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A gamepad as a device: its sticks lead a hand, its two motors rumble with the force.
+// Gamepad as a device: its sticks move a simulated hand, its two motors rumble with the force.
+// Thread: any (pure functions).
 #pragma once
 
 #include <cstdint>
@@ -9,11 +10,11 @@
 
 namespace hapticast::client {
 
-/// How fast the sticks lead the hand, nominal mm/s. Each stick within -1..1, right and down
-/// positive: the left one goes over the picture, the right one forward into it and back out of it.
+/// Returns the velocity of the hand, nominal mm/s. Each stick is within -1..1, right and down
+/// positive. The left stick moves over the picture, the right one into it (forward) and out of it.
 [[nodiscard]] Vec3 stickVelocity_mm_s(const Vec2& left, const Vec2& right) noexcept;
 
-/// How strongly a motor turns for this force, in the 65535 steps that SDL has.
+/// Returns the motor level for a force, 0..65535 (SDL's range).
 [[nodiscard]] std::uint16_t motorLevel(double force_N) noexcept;
 
 }  // namespace hapticast::client

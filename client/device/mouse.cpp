@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pointer as a device: a hand's spring and mass between the pointer and the tip, so that what the
-// force does is seen, as the way that the tip stays behind.
+// Pointer as a device: spring and mass of a hand between the pointer and the HIP. The force becomes
+// visible as the distance between both.
 #include <stdexcept>
 
 #include "client/device/open_device.hpp"
@@ -11,7 +11,7 @@ namespace hapticast::client {
 
 namespace {
 
-// Where a pointer may be: beyond any workspace that a server may announce nobody points.
+// Limit of the pointer's position: beyond any workspace that a server may announce.
 constexpr double kMost_mm = 1000.0;
 
 class Mouse final : public HapticDevice {

@@ -7,7 +7,7 @@
 
 namespace hapticast::client {
 
-// Each is defined in a file of its own.
+// Each one is defined in a file of its own.
 OpenDevice openVirtual;
 OpenDevice openMouse;
 OpenDevice openFalcon;
@@ -17,15 +17,16 @@ std::vector<std::string> listGamepads();
 
 std::span<const DeviceKind> deviceKinds() noexcept {
   static constexpr std::array kKinds = {
-      DeviceKind{"virtual", "a simulated one in a simulated hand", openVirtual},
-      DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
+    DeviceKind{"virtual", "a simulated one in a simulated hand", openVirtual},
+    DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
 #if HAPTICAST_LIBUSB
-      DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
+    DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
 #endif
 #if HAPTICAST_SDL2
-      // Many lie plugged in at a desk, and a mouse points better: only who asks for one gets it.
-      DeviceKind{"gamepad", "its sticks lead the tip, its motors rumble with the force",
-                 openGamepad, listGamepads, /*by_itself=*/false},
+    // Gamepads are often plugged in without a purpose, and a mouse points better: explicit choice
+    // only.
+    DeviceKind{"gamepad", "its sticks lead the tip, its motors rumble with the force", openGamepad,
+               listGamepads, /*by_itself=*/false},
 #endif
   };
   return kKinds;
@@ -58,7 +59,7 @@ std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
     } catch (const DeviceAbsent& error) {
       request.log(std::string("going on without it: ") + error.what());
     } catch (const std::runtime_error&) {
-      // Where nothing can be asked, nothing is plugged in; --list-devices says why.
+      // Without access nothing counts as plugged in; --list-devices shows the reason.
     }
   }
   return nullptr;

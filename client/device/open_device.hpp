@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The kinds of haptic devices (--device), and the one place that opens one. README.md says how a
-// further kind is added.
+// Registry and factory of the device kinds (--device). client/device/README.md describes how to add
+// a kind.
+// Thread: main, before the loop.
 #pragma once
 
 #include <functional>
@@ -18,53 +19,54 @@
 
 namespace hapticast::client {
 
-/// What a kind is opened with. What it refers to outlives the device.
+/// Arguments of a device. All references must outlive the device.
 struct DeviceRequest {
-  std::string profile = {};    ///< --profile: a built-in name or a file; empty: the kind's own
-  std::string hand = "press";  ///< --hand: a script's name or a CSV file
+  std::string profile = {};    ///< --profile: a built-in name or a file; empty: default of the kind
+  std::string hand = "press";  ///< --hand: name of a script, or a CSV file
   const Clock& clock;
-  /// Where a window's pointer is; null: there is no window. The device is its one reader.
+  /// Target of the window's pointer; null without a window. The device must be its only reader.
   LatestValue<PointerTarget>* pointer = nullptr;
   FalconSettings falcon = {};
-  /// Called while it is opened, with what takes a while.
+  /// Receives progress lines while the device opens.
   std::function<void(const std::string& line)> log = [](const std::string& /*line*/) {};
 };
 
-/// A device that is asked for is not there, or cannot be had; the input may be right.
+/// The requested device is missing or cannot be opened. The input may still be correct.
 class DeviceAbsent : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Opens a device of one kind. Throws std::runtime_error with one line that names the flag, the
-/// value and what is allowed, DeviceAbsent where there is none. Before the loop.
+/// Opens a device of one kind. Throws std::runtime_error with one line: flag, value and the allowed
+/// values. Throws DeviceAbsent if there is no device. Call before the loop.
 using OpenDevice = std::unique_ptr<HapticDevice>(const DeviceRequest& request);
 
+/// A kind of device.
 struct DeviceKind {
-  const char* name;         ///< as --device has it
+  const char* name;         ///< name for --device
   const char* description;  ///< one line for --help
   OpenDevice* open;
-  /// What is plugged in, a line each; may throw. Null: the kind is always there.
+  /// Lists the detected devices, one line each; may throw. Null: the kind is always available.
   std::vector<std::string> (*list)() = nullptr;
-  bool by_itself = true;  ///< `auto` takes what is plugged in
+  bool by_itself = true;  ///< `auto` may select it
 };
 
-/// All kinds of this build: `auto` opens what findDevice() finds, else where there is a window the
-/// mouse, else the first one.
+/// All kinds of this build. `auto` opens the result of findDevice(), else the mouse if there is a
+/// window, else the first kind.
 std::span<const DeviceKind> deviceKinds() noexcept;
 
-/// The profile of --profile; of an empty one the kind's own. Throws as OpenDevice does.
+/// Returns the profile `name_or_file`; for an empty name the profile `own`. Throws like OpenDevice.
 PlantProfile loadProfile(const std::string& name_or_file, const std::string& own = "omni");
 
-/// Opens a device of the kind `name`, or `auto`. Throws as OpenDevice does, and for an unknown
-/// name.
+/// Opens a device of the kind `name`, or the fallback of `auto` without a detection. Throws like
+/// OpenDevice, and for an unknown name.
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request);
 
-/// The first real device that is plugged in and answers; null: there is none. What is plugged in
-/// and does not is told.
+/// Opens the first detected device that answers; null if there is none. Logs detected devices that
+/// do not answer.
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request);
 
-/// --list-devices: every kind with what was found of it, a line each.
+/// Returns the text of --list-devices: one line for each kind, with its detected devices.
 std::string listDevices();
 
 }  // namespace hapticast::client

@@ -9,9 +9,9 @@ namespace hapticast::client {
 
 namespace {
 
-// Chosen: a hand follows what it sees within a tenth of a second, ...
+// Chosen: the hand follows its input within a tenth of a second.
 constexpr double kFollow_1_s = 40.0;
-// ... and is never more than this behind its goal as it sees it: 400 mm/s at most.
+// Chosen: the largest distance to the input, which limits the speed to 400 mm/s.
 constexpr double kMostBehind_mm = 20.0;
 
 }  // namespace
@@ -20,7 +20,7 @@ void PointedHand::moveTowards(const Vec3& wanted_mm) noexcept {
   if (!std::exchange(moves_, true)) goal_mm_ = tip_mm();
   Vec3 path_mm = wanted_mm - goal_mm_;
   if (path_mm.norm() > kMostBehind_mm) path_mm *= kMostBehind_mm / path_mm.norm();
-  // Critically damped: it arrives without going beyond.
+  // Critically damped: no overshoot.
   velocity_mm_s_ +=
       kTick_s * (kFollow_1_s * kFollow_1_s * path_mm - 2.0 * kFollow_1_s * velocity_mm_s_);
   goal_mm_ += kTick_s * velocity_mm_s_;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The virtual device in a light hand whose goal follows something that comes in steps, a pointer or
-// a stick. Thread: the loop's.
+// A virtual device in a light hand whose target follows stepwise input (pointer, stick) with
+// critical damping.
+// Thread: loop.
 #pragma once
 
 #include "client/device/virtual/virtual_device.hpp"
 
 namespace hapticast::client {
 
+/// Smooths the input and runs the virtual device.
 class PointedHand {
  public:
-  /// `clock` outlives it.
+  /// `clock` must outlive this object.
   PointedHand(const PlantProfile& profile, const Clock& clock)
       : device_(profile, Hand::light(), clock) {}
 
@@ -18,10 +20,11 @@ class PointedHand {
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept {
     return device_.exchange(force_N, report);
   }
+  /// True position of the HIP, device frame.
   [[nodiscard]] Vec3 tip_mm() const noexcept { return device_.truePosition_mm(); }
 
-  /// One tick on the way to this place (device frame, finite). Before the first call the hand
-  /// rests.
+  /// Moves the hand's target for one tick towards `wanted_mm` (device frame, finite). Before the
+  /// first call the hand rests.
   void moveTowards(const Vec3& wanted_mm) noexcept;
 
  private:

@@ -13,29 +13,30 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kFullWeight_mm = 0.2;  // penetration at which the dynamic force acts in full
-constexpr double kMassRatio = 10.0;     // m_object at least, in m_cursor
-// What no author has weighed is taken for a thing that fits into a hand. A heavier one would make
-// the errors of a slow clip, whose largest acceleration is hardly more than noise, fill the force.
+constexpr double kFullWeight_mm = 0.2;  // full weight of the dynamic force from this penetration on
+constexpr double kMassRatio = 10.0;     // lower bound of m_object, in m_cursor
+// Mass without an author's value. Chosen: an object that fits into a hand. With a heavier mass the
+// errors of a slow clip would fill the force, because its largest acceleration is hardly more than
+// noise.
 constexpr double kUnknownMass_kg = 0.5;
-// Chosen: more than a hand moves about by itself (ISO 11228-1 takes 3 kg and more for a load to be
-// lifted). The stream's frames bear an acceleration out but no mass: a tonne would turn the last
-// micrometre of them into all that the device can do.
+// Chosen: above the mass that a hand usually moves (ISO 11228-1 covers lifting from 3 kg on). The
+// frames of a stream support an acceleration but no mass. With a tonne, the last micrometre of them
+// would reach the device's peak.
 constexpr double kHeaviest_kg = 5.0;
 constexpr double kPulse_s = 0.015;
-constexpr double kKnee = 0.8;  // of the pulse limit
-// Chosen: whatever acceleration a stream announces, half of what the device can do is the
-// surface's.
+constexpr double kKnee = 0.8;  // share of the pulse limit
+// Chosen: half of the peak remains for the surface, whatever acceleration a stream states.
 constexpr double kObjectShare = 0.5;
-// Chosen: what the frames do not bear out may push by so much, since noise at rest is no lie, ...
+// Chosen: force allowed beyond the plausibility bounds, because noise at rest is no lie.
 constexpr double kSlack_N = 0.15;
-// ... and what is cut of the force below this is no news; a count at 0.5 N/mm makes as much.
+// A smaller reduction is not reported. One count at 0.5 N/mm has this size.
 constexpr double kFelt_N = 0.03;
 
-/// Device metres per nominal millimetre: beta of Eq. 6.
+/// Returns device metres per nominal millimetre: beta of Eq. 6.
 double metresPerMillimetre(double scale) noexcept { return scale * 1e-3; }
 
-/// Bilinear between the centres of the cells, held beyond the outer ones. Requires frame.grid.
+/// Bilinear interpolation between the centres of the cells, constant beyond the outer centres.
+/// Requires frame.grid.
 Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
   const MotionGrid* const grid = frame.grid;
   if (grid->columns <= 0 || grid->rows <= 0) return Vec3::Zero();
@@ -65,7 +66,8 @@ Vec3 shortened(const Vec3& vector, double limit) noexcept {
   return length > limit ? Vec3(vector * (limit / length)) : vector;
 }
 
-/// Acceleration of the object's material at the contact, nominal mm/s².
+/// Acceleration of the object's material at the contact, nominal mm/s²: as stated by the stream,
+/// and within the plausibility bounds.
 struct AtContact {
   Vec3 streamed;
   Vec3 plausible;
@@ -113,7 +115,8 @@ bool underWay(const Impact& impact, MediaTime play_time) noexcept {
   return since_s >= 0.0 && since_s < kPulse_s;
 }
 
-/// The first impact under way that is not `known` (null: none is) over again.
+/// Returns the first active impact that differs from `known` (null: differs from none); null if
+/// there is none.
 const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
                              const Impact* known) noexcept {
   for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
@@ -125,8 +128,8 @@ const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
   return nullptr;
 }
 
-/// As it is up to a knee, so that the impulse of what the device can render is exact; above it
-/// smoothly under the limit.
+/// Soft-knee compressor: identity up to a knee, so that the impulse of a weak impact is exact;
+/// above the knee the result approaches the limit smoothly.
 double compressed(double height_N, double limit_N) noexcept {
   if (!(limit_N > 0.0)) return 0.0;
   const double knee_N = kKnee * limit_N;
@@ -140,8 +143,8 @@ double compressed(double height_N, double limit_N) noexcept {
 DynamicForce::DynamicForce(const DeviceProfile& profile) noexcept : profile_(profile) {}
 
 double DynamicForce::cursorMass_kg() const noexcept {
-  // -m_cursor a_cursor is virtual inertia: with at most the device's own mass every estimator delay
-  // up to two ticks keeps a margin of three (measured, README.md).
+  // -m_cursor a_cursor is virtual inertia. With at most the device's own mass it keeps a stability
+  // margin of three, at estimator delays of up to two ticks (measured, client/haptics/README.md).
   return std::clamp(profile_.mass_kg, 0.0, kCursorMass_kg);
 }
 
@@ -152,8 +155,8 @@ double DynamicForce::objectMass_kg(const StreamTiming& stream, double scale) con
                kMassRatio * cursorMass_kg());
   const double largest_m_s2 = stream.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
   if (!(largest_m_s2 > 0.0) || !std::isfinite(largest_m_s2)) return wanted_kg;
-  // The device's share is what it can hold for good: an object may accelerate for as long as a clip
-  // lasts, and noise never rests. The rest, up to the peak, is left to the surface and to impacts.
+  // The bound is the continuous force: an object may accelerate for a whole clip, and noise never
+  // rests. The rest up to the peak remains for the surface and for impacts.
   return std::min(wanted_kg, profile_.continuous_N / largest_m_s2);
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Eq. 6: F = beta m_object a_object - m_cursor a_cursor, plus impact pulses. Real-time room.
+// Dynamic force (thesis, Eq. 6): F = beta m_object a_object - m_cursor a_cursor, plus the pulses of
+// impacts. The second term is virtual inertia. client/haptics/README.md, section 2, states the
+// limits of both masses.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <cstdint>
@@ -10,34 +13,42 @@
 
 namespace hapticast::client {
 
+/// Upper bound of m_cursor; a lighter device lowers it. The default mass of an Omni-class device.
 inline constexpr double kCursorMass_kg = 0.045;
 
+/// Computes the dynamic force of the touched object.
 class DynamicForce {
  public:
+  /// `profile` must outlive this object.
   explicit DynamicForce(const DeviceProfile& profile) noexcept;
 
-  /// Force in N, device frame. `scale`: nominal -> device mm (beta, together with mm -> m). The
-  /// acceleration of the object is taken at the contact point (centre + rotation), a_cursor in
-  /// device m/s². The weight min(1, d/0.2 mm) of the penetration is applied here. Zero without
-  /// contact, when not finite. `contact_mm`: the contact in nominal mm, where rotation
-  /// and grid are evaluated; without it the object's reference point stands for all of it. The
-  /// object's share is at most half of the device's peak, all of it at most the peak. An impact
-  /// pushes along its change of velocity: a half-sine of 15 ms from the impact's time on. The
-  /// object's acceleration, turn, grid and impact count as far as its belief goes.
+  /// Returns the dynamic force in N, device frame. Returns zero without an object or a contact, and
+  /// if the result is not finite.
+  ///
+  /// `scale` converts nominal mm to device mm (beta, together with mm to m).
+  /// `cursor_acceleration_m_s2` is in device m/s². `contact_mm` (nominal) is the point where
+  /// rotation and grid are evaluated; null selects the object's reference point. The result
+  /// includes the weight min(1, penetration / 0.2 mm).
+  ///
+  /// The object's share is at most half of the device's peak, the sum at most the peak. An impact
+  /// pushes along its change of velocity: a half-sine of 15 ms that begins at the time of the
+  /// impact. Acceleration, turn, grid and impact of the object count up to its plausibility bounds.
   Vec3 evaluate(const InterpolatedObject* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamTiming& stream, double scale,
                 const Vec3* contact_mm = nullptr) noexcept;
 
-  /// The last evaluate() cut what the stream's own frames do not bear out, by more than is felt.
+  /// Returns true if the last evaluate() removed a part beyond the plausibility bounds that exceeds
+  /// 0.03 N.
   [[nodiscard]] bool implausible() const noexcept { return implausible_; }
 
-  /// The share of -m_cursor a_cursor in the force of the last evaluate(): the viewer's own, not the
-  /// stream's.
+  /// Share of -m_cursor a_cursor in the force of the last evaluate(), N. The hand causes this
+  /// share, not the stream.
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
-  /// m_object = min(author's (0.5 kg when none is given), 5 kg, the device's continuous force /
-  /// largest a), never below 10 m_cursor unless that force forces it. Always finite, >= 0.
+  /// Returns m_object in kg: the author's mass (0.5 kg without one), at most 5 kg, at least 10
+  /// m_cursor. The device's continuous force / largest a bounds the result and may lower it below
+  /// 10 m_cursor. Finite, >= 0.
   [[nodiscard]] double objectMass_kg(const StreamTiming& stream, double scale) const noexcept;
 
  private:
@@ -46,8 +57,8 @@ class DynamicForce {
                              double kg_m_per_mm) noexcept;
 
   const DeviceProfile& profile_;
-  // The impact whose pulse is or was last under way: frames that no longer list it do not cut it
-  // off, and frames that put it a little later do not render it twice.
+  // The latest impact with a pulse. A pulse continues in frames that no longer list its impact. A
+  // frame that lists the impact a little later causes no second pulse.
   bool has_pulse_ = false;
   Impact pulse_;
   std::uint32_t pulse_object_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What of the felt force is a steady press and what is sudden: for whoever renders it on less than
-// a haptic device, as rumble or as sound. Thread: any, one at a time.
+// Splits the rendered force into a sustained and a transient component, for outputs with less
+// bandwidth than a haptic device: rumble and sound. Method: a one-pole low-pass of 50 ms, and a
+// peak hold with the same time constant.
+// Thread: any, one at a time.
 #pragma once
 
 #include <algorithm>
@@ -10,21 +12,24 @@
 
 namespace hapticast::client {
 
+/// The two components of a tick.
 struct ForceComponents {
   double sustained_N = 0.0;
-  double transient_N = 0.0;  ///< dynamic force, touches, impacts; held for a moment
+  double transient_N = 0.0;  ///< dynamic force, begin of a touch, impacts; with peak hold
 };
 
+/// Computes the components; its state is the filter.
 class TransientDetector {
  public:
-  /// Sees every tick; what is felt in it.
+  /// Returns the components of this tick. Call once for every tick.
   ForceComponents next(const TickReport& report) noexcept {
     const double rendered_N = report.force_N.norm();
     if (!(rendered_N > kNothing_N)) {
       *this = {};
       return {};
     }
-    // The two shares are meant; what the chain let through of them is felt.
+    // The report has the shares before the limits of the safety chain. Scale them to the force
+    // after the chain.
     const double requested_N = (report.static_force_N + report.dynamic_force_N).norm();
     const double share = std::min(1.0, rendered_N / std::max(requested_N, kNothing_N));
     slow_N_ += (kTick_s / kSudden_s) * (report.force_N - slow_N_);
@@ -35,10 +40,10 @@ class TransientDetector {
   }
 
  private:
-  // Chosen: less is no touch.
+  // Chosen: a smaller force counts as no touch.
   static constexpr double kNothing_N = 0.01;
-  // Chosen: a touch or an impact's 15 ms are held until a motor has turned up, and an event loop of
-  // 10 ms has seen them.
+  // Chosen: the peak hold lasts until a motor runs up (for 15 ms of an impact), and an event loop
+  // of 10 ms reads it.
   static constexpr double kSudden_s = 0.05;
   Vec3 slow_N_ = Vec3::Zero();
   double transient_N_ = 0.0;

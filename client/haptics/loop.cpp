@@ -8,8 +8,9 @@
 namespace hapticast::client {
 
 namespace {
-constexpr Duration kLate{1'500'000};  // half a period: chosen
-constexpr int kStopTicks = 2000;  // longest ramp to zero; the profile's ranges keep it far below
+constexpr Duration kLate{1'500'000};  // chosen: half a period late
+// Upper bound of the ramp to zero; the ranges of a profile need far less.
+constexpr int kStopTicks = 2000;
 }  // namespace
 
 void LoopStats::add(const TickReport& report, double step_N) noexcept {

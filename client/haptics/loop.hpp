@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The 1 kHz loop around the room, and what it counts for the summary.
+// The 1 kHz haptic loop around the renderer, and its statistics for the summary.
+// Thread: the loop's own thread.
 #pragma once
 
 #include <array>
@@ -11,31 +12,34 @@
 
 namespace hapticast::client {
 
-/// Everything of the summary that the loop knows. Thread: the loop's; read it after runLoop() has
-/// returned.
+/// Statistics of a run. Thread: loop; any thread after runLoop() has returned.
 struct LoopStats {
   std::uint64_t ticks = 0;
-  std::uint64_t late_ticks = 0;  ///< began more than 1.5 ms after the one before
-  Histogram tick_ns;             ///< time in the room
+  std::uint64_t late_ticks = 0;  ///< began more than 1.5 ms after the tick before
+  Histogram tick_ns;             ///< time in the renderer
   Histogram exchange_ns;         ///< time in the device
   std::array<std::uint64_t, kLookupKinds> lookup{};
-  std::array<std::uint64_t, kLookupKinds> contact_lookup{};  ///< of the ticks in contact
+  std::array<std::uint64_t, kLookupKinds> contact_lookup{};  ///< ticks in contact only
   std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
   std::array<std::uint64_t, kFaultKinds> faults{};  ///< index: Fault
   std::uint64_t contact_ticks = 0;
+  /// Largest |force|, largest |change| of the force in a tick.
   double max_force_N = 0.0;
   double max_force_step_N = 0.0;
+  /// Largest excess over the slew limit; must be 0.
   double step_excess_max_N = 0.0;
-  PortWork work;  ///< of the force so far
+  PortWork work;  ///< work of the force at its ports
 
-  /// Counts one tick. `step_N`: |change| of the force.
+  /// Counts one tick. `step_N` is the |change| of the force, N.
   void add(const TickReport& report, double step_N) noexcept;
 };
 
-/// Runs until `stop`, then ramps the force to zero and leaves the device at zero. Where a timer
-/// wakes the loop the deadlines lie on a grid of one millisecond, and those missed in a stall are
-/// skipped, not caught up. A device that wakes it earlier by its reply moves the grid along: the
-/// deadline is never more than a period away, so it stays a watchdog. Thread: the loop's.
+/// Runs ticks until `stop`, then ramps the force to zero and leaves the device at zero.
+///
+/// Deadlines lie on a grid of 1 ms. The loop skips the deadlines that a stall has missed, without a
+/// burst of ticks. A device with an early reply moves the grid: the next deadline is at most one
+/// period away. So the deadline remains a watchdog. All arguments must outlive the call. Thread:
+/// the loop's own.
 void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
              const std::atomic<bool>& stop, LoopStats& stats) noexcept;
 

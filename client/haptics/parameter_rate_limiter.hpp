@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A number of a material as it is felt: under the hand it changes within 0.3 s, so that a stream
-// can neither strike nor pump with it. Real-time room.
+// Rate limiter for a parameter of a material (stiffness, damping, friction). In contact a change is
+// spread over 0.3 s, so that a stream can neither strike the hand nor pump energy with the
+// parameter.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <algorithm>
@@ -10,11 +12,14 @@
 
 namespace hapticast::client {
 
+/// Limits the rate of one parameter.
 class ParameterRateLimiter {
  public:
-  /// What is felt in this tick of what the stream says. Not `in_contact` it holds at once.
+  /// Returns the value of this tick for the requested value `wanted`. Without a contact the value
+  /// is `wanted` at once. A `wanted` that is not finite passes unchanged and does not alter the
+  /// state.
   double step(double wanted, bool in_contact) noexcept {
-    if (!std::isfinite(wanted)) return wanted;  // the chain's to judge, and nothing to follow
+    if (!std::isfinite(wanted)) return wanted;  // the safety chain rejects it
     if (!in_contact) value_ = goal_ = wanted;
     if (wanted != goal_) {
       goal_ = wanted;
@@ -25,10 +30,10 @@ class ParameterRateLimiter {
   }
 
  private:
-  static constexpr double kChange_s = 0.3;  // chosen: slower than a hand can be driven by it
+  static constexpr double kChange_s = 0.3;  // chosen: too slow to drive a hand
   double value_ = 0.0;
   double goal_ = 0.0;
-  double step_ = 0.0;  // a tick
+  double step_ = 0.0;  // per tick
 };
 
 }  // namespace hapticast::client

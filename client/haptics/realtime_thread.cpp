@@ -15,11 +15,11 @@
 namespace hapticast::client {
 
 namespace {
-// Above interrupt threads' usual 50, below the kernel's own 99.
+// Above the usual 50 of interrupt threads, below the kernel's own 99.
 constexpr int kPriority = 80;
 
 bool lockMemory() noexcept {
-  // Under a limit, locking all future memory would make later allocations fail instead.
+  // Under a limit, locked future memory would make later allocations fail.
   rlimit limit{};
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
   if (!unlimited && geteuid() != 0) return false;

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Asks the system to treat the calling thread as the 1 kHz loop's.
+// Real-time scheduling of the calling thread: SCHED_FIFO, locked memory, and flush-to-zero of
+// denormal numbers.
+// Thread: the thread of the 1 kHz loop, before the first tick.
 #pragma once
 
 namespace hapticast::client {
 
+/// Real-time properties that the system granted.
 struct RealtimeGrant {
   bool fifo = false;   ///< the thread runs under SCHED_FIFO
-  bool mlock = false;  ///< the process's memory, present and future, stays in RAM
+  bool mlock = false;  ///< present and future memory of the process stays in RAM
 };
 
-/// Asks for both; not getting them is no error. Thread: the one that will run the loop, before it
-/// does.
+/// Requests both properties for the calling thread and returns the granted ones. A refusal is no
+/// error. Call in the loop's thread, before the loop.
 RealtimeGrant requestRealtime() noexcept;
 
-/// From now on numbers below 2.2e-308 are zero on the calling thread and those it starts: filters
-/// at rest decay to them, and the processor takes a hundred times as long over them.
+/// Makes the calling thread, and the threads that it starts, treat numbers below 2.2e-308 as zero.
+/// Filters at rest decay to such numbers, and the processor needs a hundred times as long for them.
 void flushDenormals() noexcept;
 
 }  // namespace hapticast::client

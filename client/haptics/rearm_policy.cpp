@@ -10,7 +10,7 @@ bool RearmPolicy::onReport(const TickReport& report) {
   }
   const bool waits = deviceIsBack(report) || report.halt == Halt::kUnconfirmed ||
                      (halt_ == Halt::kTrustLost && report.device == DeviceStatus::kOk);
-  if (!waits) requested_ = false;  // a device that is lost again has not heard of it
+  if (!waits) requested_ = false;  // a device lost again did not receive the request
   if (!by_itself_ || !waits || requested_) return false;
   if (halt_ == Halt::kTrustLost) {
     if (forgiven_ == kMaxCount || report.time - halted_ < kDelay) return false;

@@ -1,38 +1,41 @@
 // SPDX-License-Identifier: MIT
-// --rearm: when the force may come back by itself. Thread: main.
+// Policy of automatic re-arming (--rearm): decides when a halted force may return.
+// Thread: main.
 #pragma once
 
 #include "client/haptics/tick_report.hpp"
 
 namespace hapticast::client {
 
+/// Decides on the re-arming of a halted force. Reads every tick report in order.
 class RearmPolicy {
  public:
-  /// Chosen: so long after trust was lost it is forgiven, ...
+  /// Wait between the loss of trust and its automatic re-arming. Chosen.
   static constexpr Duration kDelay = std::chrono::seconds(5);
-  /// ... and so often only.
+  /// Number of automatic re-armings after a loss of trust. Chosen.
   static constexpr int kMaxCount = 3;
 
-  /// Without `by_itself` it never is; `by_key`: somebody can do it in a window.
+  /// `by_itself`: automatic re-arming is on. `by_key`: the user can re-arm with a key of the
+  /// window.
   explicit RearmPolicy(bool by_itself, bool by_key = false)
       : by_itself_(by_itself), by_key_(by_key) {}
 
-  /// Sees every report; whether the force is to be re-armed now.
+  /// Processes a report. Returns true if the caller has to re-arm the force now.
   [[nodiscard]] bool onReport(const TickReport& report);
-  /// Whether a lost device's force returns, as often as the device does.
+  /// Returns true if re-arming is automatic. For a returned device it has no count limit.
   [[nodiscard]] bool automatic() const { return by_itself_; }
-  /// Whether a key of the window brings the force back.
+  /// Returns true if a key of the window re-arms.
   [[nodiscard]] bool manual() const { return by_key_; }
-  /// How often lost trust will still be forgiven.
+  /// Returns the number of remaining automatic re-armings after a loss of trust.
   [[nodiscard]] int left() const { return by_itself_ ? kMaxCount - forgiven_ : 0; }
 
  private:
   bool by_itself_;
   bool by_key_;
   int forgiven_ = 0;
-  bool requested_ = false;  // the loop has not answered yet
+  bool requested_ = false;  // re-armed, and the loop still reports the halt
   Halt halt_ = Halt::kNone;
-  LocalTime halted_{};  // since then
+  LocalTime halted_{};  // begin of the halt
 };
 
 }  // namespace hapticast::client

@@ -11,13 +11,13 @@
 namespace hapticast::client {
 
 namespace {
-// Without a word from the device for this long its last position says nothing any more (chosen:
-// the longest gap that HipEstimator bridges).
+// After this many ticks without a reading the last position is void. Chosen: the longest gap that
+// HipEstimator bridges.
 constexpr int kSilentTicks = 20;
-// Of the profile's stiffness: an author may ask for this much unless the user allows more (chosen).
+// Limit of an author's stiffness without --stiffness-limit, in the profile's stiffness. Chosen.
 constexpr double kStiffnessShare = 3.0;
 
-/// A point of the frame `before` (nominal mm) carried to where the object is now.
+/// Moves a point of the frame `before` (nominal mm) with the object to play time.
 Vec2 carried(const InterpolatedObject& object, const Vec2& point_mm) noexcept {
   const Motion& then = object.before->motion;
   const Eigen::Rotation2Dd turn(object.angle_rad - then.angle_rad);
@@ -28,7 +28,7 @@ Vec2 computeCentre(const InterpolatedObject& object, const Workspace& workspace)
   return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
 }
 
-/// The height there; between two frames that of one turns into that of the other.
+/// Returns the height of the surface at the centre; blended between two frames.
 double centreHeight_mm(const InterpolatedObject& object) noexcept {
   const auto above = [](const PlayObject& frame) noexcept {
     return frame.field->deepestPointHeight_mm() - frame.motion.position_mm.z();
@@ -82,7 +82,7 @@ HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool
       safety_(settings.profile),
       mapping_(DeviceMapping::fit(workspace_, settings.profile.workspace_mm)) {
   if (settings.unconfirmed) safety_.awaitConfirmation();
-  report_.enabled = !settings.profile.enable_button;  // until the device has said otherwise
+  report_.enabled = !settings.profile.enable_button;  // until the first reading
 }
 
 const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) noexcept {
@@ -145,14 +145,15 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.mapping = mapping_;
 }
 
-/// Takes over what changed in stream and wishes; returns whether the world is another one.
+/// Applies changes of stream and controls. Returns true if the scene has no connection with the
+/// last tick.
 bool HapticRenderer::updateInputs(const StreamTiming& stream, const UserControls& user) noexcept {
   bool changed = stream.connected != connected_ && stream.connected;
   if (changed) safety_.newConnection();
   changed = force_mix_.update(user) || changed;
   proxies_.setFriction(force_mix_.friction());
   connected_ = stream.connected;
-  if (paused_ && !user.paused) {  // the stream has gone on meanwhile: it is joined like a new one
+  if (paused_ && !user.paused) {  // the stream continued meanwhile: join it like a new one
     playout_.resync();
     lookup_.resync();
     changed = true;
@@ -173,7 +174,7 @@ bool HapticRenderer::updateInputs(const StreamTiming& stream, const UserControls
 
 Contact HapticRenderer::computeContact(const Scene& scene, const Vec3& hip_mm) noexcept {
   if (force_mix_.method() == Method::kThesis) {
-    // It waits for the next frame to see where the hand has gone, and none comes while time stands.
+    // The thesis's method needs the next frame, and none arrives while play time is paused.
     return paused_ ? findContact(SurfaceKind::kPerturbed, scene, hip_mm, workspace_)
                    : thesis_.evaluate(lookup_, scene.play_time, hip_mm, workspace_);
   }
@@ -183,7 +184,8 @@ Contact HapticRenderer::computeContact(const Scene& scene, const Vec3& hip_mm) n
   return findContact(force_mix_.surface(), scene, hip_mm, workspace_);
 }
 
-/// Nominal -> device: lengths and speeds by the mapping's scale, directions stay.
+/// Converts from nominal to device: the scale of the mapping for lengths and speeds; directions are
+/// unchanged.
 SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& contact,
                                         const Scene& scene) const noexcept {
   SafetyInput input;
@@ -215,8 +217,8 @@ double HapticRenderer::stiffness_N_mm(const InterpolatedObject* object) const no
   if (object == nullptr) return usual_N_mm;
   const double limit_N_mm = stiffnessLimit_N_mm();
   const double requested_N_mm = object->before->material.stiffness_N_mm.value_or(usual_N_mm);
-  return requested_N_mm > limit_N_mm ? limit_N_mm
-                                     : requested_N_mm;  // a NaN is the chain's to judge
+  // The safety chain rejects NaN.
+  return requested_N_mm > limit_N_mm ? limit_N_mm : requested_N_mm;
 }
 
 double HapticRenderer::stiffnessLimit_N_mm() const noexcept {
@@ -224,13 +226,14 @@ double HapticRenderer::stiffnessLimit_N_mm() const noexcept {
                                               : kStiffnessShare * settings_.profile.stiffness_N_mm;
 }
 
-/// The author asked for more than the user allows.
+/// Returns true if the stiffness of the author exceeds the user's limit.
 bool HapticRenderer::softened(const InterpolatedObject* object) const noexcept {
   return object != nullptr && settings_.stiffness_N_mm == 0.0 &&
          object->before->material.stiffness_N_mm.value_or(0.0) > stiffness_N_mm(object);
 }
 
-/// After a jump the force begins at zero, with the material that is there.
+/// Limits the rate of the material. After a jump the force begins at zero, with the present
+/// material at once.
 void HapticRenderer::updateMaterial(SafetyInput& input) noexcept {
   const bool in_contact = report_.contact && input.contact && !input.world_jumped;
   const double requested_N_mm = input.stiffness_N_mm * force_mix_.stiffness();
@@ -243,7 +246,7 @@ void HapticRenderer::updateMaterial(SafetyInput& input) noexcept {
   input.inertia_N *= dynamic;
 }
 
-/// What the chain arms at most, by the stiffest object of the scene, in nominal mm.
+/// Returns the arming depth of the safety chain for the stiffest object of the scene, nominal mm.
 double HapticRenderer::deepest_mm(const Scene& scene) const noexcept {
   double stiffest_N_mm = 0.0;
   for (std::size_t i = 0; i < scene.object_count; ++i) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The real-time room: one tick from the device's position to the force it gets. No heap, locks,
-// system calls or exceptions; time is an argument; all state belongs to the loop's thread and has a
-// fixed size.
+// Haptic rendering: one tick from the device's position to the force. The steps are motion
+// estimation, scene interpolation, contact, dynamic force and safety chain
+// (client/haptics/README.md, "One tick").
+// No heap, locks, system calls or exceptions. Time is an argument. All state has a fixed size.
+// Thread: loop, unless a function states another one.
 #pragma once
 
 #include <atomic>
@@ -26,33 +28,35 @@ struct RendererSettings {
   DeviceProfile profile;
   SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
-  Method method = Method::kHapticast;  ///< kThesis: forces interpolated by cubics between frames
-  bool unconfirmed = false;     ///< nobody has asked for this device: no force until it is re-armed
-  double stiffness_N_mm = 0.0;  ///< > 0: instead of the material's and the profile's
-  double stiffness_limit_N_mm =
-      0.0;  ///< of what an author may ask for; 0: three times the profile's
+  Method method = Method::kHapticast;  ///< kThesis: cubic interpolation of forces between frames
+  bool unconfirmed = false;     ///< automatically detected device: no force before a re-arming
+  double stiffness_N_mm = 0.0;  ///< > 0: overrides material and profile
+  /// Limit of an author's stiffness; 0: three times the profile's stiffness.
+  double stiffness_limit_N_mm = 0.0;
 };
 
-/// Holds about 1 MB (the flight recorder): not for the stack.
+/// The haptic renderer. Its size is about 1 MB (the flight recorder): do not put it on the stack.
 class HapticRenderer {
  public:
   using Log = SpscRing<TickReport, 4096>;
-  /// All arguments outlive the room. `log` may be null; it is never waited for.
+  /// All arguments must outlive the renderer. `log` may be null; the renderer never waits for it
+  /// and counts the reports that find it full.
   HapticRenderer(const RendererSettings& settings, FramePool& pool,
                  LatestValue<StreamTiming>& stream, LatestValue<UserControls>& user,
                  Log* log) noexcept;
 
-  /// One tick; report().force_N is for the device. Thread: loop.
+  /// Runs one tick and returns its report; report().force_N is the force for the device. Thread:
+  /// loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
-  /// How long the last tick has taken, for the next one's report. Thread: loop.
+  /// Sets the duration of the last tick, for the next report. Thread: loop.
   void setLastTickDuration(Duration last) noexcept { report_.tick_duration = last; }
-  /// From now on the force ramps to zero and stays there. Thread: loop.
+  /// Ramps the force to zero for good. Thread: loop.
   void stop() noexcept { safety_.stop(); }
 
   [[nodiscard]] const TickReport& report() const noexcept { return report_; }
-  /// Reports that found the log full. Thread: loop, or any after the loop has ended.
+  /// Number of reports that found the log full. Thread: loop, or any after the end of the loop.
   [[nodiscard]] std::uint64_t droppedReports() const noexcept { return dropped_reports_; }
-  /// Frames that arrived after they were due. Thread: as droppedReports().
+  /// Number of frames that arrived after their play time. Thread: as droppedReports().
   [[nodiscard]] std::uint64_t lateFrames() const noexcept { return lookup_.lateFrames(); }
   [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
 
@@ -90,7 +94,7 @@ class HapticRenderer {
   DeviceMapping mapping_;
   bool connected_ = false;
   bool paused_ = false;
-  bool faulty_ = false;  // a lasting fault is raised once
+  bool faulty_ = false;  // a lasting fault is reported once
   std::uint32_t rearmed_ = 0;
   std::uint64_t dropped_reports_ = 0;
   TickReport report_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One of the two doors through which the loop is told what to do: what is known of the stream.
+// Input of the loop from the network: the times and the limits of the stream. The other input is
+// UserControls.
+// Thread: network (writer), loop (reader of the latest value).
 #pragma once
 
 #include <cstdint>
@@ -9,18 +11,18 @@
 
 namespace hapticast::client {
 
-/// The network writes it, the loop reads the latest value. A plain value that owns nothing.
+/// Times and limits of the stream, without ownership.
 struct StreamTiming {
-  bool connected = false;  ///< a stream is announced and its clock is known
-  /// The first client-side epoch of this connection; older frames are void.
+  bool connected = false;  ///< the stream is announced and its clock is synchronised
+  /// First client-side epoch of this connection; frames of earlier epochs are void.
   std::uint32_t first_epoch = 0;
-  Duration clock_offset{0};          ///< media clock - local clock, now
+  Duration clock_offset{0};          ///< media clock - local clock, at present
   Duration pipeline_latency{0};      ///< announced by the server
-  Duration playout_delay_target{0};  ///< what the jitter of the last seconds asks for
+  Duration playout_delay_target{0};  ///< playout delay that covers the recent jitter
   Duration frame_interval{40'000'000};
   Workspace workspace;
-  double largest_acceleration_mm_s2 = 0.0;  ///< 0: unknown
-  double author_mass_kg = 0.0;              ///< 0: none given
+  double largest_acceleration_mm_s2 = 0.0;  ///< 0: not announced
+  double author_mass_kg = 0.0;              ///< 0: no author's mass
 };
 
 }  // namespace hapticast::client

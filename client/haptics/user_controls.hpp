@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One of the two doors through which the loop is told what to do: what the user asks for.
+// Input of the loop from the user. The other input is StreamTiming.
+// Thread: main (writer), loop (reader of the latest value).
 #pragma once
 
 #include <cstdint>
@@ -10,24 +11,24 @@
 
 namespace hapticast::client {
 
-/// The app writes it, the loop reads the latest value. A plain value that owns nothing. Whatever is
-/// in it, the force changes without a step and stays within the chain's limits.
+/// Requests of the user, without ownership. Whatever the values, the force changes without a step
+/// and stays within the limits of the safety chain.
 struct UserControls {
-  /// The frame stands still and stays to be explored. Where it ends, the loop rejoins the stream as
-  /// if it were a new one: frames from before are void, and the force fades in from zero.
+  /// Holds the current frame for exploration. After the pause the loop joins the stream like a new
+  /// one: earlier frames are void, and the force fades in from zero.
   bool paused = false;
-  /// A new value lets the force return, faded in, after a lost device has come back or trust
-  /// in the stream was lost.
+  /// A new value re-arms the force after the return of a lost device, a loss of trust, or at an
+  /// unconfirmed device. The force fades in.
   std::uint32_t rearm = 0;
-  /// Which of the two forces are felt. A surface that comes back fades in as a new one does.
+  /// Enables each of the two forces. A re-enabled surface fades in like a new one.
   bool static_on = true;
   bool dynamic_on = true;
-  /// Of the stiffness that author and profile ask for, 0.1..3; beyond --stiffness-limit it does
-  /// nothing.
+  /// Factor of the stiffness of author and profile, 0.1..3. The result stays within
+  /// --stiffness-limit.
   double stiffness_factor = 1.0;
-  double force_factor = 1.0;                      ///< of both forces, 0..1
-  std::optional<double> friction = std::nullopt;  ///< 0..1, instead of the author's
-  std::optional<Method> method = std::nullopt;    ///< instead of the one of the start
+  double force_factor = 1.0;                      ///< factor of both forces, 0..1
+  std::optional<double> friction = std::nullopt;  ///< 0..1; overrides the author's friction
+  std::optional<Method> method = std::nullopt;    ///< overrides the method of the start
   std::optional<SurfaceKind> surface = std::nullopt;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the user's controls make of the force: weights that change slowly under the hand, and what
-// has to begin from zero because no weight leads from one to the other. Real-time room.
+// Applies the user's controls to the force. Gains change slowly in contact (ParameterRateLimiter).
+// A change of method or surface has no gain between old and new, so the force restarts from zero.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <algorithm>
@@ -12,13 +13,14 @@
 
 namespace hapticast::client {
 
+/// Gains and choices of the user.
 class UserForceMix {
  public:
   UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 
-  /// Takes over what the user wants now; whether the surface under the hand is another one, so that
-  /// its force has to fade in from zero.
+  /// Reads the controls of this tick. Returns true if the surface in contact is another one: its
+  /// force has to fade in from zero.
   bool update(const UserControls& user) noexcept {
     const Method method = user.method.value_or(own_method_);
     const SurfaceKind surface = user.surface.value_or(own_surface_);
@@ -35,17 +37,19 @@ class UserForceMix {
     if (friction_) friction_ = within(*friction_, 0.0, 1.0);
     return changed;
   }
-  /// Weight of the dynamic force in this tick.
+  /// Returns the gain of the dynamic force in this tick, 0..1.
   double dynamicGain(bool in_contact) noexcept { return dynamic_ramp_.step(dynamic_, in_contact); }
 
   [[nodiscard]] Method method() const noexcept { return method_; }
   [[nodiscard]] SurfaceKind surface() const noexcept { return surface_; }
-  [[nodiscard]] double staticGain() const noexcept { return wall_; }      ///< of wall and damper
-  [[nodiscard]] double stiffness() const noexcept { return stiffness_; }  ///< of what is asked for
+  /// Gain of wall and damper, 0..1.
+  [[nodiscard]] double staticGain() const noexcept { return wall_; }
+  /// Factor of the requested stiffness, 0.1..3.
+  [[nodiscard]] double stiffness() const noexcept { return stiffness_; }
   [[nodiscard]] const std::optional<double>& friction() const noexcept { return friction_; }
 
  private:
-  /// A NaN counts as the lowest.
+  /// Clamps `value`; NaN counts as `low`.
   static double within(double value, double low, double high) noexcept {
     return value >= low ? std::min(value, high) : low;
   }

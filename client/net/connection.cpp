@@ -9,7 +9,7 @@ namespace hapticast::client {
 namespace {
 
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
-constexpr std::size_t kMaxPingsOut = 64;  // unanswered ones that are remembered
+constexpr std::size_t kMaxPingsOut = 64;  // older unanswered pings are dropped
 
 }  // namespace
 
@@ -26,19 +26,19 @@ struct Connection::Session {
   }
 
   std::unique_ptr<Channel> channel;
-  std::shared_ptr<UdpReceiver> link;  // null: frames come over TCP
-  std::optional<Delivery> order;      // to be said
+  std::shared_ptr<UdpReceiver> link;  // null: frames arrive over TCP only
+  std::optional<Delivery> order;      // next request to the server
   asio::steady_timer pinger;
   asio::steady_timer watcher;
   bool closed = false;
   bool welcomed = false;
-  std::optional<LocalTime> unanswered_since;  // the welcome, until a ping is answered
+  std::optional<LocalTime> unanswered_since;  // welcome without an answered ping yet
   bool pinging = false;
   std::optional<LocalTime> first_frame;
   bool timed_out = false;  // closed because `deadline` passed
   LocalTime deadline{};
-  const char* overdue = "";     // what did not come in time
-  std::deque<LocalTime> pings;  // sent and not answered
+  const char* overdue = "";     // message of the timeout
+  std::deque<LocalTime> pings;  // sent and unanswered
 };
 
 Connection::Connection(asio::io_context& io, const Clock& clock, ConnectionSettings settings,
@@ -217,7 +217,7 @@ std::optional<WireError> Connection::handleWelcome(Session& session, const Messa
 void Connection::openLink(Session& session, const Welcome& welcome) {
   const auto server = parseEndpoint(session.channel->peer(), {});
   if (!server) return;  // a channel that is no connection between hosts
-  // The conversation closes its link before it goes.
+  // The session closes its link before its own end.
   session.link = UdpReceiver::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
                                    {.order =
                                         [&session](const Delivery& order) {
@@ -257,7 +257,7 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
 }
 
 void Connection::handlePong(Session& session, const Pong& pong) {
-  // Only what was asked counts, and once.
+  // A pong counts only for a ping that was sent, and once.
   const auto requested = std::find(session.pings.begin(), session.pings.end(), pong.t0);
   if (requested == session.pings.end()) return;
   session.pings.erase(requested);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The connection to a server: dial, hello, pings, and back again whenever it breaks. Protocol only:
-// the bytes travel through a channel. Hands what arrives to the receiver. Thread: network (the one
-// that runs `io`), except where a function says "any".
+// The protocol session with a server: dial, hello, welcome, pings, reports, and reconnection with
+// exponential back-off. A channel carries the bytes; the receiver processes the frames.
+// Thread: network (the thread that runs `io`), except where a function says "any".
 #pragma once
 
 #include <cstdint>
@@ -26,63 +26,72 @@ struct ConnectionSettings {
   DeliverySettings delivery;
   std::string client_name = "hapticast-client";
   bool wants_video = false;
-  Duration connect_deadline = std::chrono::seconds(5);    ///< look-up, connection and welcome, each
-  Duration silence_limit = std::chrono::seconds(3);       ///< without a message from the server
-  Duration first_retry = std::chrono::milliseconds(200);  ///< doubled up to `last_retry`
+  /// Limit for look-up, connection and welcome, each.
+  Duration connect_deadline = std::chrono::seconds(5);
+  /// Longest time without a message from the server.
+  Duration silence_limit = std::chrono::seconds(3);
+  Duration first_retry = std::chrono::milliseconds(200);  ///< doubled up to last_retry
   Duration last_retry = std::chrono::seconds(1);
-  /// A connection that has brought frames for so long was a good one: after it, and only after it,
-  /// the pauses begin anew. Chosen: a server that errs after every welcome is tried once a second.
+  /// A connection that brought frames for this long was good. Only a good one resets the retry
+  /// pause. Chosen: a server with an error after every welcome is retried once a second.
   Duration good_after = std::chrono::seconds(3);
-  Duration pong_limit = std::chrono::seconds(5);  ///< welcomed, and no ping answered
+  /// Longest time after the welcome without an answered ping.
+  Duration pong_limit = std::chrono::seconds(5);
   Duration ping_interval = std::chrono::seconds(1);
   Duration burst_interval =
-      std::chrono::milliseconds(20);  ///< of the first ClockSync::kBurst pings
+      std::chrono::milliseconds(20);  ///< interval of the first ClockSync::kBurst pings
 };
 
-/// Called on the network thread; each may be empty.
+/// Callbacks in the network thread; each may be empty.
 struct ConnectionEvents {
-  std::function<void(const StreamDescription&)> welcomed;  ///< a connection is made
+  std::function<void(const StreamDescription&)> welcomed;  ///< connected
   std::function<void(VideoFrame)> video;
-  std::function<void(double)> preparing;  ///< the share of its clip a server has looked through
-  std::function<void(const std::string&)> delivery;      ///< another way for the frames, one line
-  std::function<void(const std::string&)> disconnected;  ///< why, one line; it will be tried again
-  std::function<void(const std::string&)> failed;        ///< why, one line; it is over
+  std::function<void(double)> preparing;  ///< share of its clip that the server has prepared, 0..1
+  std::function<void(const std::string&)> delivery;      ///< change of the transport, one line
+  std::function<void(const std::string&)> disconnected;  ///< cause, one line; a retry follows
+  std::function<void(const std::string&)> failed;        ///< cause, one line; no retry follows
 };
 
+/// Connects to a server and reconnects after each loss.
 class Connection {
  public:
-  /// `clock`, `receiver` and the connection itself outlive the work on `io`.
+  /// `clock`, `receiver` and this object must outlive the work on `io`.
   Connection(asio::io_context& io, const Clock& clock, ConnectionSettings settings,
              Receiver& receiver, ConnectionEvents events);
 
+  /// Begins to connect. Call once.
   void start();
-  /// Ends for good; `io` then runs out of work (a name look-up under way may take some seconds).
-  /// Thread: any.
+  /// Ends the connection for good, so that `io` runs out of work. A pending name look-up may last
+  /// some seconds longer. Thread: any.
   void stop();
-  /// For the reports to the server.
+  /// Sets the contact flag of the reports to the server.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
+  /// Bytes of all sessions so far.
   [[nodiscard]] std::uint64_t bytesReceived() const;
+  /// Datagram counters of all sessions so far.
   [[nodiscard]] DatagramCounts datagrams() const;
-  /// As it is, or was when the last connection ended.
+  /// Present delivery, or that of the last session.
   [[nodiscard]] DeliveryStats delivery() const;
 
  private:
-  struct Session;  // with one server over one channel
+  struct Session;  // a session with one server over one channel
   using ConversationPtr = std::shared_ptr<Session>;
-  /// How a conversation ended.
+  /// End of a session.
   struct CloseReason {
     std::string why;                // one line
-    std::optional<ErrorCode> code;  // where the protocol has one for it
+    std::optional<ErrorCode> code;  // code of the protocol, if it has one
     bool no_such_server = false;
   };
 
+  /// Loop over sessions and retries, until stop() or a permanent error.
   asio::awaitable<void> run();
-  /// Whether it is useless to try again: the server speaks another version of the protocol; or,
-  /// while none was ever reached, its name does not exist or it speaks something else.
+  /// Returns true if a retry is useless. The first case is a server of another protocol version.
+  /// The second case needs that no server was ever reached: the host name does not exist, or the
+  /// peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);
-  /// Pings, reports, and orders where frames shall come; the only one who writes.
+  /// Sends pings, reports and delivery requests. The only writer after the hello.
   asio::awaitable<void> writeLoop(ConversationPtr session);
   asio::awaitable<bool> ping(ConversationPtr session, bool with_report);
   void openLink(Session& session, const Welcome& welcome);
@@ -104,9 +113,9 @@ class Connection {
   bool stopped_ = false;
   bool ever_welcomed_ = false;
   bool in_contact_ = false;
-  std::uint64_t bytes_received_ = 0;  // of the conversations that have ended
-  DatagramCounts datagrams_;          // the same
-  DeliveryStats delivery_;            // of the last of them
+  std::uint64_t bytes_received_ = 0;  // of the ended sessions
+  DatagramCounts datagrams_;          // of the ended sessions
+  DeliveryStats delivery_;            // of the last session
 };
 
 }  // namespace hapticast::client

@@ -8,7 +8,7 @@ namespace hapticast::client {
 
 namespace {
 
-// Nothing is known of its motion: what is left is a shape that stands where it was.
+// The motion is unknown: the shape remains at rest.
 void forgetMotion(PlayObject& object) {
   object.motion.velocity_mm_s.setZero();
   object.motion.acceleration_mm_s2.setZero();
@@ -16,12 +16,12 @@ void forgetMotion(PlayObject& object) {
   object.impact_count = 0;
 }
 
-/// Whether the grid's cells are those of this rectangle.
+/// Returns true if the grid has the cells of this rectangle.
 bool covers(const MotionGrid& grid, const PixelRect& rect) {
   return grid.columns == gridCells(rect.width) && grid.rows == gridCells(rect.height);
 }
 
-/// What the loop sees of an object, except its field and grid.
+/// Converts an object for the loop, except its field and its grid.
 PlayObject playObject(const CodedObject& object) {
   PlayObject play;
   play.id = object.id;
@@ -102,7 +102,7 @@ bool DecodeThread::step() {
   if (result.handed_over) {
     fill(pool_.slot(index), *assembled, result);
   } else {
-    // The next frames may say "unchanged" of what this one brings.
+    // Later frames may declare the reliefs of this frame unchanged.
     for (const CodedObject& object : assembled->frame.objects) {
       reliefs_.remember(object, assembled->frame.id);
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The second step of receiving: prepares reliefs for touch, which takes milliseconds, and hands the
-// frames to the loop. It has a thread of its own, so that the network's thread answers and stamps
-// what comes in the meantime.
+// Second stage of reception: decodes reliefs, prepares them as height fields and publishes the
+// frames to the loop. A preparation lasts milliseconds. It has a thread of its own, so that the
+// network thread answers pings and stamps arrivals meanwhile.
+// Thread: each function states its own.
 #pragma once
 
 #include <condition_variable>
@@ -20,10 +21,10 @@
 
 namespace hapticast::client {
 
-/// What became of a frame.
+/// Result of a frame.
 struct PreparedFrame {
   FramePlace place;
-  LocalTime ready;           ///< when the loop could have it
+  LocalTime ready;           ///< time of the publication
   bool handed_over = false;  ///< false: the loop held every slot of the pool
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
@@ -32,37 +33,38 @@ struct PreparedFrame {
   PlayableReliefs playable;
 };
 
+/// Producer of the frame pool.
 class DecodeThread {
  public:
-  /// The preparer is the one producer of `pool`: only its thread allocates or frees what the slots
-  /// point to. `done` is told of every frame, on the thread of step(). `pool` and `clock` outlive
-  /// the preparer; `method` chooses how heights are prepared.
+  /// This object must be the only producer of `pool`: only its thread allocates or frees the data
+  /// of the slots. It calls `done` for every frame, in the thread of step(). `pool` and `clock`
+  /// must outlive this object. `method` selects the preparation of heights.
   DecodeThread(FramePool& pool, const Clock& clock, Method method,
                std::function<void(const PreparedFrame&)> done);
   DecodeThread(const DecodeThread&) = delete;
   DecodeThread& operator=(const DecodeThread&) = delete;
   ~DecodeThread() { stop(); }
 
-  /// Begins to call step() on a thread of its own whenever a frame waits.
+  /// Starts a thread that calls step() for each queued frame. Thread: the owner's.
   void start();
-  /// Ends the thread once the frame that is being prepared is done; the ones that wait stay.
-  /// Thread: the one of start().
+  /// Ends the thread after the current frame; queued frames remain. A second call does nothing.
+  /// Thread: that of start().
   void stop();
 
-  /// What is pushed from now on belongs to another stream: frames that wait are void, and reliefs
-  /// of before are forgotten. Thread: network.
+  /// Starts another stream: queued frames are void, and the cached reliefs are dropped. Thread:
+  /// network.
   void reset(const Workspace& workspace);
-  /// Appends a frame and returns how many older ones were left out for it. Never waits for a
-  /// preparation. Thread: network.
+  /// Queues a frame. Returns the number of older frames that were dropped for it. Does not wait for
+  /// a preparation. Thread: network.
   std::size_t push(AssembledFrame assembled);
 
-  /// Prepares the oldest frame that waits and hands it to the loop; false when none waits. Thread:
-  /// the preparer's; before start() the caller's, which is how tests drive it.
+  /// Prepares the oldest queued frame and publishes it to the loop. Returns false if the queue is
+  /// empty. Thread: the decode thread; before start() the caller's (tests).
   bool step();
 
  private:
   void run(const std::stop_token& stop);
-  /// Takes the oldest frame and brings the reliefs up to the moment before it.
+  /// Fetches the oldest frame, and updates the relief cache up to the frame before it.
   [[nodiscard]] std::optional<AssembledFrame> next();
   void fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result);
   void fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
@@ -73,13 +75,14 @@ class DecodeThread {
   Method method_;
   std::function<void(const PreparedFrame&)> done_;
   ReliefCache reliefs_;      // thread of step() only
-  std::uint32_t epoch_ = 0;  // the same: of the last frame
+  std::uint32_t epoch_ = 0;  // thread of step() only; epoch of the last frame
 
   std::mutex mutex_;
   std::condition_variable_any something_waits_;
-  FrameQueue queue_;                 // guarded by mutex_
-  std::optional<Workspace> begins_;  // guarded by mutex_; a stream that step() has not begun yet
-  std::jthread thread_;              // last: it uses everything above
+  FrameQueue queue_;  // guarded by mutex_
+  // Guarded by mutex_; workspace of a stream that step() has not begun.
+  std::optional<Workspace> begins_;
+  std::jthread thread_;  // last member: the thread uses all members above
 };
 
 }  // namespace hapticast::client

@@ -16,7 +16,7 @@ const DialError kStopped{"stopped"};
 
 asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const Endpoint& server,
                                                      Duration deadline, DialCancellation& stop) {
-  // A look-up cannot be interrupted, so it is raced against a timer and left behind when it loses.
+  // A look-up cannot be interrupted. It races against a timer, and a late one ends by itself.
   struct Race {
     explicit Race(asio::io_context& context) : resolver(context), timer(context) {}
     asio::ip::tcp::resolver resolver;
@@ -38,7 +38,7 @@ asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const
   stop.onStop({});
   if (stop.stopped()) co_return kStopped;
   if (!race->ec) co_return DialError{"the name look-up takes too long"};
-  // A small system may know no names at all, but this one means the same everywhere (RFC 6761).
+  // A small system may have no resolver; "localhost" is the same everywhere (RFC 6761).
   if (*race->ec && server.host == "localhost") {
     co_return Addresses::create({asio::ip::address_v4::loopback(), server.port}, server.host, "");
   }
@@ -55,7 +55,7 @@ asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, D
   const auto addresses = co_await lookUp(io, server, deadline, stop);
   if (!addresses.ok()) co_return addresses.error();
 
-  // Shared, because the timer's handler may already wait to run when the connection is made.
+  // Shared, because the timer's handler may be queued when the connection succeeds.
   struct Race {
     explicit Race(asio::io_context& context) : socket(context), timer(context) {}
     void giveUp() {

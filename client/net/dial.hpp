@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Getting a channel to a server: name look-up and TCP connection, each within a deadline. Another
-// transport is another function of this type. Thread: network.
+// Dialling: name look-up and TCP connection, each within a deadline. Another transport is another
+// function of the type `Dial`.
+// Thread: network.
 #pragma once
 
 #include <functional>
@@ -13,7 +14,7 @@
 
 namespace hapticast::client {
 
-/// What a dialling that goes on can be ended by; it comes back with an error soon after.
+/// Cancellation of a running dial, which then returns an error soon.
 class DialCancellation {
  public:
   void stop() {
@@ -21,7 +22,7 @@ class DialCancellation {
     if (on_stop_) on_stop_();
   }
   [[nodiscard]] bool stopped() const { return stopped_; }
-  /// For who dials: what to do at a stop(); an empty function takes it back.
+  /// Sets the action of the running dial for stop(); an empty function removes it.
   void onStop(std::function<void()> action) { on_stop_ = std::move(action); }
 
  private:
@@ -29,20 +30,20 @@ class DialCancellation {
   std::function<void()> on_stop_;
 };
 
-/// Why there is no channel.
+/// Error of a dial.
 struct DialError {
   std::string message;          ///< one line, without the server's name
-  bool no_such_server = false;  ///< its name does not exist
+  bool no_such_server = false;  ///< the host name does not exist
 };
 
-/// A channel that takes small messages only until its read limit is raised.
+/// A new channel. It accepts small messages only, until the caller raises its read limit.
 using Dialled = Result<std::unique_ptr<Channel>, DialError>;
 using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const Endpoint& server,
                                                     Duration deadline, DialCancellation& stop)>;
 
-/// Looks the name up and connects over TCP, each for at most `deadline` of the steady clock. (A
-/// look-up cannot be interrupted: one that is too late or stopped is left behind and ends by
-/// itself.) `stop` outlives the call.
+/// Resolves the name and connects over TCP, each for at most `deadline` of the steady clock.
+/// Returns the channel or an error. A look-up cannot be interrupted: after a timeout or stop() it
+/// ends by itself. `stop` must outlive the call.
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
 

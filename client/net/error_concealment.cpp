@@ -9,8 +9,8 @@ namespace hapticast::client {
 
 namespace {
 
-/// The height at an image point: bilinear between pixel centres inside the mask, the mean of those
-/// that are inside where the mask ends; nullopt outside.
+/// Returns the height at an image point: bilinear between the pixel centres inside the mask, a
+/// weighted mean at the mask's edge, nullopt outside.
 std::optional<float> sampleHeight(const Relief& relief, const Vec2& image_px) {
   const double u = image_px.x() - relief.rect.u - 0.5, v = image_px.y() - relief.rect.v - 0.5;
   if (!(u > -1.0 && v > -1.0 && u < relief.rect.width && v < relief.rect.height))
@@ -35,10 +35,10 @@ std::optional<float> sampleHeight(const Relief& relief, const Vec2& image_px) {
       weights += weight;
     }
   }
-  return static_cast<float>(sum / weights);  // the nearest pixel has a quarter at least
+  return static_cast<float>(sum / weights);  // the nearest pixel has a weight of at least 0.25
 }
 
-/// Where a point of an object goes as it moves.
+/// Moves a point of an object from the pose `from` to the pose `to`.
 Vec2 carried(const Vec2& at_mm, const Motion& from, const Motion& to) {
   const Eigen::Rotation2Dd turn(to.angle_rad - from.angle_rad);
   return turn * (at_mm - from.position_mm.head<2>()) + to.position_mm.head<2>();

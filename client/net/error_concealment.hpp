@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a lost slice would have brought: the relief before, carried along with the object. Pure.
+// Error concealment: replaces lost slices of a relief by the previous relief, moved with the
+// object.
+// Thread: any (pure functions).
 #pragma once
 
 #include <cstdint>
@@ -10,20 +12,20 @@
 
 namespace hapticast::client {
 
-/// A relief, and where its object was when it was seen so.
+/// A relief and the motion of its object at that time.
 struct PosedRelief {
   std::shared_ptr<const Relief> relief;
   Motion motion;
 };
 
-/// Where the relief is once it is moved and turned as the object was until `now`: no more than the
-/// picture, empty outside it.
+/// Returns the rectangle of the relief after the object's motion to `now`, clipped to the picture;
+/// empty outside it.
 [[nodiscard]] PixelRect warpedRect(const PosedRelief& before, const Motion& now,
                                    const Workspace& workspace);
 
-/// Fills the pixels of `to` that `have` does not mark (a byte for each pixel of its rectangle) with
-/// what `before` has there once it is moved, turned about its reference point and raised as the
-/// object was until `now`.
+/// Fills the pixels of `to` that `have` does not mark. `have` has one byte for each pixel of
+/// to.rect. The values are those of `before`, moved to the pose `now`: translated, turned about the
+/// reference point, and raised.
 void concealMissing(const PosedRelief& before, const Motion& now, const Workspace& workspace,
                     const std::vector<std::uint8_t>& have, Relief& to);
 

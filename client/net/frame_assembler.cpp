@@ -9,7 +9,7 @@ namespace hapticast::client {
 
 namespace {
 
-/// Of the parts that have come, over all frames.
+/// Sum of the received bytes of all frames.
 template <class Frames>
 std::size_t countBytes(const Frames& frames) {
   return std::accumulate(
@@ -77,7 +77,7 @@ Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
                                             LocalTime arrived) {
   if (behind(part.frame)) return addLate(part, payload, arrived);
   Waiting& waiting = waiting_[part.frame];
-  // It may have been passed over for want of a head, which comes now.
+  // The frame may have been skipped without its head, which arrives now.
   if (auto left = left_.extract(part.frame)) waiting.joined.emplace(std::move(left.mapped()));
   if (!waiting.joined) waiting.joined.emplace(part);
   if (!waiting.frame) waiting.arrived = arrived;
@@ -100,7 +100,7 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
     return *error;
   }
   const bool whole = joined.whole();
-  // It stays among those that left, to fill up what is unchanged.
+  // The frame remains in left_: it completes reliefs that later frames declare unchanged.
   if (whole && !by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
   boundLeft();
   return whole;
@@ -134,7 +134,7 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
     const std::uint64_t id = oldest->first;
     const bool in_order = !last_id_ || id == *last_id_ + 1;
     const bool ready = waiting.frame || (waiting.joined->whole() && in_order);
-    // Without a frame before it nothing is played, and nothing is due.
+    // No frame is due before the first one was played.
     if (!ready && !((due && last_id_) || overfull())) return std::nullopt;
     Waiting accepted = std::move(waiting);
     waiting_.erase(oldest);
@@ -152,7 +152,7 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
 std::optional<AssembledFrame> FrameAssembler::removeReassembly(std::uint64_t id, Waiting waiting) {
   Reassembly& joined = *waiting.joined;
   const bool whole = joined.whole();
-  // An object whose head is missing would seem to have gone.
+  // Without its head an object would seem to have disappeared.
   std::optional<CodedFrame> frame;
   if (joined.headed()) frame = joined.frame();
   if (whole) {
@@ -167,7 +167,7 @@ std::optional<AssembledFrame> FrameAssembler::removeReassembly(std::uint64_t id,
 
 AssembledFrame FrameAssembler::remove(CodedFrame frame, std::optional<LocalTime> arrived) {
   const bool resync = jumps(frame.id);
-  // The first frame after restart() belongs to the epoch that was announced to the loop.
+  // The first frame after restart() has the epoch that was announced to the loop.
   if (resync || (server_epoch_ && *server_epoch_ != frame.epoch)) ++epoch_;
   server_epoch_ = frame.epoch;
   FramePlace place{epoch_, !last_id_, resync, 0, frame.media_time, {}, arrived};

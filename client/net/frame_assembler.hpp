@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The first step of receiving: what the transports bring becomes frames in their order. TCP brings
-// whole frames; datagrams bring parts of several frames in any order, some of them never. A frame
-// of parts leaves when it is whole or due, whichever comes first, and never before an older one
-// that may still come. Pure: times are arguments. Thread: network.
+// First stage of reception: reassembly and reordering. TCP delivers whole frames; datagrams deliver
+// fragments of several frames in any order, some of them never. A fragmented frame leaves when it
+// is complete or due, in the order of the ids. Times are arguments.
+// Thread: network.
 #pragma once
 
 #include <cstdint>
@@ -19,101 +19,106 @@
 
 namespace hapticast::client {
 
-/// Where a frame stands in the stream.
+/// Position of a frame in the stream.
 struct FramePlace {
-  std::uint32_t epoch = 0;  ///< client-side; unlike the server's it never repeats
-  bool first = false;       ///< of its connection
-  bool resync = false;      ///< its id is no successor of the last one's: numbering began anew
-  std::uint64_t lost = 0;   ///< frames that are missing before it (0 for the first, and a resync)
+  std::uint32_t epoch = 0;  ///< client-side epoch: unlike the server's, it never repeats
+  bool first = false;       ///< first frame of its connection
+  bool resync = false;      ///< numbering restarted: the id is no successor of the last one
+  std::uint64_t lost = 0;  ///< number of missing frames before it; 0 for the first, and at a resync
   MediaTime media_time;
-  Duration gap{0};  ///< media time since the frame before (0 for the first, and a resync)
-  /// When the last of it came; nothing where parts of it are missing.
+  Duration gap{0};  ///< media time since the frame before; 0 for the first, and at a resync
+  /// Arrival of the last fragment; nullopt if fragments are missing.
   std::optional<LocalTime> arrived;
-  LocalTime left{};  ///< when it went on to be prepared
+  LocalTime left{};  ///< time when the frame left the assembler
 };
 
-/// A frame in its place.
+/// A frame and its position.
 struct AssembledFrame {
   FramePlace place;
   CodedFrame frame;
 };
 
-/// A frame of which the last part came when it had left or been given up.
+/// A frame whose last fragment arrived after the frame had left or was abandoned.
 struct LateFrame {
   MediaTime media_time;
   LocalTime arrived;
 };
 
+/// Reassembles and reorders the frames of a connection.
 class FrameAssembler {
  public:
-  /// Chosen: 10 s of the fastest stream. Ids that jump further, forwards or backwards, are not
-  /// those of a network that loses or reorders.
+  /// Largest plausible step of the ids, in either direction: loss and reordering do not exceed it.
+  /// Chosen: 10 s of the fastest stream.
   static constexpr std::uint64_t kLargestJump = 2400;
-  /// Whether two ids are so far apart, in either order.
+  /// Returns true if the distance of two ids is larger, in either order.
   [[nodiscard]] static constexpr bool jump(std::uint64_t a, std::uint64_t b) {
     return (a > b ? a - b : b - a) > kLargestJump;
   }
-  /// Chosen: copies come at most three frames later, and what is reordered by more is too late.
+  /// Oldest fragment that is accepted, in frames. Chosen: redundant sends arrive at most three
+  /// frames later, and a larger reordering is too late.
   static constexpr std::uint64_t kOldestPart = 64;
-  /// Chosen: frames of parts that wait at a time, and their bytes; those of frames that have left
-  /// may be as many.
+  /// Limits of the waiting fragmented frames: number, and bytes. The frames that have left have the
+  /// same byte limit. Chosen.
   static constexpr std::size_t kMaxWaiting = 32;
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20U;
 
-  /// A connection is made: ids start over, and a new epoch begins.
+  /// Starts a connection: a new numbering and a new epoch.
   void restart();
-  /// The client-side epoch of the next frame, unless the server begins another one with it.
+  /// Client-side epoch of the next frame, unless the server starts a new epoch with it.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
-  /// Takes a frame as it came over TCP; false when it came before or when a later one did (ids
-  /// rise). One whose id jumps by more than kLargestJump begins a numbering and an epoch of its
-  /// own. Older frames of parts leave before it, when they are whole or due.
+  /// Adds a frame that arrived over TCP. Returns false for a duplicate, and for a frame older than
+  /// the last one. An id with a step above kLargestJump starts a new numbering and a new epoch.
+  /// Older fragmented frames still leave first, when they are complete or due.
   bool add(CodedFrame frame, LocalTime arrived);
 
-  /// What a datagram is to the frames so far.
+  /// Classes of a fragment, relative to the frames so far.
   enum class Want : std::uint8_t {
-    kNew,     ///< it is lacking
-    kHad,     ///< it came before
-    kAstray,  ///< too far from the frames that come, or the frame needs none
+    kNew,     ///< missing
+    kHad,     ///< duplicate
+    kAstray,  ///< too far from the present frames, or its frame is finished
   };
+  /// Classifies the fragment `part` without its payload.
   [[nodiscard]] Want setTransport(const DatagramHeader& part) const;
-  /// Takes a part that is wanted; true where its frame is whole now, be it that TCP was quicker.
-  /// After an error the frame is given up.
+  /// Adds a fragment of the class kNew. Returns true if it completes its frame, even if the frame
+  /// has already arrived over TCP. After an error the frame is abandoned.
   Result<bool, WireError> add(const DatagramHeader& part, std::span<const std::uint8_t> payload,
                               LocalTime arrived);
 
-  /// The media time of the last frame that left: the next one is due when play time comes there.
+  /// Media time of the last frame that left. The next frame is due when play time reaches it.
   [[nodiscard]] std::optional<MediaTime> lastLeft() const;
-  /// When the last part of the oldest frame that waits came; nothing where none waits. What next()
-  /// does not give only its due time lets go.
+  /// Arrival of the last fragment of the oldest waiting frame; nullopt if none waits. A frame that
+  /// next() withholds leaves at its due time only.
   [[nodiscard]] std::optional<LocalTime> oldestCame() const;
-  /// The next frame in order that may leave. `due`: the time has come for what waits.
+  /// Returns the next frame in order that may leave. `due`: waiting frames are due now.
   [[nodiscard]] std::optional<AssembledFrame> next(bool due);
-  /// A frame that was completed too late, once for each.
+  /// Returns a frame that was completed too late, once for each such frame.
   [[nodiscard]] std::optional<LateFrame> late();
 
  private:
   struct Waiting {
-    std::optional<CodedFrame> frame;   // came over TCP
-    std::optional<Reassembly> joined;  // in parts, or in parts as well
-    LocalTime arrived;                 // the last that came of it
+    std::optional<CodedFrame> frame;   // arrived over TCP
+    std::optional<Reassembly> joined;  // arrived in fragments, perhaps in addition to TCP
+    LocalTime arrived;                 // last arrival
 
-    [[nodiscard]] std::size_t bytes() const { return joined ? joined->bytes() : 0; }  // of parts
+    // Bytes of fragments.
+    [[nodiscard]] std::size_t bytes() const { return joined ? joined->bytes() : 0; }
   };
 
-  /// All but the last frame that left.
+  /// Clears everything except the last frame that left.
   void forget();
-  [[nodiscard]] bool behind(std::uint64_t id) const;  ///< the last frame that left, or it
-  /// Whether the id is no successor of the last one's, nor a straggler.
+  /// True up to the id of the last frame that left.
+  [[nodiscard]] bool behind(std::uint64_t id) const;
+  /// Returns true if the id is neither a successor of the last one nor a straggler.
   [[nodiscard]] bool jumps(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t newest() const;
   [[nodiscard]] bool overfull() const;
-  /// Nothing more of this frame is wanted.
+  /// Marks a frame as finished: it needs no more fragments.
   void abandon(std::uint64_t id);
-  /// Forgets the oldest of those that left where they are too many.
+  /// Drops the oldest frames of left_ above the limits.
   void boundLeft();
   [[nodiscard]] std::optional<AssembledFrame> removeReassembly(std::uint64_t id, Waiting waiting);
   AssembledFrame remove(CodedFrame frame, std::optional<LocalTime> arrived);
-  /// Reliefs that did not change and of which parts came after their frame had left.
+  /// Completes unchanged reliefs whose fragments arrived after their frame had left.
   void fillUp(CodedFrame& frame);
   void forgetOld();
   Result<bool, WireError> addLate(const DatagramHeader& part, std::span<const std::uint8_t> payload,
@@ -121,14 +126,14 @@ class FrameAssembler {
 
   std::uint32_t epoch_ = 0;
   std::optional<std::uint32_t> server_epoch_;  // of the last frame of this connection that left
-  std::optional<std::uint64_t> last_id_;       // the same
-  MediaTime last_media_time_;                  // the same
+  std::optional<std::uint64_t> last_id_;       // of the same frame
+  MediaTime last_media_time_;                  // of the same frame
   std::map<std::uint64_t, Waiting> waiting_;   // by id
-  // Of the last kOldestPart frames: those that left or were passed over before they were whole, and
-  // those of which nothing more is wanted. Both are bounded whatever the ids are.
+  // Within the last kOldestPart frames: left_ has the frames that left or were skipped before they
+  // were complete, done_ the finished ones. Both are bounded, whatever the ids are.
   std::map<std::uint64_t, Reassembly> left_;  // by id
   std::set<std::uint64_t> done_;
-  std::set<std::uint64_t> by_tcp_;  // frames that left whole; parts only show that they get through
+  std::set<std::uint64_t> by_tcp_;  // left over TCP; their fragments only show that UDP works
   std::deque<LateFrame> late_;
 };
 

@@ -8,7 +8,7 @@ namespace hapticast::client {
 
 namespace {
 
-/// Of the reliefs that these objects bring.
+/// Bytes of the reliefs of these objects.
 std::size_t countBytes(const std::vector<CodedObject>& objects) {
   return std::accumulate(objects.begin(), objects.end(), std::size_t{0},
                          [](std::size_t sum, const CodedObject& object) {

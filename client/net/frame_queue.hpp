@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The frames that wait for their preparation, bounded. When frames come faster than they can be
-// prepared the newest win: the oldest one is left out, but its reliefs stay until the next frame is
-// taken, because that one and later ones may say "unchanged" of them. Thread: one at a time; the
-// preparer locks it.
+// Bounded queue between the network thread and the decode thread. If frames arrive faster than the
+// decoding, the newest ones win: the queue drops the oldest frame but stores its reliefs. Later
+// frames may declare those reliefs unchanged.
+// Thread: one at a time; DecodeThread locks it.
 #pragma once
 
 #include <cstddef>
@@ -18,21 +18,21 @@ namespace hapticast::client {
 
 class FrameQueue {
  public:
-  /// As many as the loop can hold: the burst that follows a stall of the network is played.
+  /// As many as the loop can hold, so that the burst after a stall of the network is played.
   static constexpr std::size_t kMaxFrames = FramePool::kSlots;
-  /// Chosen: all slices that wait, and all that are kept, so that a server cannot make a viewer
-  /// hold more than 2 x 64 MB here.
+  /// Limit of the bytes of all queued slices, and of all stored slices. Chosen: a server occupies
+  /// at most 2 x 64 MB here.
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
-  /// A frame, and the objects with the reliefs of the frames that were left out before it.
+  /// A frame, and the reliefs of the frames that were dropped before it.
   struct Accepted {
     AssembledFrame assembled;
     std::vector<CodedObject> left_out;  ///< oldest first
   };
 
-  /// Appends a frame; returns how many older ones were left out for it.
+  /// Appends a frame. Returns the number of older frames that were dropped for it.
   std::size_t push(AssembledFrame assembled);
-  /// Takes the oldest frame; nullopt when none waits.
+  /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();
@@ -42,8 +42,8 @@ class FrameQueue {
   void push(CodedObject object);
 
   std::deque<AssembledFrame> frames_;  // oldest first
-  std::size_t bytes_ = 0;              // of their reliefs
-  std::vector<CodedObject> kept_;      // of frames left out, one per object and layer
+  std::size_t bytes_ = 0;              // bytes of the queued reliefs
+  std::vector<CodedObject> kept_;      // of dropped frames, one per object and layer
 };
 
 }  // namespace hapticast::client

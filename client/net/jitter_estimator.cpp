@@ -12,7 +12,7 @@ constexpr std::size_t kMaxSamples = std::size_t{5} * 240;  // the window at the 
 }
 
 void JitterEstimator::add(LocalTime arrival, Duration needed) {
-  // Held to what is ever asked for: a wild lateness must not overflow.
+  // Clamped to the possible delays, so that a wild lateness cannot overflow.
   samples_.push_back({arrival, std::clamp(needed, -kMaxDelay, kMaxDelay)});
   while (samples_.front().arrival + kWindow < arrival || samples_.size() > kMaxSamples) {
     samples_.pop_front();

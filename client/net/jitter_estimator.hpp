@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How long play time has to trail the media clock so that frames are there when they are due. Pure:
-// times are arguments. Thread: one (network).
+// Adaptive playout delay: a quantile of the lateness of the last 5 s of frames, plus a margin.
+// Times are arguments.
+// Thread: one at a time (network).
 #pragma once
 
 #include <deque>
@@ -9,24 +10,27 @@
 
 namespace hapticast::client {
 
+/// Estimates the delay of play time behind the media clock, so that frames arrive before they are
+/// due.
 class JitterEstimator {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(5);
-  /// Chosen: of 25 frames/s one in the window may come later. A lost packet of TCP holds up every
-  /// fiftieth frame where one in a hundred is lost, and by 200 ms: play time waits for those, too.
+  /// Chosen: at 25 frames/s one frame of the window may be later. TCP delays every fiftieth frame
+  /// by 200 ms at a loss of 1 %; the quantile covers those frames as well.
   static constexpr double kQuantile = 0.99;
   static constexpr Duration kMargin = std::chrono::milliseconds(5);
   static constexpr Duration kMaxDelay = std::chrono::seconds(2);
 
   void reset() { samples_.clear(); }
 
-  /// A frame arrived that was first needed at playout delays up to `needed`: its lateness plus the
-  /// media time by which the interpolation looks ahead to it (so skipped frames count).
+  /// Adds a frame. `needed` is the largest playout delay at which the frame was late: its lateness,
+  /// plus the media time of the interpolation's lookahead (so that skipped frames count).
   void add(LocalTime arrival, Duration needed);
-  /// The clock by which all of it was judged late has moved.
+  /// Adds `by` to all samples, after a change of the clock offset.
   void shift(Duration by);
 
-  /// Quantile of the window + margin, within [least, kMaxDelay]; least + margin before any frame.
+  /// Returns the quantile of the window + margin, within [least, kMaxDelay]. Without a frame: least
+  /// + margin.
   [[nodiscard]] Duration delay(Duration least) const;
 
  private:

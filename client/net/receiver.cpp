@@ -9,12 +9,12 @@ namespace hapticast::client {
 namespace {
 // A pause of the stream is no jitter.
 constexpr Duration kLargestGap = std::chrono::seconds(1);
-// Of a frame interval: so much longer than play time asks for it a frame waits for its last parts.
-// Meanwhile the one before is carried on, which is felt less than a part that is missing (measured
-// by hapticast-evaluate network).
+// A frame waits for its last fragments by 1/kWaitsOfInterval of a frame interval longer than play
+// time requires. Meanwhile dead reckoning continues the frame before; the hand notices that less
+// than a missing fragment (measured by hapticast-evaluate network).
 constexpr int kWaitsOfInterval = 4;
-// The parts of a frame leave the server one after the other: of one that comes late the rest may be
-// on its way. Chosen: a large frame over 100 Mbit/s.
+// The fragments of a frame leave the server one after the other. After a late one the rest may
+// still be on its way. Chosen: a large frame over 100 Mbit/s.
 constexpr Duration kBackToBack = std::chrono::milliseconds(2);
 }  // namespace
 
@@ -26,7 +26,7 @@ void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();
   assembler_.restart();
   latest_.first_epoch = assembler_.epoch();
-  described_ = false;  // whatever was announced before came over another connection
+  described_ = false;  // announcements before this one belong to another connection
   describe(description, now);
 }
 
@@ -74,7 +74,7 @@ Duration Receiver::leastDelay() const {
 }
 
 void Receiver::expectCopies(std::uint32_t copies, LocalTime now) {
-  if (copies == copies_) return;  // asked for in every turn
+  if (copies == copies_) return;  // usual case: called in every cycle
   copies_ = copies;
   publish(now);
 }
@@ -104,7 +104,7 @@ std::optional<LocalTime> Receiver::nextDue() const {
 }
 
 void Receiver::release(LocalTime now) {
-  // Without a clock nothing is played, and nothing is worth waiting for.
+  // Without a synchronised clock nothing is played, so no frame has to wait.
   const auto due = [&] { return !clock_.ready() || nextDue().value_or(now) <= now; };
   while (auto assembled = assembler_.next(due())) {
     assembled->place.left = now;
@@ -112,7 +112,7 @@ void Receiver::release(LocalTime now) {
     if (assembled->place.resync) {
       ++counts_.resyncs;
       decode_thread_.reset(
-          latest_.workspace);  // "unchanged since frame M" was said of other frames
+          latest_.workspace);  // "unchanged since frame M" referred to other frames
     }
     counts_.overrun += decode_thread_.push(std::move(*assembled));
   }
@@ -130,8 +130,8 @@ void Receiver::prepared(const PreparedFrame& frame) {
   counts_.reliefs_rejected += frame.reliefs_rejected;
   counts_.slices_lost += frame.slices_lost;
   counts_.slices_refused += frame.slices_refused;
-  // The first frame of a connection is sent whenever the viewer comes, so that its age says nothing
-  // of the network; a frame of the connection before says nothing of this one.
+  // The age of a connection's first frame is arbitrary, because the server sends it at the
+  // connection. A frame of the connection before is no measure of this one.
   if (!frame.place.first && frame.place.epoch >= latest_.first_epoch) observe(frame);
   publish(frame.ready);
 }
@@ -142,10 +142,10 @@ Duration Receiver::lateness(MediaTime media_time, LocalTime arrived) const {
 }
 
 void Receiver::observe(const PreparedFrame& frame) {
-  // What left without some of its parts says nothing of when they come.
+  // A frame that left incomplete is no measure of the arrivals.
   if (!clock_.ready() || !frame.place.arrived) return;
   const LocalTime ready = *frame.place.arrived + (frame.ready - frame.place.left);
-  // When play time reaches the frame before, interpolation begins to need this one.
+  // Interpolation needs this frame from the time when play time reaches the frame before.
   const Duration gap = std::clamp(frame.place.gap, Duration{0}, kLargestGap);
   const Duration needed = lateness(frame.place.media_time, ready) + gap * lookahead_frames_;
   if (needed > latest_.playout_delay_target) {

@@ -6,7 +6,7 @@
 namespace hapticast::client {
 
 namespace {
-// Chosen: what rounding on the wire can add is far below it.
+// Chosen: far above the rounding on the wire.
 constexpr double kHeightSlack_mm = 1.0;
 }  // namespace
 
@@ -24,7 +24,7 @@ bool ReliefCache::inPicture(const PixelRect& rect) const {
 void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
   const auto found = entries_.find(makeKey(object));
   Entry* const known = found == entries_.end() ? nullptr : &found->second;
-  // A relief that is repeated may bring what was lost of it.
+  // A repeated relief may have slices that were lost the first time.
   const bool same =
       known != nullptr && (object.relief && !(known->changed_in_frame == object.changed_in_frame &&
                                               known->coded->whole())
@@ -45,7 +45,7 @@ void ReliefCache::remember(const CodedObject& object, std::uint64_t frame_id) {
 ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint64_t frame_id) {
   remember(object, frame_id);
   const auto known = entries_.find(makeKey(object));
-  if (known == entries_.end()) return {};  // said to be unchanged, but nothing ever came
+  if (known == entries_.end()) return {};  // declared unchanged, but never received
   Entry& entry = known->second;
   if (entry.changed_in_frame != object.changed_in_frame) {
     concealAll(entry, object);
@@ -63,7 +63,7 @@ void ReliefCache::concealAll(Entry& entry, const CodedObject& object) const {
   entry.changed_in_frame = object.changed_in_frame;
   entry.coded = std::make_shared<const CodedRelief>(CodedRelief{rect, {}, 1});
   entry.motion = object.motion;
-  entry.decoded = rect.empty();  // nothing is left to be decoded
+  entry.decoded = rect.empty();  // nothing remains to be decoded
   entry.resolved = {};
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The reliefs of the stream by object: what "unchanged" in a frame refers to. A relief is kept as
-// slices until a frame that is played needs it, and decoded and prepared for touch then: of a frame
-// that is left out only the slices have to be remembered. They stay, for a relief that is sent
-// again without a change is the same to touch, whatever frame it is told to have changed in. What a
-// relief lacks is carried over from the one before. Thread: one (the preparer's).
+// Cache of the stream's reliefs by object: a frame that declares a relief unchanged refers to it. A
+// relief remains coded until a played frame needs it, and is then decoded and prepared once. So a
+// dropped frame costs no decoding.
+//
+// The slices remain after the decoding: a relief that is resent without a change needs no second
+// preparation, whatever frame it names as its change. Error concealment replaces lost slices by the
+// previous relief.
+// Thread: decode thread (one at a time).
 #pragma once
 
 #include <cstdint>
@@ -19,30 +22,29 @@ namespace hapticast::client {
 
 class ReliefCache {
  public:
-  /// The answer to resolve().
+  /// Result of resolve().
   struct Resolved {
     std::shared_ptr<const HeightField> field;  ///< null: nothing to touch
-    bool rejected = false;                     ///< a relief that does not fit the announced picture
-    /// Slices that never came, and slices that could not be decoded; counted once for each relief.
+    bool rejected = false;                     ///< the relief does not fit the announced picture
+    /// Slices that never arrived, and slices that failed to decode. Counted once for each relief.
     std::uint64_t slices_lost = 0;
     std::uint64_t slices_refused = 0;
   };
 
-  /// Begins a new stream: forgets everything. `method` chooses how heights are prepared.
+  /// Starts a new stream with an empty cache. `method` selects the preparation of heights.
   void reset(const Workspace& workspace, Method method);
 
-  /// Another epoch: nothing of the one before goes on in it.
+  /// Clears the cache at a new epoch.
   void forget() { entries_.clear(); }
-  /// Remembers the relief of an object of frame `frame_id`, or that it was used again, without
-  /// decoding it.
+  /// Stores the relief of an object of frame `frame_id`, or its renewed use, without decoding.
   void remember(const CodedObject& object, std::uint64_t frame_id);
-  /// Remembers the relief and returns it prepared for touch. A relief of which slices are missing,
-  /// or all of which never came, is touched where there was one before it, from which they are
-  /// carried over. May allocate and take milliseconds, once for each change of a relief.
+  /// Stores the relief and returns it as a height field. Error concealment replaces lost slices, or
+  /// a relief that is completely lost, if a previous relief exists. May allocate and last
+  /// milliseconds, once for each change of a relief.
   [[nodiscard]] Resolved resolve(const CodedObject& object, std::uint64_t frame_id);
 
-  /// Objects gone for longer than these newest ones are forgotten; who comes back is sent the
-  /// repeated relief. Chosen: twice what a frame can hold.
+  /// Number of cached objects; the least recently used one is dropped first. A returning object
+  /// receives a repeated relief. Chosen: twice the objects of a frame.
   static constexpr std::size_t kMaxEntries = 2 * kMaxObjects;
 
  private:
@@ -50,15 +52,16 @@ class ReliefCache {
     std::uint64_t changed_in_frame = 0;
     std::uint64_t used_in_frame = 0;
     std::shared_ptr<const CodedRelief> coded;
-    Motion motion;       // of the object when it looked so
-    PosedRelief before;  // the last one that was decoded, if any; once this one is, it
+    Motion motion;       // motion of the object with this relief
+    PosedRelief before;  // previously decoded relief; after decoding, this one
     bool decoded = false;
-    Resolved resolved;  // once it is decoded
+    Resolved resolved;  // valid once `decoded`
   };
-  /// What changed never came: what was there before goes on in its place.
+  /// Error concealment of a relief that is completely lost: the previous relief replaces it.
   void concealAll(Entry& entry, const CodedObject& object) const;
   Resolved prepare(Entry& entry);
-  /// The relief of an entry; null where slices are missing that nothing can be carried over for.
+  /// Decodes the relief of an entry. Returns null if slices are missing and no previous relief
+  /// exists.
   std::shared_ptr<const Relief> decode(const Entry& entry, Resolved& counts);
   [[nodiscard]] bool inPicture(const PixelRect& rect) const;
   void forgetOldest();

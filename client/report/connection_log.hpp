@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a person is told of the connection: a line for what is new, none for what is known, and not
-// more than a person can read, whatever the server does. Thread: one.
+// Log lines about the connection: one line for each change, with a rate limit against any behaviour
+// of the server.
+// Thread: one (main).
 #pragma once
 
 #include <optional>
@@ -11,42 +12,44 @@
 
 namespace hapticast::client {
 
-/// What is said of a new connection, by a client that runs `method`.
+/// Returns the line for a new connection. `method` is the client's.
 std::string greeting(const StreamDescription& stream, Method method);
 
+/// State of the lines about the connection. Each function returns a line, or nullopt if there is
+/// nothing new.
 class ConnectionLog {
  public:
-  /// `server`: HOST:PORT, or mdns:NAME.
+  /// `server` is HOST:PORT or mdns:NAME.
   explicit ConnectionLog(std::string server) : server_(std::move(server)) {}
 
-  /// A connection is made; `greeting` is the line for it.
+  /// A connection exists. `greeting` is its line.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
-  /// The server looks through its clip and has done this share of it: told when a quarter more is.
+  /// The server has prepared this share (0..1) of its clip. Logged in steps of a quarter.
   std::optional<std::string> preparing(double share, LocalTime now);
-  /// Something of the connection that goes on.
+  /// An event of the present connection.
   std::optional<std::string> onMessage(const std::string& line, LocalTime now) {
     return limit_.admit(line, now);
   }
-  /// There is no connection, because of `why`; it will be tried again.
+  /// There is no connection because of `why`; a retry follows.
   std::optional<std::string> lost(const std::string& why, LocalTime now);
 
   [[nodiscard]] bool everConnected() const { return ever_connected_; }
-  /// Why there is no connection now; empty while there is one or none was tried.
+  /// Reason of the missing connection; empty with a connection, and before the first attempt.
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
   std::string server_;
   std::string reason_;
-  std::optional<double> logged_share_;  // on this connection
-  LogInterval lost_interval_;           // of one reason
+  std::optional<double> logged_share_;  // of this connection
+  LogInterval lost_interval_;           // for reason_
   bool ever_connected_ = false;
   LogRateLimiter limit_;
 };
 
-/// What a stream brings that is not felt, a line a minute at most.
+/// Log lines about defects of the stream, at most one per minute.
 class StreamErrorLog {
  public:
-  /// `counts`: of the run so far.
+  /// Returns a line if `counts` (of the whole run) has new defects.
   std::optional<std::string> onCounts(const ReceiverCounts& counts, LocalTime now);
 
  private:

@@ -17,7 +17,7 @@ namespace hapticast::client {
 
 namespace {
 
-/// An absolute path in the environment; empty where there is none.
+/// Returns the absolute path in an environment variable; empty if there is none.
 std::filesystem::path folderFromEnvironment(const char* variable) {
   const char* const value = std::getenv(variable);
   std::filesystem::path path(value == nullptr ? "" : value);
@@ -51,7 +51,7 @@ std::filesystem::path FaultLogWriter::nextFile() {
   std::filesystem::path file;
   std::error_code error;
   int number = ++written_;
-  do {  // another client of this moment may have written there
+  do {  // another client may have written a file at the same moment
     file = folder_ / fmt::format("hapticast-fault-{}-{}.csv", time, number++);
   } while (std::filesystem::exists(file, error));
   return file;
@@ -71,7 +71,7 @@ void FaultLogWriter::write(FlightRecorder& recorder, LocalTime begin) {
   }
   spdlog::warn("fault: {}; {} cannot be written (--fault-dir names another folder)",
                faultName(fault), file.string());
-  written_ = kMaxFiles;  // once is enough
+  written_ = kMaxFiles;  // one message is enough
 }
 
 void dumpRecorder(std::ostream& out, FlightRecorder& recorder, LocalTime begin) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The files of the ticks before a fault. Thread: main.
+// Fault files: the ticks before a fault, from the flight recorder.
+// Thread: main.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +11,23 @@
 
 namespace hapticast::client {
 
-/// $XDG_STATE_HOME/hapticast, else ~/.local/state/hapticast; without a home the working folder.
+/// Returns $XDG_STATE_HOME/hapticast, else ~/.local/state/hapticast, else (without $HOME) the
+/// working folder.
 [[nodiscard]] std::filesystem::path stateFolder();
 
-/// Files hapticast-fault-TIME-N.csv, TIME as 20261122T161500Z: what one run leaves, no other
-/// overwrites.
+/// Writes files hapticast-fault-TIME-N.csv with TIME like 20261122T161500Z. No run overwrites the
+/// files of another.
 class FaultLogWriter {
  public:
-  /// Chosen: who needs more than these has seen enough.
+  /// Files of one run. Chosen: more files bring nothing new.
   static constexpr int kMaxFiles = 10;
 
-  /// `folder` (--fault-dir) is made at once; throws std::runtime_error, one line, when nothing can
-  /// be written there. Empty: stateFolder(), made when it is needed.
+  /// `folder` (--fault-dir) is created at once. Throws std::runtime_error (one line) if it is not
+  /// writable. Empty: stateFolder(), created on demand.
   explicit FaultLogWriter(const std::string& folder);
-  /// Writes a file if `recorder` is frozen by a fault, says so in the log, and lets it record
-  /// again. `begin`: the run's first tick, t_s = 0. Beyond kMaxFiles, and when there is no writing,
-  /// it does nothing.
+  /// If a fault froze `recorder`: writes a file, logs its name, and re-arms the recorder. `begin`
+  /// is the first tick of the run (t_s = 0). Does nothing beyond kMaxFiles, and after a failed
+  /// write.
   void write(FlightRecorder& recorder, LocalTime begin);
 
  private:
@@ -35,7 +37,7 @@ class FaultLogWriter {
   int written_ = 0;
 };
 
-/// Writes a frozen recorder's ticks, oldest first, and lets it record again. Requires frozen().
+/// Writes the ticks of a frozen recorder, oldest first, and re-arms it. Requires frozen().
 void dumpRecorder(std::ostream& out, FlightRecorder& recorder, LocalTime begin);
 
 }  // namespace hapticast::client

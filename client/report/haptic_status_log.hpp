@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a person is told of the touch while it lasts: why there is no force, that it is back, that a
-// wall is softer than meant. A line for what is new. Thread: main.
+// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
+// wall. One line for each change.
+// Thread: main.
 #pragma once
 
 #include <optional>
@@ -12,9 +13,11 @@
 
 namespace hapticast::client {
 
+/// State of the lines about the force.
 class HapticStatusLog {
  public:
-  /// Sees every report, before `rearm`, which knows whether the force will come back by itself.
+  /// Processes every report in order and returns a line if there is something new. Call it before
+  /// rearm.onReport(): `rearm` states whether re-arming is automatic.
   std::optional<std::string> onReport(const TickReport& report, const RearmPolicy& rearm);
 
  private:
@@ -22,11 +25,11 @@ class HapticStatusLog {
 
   Halt halt_ = Halt::kNone;
   bool stale_ = false;
-  bool logged_enable_ = false;  // once: whoever uses the button knows
+  bool logged_enable_ = false;  // logged once a run
   LogInterval softer_;
   LogInterval later_;
   LogRateLimiter limit_;
-  LogRateLimiter halt_limit_;  // whatever else a stream makes the other one say
+  LogRateLimiter halt_limit_;  // separate, so that a stream cannot suppress lines about a halt
 };
 
 }  // namespace hapticast::client

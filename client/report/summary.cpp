@@ -16,14 +16,14 @@ namespace hapticast::client {
 
 namespace {
 
-// Keys stand in the file in the order in which they are written here.
+// ordered_json: the keys of the file have the order of this code.
 using Json = nlohmann::ordered_json;
 
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// {"name": count, ...} of an array of counters.
+/// Returns {"name": count, ...} for an array of counters.
 template <std::size_t N, class Name>
 Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
   Json object;
@@ -31,8 +31,8 @@ Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
   return object;
 }
 
-/// What the safety chain did, for a person: in how many ticks it did what. Empty: nothing that a
-/// hand notices (fades and the wall law's own limits are no news).
+/// Returns the safety actions with their ticks as text. Empty without actions that a hand notices
+/// (fades and the wall law's own limits are normal).
 std::string chainInWords(const LoopStats& loop) {
   std::string text;
   for (std::size_t i = 0; i < loop.interferences.size(); ++i) {
@@ -45,7 +45,7 @@ std::string chainInWords(const LoopStats& loop) {
   return text.empty() ? text : "The safety chain worked: " + text + ".\n";
 }
 
-/// The names of the faults that were raised.
+/// Returns the names of the faults of the run.
 Json faultNames(const std::array<std::uint64_t, kFaultKinds>& faults) {
   Json names = Json::array();
   for (std::size_t i = 1; i < faults.size(); ++i) {
@@ -67,7 +67,7 @@ Json toJson(const DatagramCounts& datagrams) {
           {"forged", datagrams.forged},     {"over_budget", datagrams.over_budget}};
 }
 
-/// null where no window was.
+/// Returns null without a window.
 Json toJson(const Histogram& offset_ns) {
   if (offset_ns.count() == 0) return nullptr;
   const auto milliseconds = [&](double quantile) {
@@ -76,7 +76,7 @@ Json toJson(const Histogram& offset_ns) {
   return {{"p50", milliseconds(0.5)}, {"p95", milliseconds(0.95)}};
 }
 
-/// null where nothing travels.
+/// Returns null for a device without a protocol.
 Json toJson(const std::optional<DeviceTraffic>& device) {
   if (!device) return nullptr;
   return {{"round_trips", device->round_trips},

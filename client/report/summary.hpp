@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a run was like, in numbers (--summary; its keys are listed in README.md) and in words.
+// Results of a run: as JSON (--summary; client/README.md lists the keys) and as text.
 // Thread: main, after the run.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace hapticast::client {
 
-/// Everything the parts of the client counted.
+/// Counters of all parts of the client.
 struct RunResult {
   LoopStats loop;
   ReceiverCounts frames;
@@ -24,16 +24,16 @@ struct RunResult {
   DeliveryStats delivery;
   double playout_delay_ms = 0.0;        ///< at the end
   double clock_offset_us = 0.0;         ///< media clock - local clock
-  double clock_error_us = 0.0;          ///< its bound
-  Histogram eye_hand_ns;                ///< View::eyeHand(); empty: nothing was shown
-  std::optional<DeviceTraffic> device;  ///< none: nothing travels to it
+  double clock_error_us = 0.0;          ///< error bound of the offset
+  Histogram eye_hand_ns;                ///< View::eyeHand(); empty without a window
+  std::optional<DeviceTraffic> device;  ///< nullopt for a device without a protocol
   RealtimeGrant realtime;
 };
 
-/// Writes one JSON object; a number that is not finite is null. Throws std::runtime_error naming
-/// the file when it cannot be written.
+/// Writes `result` as one JSON object; a number that is not finite is null. Throws
+/// std::runtime_error with the file's name if it cannot be written.
 void writeSummary(const std::string& file, const RunResult& result);
-/// A few sentences for people.
+/// Returns a few sentences for the user.
 [[nodiscard]] std::string toText(const RunResult& result);
 
 }  // namespace hapticast::client

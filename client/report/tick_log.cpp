@@ -14,7 +14,7 @@ namespace {
 void writeVector(std::ostream& out, const Vec3& v) {
   out << ',' << v.x() << ',' << v.y() << ',' << v.z();
 }
-/// Seconds to the microsecond whatever the precision of the stream.
+/// Writes seconds to the microsecond, independent of the precision of the stream.
 template <class Time>
 void writeTime(std::ostream& out, Time time) {
   const auto us = time.time_since_epoch().count() / 1000;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reports of the loop as rows of text, and the file of --log. Thread: main.
+// Tick reports as rows of CSV, and the file of --log.
+// Thread: main.
 #pragma once
 
 #include <fstream>
@@ -9,22 +10,26 @@
 
 namespace hapticast::client {
 
+/// Name of a lookup kind in the log.
 const char* lookupName(Lookup lookup) noexcept;
+/// Name of a fault in the log.
 const char* faultName(Fault fault) noexcept;
 
-/// The columns: t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,...,dz_N,penetration_mm,lookup
+/// Writes the heading:
+/// t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,...,dz_N,penetration_mm,lookup
 void writeReportHeading(std::ostream& out);
+/// Writes one row.
 void writeReport(std::ostream& out, const TickReport& report);
 
-/// The file of --log, or one asked for in the window: a row for every tick.
+/// A log file with a row for every tick: that of --log, or one requested in the window.
 class LogFile {
  public:
-  /// `file` may be empty: then nothing is written. Throws std::runtime_error, one line, when it
-  /// cannot be written.
+  /// An empty `file` writes nothing. Throws std::runtime_error (one line) if the file cannot be
+  /// written.
   explicit LogFile(std::string file);
   void write(const TickReport& report);
   [[nodiscard]] const std::string& file() const { return file_; }
-  /// Throws std::runtime_error when not all rows could be written.
+  /// Closes the file. Throws std::runtime_error if rows are missing.
   void close();
 
  private:

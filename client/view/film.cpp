@@ -16,17 +16,17 @@ namespace hapticast::client {
 
 namespace {
 
-// Play time that goes on by more than this in a tick has jumped.
+// A larger step of play time in a tick is a jump.
 constexpr double kJump_s = 0.05;
 
-/// By how much the film goes on with this tick: as play time does; where that stands or jumps, as
-/// the hand's own time.
+/// Returns the film time of this tick: the step of play time; for a pause or a jump the step of
+/// local time.
 double elapsedBetween(const TickReport& before, const TickReport& now) {
   const double play_s = toSeconds(now.play_time - before.play_time);
   return play_s > 0.0 && play_s < kJump_s ? play_s : toSeconds(now.time - before.time);
 }
 
-/// A codec takes only even sizes.
+/// Codecs require even sizes.
 cv::Size even(cv::Size size) { return {size.width & ~1, size.height & ~1}; }
 
 }  // namespace
@@ -46,14 +46,14 @@ void FilmView::onReport(const TickReport& report) {
   next_.ticks.push_back(report);
   if (due_s_ > 0.0) return;
   if (fps_ > 0.0) next_.picture = pictures_.nearest(report.play_time);
-  if (!next_.picture) {  // the film begins with the first one
+  if (!next_.picture) {  // the film begins with the first picture
     next_.ticks = {report};
     return;
   }
   next_.fps = fps_;
   due_s_ = std::max(due_s_ + 1.0 / fps_, 0.0);
   Shot shot = std::exchange(next_, {});
-  next_.ticks.push_back(shot.ticks.back());  // from there it goes on
+  next_.ticks.push_back(shot.ticks.back());  // the next shot begins with the last tick
   pushShot(std::move(shot));
 }
 
@@ -92,7 +92,7 @@ void FilmView::stop() {
 }
 
 void FilmView::run() {
-  // Of this thread, and of the encoder's that it starts: the loop and the window come first.
+  // For this thread and the encoder's threads: loop and window have priority.
   (void)!::nice(5);
   try {
     while (true) {
@@ -114,7 +114,7 @@ void FilmView::run() {
 }
 
 void FilmView::write(const Shot& shot) {
-  // The first tick was the last one of the shot before.
+  // The first tick is the last one of the shot before.
   for (std::size_t i = 1; i < shot.ticks.size(); ++i) history_.add(shot.ticks[i]);
   const Workspace& workspace = shot.picture->workspace;
   const cv::Mat picture =
@@ -124,13 +124,13 @@ void FilmView::write(const Shot& shot) {
   const cv::Size of_drawing = even(drawing.size());
   if (of_drawing == size_) {
     drawing = drawing(cv::Rect({0, 0}, size_));
-  } else {  // another stream, of other proportions
+  } else {  // another stream with other proportions
     cv::resize(drawing, drawing, size_);
   }
   for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
 }
 
-/// H.264, which everything plays; where OpenCV cannot, MPEG-4.
+/// Opens the file: H.264 if available, else MPEG-4.
 void FilmView::open(const cv::Mat& drawing, double fps) {
   const cv::Size size = even(drawing.size());
   for (const int codec :

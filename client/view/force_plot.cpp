@@ -21,7 +21,7 @@ double findPeak(const std::deque<ForcePoint>& points) {
   return top_N;
 }
 
-/// Where times and forces lie in the picture.
+/// Position of the axes in the picture.
 struct Axes {
   Axes(const std::deque<ForcePoint>& points, cv::Size size)
       : area(56, 30, size.width - 76, size.height - 62) {
@@ -75,7 +75,7 @@ void drawCurve(cv::Mat& plot, const Axes& axes, const std::deque<ForcePoint>& po
     if (line.empty() || line.back().x != at.x) {
       line.push_back(at);
     } else {
-      line.back().y = std::min(line.back().y, at.y);  // of a column its peak
+      line.back().y = std::min(line.back().y, at.y);  // peak of the column
     }
   }
   cv::polylines(plot, line, false, color, width_px, cv::LINE_AA);
@@ -106,7 +106,7 @@ cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size siz
   drawCurve(plot, axes, points, &ForcePoint::dynamic_force_N, kDynamicForceColor, 1);
   drawCurve(plot, axes, points, &ForcePoint::static_force_N, kStaticForceColor, 1);
   drawCurve(plot, axes, points, &ForcePoint::force_N, kForceColor, 2);
-  // The strongest moment may lie further back than the plot reaches.
+  // The strongest moment may be older than the plot.
   if (marked_s >= axes.start_s) axes.drawUpright(plot, marked_s, kMomentColor);
   drawLegend(plot, axes.area.x);
   return plot;

@@ -15,14 +15,14 @@ namespace {
 
 constexpr int kPictureWidth_px = 960;
 constexpr int kPlotHeight_px = 260;
-// Above the video: the text, and room for a cone that touches near the upper edge.
+// Area above the video: text, and a cone at the upper edge.
 constexpr int kHeadHeight_px = 90;
 constexpr double kArrow_px_per_N = 90.0;
 constexpr double kCone_mm = 26.0;
-// Height towards the viewer is drawn obliquely, up and a little to the right.
+// Oblique projection of the height: up and a little to the right.
 const Vec2 kObliqueZ(0.35, -0.75);
 
-/// Rounded, and kept where drawing arithmetic cannot overflow.
+/// Rounds, and clamps to the safe range of the drawing functions.
 cv::Point toPoint(const Vec2& position) {
   const auto coordinate = [](double value) {
     return static_cast<int>(std::lround(std::clamp(value, -1e4, 1e4)));
@@ -30,13 +30,13 @@ cv::Point toPoint(const Vec2& position) {
   return {coordinate(position.x()), coordinate(position.y())};
 }
 
-/// The stylus: a cone whose tip is the HIP, opening towards the viewer.
+/// Draws the stylus: a cone with its apex at the HIP, opening towards the viewer.
 void drawCone(cv::Mat& image, const Vec2& tip_px, double px_per_mm) {
   const Vec2 top = tip_px + kObliqueZ * kCone_mm * px_per_mm;
   const int radius = static_cast<int>(std::lround(0.22 * kCone_mm * px_per_mm));
   const Vec2 side = Vec2(-kObliqueZ.y(), kObliqueZ.x()).normalized() * radius;
   const std::array<cv::Point, 3> body{toPoint(tip_px), toPoint(top - side), toPoint(top + side)};
-  // What it covers, and its rim.
+  // The covered area and its rim.
   const cv::Rect covered =
       cv::boundingRect(body) + cv::Size(2 * radius, 2 * radius) - cv::Point(radius, radius);
   const cv::Rect around = covered & cv::Rect({0, 0}, image.size());
@@ -78,7 +78,7 @@ cv::Mat drawOverlay(const cv::Mat& picture, const TickReport& report, const Work
     cv::resize(picture, below_head, size, 0.0, 0.0, cv::INTER_AREA);
   }
   const Vec2 hip_px = scale * workspace.toImage(report.hip_mm.head<2>());
-  // A HIP beside the picture is shown at its edge.
+  // A HIP outside the picture is shown at its edge.
   const Vec2 tip_px = hip_px.cwiseMax(Vec2::Zero()).cwiseMin(Vec2(size.width, size.height)) +
                       Vec2(0.0, kHeadHeight_px);
   drawCone(scene, tip_px, scale / workspace.mmPerPixel().x());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Draws what a viewer sees: the video with the HIP's cone and the force arrow, and below it the
-// force over time. Off screen; a screenshot and a window show the same. Thread: any.
+// Drawing of the film and of the screenshot: the video with the HIP's cone and the force arrow, and
+// below it the force over time. Off screen.
+// Thread: any (pure function).
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,8 +11,8 @@
 namespace hapticast::client {
 
 /// Draws `report` over `picture` (CV_8UC3 of the same play time; empty: a dark ground of the
-/// workspace's size), and under it all of `history` with a mark at the moment of `report`.
-/// Returns a picture of its own, CV_8UC3, 960 px wide.
+/// workspace's size), and below it `history` with a mark at the time of `report`. Returns a new
+/// picture, CV_8UC3, 960 px wide.
 [[nodiscard]] cv::Mat drawOverlay(const cv::Mat& picture, const TickReport& report,
                                   const Workspace& workspace, const ForceHistory& history);
 

@@ -26,8 +26,8 @@ cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected) {
     return {};
   }
   cv::Mat picture(expected, CV_8UC3);
-  // The decoder fills with grey what is cut off, and only warns of it. A progressive JPEG of a few
-  // bytes could otherwise ask for any number of scans of the whole picture.
+  // The decoder fills missing parts with grey and only warns. A progressive JPEG of a few bytes
+  // could request any number of scans of the whole picture.
   constexpr int kFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
   const int failed =
       tjDecompress2(decompressor.get(), jpeg.data(), jpeg.size(), picture.data, expected.width,

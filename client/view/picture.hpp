@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Decodes pictures of the stream. Thread: any.
+// JPEG decoder for pictures of the stream.
+// Thread: any (pure function).
 #pragma once
 
 #include <cstdint>
@@ -8,9 +9,9 @@
 
 namespace hapticast::client {
 
-/// Decodes to CV_8UC3 (BGR). Returns an empty picture unless `jpeg` is a whole, flawless JPEG of
-/// exactly `expected` size. A JPEG says itself how much memory its decoder takes, so its header is
-/// read first and held against the size that the stream announced.
+/// Decodes `jpeg`. Returns CV_8UC3 (BGR), empty unless `jpeg` is a complete, valid JPEG of the size
+/// `expected`. The header of a JPEG determines the memory of its decoder. So the size is checked
+/// before the decoding.
 [[nodiscard]] cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
 
 }  // namespace hapticast::client

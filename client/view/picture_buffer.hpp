@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The pictures of the last seconds, to be found by their time: a picture comes earlier than the
-// loop plays its moment. Bounded. Thread: any; the buffer has a lock of its own, which is held for
-// moments only.
+// Buffer of the last seconds of pictures, with access by media time: a picture arrives earlier than
+// the loop plays its frame. Bounded.
+// Thread: any; a mutex guards the buffer for short times.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace hapticast::client {
 
-/// A picture as it came, not decoded yet, and the workspace that was announced for it.
+/// A coded picture and its workspace.
 struct StreamPicture {
   VideoFrame video;
   Workspace workspace;
@@ -21,15 +21,16 @@ struct StreamPicture {
 
 class PictureBuffer {
  public:
-  /// The playout delay is at most 2 s (JitterEstimator::kMaxDelay), at 25 frames/s 50 pictures.
+  /// Covers the longest playout delay: 2 s (JitterEstimator::kMaxDelay) are 50 pictures at 25
+  /// frames/s.
   static constexpr std::size_t kMaxPictures = 64;
-  /// Chosen: a picture of 1920 x 1080 takes about 0.5 MB, so that 64 of them fit.
+  /// Chosen: 64 pictures of 1920 x 1080 px with about 0.5 MB each fit.
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
-  /// Adds a picture and forgets the oldest ones beyond the bounds. A picture that is older than the
-  /// newest one belongs to a server that has started anew: then all pictures before it are void.
+  /// Adds a picture, and drops the oldest ones above the limits. A picture older than the newest
+  /// one belongs to a restarted server: all earlier pictures are then void.
   void add(VideoFrame video, const Workspace& workspace);
-  /// The picture nearest to `time`; null when there is none.
+  /// Returns the picture nearest to `time`; null if the buffer is empty.
   [[nodiscard]] std::shared_ptr<const StreamPicture> nearest(MediaTime time) const;
 
  private:

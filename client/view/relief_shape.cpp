@@ -9,11 +9,10 @@ namespace hapticast::client {
 
 namespace {
 
-// Chosen: pixels of a mask that are looked at for its outline; beyond, it is looked at more
-// coarsely.
+// Chosen: limit of the pixels that an outline examines; a larger mask is subsampled.
 constexpr double kMostPixels = 250'000.0;
 
-/// Wide enough that of this rectangle at most `most` points remain.
+/// Returns the step that leaves at most `most` points of this rectangle.
 int stepFor(const PixelRect& rect, double most) {
   return std::max(1, static_cast<int>(std::ceil(std::sqrt(double(rect.pixels()) / most))));
 }
@@ -25,7 +24,7 @@ float computeShade(const Vec2& gradient) {
   return static_cast<float>(kAmbient + (1.0 - kAmbient) * std::max(0.0, normal.dot(to_lamp)));
 }
 
-/// Adds a relief of at most `most_cells` or so.
+/// Adds a relief with about `most_cells` cells.
 void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& workspace,
                double most_cells, int least_px) {
   const PixelRect& rect = relief.rect();
@@ -60,7 +59,7 @@ std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief) {
   const PixelRect& rect = relief.rect();
   if (relief.empty()) return {};
   const int step = stepFor(rect, kMostPixels);
-  // A frame of nothing around it, so that what reaches the picture's edge is closed there.
+  // A border of zeros closes the outline at the edge of the picture.
   cv::Mat mask = cv::Mat::zeros(rect.height / step + 3, rect.width / step + 3, CV_8UC1);
   for (int row = 0; row * step < rect.height; ++row) {
     for (int column = 0; column * step < rect.width; ++column) {

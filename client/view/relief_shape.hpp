@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reliefs as lines and triangles to be drawn. Thread: any.
+// Reliefs as outlines and meshes for drawing.
+// Thread: any (pure functions).
 #pragma once
 
 #include <array>
@@ -13,23 +14,24 @@ namespace hapticast::client {
 
 using Reliefs = std::vector<std::shared_ptr<const HeightField>>;
 
-/// The edges of the mask as closed lines, px of the picture.
+/// Returns the edges of the mask as closed lines, px of the picture.
 [[nodiscard]] std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief);
 
-/// A surface of four-cornered cells, lit from the upper left.
+/// A mesh of quadrilateral cells, lit from the upper left.
 struct ReliefMesh {
-  /// Chosen: of all objects together; the software renderer draws them in some milliseconds.
+  /// Limit for all objects together. Chosen: the software renderer draws them within some
+  /// milliseconds.
   static constexpr double kMostCells = 4096.0;
   struct Corner {
     Vec3 position_mm;  ///< nominal
     float light;       ///< 0..1
   };
   std::vector<Corner> corners;
-  std::vector<std::array<int, 4>> cells;  ///< their corners, in a round
+  std::vector<std::array<int, 4>> cells;  ///< indices of their corners, in order around the cell
 };
 
-/// What lies within the masks, coarser the larger it is; a cell has at least `least_px` px of the
-/// picture.
+/// Returns the mesh of the parts within the masks. Larger reliefs have coarser cells. A cell has at
+/// least `least_px` px of the picture.
 [[nodiscard]] ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace,
                                    int least_px = 1);
 

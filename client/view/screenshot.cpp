@@ -12,7 +12,7 @@ namespace hapticast::client {
 
 namespace {
 
-/// How much a moment is worth showing: a touch counts more than the residue of one.
+/// Rank of a moment: a contact ranks above the release ramp after it.
 double worth(const TickReport& report) {
   return report.contact ? 1.0 + report.force_N.norm() : 0.0;
 }
@@ -47,7 +47,7 @@ void Screenshot::findPicture() {
 void Screenshot::finish() {
   findPicture();
   cv::Mat picture;
-  Workspace workspace;  // without a picture the whole nominal workspace is the ground
+  Workspace workspace;  // without a picture: the nominal workspace
   if (picture_) {
     workspace = picture_->workspace;
     picture = decodeJpeg(picture_->video.jpeg, {workspace.width_px, workspace.height_px});
@@ -56,7 +56,7 @@ void Screenshot::finish() {
   try {
     written = cv::imwrite(file_, drawOverlay(picture, moment_, workspace, history_));
   } catch (const cv::Exception&) {
-    written = false;  // for example a name whose ending is no image format
+    written = false;  // such as an unknown extension
   }
   if (!written)
     throw std::runtime_error("--screenshot " + file_ +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The view of --screenshot: the strongest touch of a run, its picture and the force of the last
-// minute, written to a file at the end. Thread: takePicture() any, everything else main.
+// The view of --screenshot: the strongest contact of a run with its picture and the force of the
+// last minute, written at the end.
+// Thread: onPicture() any, everything else main.
 #pragma once
 
 #include <memory>
@@ -14,16 +15,16 @@ namespace hapticast::client {
 
 class Screenshot final : public View {
  public:
-  /// Throws std::runtime_error unless `file` ends as a picture does, such as .png.
+  /// Throws std::runtime_error unless the extension of `file` is a picture format, such as .png.
   explicit Screenshot(std::string file);
 
   void onPicture(VideoFrame picture, const Workspace& workspace) override;
   void onReport(const TickReport& report) override;
-  /// Finds the picture of the strongest moment while it is still in the buffer.
+  /// Fetches the picture of the strongest moment before the buffer drops it.
   [[nodiscard]] bool update(UiState& ui_state) override;
   void finish() override;
 
-  /// The strongest touch so far; while nothing was touched, the last tick.
+  /// Report of the strongest contact so far; without a contact, of the last tick.
   [[nodiscard]] const TickReport& moment() const { return moment_; }
 
  private:
@@ -33,7 +34,7 @@ class Screenshot final : public View {
   PictureBuffer pictures_;
   ForceHistory history_;
   TickReport moment_;
-  std::shared_ptr<const StreamPicture> picture_;  // of moment_, once it is found
+  std::shared_ptr<const StreamPicture> picture_;  // picture of moment_, once available
 };
 
 }  // namespace hapticast::client

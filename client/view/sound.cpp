@@ -11,7 +11,7 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr std::uint16_t kBuffer = 512;  // chosen: 11 ms, as often as the main thread has news
+constexpr std::uint16_t kBuffer = 512;  // chosen: 11 ms, the cycle of the main thread
 constexpr std::uint32_t kFade_ms = 60;  // four times the hum's smoothing
 
 [[noreturn]] void noSound(const std::string& why) {
@@ -22,10 +22,10 @@ constexpr std::uint32_t kFade_ms = 60;  // four times the hum's smoothing
 }  // namespace
 
 SoundView::SoundView(std::function<void(const std::string& line)> tell) : log_(std::move(tell)) {
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the client's
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C belongs to the client
   if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0)
     throw std::runtime_error(std::string("no sound device (") + SDL_GetError() + ")");
-  // Asked first: ALSA would say in many lines that there is none.
+  // A check in advance: ALSA would print many lines without a device.
   if (SDL_GetNumAudioDevices(0) == 0) noSound("none was found");
   SDL_AudioSpec wanted{};
   wanted.freq = SoundMixer::kRate_Hz;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The view of --sound, for the ears: the force on SDL's sound device. SDL asks for the samples on a
-// thread of its own. Thread: main.
+// The view of --sound: plays the force on SDL's sound device. SDL requests the samples in a thread
+// of its own.
+// Thread: main, except the mixer.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@ namespace hapticast::client {
 
 class SoundView final : public View {
  public:
-  /// `tell` is called when the device is lost later, on the main thread. Throws
-  /// std::runtime_error, one line, where there is no sound device.
+  /// Opens the sound device. `tell` receives a line in the main thread if the device is lost later.
+  /// Throws std::runtime_error (one line) without a sound device.
   explicit SoundView(std::function<void(const std::string& line)> tell);
   SoundView(const SoundView&) = delete;
   SoundView& operator=(const SoundView&) = delete;
@@ -25,14 +26,14 @@ class SoundView final : public View {
   void onPicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
   void onReport(const TickReport& report) override;
   [[nodiscard]] bool update(UiState& ui_state) override;
-  /// The hum fades before the device is closed.
+  /// Fades the hum out and closes the device.
   void finish() override;
   [[nodiscard]] bool wantsVideo() const override { return false; }
 
  private:
   static void fill(void* view, std::uint8_t* bytes, int size_bytes) noexcept;
 
-  std::function<void(const std::string& line)> log_;  // null: it has been told
+  std::function<void(const std::string& line)> log_;  // null: the loss was reported
   TransientDetector meter_;
   LatestValue<SoundCue> cue_;
   SoundMixer mixer_;  // SDL's thread

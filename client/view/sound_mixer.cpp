@@ -8,10 +8,10 @@ namespace hapticast::client {
 
 namespace {
 
-// Chosen: what is hardly felt is not heard, and 2 N, a firm press, is as loud as it gets.
+// Chosen: silence for a hardly noticeable force; full volume at 2 N, a firm press.
 constexpr double kSilent_N = 0.05;
 constexpr double kLoud_N = 2.0;
-// Chosen: a main thread that has said nothing for so long stands still.
+// Chosen: after this time without a new cue the main thread has stopped.
 constexpr std::size_t kStale = SoundMixer::kRate_Hz / 10;
 
 double loudness(double force_N) noexcept {

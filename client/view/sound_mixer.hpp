@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a force sounds like: a low hum as loud as the press, a high one for a moment where it is
-// sudden. Loudness never steps, so that nothing clicks but a blow. Thread: one at a time.
+// Sonification of the force: a low hum for the sustained component, a high one for the transient
+// component. The amplitude never steps, so that only a blow clicks.
+// Thread: one at a time.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +11,19 @@
 
 namespace hapticast::client {
 
-/// What is to be heard now. A plain value that owns nothing.
+/// Input of the mixer, without ownership.
 struct SoundCue {
   ForceComponents force;
-  std::uint64_t tick = 0;  ///< that it was felt in
+  std::uint64_t tick = 0;  ///< tick of the force
 };
 
 class SoundMixer {
  public:
   static constexpr int kRate_Hz = 48000;
-  /// No sample is beyond it: chosen, half of what there is.
+  /// Limit of all samples. Chosen: half of the full scale.
   static constexpr double kLoudest = 0.5;
 
-  /// The next samples, -kLoudest..kLoudest. A cue that does not change fades away.
+  /// Computes the next samples, -kLoudest..kLoudest. With an unchanged cue the sound fades.
   void fill(std::span<float> samples, const SoundCue& cue) noexcept;
 
  private:
@@ -33,12 +34,12 @@ class SoundMixer {
     double phase = 0.0;  // in turns
     double next(double wanted) noexcept;
   };
-  // Chosen: what a small loudspeaker can play, far enough apart to be told from each other; the hum
-  // follows a hand, a blow is there at once.
+  // Chosen: pitches of a small loudspeaker that differ clearly. The hum follows the hand; a blow
+  // has no delay.
   Voice sustained_{.pitch_Hz = 220.0, .smoothing_s = 0.015};
   Voice transient_{.pitch_Hz = 1100.0, .smoothing_s = 0.003};
   std::uint64_t tick_ = 0;
-  std::size_t age_ = 0;  // samples since it changed
+  std::size_t age_ = 0;  // samples since the last change of the tick
 };
 
 }  // namespace hapticast::client

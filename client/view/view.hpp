@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the app's event loop asks of any view: a screenshot, a film, a window, a sound. A further
-// kind is one file beside this one and one line in client/user_interface.cpp.
+// Interface of a view: screenshot, film, window, sound. A further kind needs one file beside this
+// one and one line in client/open_views.cpp.
+// Thread: each function states its own.
 #pragma once
 
 #include <cstdint>
@@ -17,50 +18,50 @@
 
 namespace hapticast::client {
 
-/// What is known of the network. A plain value that owns nothing.
+/// State of the connection for views, without ownership.
 struct ConnectionStats {
   bool connected = false;
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;
   std::uint64_t frames_late = 0;
   std::uint64_t slices_lost = 0;
-  double clock_error_us = 0.0;  ///< bound of the error of the media clock; 0: not known
-  double fps = 25.0;            ///< as announced
+  double clock_error_us = 0.0;  ///< error bound of the media clock; 0: unknown
+  double fps = 25.0;            ///< announced rate
 };
 
-/// What lies between the app and its views.
+/// State that the app and its views share.
 struct UiState {
   UserControls user;       ///< a view may change it
-  PointerTarget pointer;   ///< the one that points() writes it
-  ConnectionStats stream;  ///< to be looked at
-  bool record = false;     ///< a view asks for a log in a new file, as long as it is set
-  std::string recording;   ///< to be looked at: the file, or why there is none; empty before
+  PointerTarget pointer;   ///< written by the view with points()
+  ConnectionStats stream;  ///< read-only for views
+  bool record = false;     ///< request of a view: log into a new file while set
+  std::string recording;   ///< read-only for views: the log file, or an error; empty before
 };
 
+/// A view of a run.
 class View {
  public:
   virtual ~View() = default;
 
-  /// Takes a picture of the stream, which belongs to `workspace`. Thread: any.
+  /// Receives a picture of the stream with its `workspace`. Thread: any.
   virtual void onPicture(VideoFrame picture, const Workspace& workspace) = 0;
-  /// Takes what can be felt of the next frame. Thread: network.
+  /// Receives the reliefs of the next frame. Thread: network.
   virtual void onFrame(const PlayableReliefs& /*frame*/) {}
-  /// Takes the report of a tick, whose `time` counts from the first tick of the run. The ticks
-  /// come in order and shortly after they happened.
-  /// Thread: main.
+  /// Receives the report of a tick; its `time` counts from the first tick of the run. Ticks arrive
+  /// in order and soon. Thread: main.
   virtual void onReport(const TickReport& report) = 0;
-  /// The view's share of a turn of the event loop, about every 10 ms; it must not wait. Returns
-  /// false when the user wants to end. Thread: main.
+  /// Runs the view's share of the main loop, about every 10 ms. Must not block. Returns false if
+  /// the user ends the run. Thread: main.
   [[nodiscard]] virtual bool update(UiState& ui_state) = 0;
-  /// Ends the view after the last tick: what it was asked to write is written. Throws
-  /// std::runtime_error, one line that names the flag and the file. Thread: main.
+  /// Ends the view after the last tick and writes its files. Throws std::runtime_error with one
+  /// line: flag and file. Thread: main.
   virtual void finish() = 0;
-  /// Whether it shows the stream's pictures, so that they have to be sent.
+  /// Returns true if the view needs the stream's pictures.
   [[nodiscard]] virtual bool wantsVideo() const { return true; }
-  /// Whether somebody can point at something in it, so that a mouse can be a device.
+  /// Returns true if the user can point into the view, so that a mouse can be a device.
   [[nodiscard]] virtual bool points() const { return false; }
-  /// How far apart in play time the picture that was shown and the frame that was felt were, each
-  /// time that it was drawn; null: it shows nothing while it runs. Thread: main.
+  /// Distribution of the difference in play time between shown picture and rendered frame, one
+  /// entry per drawing. Null for a view without a live picture. Thread: main.
   [[nodiscard]] virtual const Histogram* eyeHand() const { return nullptr; }
 };
 

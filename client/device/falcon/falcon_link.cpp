@@ -19,10 +19,10 @@ namespace {
 using std::chrono::milliseconds;
 
 // Chosen:
-constexpr int kLoads = 6;  // in the field it often takes several
+constexpr int kLoads = 6;  // in the field a load often needs several
 constexpr milliseconds kTurn{10};
-constexpr milliseconds kMute{1000};    // so long without a reply it is as good as gone
-constexpr milliseconds kHungLoop{20};  // after it the motors are told zero
+constexpr milliseconds kMute{1000};    // then the device counts as lost
+constexpr milliseconds kHungLoop{20};  // then the motors receive zero
 constexpr milliseconds kBetweenTries{500};
 constexpr int kZeros = 4;
 constexpr milliseconds kZeroAnswer{20};
@@ -52,7 +52,7 @@ std::unique_ptr<FalconUsb> FalconLink::open(const LogLine& log_line) {
   return usb;
 }
 
-/// Loads the firmware, each time with the device opened anew.
+/// Loads the firmware; each attempt reopens the device.
 void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line) {
   if (settings_.firmware_file.empty())
     throw FalconError(
@@ -95,7 +95,7 @@ void FalconLink::keepOpen(std::unique_ptr<FalconUsb> usb) {
   }
 }
 
-/// Waits until it answers again; null: the end.
+/// Waits until the device answers again. Returns null at the end.
 std::unique_ptr<FalconUsb> FalconLink::openAgain() {
   std::string logged;
   while (!stop_) {
@@ -111,7 +111,7 @@ std::unique_ptr<FalconUsb> FalconLink::openAgain() {
   return nullptr;
 }
 
-/// From the first transfer to the last, whoever ends it.
+/// Runs the USB transfers from the first to the last.
 void FalconLink::serve(FalconUsb& usb) {
   parser_.restart();
   ++life_;
@@ -148,14 +148,15 @@ void FalconLink::last_reply(std::span<const std::uint8_t> data) {
     if (!reply) continue;
     last_reply_ = clock_.now();
     round_trips_.fetch_add(1, std::memory_order_relaxed);
-    // A loop that takes none has fallen behind, and wants the newest of later ones.
+    // If the ring is full, the loop is late. It then needs only the newest of the later replies.
     (void)ring_.tryPush({*reply, last_reply_, life_});
     sem_post(&replied_);
   }
   resyncs_.fetch_add(parser_.resyncs() - before, std::memory_order_relaxed);
 }
 
-/// Nothing says that the device lets its motors go by itself where nobody talks to it.
+/// Watchdog: the device has no documented timeout of its own, so a hung loop must not leave a
+/// torque on the motors.
 void FalconLink::watchLoop(FalconUsb& usb) {
   const std::int64_t now_ns = clock_.now().time_since_epoch().count();
   if (now_ns - last_sent_ns_ < std::chrono::nanoseconds(kHungLoop).count()) return;
@@ -164,7 +165,7 @@ void FalconLink::watchLoop(FalconUsb& usb) {
   if (usb.submit(encode(kNoTorque), true)) torque_sent_ = false;
 }
 
-/// Several times, and answered: a request may be lost on its way.
+/// Sends zero several times and waits for the replies, because a request may be lost.
 void FalconLink::endWithZero(FalconUsb& usb) {
   int answered = 0;
   for (int i = 0; i < 2 * kZeros && answered < kZeros; ++i) {
@@ -172,7 +173,7 @@ void FalconLink::endWithZero(FalconUsb& usb) {
     if (!usb.submit(encode(kNoTorque), true) && !usb.handleEvents(milliseconds(1))) return;
     const LocalTime until = clock_.now() + kZeroAnswer;
     while (round_trips_ == before && clock_.now() < until) {
-      if (!usb.handleEvents(milliseconds(1))) return;  // nobody hears it any more
+      if (!usb.handleEvents(milliseconds(1))) return;  // the device is lost
     }
     if (round_trips_ != before) ++answered;
   }
@@ -182,10 +183,10 @@ void FalconLink::endWithZero(FalconUsb& usb) {
 void FalconLink::send(const FalconRequest& request) noexcept {
   const std::unique_lock lock(usb_mutex_, std::try_to_lock);
   if (!lock || usb_ == nullptr) return;
-  while (sem_trywait(&replied_) == 0) {  // what came late is taken with the next one
+  while (sem_trywait(&replied_) == 0) {  // late replies count with the next one
   }
   const bool zero = request.motors == std::array<int, 3>{};
-  // Before it goes: whoever ends meanwhile has to end with zero.
+  // Set before the request: an end in between has to send zero.
   if (!zero) torque_sent_ = true;
   const bool sent = usb_->submit(encode(request), zero);
   if (zero && sent) torque_sent_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Keeps a Falcon: opens it, brings its firmware to life, streams replies, notices when it goes and
-// opens it again. Whatever ends, the motors hear zero last, as long as the device hears anything.
+// Connection to a Falcon: opens it, loads its firmware, streams replies, detects its loss and
+// reopens it. At any end the last request sets the motors to zero, as long as the device receives
+// data.
+// Threads: loop, main, and one of its own for USB; each function states its own.
 #pragma once
 
 #include <semaphore.h>
@@ -23,38 +25,42 @@
 
 namespace hapticast::client {
 
+/// A reply with its arrival.
 struct FalconNews {
   FalconReply reply;
   LocalTime at;
-  std::uint32_t life = 0;  ///< another one: the device has been away in between
+  std::uint32_t life = 0;  ///< changes after each loss of the device
 };
 
+/// The connection; runs a thread until its destructor.
 class FalconLink {
  public:
   using LogLine = std::function<void(const std::string& line)>;
 
-  /// Opens it and loads its firmware if need be, telling how far it is. Throws FalconError where
-  /// there is none that answers, std::runtime_error for a firmware file that is none. `clock`
-  /// outlives it.
+  /// Opens the device and loads its firmware if necessary, with progress lines to `tell`. Throws
+  /// FalconError if no device answers, std::runtime_error for an invalid firmware file. `clock`
+  /// must outlive this object.
   FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line);
-  /// Tells the motors zero, waits until the device has answered, and lets it go.
+  /// Sets the motors to zero, waits for the reply, and closes the device.
   ~FalconLink();
   FalconLink(const FalconLink&) = delete;
   FalconLink& operator=(const FalconLink&) = delete;
 
   // Thread: loop.
-  /// Whether the device is there.
+
+  /// Returns true while the device answers.
   [[nodiscard]] bool there() const noexcept { return there_.load(std::memory_order_acquire); }
-  /// Never blocks.
+  /// Fetches the oldest reply. Returns false if there is none. Does not block.
   bool popEvent(FalconNews& event) noexcept { return ring_.tryPop(event); }
-  /// Hands a request to USB; outside the tick.
+  /// Queues a request on USB. Call outside the tick.
   void send(const FalconRequest& request) noexcept;
-  /// Waits for the next reply, until `deadline` at most. Outside the tick.
+  /// Waits for the next reply, at most until `deadline`. Returns false after a timeout. Call
+  /// outside the tick.
   bool waitForReply(LocalTime deadline) noexcept;
 
   // Thread: any.
   [[nodiscard]] DeviceTraffic traffic() const noexcept;
-  /// The next line for the user. Thread: main.
+  /// Returns the next line for the user; nullopt: none. Thread: main.
   std::optional<std::string> nextMessage();
 
  private:
@@ -70,8 +76,8 @@ class FalconLink {
 
   FalconSettings settings_;
   const Clock& clock_;
-  std::mutex usb_mutex_;      // not taken in the tick
-  FalconUsb* usb_ = nullptr;  // guarded by it: what send() may use
+  std::mutex usb_mutex_;      // never locked in the tick
+  FalconUsb* usb_ = nullptr;  // guarded by usb_mutex_; null: send() does nothing
   std::atomic<bool> there_{false};
   std::atomic<bool> stop_{false};
   SpscRing<FalconNews, 64> ring_;
@@ -80,7 +86,7 @@ class FalconLink {
   std::uint32_t life_ = 0;  // the link's thread
   LocalTime last_reply_{};  // the link's thread
   std::atomic<std::int64_t> last_sent_ns_{0};
-  std::atomic<bool> torque_sent_{false};  // the last request that went out was not zero
+  std::atomic<bool> torque_sent_{false};  // the last sent request was not zero
   std::atomic<std::uint64_t> round_trips_{0};
   std::atomic<std::uint64_t> misses_{0};
   std::atomic<std::uint64_t> resyncs_{0};

@@ -17,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 using Bytes = std::vector<std::uint8_t>;
 
-// Requests to the serial chip, an FT232R.
+// Requests to the serial chip (FT232R).
 constexpr std::uint8_t kReset = 0;
 constexpr std::uint8_t kModem = 1;
 constexpr std::uint8_t kFlow = 2;
@@ -35,16 +35,16 @@ constexpr std::uint16_t kBaudHello = 0x4138;
 constexpr std::uint16_t kBaudLoad = 0x0015;
 constexpr std::uint16_t kBaudRun = 0x0002;
 constexpr std::uint16_t kEightNone = 0x0008;
-constexpr std::uint16_t kHelloLatency_ms = 16;  // with 1 ms the boot loader answers unreliably
+constexpr std::uint16_t kHelloLatency_ms = 16;  // at 1 ms the boot loader answers unreliably
 constexpr std::uint16_t kRunLatency_ms = 1;
-// What has come is sent to the host with the '>' that ends a reply, not when the latency is over.
+// The chip sends its data with the '>' that ends a reply, without waiting for the latency timer.
 constexpr std::uint16_t kEventAtEnd = 0x0100 | '>';
 
 constexpr std::array<std::uint8_t, 3> kHello = {0x0A, 0x43, 0x0D};
 constexpr std::array<std::uint8_t, 4> kHelloBack = {0x0A, 0x44, 0x2C, 0x0D};
-constexpr std::uint8_t kRate = 0x41;     // its length tells the boot loader the baud rate
-constexpr std::size_t kChunk = 62;       // a packet without its status
-constexpr std::size_t kLongest = 65536;  // images are 7 to 9 kB; beyond this it is another file
+constexpr std::uint8_t kRate = 0x41;     // its length defines the baud rate for the boot loader
+constexpr std::size_t kChunk = 62;       // a packet without its status bytes
+constexpr std::size_t kLongest = 65536;  // images have 7 to 9 kB; a longer file is another one
 constexpr int kHellos = 30;              // 100 ms each
 constexpr int kProbes = 10;              // 10 ms each
 constexpr milliseconds kAnswer{100};
@@ -67,7 +67,7 @@ bool answersHello(FalconUsb& usb) {
   for (int i = 0; i < kHellos; ++i) {
     usb.write(kHello);
     (void)usb.read(received, kAnswer);
-    // Whatever stands in front of it is noise from before.
+    // Bytes before the answer are noise.
     if (std::search(received.begin(), received.end(), kHelloBack.begin(), kHelloBack.end()) !=
         received.end())
       return true;
@@ -75,7 +75,7 @@ bool answersHello(FalconUsb& usb) {
   return false;
 }
 
-/// Everything that is written comes back, in any number of packets.
+/// Writes bytes and checks their echo, which arrives in any number of packets.
 void writeEchoed(FalconUsb& usb, std::span<const std::uint8_t> bytes) {
   usb.write(bytes);
   Bytes echo;
@@ -139,7 +139,7 @@ bool falconRuns(FalconUsb& usb, bool event_character) {
 
 void loadFalconFirmware(FalconUsb& usb, const Bytes& image,
                         const std::function<void(double share)>& progress) {
-  usb.control(kReset, 0);  // also: no event character, no flow control
+  usb.control(kReset, 0);  // also disables event character and flow control
   purge(usb);
   setLine(usb, kHelloLatency_ms, kBaudHello);
   usb.control(kModem, kSendOff);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Brings an opened Falcon to run mode. Its firmware is in volatile memory: after each power-up it
-// is loaded from a file of the user's.
+// Boot loader of the Falcon: brings an opened device to run mode. Its firmware is in volatile
+// memory, so after each power-up it has to be loaded from a file of the user.
+// Thread: one at a time; blocks.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +13,17 @@
 
 namespace hapticast::client {
 
-/// The bytes of `file`. Throws std::runtime_error, one line that names the flag and the file.
+/// Reads the firmware image `file`. Throws std::runtime_error (one line with flag and file).
 std::vector<std::uint8_t> readFalconFirmware(const std::string& file);
-/// Where it is looked for without a flag: hapticast/falcon.bin in $XDG_DATA_HOME, else in
-/// ~/.local/share; empty where there is none.
+/// Returns the default file: hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share. Empty
+/// if there is none.
 std::string usualFalconFirmware();
 
-/// Whether the firmware runs: frames with zero torque are answered. Leaves the chip in run mode.
-/// Throws FalconError.
+/// Returns true if the firmware runs: it answers frames with zero torque. Leaves the chip in run
+/// mode. Throws FalconError.
 bool falconRuns(FalconUsb& usb, bool event_character);
 
-/// One try to load it. `progress` gets a share of 1 now and then. Throws FalconError.
+/// Tries once to load `image`. Calls `progress` with a share of 0..1. Throws FalconError.
 void loadFalconFirmware(FalconUsb& usb, const std::vector<std::uint8_t>& image,
                         const std::function<void(double share)>& progress);
 

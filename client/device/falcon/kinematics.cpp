@@ -10,33 +10,33 @@ namespace hapticast::client {
 
 namespace {
 
-// Lengths and azimuths of the device, as open drivers that work with it have them (m).
+// Lengths and azimuths of the device in m, as in working open drivers.
 constexpr double kArm_m = 0.060;
 constexpr double kRod_m = 0.1025;    // long side of the parallelogram
-constexpr double kShort_m = 0.0225;  // its two short ends
+constexpr double kShort_m = 0.0225;  // its two short sides
 constexpr double kGripOut_m = 0.01443;
 constexpr double kGripAside_m = -0.025;
 constexpr double kBaseOut_m = 0.0400;
 constexpr double kBaseAside_m = -0.02309;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::array<double, 3> kAzimuth_rad = {105.0 * kDegree, -15.0 * kDegree, -135.0 * kDegree};
-// 320 slots counted four times a turn of the motor; drum and sector gear it down. Where the counts
-// are zero the arms stand at 35 degrees, about: the drivers have it so.
+// 320 slots with four counts each per turn of the motor; drum and sector are the gear. At count
+// zero the arms are at about 35 degrees, as in the drivers.
 constexpr double kRadPerCount = 2.0 * std::numbers::pi / 1280.0 * 14.25 / 110.0;
 constexpr double kZero_rad = 35.0 * kDegree;
 
-// Newton, chosen: 6 steps were the most over 2000 random poses.
+// Newton's method. Chosen: 6 steps were the most over 2000 random poses.
 constexpr int kMostSteps = 12;
 constexpr double kLongestStep_m = 0.020;
 constexpr double kGood_rad = 1e-11;
-// Below this the three rows are nearly in one plane (they are about 20 rad/m long each).
+// Below this determinant the three rows are nearly coplanar (each is about 20 rad/m long).
 constexpr double kLeastDeterminant = 50.0;
 
-/// One arm, with the rod that hangs on it.
+/// One arm with its rod.
 struct Leg {
   double angle_rad = 0.0;
-  double cos_rod = 0.0, sin_rod = 0.0;      // the rod's direction in the arm's plane
-  double cos_aside = 0.0, sin_aside = 0.0;  // and out of it
+  double cos_rod = 0.0, sin_rod = 0.0;      // direction of the rod in the plane of the arm
+  double cos_aside = 0.0, sin_aside = 0.0;  // and out of that plane
 };
 
 std::optional<Leg> solveLeg(const Vec3& position_m, double azimuth_rad) noexcept {
@@ -77,7 +77,8 @@ Vec3 computeAngles(const Legs& legs) noexcept {
   return {legs[0].angle_rad, legs[1].angle_rad, legs[2].angle_rad};
 }
 
-/// d angle / d position. A rod keeps its length: where the arm turns, the grip moves along it.
+/// One row of d angle / d position. The rod has a constant length, so both of its ends have the
+/// same speed along the rod.
 Eigen::Vector3d jacobianRow(const Leg& leg, double azimuth_rad) noexcept {
   const double sin_knee =
       leg.sin_rod * std::cos(leg.angle_rad) - leg.cos_rod * std::sin(leg.angle_rad);
@@ -141,7 +142,7 @@ std::optional<Vec3> falconForward_m(const Vec3& angles_rad, const Vec3& start_m)
 std::optional<Vec3> falconTorques(const Vec3& position_m, const Vec3& force_N) noexcept {
   const auto jacobian = falconJacobian_rad_m(position_m);
   if (!jacobian) return std::nullopt;
-  // Power in is power out: torque · (J v) = force · v for every v.
+  // Principle of virtual work: torque · (J v) = force · v for every v.
   return Vec3(jacobian->inverse().transpose() * force_N);
 }
 

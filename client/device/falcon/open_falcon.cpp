@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The Novint Falcon as a kind of --device. A request goes out each millisecond and the tick begins
-// with its reply, about a quarter of a millisecond later; the next request takes that tick's force
-// along.
+// The Novint Falcon as a device kind. A request is sent each millisecond. The tick begins with its
+// reply, about a quarter of a millisecond later. The next request carries the force of that tick.
 #if HAPTICAST_LIBUSB
 #include <fmt/core.h>
 
@@ -17,7 +16,7 @@ namespace hapticast::client {
 
 namespace {
 
-// Chosen: half a period after the request the tick begins without its reply.
+// Chosen: the tick begins without a reply half a period after the request.
 constexpr Duration kPatience{500'000};
 
 const char* toText(FalconPilot::Phase phase) {
@@ -56,7 +55,7 @@ class Falcon final : public HapticDevice {
     }
     const LocalTime now = clock_.now();
     due_ += kTickPeriod;
-    // What a stall has missed is skipped; the grid stays.
+    // Skip the deadlines that a stall has missed; the grid remains.
     if (due_ + kPatience < now) due_ += (now - due_) / kTickPeriod * kTickPeriod;
     if (due_ > now + kTickPeriod) due_ = now;
     sleepUntil(due_);
@@ -92,12 +91,12 @@ class Falcon final : public HapticDevice {
   const Clock& clock_;
   double gain_;
   FalconPilot pilot_;  // loop
-  LocalTime due_{};    // loop: of the last request
+  LocalTime due_{};    // loop: time of the last request
   Vec3 force_N_ = Vec3::Zero();
   std::uint32_t life_ = 0;
   std::atomic<FalconPilot::Phase> phase_{FalconPilot::Phase::kAway};
   FalconPilot::Phase logged_ = FalconPilot::Phase::kAway;  // main
-  FalconLink link_;                                        // last: it ends first
+  FalconLink link_;                                        // last member: its thread ends first
 };
 
 }  // namespace

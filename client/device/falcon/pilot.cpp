@@ -25,7 +25,8 @@ void FalconPilot::onReply(const FalconReply& reply, LocalTime at) noexcept {
   }
 }
 
-/// The counters begin anew while the axes find their marks: nothing is compared yet.
+/// Waits for the end of the homing. The counters restart while the axes pass their marks, so no
+/// comparison is possible.
 void FalconPilot::home(const FalconReply& reply, LocalTime at) noexcept {
   if (++homed_replies_ < kHomedReplies) return;
   const auto position_m = falconForward_m(falconAngles_rad(reply.encoders), kFalconCentre_m);
@@ -38,10 +39,10 @@ void FalconPilot::home(const FalconReply& reply, LocalTime at) noexcept {
   phase_ = Phase::kOutside;
 }
 
-/// Takes over a position; false: it cannot be.
+/// Accepts the position of a reply. Returns false if it is implausible.
 bool FalconPilot::processReply(const FalconReply& reply, LocalTime at) noexcept {
   const Duration since = at - accepted_;
-  // Only where nothing was heard it may have gone farther: replies that were doubted were heard.
+  // Only a silence allows a larger step: rejected replies were no silence.
   const auto gap_ms = std::clamp<std::int64_t>((since + kTickPeriod / 2) / kTickPeriod - rejected_,
                                                1, kSilent / kTickPeriod);
   const auto most = kFastest_per_ms * gap_ms;
@@ -52,7 +53,7 @@ bool FalconPilot::processReply(const FalconReply& reply, LocalTime at) noexcept 
   if (!position_m) return false;
   const double out_mm = 1e3 * (*position_m - kFalconCentre_m).norm();
   if (!(out_mm <= kFarthest_mm)) return false;
-  // After a silence the force comes back as it came at first.
+  // After a silence the force ramps in like the first time.
   if (since > kSilent) ramp_begin_ = at;
   if (phase_ == Phase::kOutside && out_mm <= kMiddle_mm) {
     phase_ = Phase::kReady;
@@ -67,8 +68,8 @@ bool FalconPilot::processReply(const FalconReply& reply, LocalTime at) noexcept 
   return true;
 }
 
-/// A flipped bit is over with the next reply; a shift that stays means that the counters do not
-/// tell any more where the grip is.
+/// Counts an implausible reply. A flipped bit ends with the next reply; a lasting shift means that
+/// the counters have lost the position.
 void FalconPilot::rejectPosition() noexcept {
   ++implausible_;
   if (++rejected_ < kMostDoubts) return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What is known of a Falcon from its replies, and what it is told: homing, plausibility, ramp,
-// lights, motors. Pure: time is an argument; no heap. Thread: loop.
+// State machine of a Falcon: homing, plausibility of the replies, force ramp, lights and motors.
+// Time is an argument; no heap.
+// Thread: loop.
 #pragma once
 
 #include <cstdint>
@@ -10,38 +11,40 @@
 
 namespace hapticast::client {
 
+/// Converts replies to device states, and forces to requests.
 class FalconPilot {
  public:
   enum class Phase : std::uint8_t {
-    kAway,     ///< nothing is heard of it
-    kHoming,   ///< red: it does not know where it is; out and in finds out
+    kAway,     ///< no replies
+    kHoming,   ///< red: the position is unknown until the grip has moved out and in
     kOutside,  ///< blue: homed, but the grip is not near the middle yet
-    kReady,    ///< green
+    kReady,    ///< green: a force may act
   };
   // Chosen, all of them:
-  static constexpr int kHomedReplies = 50;      ///< so many in a row say that an axis is homed
-  static constexpr int kMostMotor = 2000;       ///< counts: half of what the motors take
-  static constexpr int kFastest_per_ms = 150;   ///< counts: 5 m/s; no hand is faster
-  static constexpr int kMostDoubts = 20;        ///< replies in a row before it is homed anew
-  static constexpr double kMiddle_mm = 40.0;    ///< radius in which a force may begin
-  static constexpr double kFarthest_mm = 90.0;  ///< no grip gets there
+  static constexpr int kHomedReplies = 50;     ///< replies in a row until homing counts
+  static constexpr int kMostMotor = 2000;      ///< counts: half of the drivers' limit
+  static constexpr int kFastest_per_ms = 150;  ///< counts: 5 m/s, above any hand
+  static constexpr int kMostDoubts = 20;       ///< implausible replies in a row before a new homing
+  static constexpr double kMiddle_mm = 40.0;   ///< radius in which a force may begin
+  static constexpr double kFarthest_mm = 90.0;  ///< beyond the reach of the grip
   static constexpr Duration kRamp{500'000'000};
-  static constexpr Duration kSilent{20'000'000};  ///< after it the motors are told zero
+  static constexpr Duration kSilent{20'000'000};  ///< then the motors receive zero
 
-  /// `gain`: counts a N m.
+  /// `gain` is in counts/(N m).
   explicit FalconPilot(double gain) noexcept : gain_(gain) {}
 
-  /// A reply that came at `at`.
+  /// Processes a reply that arrived at `at`.
   void onReply(const FalconReply& reply, LocalTime at) noexcept;
-  /// The connection is lost, or there again: what was known of its position is void.
+  /// Invalidates the position: the connection was lost, or has returned.
   void lost() noexcept;
-  /// For the room: fresh, or no news, or lost since it was ready once.
+  /// Returns the state for the loop: kOk with a new position, kNoData without one, kLost after the
+  /// first kReady.
   DeviceState state() noexcept;
-  /// What it is told now: this force, or less or none.
+  /// Returns the request for this tick, with the force `force_N`, a part of it, or zero.
   FalconRequest request(const Vec3& force_N, LocalTime now) noexcept;
 
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
-  /// Replies whose position no hand could have reached in that time, or no arm at all.
+  /// Number of replies with a position that no hand reaches in that time, or no arm at all.
   [[nodiscard]] std::uint64_t implausible() const noexcept { return implausible_; }
 
  private:
@@ -56,8 +59,8 @@ class FalconPilot {
   bool fresh_ = false;
   int homed_replies_ = 0;
   int rejected_ = 0;
-  int forget_ = 0;            // requests still to go without the homing flag, so that it homes anew
-  bool must_forget_ = false;  // its axes are not believed before they were without a mark
+  int forget_ = 0;  // remaining requests without the homing flag, which start a new homing
+  bool must_forget_ = false;  // replies are void until the device reports an axis as not homed
   FalconReply last_;
   LocalTime accepted_{};
   LocalTime ramp_begin_{};

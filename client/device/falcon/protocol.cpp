@@ -7,7 +7,7 @@ namespace hapticast::client {
 
 namespace {
 
-// A nibble is a letter from 'A' to 'P'; so are, from 'A' on, the flags, which have up to 7 bits.
+// A nibble is a letter from 'A' to 'P'. The flags have up to 7 bits and also begin at 'A'.
 constexpr std::uint8_t kBegin = '<';
 constexpr std::uint8_t kEnd = '>';
 constexpr std::uint8_t kNibbleZero = 'A';
@@ -20,7 +20,7 @@ constexpr std::uint8_t kHomingFlag = 0x01;
 constexpr std::uint8_t kButtonBits = 0x0F;
 constexpr unsigned kHomedShift = 4;
 
-/// Of motor or encoder `axis`, the least significant first.
+/// Index of a nibble of motor or encoder `axis`, the least significant first.
 constexpr std::size_t nibbleIndex(std::size_t axis, std::size_t nibble) noexcept {
   return 1 + 4 * axis + nibble;
 }
@@ -62,7 +62,7 @@ std::optional<FalconReply> FalconParser::push(std::uint8_t byte) noexcept {
   if (!fits(byte)) {
     if (!astray_) ++resyncs_;
     astray_ = true;
-    // The character that may be any was the next frame's first.
+    // The unused character may have any value: it was the begin of the next frame.
     filled_ = filled_ == kEndAt && frame_[kUnusedAt] == kBegin ? 1 : 0;
     if (!fits(byte)) {
       filled_ = 0;

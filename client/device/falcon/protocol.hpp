@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The Novint Falcon's run mode: a frame of 16 characters goes out, one comes back. Pure: bytes in,
-// values out. Thread: any, one at a time.
+// Wire protocol of the Novint Falcon's run mode: each request and each reply is a frame of 16
+// characters. Bytes in, values out.
+// Thread: any, one at a time.
 #pragma once
 
 #include <array>
@@ -9,10 +10,10 @@
 
 namespace hapticast::client {
 
-/// Motors, encoders and homed bits in this order: top, right, left, seen from the front.
+/// Order of motors, encoders and homed bits: top, right, left, seen from the front.
 struct FalconRequest {
-  std::array<int, 3> motors{};  ///< counts; what goes out is within +-kMostMotorCounts
-  bool homing = true;           ///< in every frame: without it the device forgets where it is
+  std::array<int, 3> motors{};  ///< counts; encode() limits them to ±kMostMotorCounts
+  bool homing = true;           ///< set in every frame: without it the device loses its position
   std::uint8_t lights = 0;      ///< bits of FalconLight
   bool operator==(const FalconRequest&) const = default;
 };
@@ -22,10 +23,11 @@ struct FalconLight {
   static constexpr std::uint8_t kRed = 0x08;
 };
 
+/// A reply of the device.
 struct FalconReply {
   std::array<int, 3> encoders{};
   std::uint8_t buttons = 0;  ///< bits of FalconButton
-  std::uint8_t homed = 0;    ///< a bit an axis
+  std::uint8_t homed = 0;    ///< one bit for each axis
   bool operator==(const FalconReply&) const = default;
 };
 struct FalconButton {
@@ -36,23 +38,23 @@ struct FalconButton {
 };
 
 inline constexpr std::uint8_t kAllHomed = 0x07;
-/// The drivers saturate here, though the field has 16 bits.
+/// The drivers saturate at this value, although the field has 16 bits.
 inline constexpr int kMostMotorCounts = 4095;
 
 using FalconFrame = std::array<std::uint8_t, 16>;
 
+/// Encodes a request.
 FalconFrame encode(const FalconRequest& request) noexcept;
 
-/// Finds replies in a stream of bytes, however it is cut, and starts anew at the next frame after
-/// anything that is none. There is no checksum: a nibble that turned into another one stays
-/// undetected here.
+/// Parser of replies in a stream of bytes, with any segmentation. After an error it continues at
+/// the next frame. The protocol has no checksum, so a changed nibble remains undetected here.
 class FalconParser {
  public:
-  /// The reply that this byte completes.
+  /// Returns the reply that this byte completes; nullopt if there is none.
   std::optional<FalconReply> push(std::uint8_t byte) noexcept;
-  /// How often a frame broke off, or bytes stood between two.
+  /// Number of broken frames, and of gaps with stray bytes.
   [[nodiscard]] std::uint64_t resyncs() const noexcept { return resyncs_; }
-  /// What was begun is forgotten.
+  /// Drops a partial frame.
   void restart() noexcept { filled_ = 0; }
 
  private:
@@ -60,7 +62,7 @@ class FalconParser {
 
   FalconFrame frame_{};
   std::size_t filled_ = 0;
-  bool astray_ = false;  // since the last whole frame
+  bool astray_ = false;  // stray bytes since the last complete frame
   std::uint64_t resyncs_ = 0;
 };
 

@@ -19,16 +19,16 @@ constexpr std::uint16_t kProduct = 0xCB48;
 constexpr std::uint8_t kIn = 0x81;
 constexpr std::uint8_t kOut = 0x02;
 constexpr int kInterface = 0;
-constexpr int kStatusBytes = 2;  // in front of every packet that comes: modem and line
+constexpr int kStatusBytes = 2;  // before the data of every received packet: modem and line status
 constexpr unsigned kTimeout_ms = 1000;
-// Chosen: so many errors in a row are no disturbance any more.
+// Chosen: more errors in a row are no disturbance.
 constexpr int kMostFailures = 50;
 
 [[noreturn]] void fail(const std::string& what, int code) {
   throw FalconError(what + ": " + libusb_strerror(code));
 }
 
-/// Why a device that is there cannot be had, and what helps.
+/// Returns the reason why a connected device cannot be opened, and a remedy.
 std::string errorText(int code) {
   if (code == LIBUSB_ERROR_ACCESS)
     return "no permission to open it: copy deploy/70-hapticast-falcon.rules to "
@@ -70,7 +70,8 @@ std::string readSerial(libusb_device* device, libusb_device_handle* handle) {
   return length <= 0 ? "" : std::string(text.begin(), text.begin() + length);
 }
 
-/// Calls visit(device, handle or null, code of opening) for every Falcon until it returns true.
+/// Calls visit(device, handle or null, result of the opening) for every Falcon until `visit`
+/// returns true.
 template <class Visit>
 void eachFalcon(libusb_context* context, Visit visit) {
   libusb_device** raw = nullptr;
@@ -162,7 +163,7 @@ void FalconUsb::control(std::uint8_t request, std::uint16_t value) {
 }
 
 void FalconUsb::write(std::span<const std::uint8_t> bytes) {
-  std::vector<std::uint8_t> own(bytes.begin(), bytes.end());  // libusb takes no const bytes
+  std::vector<std::uint8_t> own(bytes.begin(), bytes.end());  // libusb requires mutable bytes
   int written = 0;
   const int code = libusb_bulk_transfer(handle_, kOut, own.data(), static_cast<int>(own.size()),
                                         &written, kTimeout_ms);
@@ -229,7 +230,7 @@ void FalconUsb::completed(Transfer& transfer) {
     ++failures_;
   }
   if (status == LIBUSB_TRANSFER_NO_DEVICE) disconnected_.store(true, std::memory_order_relaxed);
-  // Nobody may wait for the device here, as clearing a halt does.
+  // No blocking call here, such as clearing a halt.
   transfer.stalled = status == LIBUSB_TRANSFER_STALL;
   transfer.queued.store(false, std::memory_order_release);
   const bool again = transfer.incoming && !transfer.stalled && !finishing_ && !disconnected_ &&
@@ -237,7 +238,7 @@ void FalconUsb::completed(Transfer& transfer) {
   if (again) (void)queue(transfer);
 }
 
-/// Where an endpoint has halted; what waited there is queued again.
+/// Clears halted endpoints and queues their transfers again.
 void FalconUsb::clearStalls() {
   for (Transfer& transfer : incoming_) {
     if (!std::exchange(transfer.stalled, false)) continue;
@@ -281,7 +282,7 @@ void FalconUsb::finish() noexcept {
   for (Transfer& transfer : outgoing_) {
     if (queued(transfer)) libusb_cancel_transfer(transfer.usb);
   }
-  // The kernel gives every one of them back, at once.
+  // The kernel returns every transfer at once.
   constexpr int kMostTurns = 200;
   for (int i = 0; i < kMostTurns && any(); ++i) {
     timeval time{0, 10'000};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A Novint Falcon on USB: found, opened, claimed, its serial chip set up, bytes to and from it. The
-// one place that knows libusb.
+// USB transport of the Novint Falcon: find, open, claim, set up the serial chip, transfer bytes.
+// The only user of libusb.
+// Thread: each function states its own.
 #pragma once
 
 #include <array>
@@ -22,46 +23,48 @@ struct libusb_transfer;
 
 namespace hapticast::client {
 
-/// The Falcon is not there, not ours or does not answer; one line without the flag.
+/// The Falcon is missing, in use or silent. The message is one line without the flag.
 class FalconError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
+/// A detected Falcon.
 struct FalconFound {
-  std::string serial;   ///< empty: it cannot be read
-  std::string problem;  ///< why it cannot be opened; empty: it can
+  std::string serial;   ///< empty: unreadable
+  std::string problem;  ///< reason why it cannot be opened; empty: it can
 };
-/// All that are plugged in. Throws FalconError where USB cannot be asked.
+/// Returns all connected Falcons. Throws FalconError if USB is not accessible.
 std::vector<FalconFound> findFalcons();
 
-/// Not thread-safe but for submit(); what belongs to which thread is said.
+/// The connection. Only submit() is thread-safe; the other functions state their thread.
 class FalconUsb {
  public:
   using OnData = std::function<void(std::span<const std::uint8_t> data)>;
 
-  /// Opens and claims the first one, or that of `serial`. Throws FalconError.
+  /// Opens and claims the first device, or the one with `serial`. Throws FalconError.
   explicit FalconUsb(const std::string& serial);
   ~FalconUsb();
   FalconUsb(const FalconUsb&) = delete;
   FalconUsb& operator=(const FalconUsb&) = delete;
 
-  // Before start(); they block and throw FalconError.
-  /// A request to the serial chip.
+  // Before start(): these functions block and throw FalconError.
+
+  /// Sends a control request to the serial chip.
   void control(std::uint8_t request, std::uint16_t value);
   void write(std::span<const std::uint8_t> bytes);
-  /// Appends what one packet brings; false: none came in time.
+  /// Appends the data of one packet to `bytes`. Returns false after `most` without data.
   bool read(std::vector<std::uint8_t>& bytes, Duration most);
 
-  /// From now on transfers are always queued; `on_data` gets the bytes. Throws FalconError.
+  /// Starts the continuous transfers; `take` receives the bytes. Throws FalconError.
   void start(OnData on_data);
-  /// Handles what has come, waiting `most` for it; false: the device is gone or only fails. Thread:
-  /// one, which `on_data` is called on.
+  /// Handles completed transfers and waits at most `most` for them. Returns false if the device is
+  /// lost, or after too many errors. Thread: one, which also calls `take`.
   bool handleEvents(Duration most);
-  /// Sends a frame without waiting for it. While the device takes none, a few are queued; an
-  /// `urgent` one has places of its own. Thread: one; not while finish() runs.
+  /// Queues a frame without waiting. Returns false if all slots are in use; an `urgent` frame has
+  /// additional slots. Thread: one; not during finish().
   bool submit(const FalconFrame& frame, bool urgent) noexcept;
-  /// Takes back what is queued. Thread: that of handleEvents().
+  /// Cancels all queued transfers. Thread: that of handleEvents().
   void finish() noexcept;
 
  private:
@@ -91,7 +94,7 @@ class FalconUsb {
   std::array<Transfer, kOutgoing> outgoing_;
   std::atomic<bool> disconnected_{false};
   bool finishing_ = false;
-  int failures_ = 0;  // in a row
+  int failures_ = 0;  // errors in a row
 };
 
 }  // namespace hapticast::client

@@ -39,7 +39,7 @@ AxisPlant::AxisPlant(const PlantProfile& profile, const Hand& hand) noexcept
   }
   a_.row(1) /= moving_mass_kg_;
 
-  // [x; u]' = [A B; 0 S] [x; u]: the force is held, the target moves with its velocity.
+  // [x; u]' = [A B; 0 S] [x; u]: the force is constant, the target moves with its velocity.
   Matrix7 whole = Matrix7::Zero();
   whole.topLeftCorner<4, 4>() = a_ * kTick_s;
   whole.topRightCorner<4, 3>() = b_ * kTick_s;
@@ -57,8 +57,8 @@ AxisPlant::State AxisPlant::rate(const State& state, const Input& input) const n
   return a_ * state + b_ * input;
 }
 
-/// The state after a part of a tick, by the Taylor series of the exact flow; stuck: the device
-/// stands.
+/// Returns the state after a part of a tick, by the Taylor series of the exact flow. `stuck`: the
+/// device is at rest.
 AxisPlant::State AxisPlant::flow(const State& state, const Input& input, double time_s,
                                  bool stuck) const noexcept {
   constexpr int kTerms = 8;
@@ -94,7 +94,8 @@ void AxisPlant::advance(double force_N, double target_m, double target_velocity_
     state_ = free;
     return;
   }
-  // It stops inside the tick: at the linear crossing; then it sticks or starts the other way.
+  // The device stops inside the tick, at the linear crossing. Then it sticks or moves the other
+  // way.
   const double stop_s = kTick_s * v / (v - free[1]);
   state_ = flow(state_, rubbed, stop_s, false);
   state_[1] = 0.0;
@@ -102,7 +103,7 @@ void AxisPlant::advance(double force_N, double target_m, double target_velocity_
   advanceRest(input, kTick_s - stop_s);
 }
 
-/// From standstill: sticks while friction holds the net force, else slides its way.
+/// Advances from rest: sticks while friction balances the net force, else slides.
 void AxisPlant::advanceRest(const Input& input, double time_s) noexcept {
   const double net_N = rate(state_, input)[1] * moving_mass_kg_;
   if (std::abs(net_N) <= friction_N_) {

@@ -10,10 +10,10 @@
 namespace hapticast::client {
 
 namespace {
-constexpr double kSpeed_mm_s = 300.0;        // against the object
-constexpr double kObjectSpeed_mm_s = 600.0;  // followed at most
+constexpr double kSpeed_mm_s = 300.0;        // relative to the object
+constexpr double kObjectSpeed_mm_s = 600.0;  // largest speed of a followed object
 constexpr double kAcceleration_mm_s2 = 5000.0;
-constexpr double kGain_per_s = 20.0;  // approach of the last millimetres
+constexpr double kGain_per_s = 20.0;  // controller gain near the goal
 constexpr double kWaitHeight_mm = 45.0;
 constexpr double kHover_mm = 10.0;
 constexpr double kPush_N = 1.0;
@@ -52,7 +52,7 @@ Vec3 HandScript::next(const TickReport& report, const Vec3& start_mm) noexcept {
 Vec3 HandScript::goal(const TickReport& report) noexcept {
   if (!report.object_present) {
     enter(Phase::kApproach);
-    // Straight up first: sideways it would drag along what it touched.
+    // Straight up first: a sideways motion would drag the touched object.
     return {target_mm_.x(), target_mm_.y(), kWaitHeight_mm};
   }
   if (kind_ == HandKind::kPress) return pressGoal(report);
@@ -61,7 +61,7 @@ Vec3 HandScript::goal(const TickReport& report) noexcept {
           report.object_centre_height_mm - depthFor_mm(kFollow_N, report.mapping.scale)};
 }
 
-/// Surface and hand are springs in series: how far below the surface the hand must want to be.
+/// Returns the depth of the target below the surface. Surface and hand are springs in series.
 double HandScript::depthFor_mm(double force_N, double scale) const noexcept {
   return force_N * (1.0 / stiffness_.surface_N_mm + 1.0 / stiffness_.hand_N_mm) / scale;
 }
@@ -102,7 +102,7 @@ Vec3 HandScript::pressGoal(const TickReport& report) noexcept {
 Vec3 HandScript::slideGoal(const TickReport& report) noexcept {
   slide_size_ = std::clamp(slide_size_ + (report.over_object ? 0.2 : -1.0) * kTick_s, 0.1, 1.0);
   const double reach_mm = kSlideReach_mm * slide_size_;
-  // Both axes together reach 1.25 x reach x rate at most (frequencies 1 and 1.5, amplitudes 1 and
+  // Both axes together reach at most 1.25 x reach x rate (frequencies 1 and 1.5, amplitudes 1 and
   // 0.5).
   slide_s_ += kTick_s * kSlideSpeed_mm_s / (1.25 * reach_mm);
   const Vec2 place_mm =
@@ -113,8 +113,7 @@ Vec3 HandScript::slideGoal(const TickReport& report) noexcept {
   return {place_mm.x(), place_mm.y(), height_mm - depthFor_mm(force_N, report.mapping.scale)};
 }
 
-/// Towards the goal as fast as the limits let it arrive without overshoot, carried along with the
-/// goal's own velocity.
+/// Moves towards the goal as fast as possible without overshoot, plus the velocity of the goal.
 void HandScript::moveTowards(const Vec3& goal_mm, const Vec3& goal_velocity_mm_s) noexcept {
   const Vec3 path_mm = goal_mm - target_mm_;
   const double distance_mm = path_mm.norm();

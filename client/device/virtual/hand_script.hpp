@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where a scripted hand wants to be: press, slide, follow or a file of targets. Reads the reports
-// of the room, as a person watches the screen. Thread: the loop's (loading: before it).
+// Scripted hand: generates the target of a simulated hand (press, slide, follow, or a file). Its
+// input are the reports of the loop, as a person watches the screen.
+// Thread: loop; loading: before it.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +15,21 @@ namespace hapticast::client {
 
 enum class HandKind : std::uint8_t { kPress, kSlide, kFollow, kFile };
 
+/// A row of a target file.
 struct HandTarget {
   double t_s = 0.0;
   Vec3 position_mm = Vec3::Zero();  ///< nominal
 };
 
-/// Reads `t_s,x_mm,y_mm,z_mm` rows (a heading line may come first). Times 0..86400 s and rising,
-/// positions within
-/// +-1000 mm, at most a million rows. Throws std::runtime_error with one line that names file and
-/// line.
+/// Reads rows `t_s,x_mm,y_mm,z_mm` with an optional heading line. Times rise within 0..86400 s,
+/// positions lie within ±1000 mm, and a file has at most a million rows. Throws std::runtime_error
+/// with one line: file and line.
 std::vector<HandTarget> loadHandTargets(const std::string& file);
-/// The text of such a file; `file` only names it in complaints.
+/// Parses the text of such a file. `file` is its name for error messages. Throws like
+/// loadHandTargets().
 std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& file);
 
-/// What the hand reckons with when it pushes.
+/// Springs that the hand assumes for its push.
 struct HandStiffness {
   double hand_N_mm = 0.2;
   double surface_N_mm = 0.5;
@@ -35,13 +37,15 @@ struct HandStiffness {
 
 class HandScript {
  public:
-  /// `targets` only for kFile, not empty then.
+  /// `targets` is for kFile only, and then not empty.
   HandScript(HandKind kind, const HandStiffness& stiffness, std::vector<HandTarget> targets = {});
 
-  /// The target of the next tick, nominal mm. Press, slide and follow move at most 0.3 m/s against
-  /// the object (which itself is followed up to 0.6 m/s) with at most 5 m/s² and wait above the
-  /// picture while there is none; a file is followed as it is, linearly between its rows.
-  /// `start_mm`: where the hand is, used at the first call only.
+  /// Returns the target of the next tick, nominal mm.
+  ///
+  /// Press, slide and follow move at most at 0.3 m/s relative to the object, with at most 5 m/s².
+  /// They follow an object at up to 0.6 m/s, and wait above the picture without one. A file is
+  /// interpolated linearly between its rows. `start_mm` is the position of the hand, for the first
+  /// call only.
   Vec3 next(const TickReport& report, const Vec3& start_mm) noexcept;
 
  private:
@@ -67,7 +71,7 @@ class HandScript {
   int phase_ticks_ = 0;
   double phase_depth_mm_ = 0.0;
   double slide_s_ = 0.0;
-  double slide_size_ = 1.0;  // of the Lissajous figure, shrinks where it leaves the object
+  double slide_size_ = 1.0;  // size of the Lissajous figure; shrinks at the edge of the object
 };
 
 }  // namespace hapticast::client

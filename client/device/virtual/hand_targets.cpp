@@ -28,7 +28,7 @@ std::runtime_error unreadable(const std::string& file) {
                             spellingHint(file, {"press", "slide", "follow"}));
 }
 
-/// Four numbers separated by commas, or false.
+/// Parses four numbers separated by commas. Returns false if the row is invalid.
 bool parseRow(std::string_view text, std::array<double, 4>& row) {
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -68,7 +68,7 @@ std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& fil
   while (in.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()))) {
     ++line;
     std::string_view text(buffer.data(), static_cast<std::size_t>(in.gcount()));
-    if (!in.eof()) text.remove_suffix(1);  // the end of the line
+    if (!in.eof()) text.remove_suffix(1);  // the line break
     while (!text.empty() && (text.back() == '\r' || text.back() == ' ')) text.remove_suffix(1);
     if (text.empty() || (line == 1 && text == "t_s,x_mm,y_mm,z_mm")) continue;
     std::array<double, 4> row{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The virtual device as a kind of --device: profile, light hand, script.
+// The virtual device as a device kind: profile, light hand, script.
 #include <stdexcept>
 #include <utility>
 

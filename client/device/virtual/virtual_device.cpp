@@ -11,7 +11,7 @@
 namespace hapticast::client {
 
 namespace {
-// A second: what a hand does during a longer standstill of the program is nobody's touch (chosen).
+// Chosen: one second. During a longer standstill of the program the hand's motion is no touch.
 constexpr int kLongestCatchUp_ticks = 1000;
 }  // namespace
 
@@ -52,7 +52,7 @@ DeviceState VirtualDevice::exchange(const Vec3& force_N, const TickReport& repor
   }
   last_target_mm_ = target_mm_;
   DeviceState state;
-  // The virtual hand holds the button that it has to hold.
+  // The simulated hand always holds the enabling button.
   if (profile_.enable_button) state.buttons = std::uint32_t{1} << *profile_.enable_button;
   state.position_mm = truePosition_mm();
   const double count_mm = profile_.count_mm;
@@ -61,8 +61,8 @@ DeviceState VirtualDevice::exchange(const Vec3& force_N, const TickReport& repor
   return state;
 }
 
-/// Whole ticks of the clock since the last call. One at least: a device that wakes early or late
-/// within its tick must neither stand still nor live twice.
+/// Returns the whole ticks of the clock since the last call, at least one. An early or late call
+/// within a tick must neither skip a tick nor repeat one.
 int VirtualDevice::ticksSinceLast() noexcept {
   const LocalTime now = clock_.now();
   if (!running_) {
@@ -88,7 +88,7 @@ void VirtualDevice::advance(const Vec3& force_N, const Vec3& target_from_mm,
 
 void VirtualDevice::advanceScript(const TickReport& report) noexcept {
   if (!script_) return;
-  if (report.tick == seen_tick_) return;  // the script lives by ticks of the room
+  if (report.tick == seen_tick_) return;  // the script advances with the ticks of the loop
   seen_tick_ = report.tick;
   const Vec3 start_mm = report.mapping.toNominal(truePosition_mm());
   target_mm_ = report.mapping.toDevice(script_->next(report, start_mm));

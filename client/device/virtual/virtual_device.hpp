@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A haptic device made of arithmetic: mass, losses, counts and delay of a profile, in a hand that
-// is a mass-spring-damper and may be led by a script. Thread: the loop's.
+// Simulated haptic device: mass, losses, counts and delay of a profile, in a mass-spring-damper
+// hand with an optional script.
+// Thread: loop.
 #pragma once
 
 #include <array>
@@ -17,26 +18,29 @@ class VirtualDevice final : public HapticDevice {
  public:
   static constexpr int kLongestDelay_ticks = 5;
 
-  /// `clock` outlives the device. count_mm <= 0 in the profile: not quantised. delay_ticks is
-  /// clamped to 0..5. Starts 30 mm above the middle. The hand rests there until it is led.
+  /// `clock` must outlive this object. A profile with count_mm <= 0 has no quantisation.
+  /// delay_ticks is clamped to 0..5. The device starts 30 mm above the middle, and the hand rests
+  /// there until lead() or setTarget().
   VirtualDevice(const PlantProfile& profile, const Hand& hand, const Clock& clock) noexcept;
-  /// Lets `script` set the target of the hand. The script reads the report of each exchange().
-  /// `name`: for the description. Call before the loop.
+  /// Lets `script` generate the hand's target. The script reads `seen`, the reports of the loop: at
+  /// each exchange() that of the tick before. The device must be their only reader, and they must
+  /// outlive it. `name` is for the description. Call before the loop.
   void lead(HandScript script, std::string name);
 
   [[nodiscard]] const DeviceProfile& profile() const noexcept override { return profile_; }
   [[nodiscard]] std::string description() const override;
-  /// Absolute sleep on CLOCK_MONOTONIC. A virtual clock is advanced by hand and never waited for:
-  /// whoever drives one does not call this.
+  /// Absolute sleep on CLOCK_MONOTONIC. Do not call it with a virtual clock, which never advances
+  /// by itself.
   void waitForTick(LocalTime deadline) noexcept override;
-  /// Lives through the ticks since the last call (one at least; a second at most), then says where
-  /// it is. The force acts delay_ticks after the last position was said.
+  /// Simulates the ticks since the last call (1 to 1000) and returns the position. The force acts
+  /// delay_ticks after its last position.
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override;
 
-  // For whoever drives the device by hand under a virtual clock: tests and evaluate.
+  // For tests and evaluate, which control the device under a virtual clock.
   void reset(const Vec3& position_mm, const Vec3& velocity_mm_s) noexcept;
   void setTarget(const Vec3& target_mm) noexcept { target_mm_ = target_mm; }  ///< device frame
-  void setPush(const Vec3& push_N) noexcept { push_N_ = push_N; }  ///< constant force of the hand
+  /// Constant additional force of the hand.
+  void setPush(const Vec3& push_N) noexcept { push_N_ = push_N; }
   [[nodiscard]] Vec3 truePosition_mm() const noexcept;
   [[nodiscard]] Vec3 trueVelocity_mm_s() const noexcept;
 
@@ -49,7 +53,7 @@ class VirtualDevice final : public HapticDevice {
   PlantProfile profile_;
   const Clock& clock_;
   std::array<AxisPlant, 3> axes_;
-  std::array<Vec3, kLongestDelay_ticks + 1> sent_N_;  // ring
+  std::array<Vec3, kLongestDelay_ticks + 1> sent_N_;  // ring buffer
   std::size_t delay_;
   std::size_t newest_ = 0;
   bool running_ = false;

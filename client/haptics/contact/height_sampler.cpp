@@ -4,8 +4,8 @@
 namespace hapticast::client {
 
 namespace {
-// The edge's distance is blurred and splined from pixels: it may change a little faster than a
-// point moves (1 for the exact distance; 1.2 is chosen above the steepest seen).
+// Bound on |gradient| of the edge distance. It is 1 for the exact distance; blur and splines exceed
+// that slightly. Chosen: 1.2, above the largest value measured.
 constexpr double kSteepestEdge = 1.2;
 }  // namespace
 
@@ -34,7 +34,8 @@ EdgeSample ReliefProbe::edge(const Vec2& q_mm) noexcept {
 
 bool ReliefProbe::masked(const Vec2& q_mm) noexcept {
   if (edge_known_) {
-    // Where the kept sample is farther from the edge than the point is from it, nothing is read.
+    // No new sample if the stored sample is farther from the edge than the point is from the stored
+    // sample.
     const double known_mm = relief_->now(edge_).distance_mm;
     const double reach_mm = known_mm / kSteepestEdge;
     if ((q_mm - edge_q_mm_).squaredNorm() < reach_mm * reach_mm) return known_mm > 0.0;

@@ -8,10 +8,10 @@ namespace hapticast::client {
 
 namespace {
 
-// The blurred edge may stand out of the mask's rectangle by less than this.
+// Bound on the distance by which the blurred edge exceeds the mask's rectangle.
 constexpr double kRim_px = 3.0;
 
-/// A gradient turned from the frame's axes to the object's.
+/// Returns a gradient, turned from the frame's axes to the object's axes.
 Vec2 rotatedBack(const Vec2& turn, const Vec2& gradient) noexcept {
   return {turn.x() * gradient.x() + turn.y() * gradient.y(),
           turn.x() * gradient.y() - turn.y() * gradient.x()};
@@ -64,7 +64,7 @@ bool MovingRelief::update(const InterpolatedObject& object, const Workspace& wor
   const PlayObject* first = object.before;
   const PlayObject* second = shows(object.after) ? object.after : nullptr;
   if (second != nullptr && isSameRelief(*first, *second)) second = nullptr;
-  // At either end one frame is all there is, unless somebody asks how fast the shape changes.
+  // At either end of the interval one frame is enough, unless the blend has a rate.
   const bool still = object.blend_rate_1_s == 0.0;
   if (second != nullptr && still && object.blend >= 1.0) first = second;
   if (still && (object.blend <= 0.0 || object.blend >= 1.0)) second = nullptr;

@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: MIT
-// One object's relief as the proxy sees it: in the object's own frame (origin at the reference
-// point, turned with the object), between the frames around play time. Real-time room.
+// The relief of one object at play time, in the object's own frame. The origin is the reference
+// point, and the axes turn with the object.
+//
+// The two frames around play time are carried back into the object's frame and blended there. Rigid
+// motion has no effect on the blend:
+//   H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z)
+// with the blend s and the poses p of the frames a and b. The same holds for the edge distance. The
+// two parts of a sample are therefore valid until the pair of frames changes; only the blend s
+// changes with every tick.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +17,7 @@
 
 namespace hapticast::client {
 
-/// Height and its derivatives at a point of the object (mm, mm/mm, 1/mm).
+/// Height (mm) and its derivatives (mm/mm, 1/mm) at a point of the object.
 struct BlendedHeight {
   double height_mm = 0.0;
   Vec2 gradient = Vec2::Zero();
@@ -18,48 +26,49 @@ struct BlendedHeight {
   double bend_yy = 0.0;
 };
 
-/// The relief does not contain the pose at play time: rigid motion never touches it, only what the
-/// two frames differ in when each is carried back to the object's own frame:
-/// H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z), and the same for the distance
-/// to the edge, with the blend s and the poses p of the frames a and b. So a sample's two parts
-/// hold as long as the pair of frames does, and only the blend s changes.
+/// The blended relief of one object (see the head of this file).
 class MovingRelief {
  public:
-  /// Takes over pair and blend; true if the pair is another one than before, so that samples no
-  /// longer hold. Frames that show the same relief at the same place are taken as one.
-  /// Requires object.before->field, not empty.
+  /// Stores the pair of frames and the blend of `object`. Returns true if the pair differs from the
+  /// pair before: all earlier samples are then invalid. Two frames with the same relief at the same
+  /// place count as one frame. Requires object.before->field, not empty. The frames must outlive
+  /// the next update().
   bool update(const InterpolatedObject& object, const Workspace& workspace) noexcept;
 
-  /// What both frames have at one point; `second` is unused where one frame stands for all.
+  /// The samples of both frames at one point. `second` is unused if one frame is enough.
   template <class Value>
   struct Pair {
     Value first, second;
   };
   using Heights = Pair<BlendedHeight>;
   using Edges = Pair<EdgeSample>;
+  /// Samples the heights of both frames at `q_mm`.
   [[nodiscard]] Heights heights(const Vec2& q_mm) const noexcept;
+  /// Samples the edge distances of both frames at `q_mm`.
   [[nodiscard]] Edges edges(const Vec2& q_mm) const noexcept;
 
-  /// A pair of samples at play time.
+  /// Blends a pair of samples at play time.
   [[nodiscard]] BlendedHeight now(const Heights& pair) const noexcept;
   [[nodiscard]] EdgeSample now(const Edges& pair) const noexcept;
-  /// How fast the change of shape raises the surface, or moves the edge outwards, mm/s.
+  /// Speed at which the change of shape raises the surface, or moves the edge outwards, mm/s.
   [[nodiscard]] double rate_mm_s(const Heights& pair) const noexcept;
   [[nodiscard]] double rate_mm_s(const Edges& pair) const noexcept;
 
-  /// Nothing of the relief is higher (object's frame).
+  /// Upper bound of the heights of the relief, mm, object's frame.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
-  /// The way between two points is clear of the mask's rectangle, whatever the heights.
+  /// Returns true if the segment from `a_mm` to `b_mm` certainly passes beside the mask, whatever
+  /// the heights.
   [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
-  /// The smaller side of a pixel.
+  /// The smaller side of a pixel, mm.
   [[nodiscard]] double pixel_mm() const noexcept { return pixel_mm_; }
 
  private:
+  /// One frame, with the transform from the object's frame into its picture.
   struct Frame {
     const HeightField* field = nullptr;
     Vec3 position_mm = Vec3::Zero();
     double angle_rad = 0.0;
-    // image px = origin + (u · q, v · q): carried to the frame's pose and into its picture.
+    // Image px = origin_px + (u · q, v · q), for the frame's own pose.
     Vec2 origin_px = Vec2::Zero();
     Vec2 u = Vec2::Zero();
     Vec2 v = Vec2::Zero();
@@ -75,6 +84,7 @@ class MovingRelief {
     [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
   };
 
+  // The relief is a blend of both frames if two_ is set; otherwise only first_ counts.
   Frame first_, second_;
   bool two_ = false;
   double blend_ = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tick, what it reads and what comes of it; flight is in proxy_flight.cpp, contact in
-// proxy_slide.cpp.
+// The tick of the proxy and its result. Free motion is in proxy_free_motion.cpp, motion in contact
+// in proxy_contact_motion.cpp.
 #include "client/haptics/contact/proxy.hpp"
 
 #include <algorithm>
@@ -10,11 +10,12 @@ namespace hapticast::client {
 
 namespace {
 
-// At rest for so long it sticks again. A slow hand on a wall whose normal wavers by a degree or two
-// rests for single ticks: sticking in each of them would saw.
+// Ticks at rest after which a slipping proxy sticks again. A slow hand on a wall whose normal
+// varies by a degree or two rests for single ticks. Sticking in each of them would cause a
+// saw-tooth force.
 constexpr int kStuck_ticks = 20;
-constexpr int kPhases = 64;           // of one tick: each reads a height or is the last but two
-constexpr double kFade = 1.0 / 40.0;  // of the offset per tick
+constexpr int kPhases = 64;           // of a tick; a phase reads a height, or at most two follow
+constexpr double kFade = 1.0 / 40.0;  // share of the offset that each tick removes
 constexpr double kForgotten_mm = 1e-6;
 
 }  // namespace
@@ -42,7 +43,7 @@ ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noex
   deepest_mm_ = tick.deepest_mm;
   jumped_ = tick.jumped;
   moved_ = done_ = false;
-  // A jump through the air is no way that the tip has gone; how deep it is now counts anew.
+  // After a jump the HIP has not moved through the air. The depth after the jump decides again.
   if (jumped_ && kind_ == Kind::kEmbedded) kind_ = Kind::kFree;
   if (!valid_ || (jumped_ && kind_ == Kind::kFree)) at_mm_ = hip_mm_;
   valid_ = true;
@@ -63,13 +64,12 @@ ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noex
         break;
     }
   }
-  // The samples ended on the way: what it has not met it is not tied to.
+  // The samples ran out before a contact: the proxy follows the HIP.
   if (kind_ == Kind::kFree && !done_ && !isSolid(hip_mm_)) at_mm_ = hip_mm_;
   return finish();
 }
 
-// --- places
-// --------------------------------------------------------------------------------------
+// --- Samples and places.
 
 bool Proxy::isSolid(const Vec3& point_mm) noexcept {
   if (point_mm.z() > probe_.relief().highest_mm() || !probe_.masked(point_mm.head<2>()))
@@ -86,8 +86,7 @@ void Proxy::placeOn(const Vec2& q_mm, const Height& height) noexcept {
   probe_.keep(q_mm, height);
 }
 
-// --- what came of the tick
-// ------------------------------------------------------------------------------------
+// --- Result of the tick.
 
 Vec3 Proxy::normalHere() noexcept {
   if (kind_ == Kind::kWall) {
@@ -118,7 +117,8 @@ ProxyTouch Proxy::finish() noexcept {
   }
   if (offset_mm_.squaredNorm() < kForgotten_mm * kForgotten_mm) offset_mm_ = Vec3::Zero();
   ProxyTouch touch{.contact = true, .normal = normalHere()};
-  // A hand that retreats faster than the offset fades is let go, not pulled.
+  // The hand retreats faster than the offset fades: shorten the offset, so that the force does not
+  // pull.
   const double pull_mm = std::min(0.0, (path_mm - offset_mm_).dot(touch.normal));
   offset_mm_ += pull_mm * touch.normal;
   displacement_mm_ = touch.displacement_mm = path_mm - offset_mm_;

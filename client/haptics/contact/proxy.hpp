@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The point of a surface that the HIP is tied to: a god-object (Zilles, Salisbury 1995) on a
-// relief, moved by the contact march of client/haptics/README.md. One object, in its own frame; all
-// lengths nominal mm. Real-time room.
+// God-object proxy (Zilles, Salisbury 1995) on a relief: the surface point that a spring ties to
+// the HIP. A contact march moves the proxy (client/haptics/README.md, section 3). One object, in
+// its own frame; lengths are nominal mm.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <cstdint>
@@ -10,63 +11,68 @@
 
 namespace hapticast::client {
 
-/// Coulomb friction. Requires 0 <= sliding <= sticking; 0 is none.
+/// Coefficients of Coulomb friction. Requires 0 <= sliding <= sticking; 0 is no friction.
 struct Friction {
   double sticking = 0.0;
   double sliding = 0.0;
 };
 
-/// What a tick asks of it, in the object's frame.
+/// Input of a tick, in the object's frame.
 struct ProxyTick {
   Vec3 hip_mm = Vec3::Zero();  ///< finite
   Friction friction;
-  int samples = 0;      ///< heights to be read at most, and 5 more to end well (relief_probe.hpp)
-  bool jumped = false;  ///< the pose of the object changed by more than its motion
-  double deepest_mm = 0.0;  ///< after a jump: deeper there is no force
+  int samples = 0;      ///< budget of heights; a started move may read 5 more (height_sampler.hpp)
+  bool jumped = false;  ///< the object's pose changed by more than its motion explains
+  double deepest_mm = 0.0;  ///< arming depth: deeper than this after a jump, the object is disarmed
 };
 
-/// What the proxy says of a tick, in the object's frame.
+/// Result of a tick, in the object's frame.
 struct ProxyTouch {
   bool contact = false;
-  Vec3 displacement_mm = Vec3::Zero();      ///< from the HIP to where it should be
-  Vec3 normal = Vec3::UnitZ();              ///< of the surface at the proxy, outwards
-  Vec3 shape_velocity_mm_s = Vec3::Zero();  ///< of the change of shape at the proxy
+  Vec3 displacement_mm = Vec3::Zero();  ///< from the HIP to the proxy, less the offset of a jump
+  Vec3 normal = Vec3::UnitZ();          ///< unit normal of the surface at the proxy, outwards
+  Vec3 shape_velocity_mm_s = Vec3::Zero();  ///< velocity of the change of shape at the proxy
 };
 
-/// Solid is where the edge distance is positive and z below the relief: the mask's edge is a wall,
-/// there is no floor outside and no bottom. On a still surface no move of the proxy lengthens the
-/// way to the HIP, so only the hand's own work is given back. A surface that rises, arrives or
-/// jumps takes the proxy along; by more than kJump_mm in a tick its force begins where the last
-/// tick's was and fades to the true one (40 ms); deeper than ProxyTick::deepest_mm after a jump the
-/// object is silent until the HIP is out of it.
+/// The proxy of one object. *Solid* is the region with a positive edge distance and z below the
+/// relief. So the edge of the mask is a wall; there is no floor outside the mask and no bottom.
+///
+/// On a surface at rest no move of the proxy increases its distance from the HIP, so the spring
+/// returns only the hand's own work. A surface that rises, arrives or jumps moves the proxy with
+/// it. A move by more than kJump_mm in a tick is a jump. After it the force begins at the force of
+/// the last tick and fades to the true one (time constant 40 ms). If the distance from the HIP
+/// exceeds ProxyTick::deepest_mm after a jump, the object is disarmed until the HIP is out of it.
 class Proxy {
  public:
+  /// Largest change of the surface in a tick that is no jump.
   static constexpr double kJump_mm = 0.3;
 
-  /// Starts at the next HIP; `faded`: what it then touches begins with no force.
+  /// Starts over at the next HIP. With `faded`, a contact at that HIP begins without a force.
   void restart(bool faded) noexcept;
-  /// The samples kept of the relief no longer hold.
+  /// Invalidates the stored samples of the relief.
   void forgetSamples() noexcept { probe_.forget(); }
-  /// Nothing to feel and nothing to compute this tick: the proxy simply follows.
+  /// Moves a free proxy to the HIP if no contact is possible in between. Returns false if the tick
+  /// needs update().
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
+  /// Computes the contact of one tick.
   ProxyTouch update(const MovingRelief& relief, const ProxyTick& tick) noexcept;
 
-  /// Heights read in the last touch().
+  /// Heights read in the last update().
   [[nodiscard]] int samplesUsed() const noexcept { return probe_.used(); }
-  /// Where it is, object's frame.
+  /// Position of the proxy, object's frame.
   [[nodiscard]] const Vec3& position_mm() const noexcept { return at_mm_; }
 
  private:
   enum class Kind : std::uint8_t { kFree, kTop, kWall, kEmbedded };
   using Height = ReliefProbe::Height;
 
-  // proxy.cpp: the tick and its result
+  // proxy.cpp: the tick and its result.
   [[nodiscard]] bool isSolid(const Vec3& point_mm) noexcept;
   void placeOn(const Vec2& q_mm, const Height& height) noexcept;
   ProxyTouch finish() noexcept;
   [[nodiscard]] Vec3 normalHere() noexcept;
 
-  // proxy_flight.cpp: changes of the surface, in the air
+  // proxy_free_motion.cpp: reactions to changes of the surface, and free motion.
   void resolvePenetration() noexcept;
   void resolveTop() noexcept;
   void resolveWall() noexcept;
@@ -76,7 +82,7 @@ class Proxy {
   void enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept;
   void enterFromAbove(const Vec3& outside_mm, const Vec3& inside_mm) noexcept;
 
-  // proxy_slide.cpp: in contact
+  // proxy_contact_motion.cpp: motion in contact.
   void slideOnTop() noexcept;
   bool detach(const Vec3& path_mm) noexcept;
   bool fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept;
@@ -86,23 +92,27 @@ class Proxy {
   void slideOnWall() noexcept;
   void stepOffWall(const Vec2& outwards) noexcept;
   void stepAlongWall(const Vec2& along_mm) noexcept;
-  /// How much of a way of this length friction lets a proxy go that is pressed in by depth_mm.
+  /// Share (0..1) of a move by `length_mm` that friction allows to a proxy with the penetration
+  /// `depth_mm`. Updates slipping_.
   [[nodiscard]] double share(double length_mm, double depth_mm) noexcept;
-  /// Takes the place if that does not lengthen the way to the HIP.
+  /// Moves the proxy to `q_mm` unless that increases the distance from the HIP. Returns true if the
+  /// proxy moved.
   bool accept(const Vec2& q_mm, const Height& height) noexcept;
 
-  // The state.
+  // State across ticks.
   bool valid_ = false;
   bool faded_ = true;
   Kind kind_ = Kind::kFree;
   bool slipping_ = false;
-  int rested_ticks_ = 0;  // without a move
+  int rested_ticks_ = 0;  // ticks without a move, up to the limit for sticking
   Vec3 at_mm_ = Vec3::Zero();
+  /// Offset of a jump: subtracted from the vector from HIP to proxy, decays to zero.
   Vec3 offset_mm_ = Vec3::Zero();
+  /// Displacement of the last tick, with the offset.
   Vec3 displacement_mm_ = Vec3::Zero();
   ReliefProbe probe_;
 
-  // Of this tick.
+  // State of this tick.
   Vec3 hip_mm_ = Vec3::Zero();
   Friction friction_;
   double deepest_mm_ = 0.0;

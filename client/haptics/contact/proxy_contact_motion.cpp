@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The proxy in contact: sliding on the relief and along the edge, with and without friction. Its
-// constants are the prototype's, found by sweeps (client/haptics/README.md).
+// The proxy in contact: it slides on the relief and along the edge, with and without friction. The
+// constants are from sweeps of the prototype (client/haptics/README.md, section 3).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,15 +12,16 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kStep_px = 1.0;  // longer ones tunnel through ridges of a pixel
+constexpr double kStep_px = 1.0;  // longer steps tunnel through ridges of one pixel
 constexpr double kConverged_mm = 2e-4;
-constexpr double kLengthening_mm = 1e-4;  // rounding, not a move
-constexpr double kFall_mm = 0.01;         // plus a share of the step: the surface falls away
+constexpr double kLengthening_mm = 1e-4;  // tolerance for rounding
+// A drop by more than kFall_mm plus kFallShare of the step ends the contact.
+constexpr double kFall_mm = 0.01;
 constexpr double kFallShare = 0.02;
 constexpr double kOvershoot = 0.1;
 constexpr double kBackEnough = 0.05;
 constexpr int kBackSteps = 3;
-constexpr double kUnderEdge_mm = 0.05;  // where the height of a wall is read
+constexpr double kUnderEdge_mm = 0.05;  // distance inside the edge where a wall's height is read
 constexpr double kShrink = 0.35;
 constexpr int kShrinks = 3;
 
@@ -34,18 +35,18 @@ struct Metric {
   }
 };
 
-/// I + g gT: lengths along the tangent plane.
+/// First fundamental form I + g gᵀ: lengths along the tangent plane.
 Metric tangentPlane(const Vec2& g) noexcept {
   return {1.0 + g.x() * g.x(), g.x() * g.y(), 1.0 + g.y() * g.y()};
 }
 
-/// Adds only what a valley bends: the largest eigenvalue, if positive, along its vector.
+/// Adds only the curvature of a valley: the largest eigenvalue, if positive, along its vector.
 Metric bentUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noexcept {
   const double half = 0.5 * (at.bend_xx - at.bend_yy);
   const double root = std::sqrt(half * half + at.bend_xy * at.bend_xy);
   const double largest = 0.5 * (at.bend_xx + at.bend_yy) + root;
   if (!(largest > 0.0) || !(depth_mm > 0.0) || !(root > 0.0)) return metric;
-  // v vT = (1 + M) / 2 with M the reflection that has v as its axis.
+  // v vᵀ = (1 + M) / 2, where M is the reflection with the axis v.
   const double weight = 0.5 * depth_mm * largest;
   metric.xx += weight * (1.0 + half / root);
   metric.xy += weight * at.bend_xy / root;
@@ -53,12 +54,12 @@ Metric bentUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noex
   return metric;
 }
 
-/// Half the gradient of the squared way to the HIP over the relief, downwards.
+/// Half the negative gradient of the squared distance from the HIP, over the relief.
 Vec2 descent(const BlendedHeight& at, const Vec3& path_mm) noexcept {
   return path_mm.head<2>() + path_mm.z() * at.gradient;
 }
 
-/// Newton's step to the point of the relief that is nearest to the HIP.
+/// Newton step to the point of the relief nearest to the HIP.
 Vec2 newtonStep(const BlendedHeight& at, const Vec3& path_mm) noexcept {
   const Metric plane = tangentPlane(at.gradient);
   const double depth_mm = -path_mm.z();
@@ -84,8 +85,7 @@ bool Proxy::accept(const Vec2& q_mm, const Height& height) noexcept {
   return true;
 }
 
-// --- on the relief
-// --------------------------------------------------------------------------------------
+// --- On the relief.
 
 void Proxy::slideOnTop() noexcept {
   const Height here = probe_.height(at_mm_.head<2>());
@@ -106,7 +106,7 @@ void Proxy::slideOnTop() noexcept {
   stepOnTop(here, limited(step_mm, kStep_px * probe_.relief().pixel_mm()));
 }
 
-/// Off the relief towards the HIP, if that way is free.
+/// Leaves the relief towards the HIP if that path is free. Returns true if the proxy left.
 bool Proxy::detach(const Vec3& path_mm) noexcept {
   const double look_mm = kLookAhead_px * probe_.relief().pixel_mm();
   const double length_mm = path_mm.head<2>().norm();
@@ -120,8 +120,8 @@ bool Proxy::detach(const Vec3& path_mm) noexcept {
   return true;
 }
 
-/// A step along the tangent plane that leads over the rim, or to where the surface falls away,
-/// leaves the proxy in the air; else `there` is what it comes to.
+/// Frees the proxy if a step along the tangent plane leads over the rim, or to a drop of the
+/// surface. Returns true in that case; otherwise `there` is the height at the end of the step.
 bool Proxy::fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept {
   const Vec2 q_mm = at_mm_.head<2>() + step_mm;
   const double tangent_mm = at_mm_.z() + here.now.gradient.dot(step_mm);
@@ -144,8 +144,8 @@ void Proxy::stepOnTop(const Height& here, const Vec2& step_mm) noexcept {
   if (!accept(q_mm, there)) done_ = true;
 }
 
-/// Where the whole step goes beyond the nearest point along it: back to the farthest place from
-/// which the way still leads on.
+/// Line search: if the whole step passes the nearest point along it, shortens the step to the
+/// farthest place where the distance still descends.
 void Proxy::stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec2& q_mm) noexcept {
   const auto slope = [&](const Height& height, const Vec2& at) noexcept {
     const Vec3 path_mm = hip_mm_ - Vec3(at.x(), at.y(), height.now.height_mm);
@@ -163,7 +163,7 @@ void Proxy::stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec
     const Vec2 at = at_mm_.head<2>() + t * step_mm;
     const Height height = probe_.height(at);
     const double value = slope(height, at);
-    // What still descends is kept; until something does, the shortest of the others.
+    // Use a point that still descends. Until one does, use the shortest of the others.
     if (value >= 0.0 || low == 0.0 || std::abs(value) < kBackEnough * begin) {
       there = height;
       q_mm = at;
@@ -174,8 +174,7 @@ void Proxy::stepBack(const Height& here, const Vec2& step_mm, Height& there, Vec
   }
 }
 
-// --- friction
-// ----------------------------------------------------------------------------------
+// --- Friction.
 
 double Proxy::share(double length_mm, double depth_mm) noexcept {
   const double mu = slipping_ ? friction_.sliding : friction_.sticking;
@@ -184,7 +183,7 @@ double Proxy::share(double length_mm, double depth_mm) noexcept {
   return (length_mm - friction_.sliding * depth_mm) / length_mm;
 }
 
-/// Drawn along the tangent plane as far as friction lets it.
+/// Moves the proxy along the tangent plane as far as friction allows.
 void Proxy::applyFriction(const Height& here, Vec2 step_mm, double depth_mm) noexcept {
   const Vec2 gradient = here.now.gradient;
   const double part = share(lengthOnPlane(step_mm, gradient), depth_mm);
@@ -197,8 +196,7 @@ void Proxy::applyFriction(const Height& here, Vec2 step_mm, double depth_mm) noe
   }
 }
 
-// --- along the edge
-// -------------------------------------------------------------------------------------
+// --- Along the edge.
 
 void Proxy::stepOffWall(const Vec2& outwards) noexcept {
   at_mm_.head<2>() += kOutside_mm * outwards;
@@ -221,7 +219,7 @@ void Proxy::slideOnWall() noexcept {
     return;
   }
   Vec2 along_mm = path_mm.head<2>() - out_mm * outwards;
-  double rise_mm = path_mm.z();  // a wall does not hold the vertical
+  double rise_mm = path_mm.z();  // a wall does not hold the vertical direction
   double length_mm = std::sqrt(along_mm.squaredNorm() + rise_mm * rise_mm);
   if (friction_.sticking > 0.0) {
     const double part = share(length_mm, -out_mm);
@@ -244,7 +242,7 @@ void Proxy::slideOnWall() noexcept {
   }
 }
 
-/// A step along the edge and one Newton step back to it, if that does not lead away from the HIP.
+/// Steps along the edge and by one Newton step back to it, unless that leads away from the HIP.
 void Proxy::stepAlongWall(const Vec2& along_mm) noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
   const Vec2 step_mm = limited(along_mm, kStep_px * probe_.relief().pixel_mm());

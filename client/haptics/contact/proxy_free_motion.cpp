@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The proxy and a surface that changes, and the proxy in the air. Its constants are the
-// prototype's, found by sweeps (client/haptics/README.md).
+// The free proxy (contact march), and the reaction of the proxy to changes of the surface. The
+// constants are from sweeps of the prototype (client/haptics/README.md, section 3).
 #include <algorithm>
 #include <cmath>
 
@@ -11,17 +11,16 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr int kReserve = 4;             // samples a march leaves to what comes of it
-constexpr double kFlatEdge = 0.25;      // a gradient that shows no way out
-constexpr double kLooseEdge_mm = 0.02;  // an edge that left a wall contact
-constexpr double kPush_mm = 0.5;        // a wall pushes by at most this, kPushes times a tick
+constexpr int kReserve = 4;             // samples that a march leaves for the contact after it
+constexpr double kFlatEdge = 0.25;      // a smaller gradient has no usable direction
+constexpr double kLooseEdge_mm = 0.02;  // an edge farther away than this ends a wall contact
+constexpr double kPush_mm = 0.5;        // longest push of a wall; at most kPushes in a tick
 constexpr int kPushes = 3;
 constexpr double kEntryError_mm = 0.05;
 
 }  // namespace
 
-// --- what the surface did since the last tick
-// ----------------------------------------------------------------------------------
+// --- Changes of the surface since the last tick.
 
 void Proxy::resolvePenetration() noexcept {
   switch (kind_) {
@@ -50,7 +49,7 @@ void Proxy::resolveTop() noexcept {
   const Height height = probe_.height(q_mm);
   const double rise_mm = height.now.height_mm - at_mm_.z();
   if (rise_mm < -kJump_mm) {
-    kind_ = Kind::kFree;  // it fell away and is followed by marching
+    kind_ = Kind::kFree;  // the surface fell: the march follows it
   } else if (rise_mm > deepest_mm_) {
     kind_ = Kind::kEmbedded;
   } else {
@@ -68,7 +67,7 @@ void Proxy::resolveWall() noexcept {
   jumped_ = jumped_ || (at_mm_ - before_mm).norm() > kJump_mm;
 }
 
-/// The surface came over a proxy in the air: out by the shorter way.
+/// The surface enclosed a free proxy: the proxy leaves by the shorter path.
 void Proxy::resolveFree() noexcept {
   if (!isSolid(at_mm_)) return;
   const Vec2 q_mm = at_mm_.head<2>();
@@ -93,7 +92,8 @@ void Proxy::resolveFree() noexcept {
   jumped_ = jumped_ || up_mm > kJump_mm;
 }
 
-/// Newton steps to just outside the edge; false where the distance shows no way.
+/// Moves the proxy by Newton steps to just outside the edge. Returns false if the gradient of the
+/// distance is too small for a direction.
 bool Proxy::pushOut(int moves, double longest_mm) noexcept {
   for (int i = 0; i < moves; ++i) {
     const EdgeSample edge = probe_.edge(at_mm_.head<2>());
@@ -104,16 +104,15 @@ bool Proxy::pushOut(int moves, double longest_mm) noexcept {
   return edge.distance_mm <= 0.0 || edge.gradient.squaredNorm() > kFlatEdge * kFlatEdge;
 }
 
-// --- in the air
-// -----------------------------------------------------------------------------------
+// --- Free motion.
 
-/// Straight towards the HIP, looking into the solid every half a pixel.
+/// Marches straight to the HIP and tests for the solid every half pixel.
 void Proxy::castRay() noexcept {
   const Vec3 path_mm = hip_mm_ - at_mm_;
   const double steps =
       std::ceil(path_mm.head<2>().norm() / (kLookAhead_px * probe_.relief().pixel_mm()));
   const double most = std::max(1.0, double(probe_.left() - kReserve));
-  const int count = steps > 1.0 ? static_cast<int>(std::min(steps, most)) : 1;  // 1 for NaN, too
+  const int count = steps > 1.0 ? static_cast<int>(std::min(steps, most)) : 1;  // 1 for NaN
   const Vec3 from_mm = at_mm_;
   Vec3 outside_mm = from_mm;
   for (int i = 1; i <= count; ++i) {
@@ -128,7 +127,7 @@ void Proxy::castRay() noexcept {
   done_ = true;
 }
 
-/// Through the edge or through the relief, somewhere between two points.
+/// Finds the crossing between the two points, through the edge or through the relief.
 void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
   moved_ = true;
   if (probe_.masked(outside_mm.head<2>())) {

@@ -12,22 +12,22 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kMostFriction = 1.5;  // of the wire as well
-// What moves on for longer than this without being felt has jumped.
+constexpr double kMostFriction = 1.5;  // the wire has the same limit
+// Play time that advances by more than this in a tick counts as this much. The rest is a jump.
 constexpr double kLongestTick_s = 5e-3;
-constexpr double kFastestObject_mm_s = 1500.0;  // nor does the chain believe in more
-constexpr double kWeight_mm = 1e-9;             // of a contact whose displacement has yet to grow
-constexpr int kSweeps = 8;                      // chosen: two walls within 3 % of the exact way
+constexpr double kFastestObject_mm_s = 1500.0;  // the chain limits surfaces to the same speed
+constexpr double kWeight_mm = 1e-9;             // weight of a contact without a displacement yet
+constexpr int kSweeps = 8;                      // chosen: exact to 3 % for two walls
 
 double coefficient(double given) noexcept {
-  return given > 0.0 ? std::min(given, kMostFriction) : 0.0;  // a NaN is none
+  return given > 0.0 ? std::min(given, kMostFriction) : 0.0;  // NaN counts as 0
 }
 
 Vec3 rotated(const Vec3& v, double c, double s) noexcept {
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
 }
 
-/// How far `step` is from any mean of `a` and `b`.
+/// Returns the distance of `step` from the segment between `a` and `b`.
 double computeDistanceToLine(const Vec3& step, const Vec3& a, const Vec3& b) noexcept {
   const Vec3 span = b - a;
   const double square = span.squaredNorm();
@@ -35,7 +35,7 @@ double computeDistanceToLine(const Vec3& step, const Vec3& a, const Vec3& b) noe
   return (step - a - t * span).norm();
 }
 
-/// Contacts that act together.
+/// Contacts that act together, and their mean.
 struct Sum {
   Contact contact;
   Vec3 normals = Vec3::Zero();
@@ -56,7 +56,7 @@ struct Sum {
     const Vec3 arm_mm = rotated(at_mm, c, s);
     const double turn = object.angular_velocity_rad_s;
     contact.contact = true;
-    contact.displacement_mm += displacement_mm;  // of one object: its own
+    contact.displacement_mm += displacement_mm;  // final for a single object
     if (length_mm > 0.0) {
       directions[count] = displacement_mm / length_mm;
       lengths_mm[count++] = length_mm;
@@ -73,7 +73,7 @@ struct Sum {
     if (!contact.contact) return contact;
     if (count > 1) contact.displacement_mm = shared();
     const double length = normals.norm();
-    // Walls that face each other have no common normal.
+    // Opposite walls have no common normal.
     contact.normal = length > kWeight_mm ? Vec3(normals / length) : Vec3(Vec3::UnitZ());
     contact.surface_velocity_mm_s = velocities / weights;
     contact.depth_mm = contact.displacement_mm.dot(contact.normal);
@@ -81,9 +81,9 @@ struct Sum {
   }
 
  private:
-  /// The shortest way that takes the tip out of all of them: the longest of objects that push
-  /// alike, the sum of walls across each other; walls that face each other push against each other.
-  /// By coordinate ascent on what each contributes, which is the same for any order of the objects.
+  /// Returns the shortest displacement that moves the HIP out of all objects. Objects that push
+  /// alike count once, by the longest displacement. Walls across each other add up, and opposite
+  /// walls compete. Method: coordinate ascent on the contribution of each object.
   [[nodiscard]] Vec3 shared() const noexcept {
     std::array<std::array<double, kMaxObjects>, kMaxObjects> alike;
     std::array<double, kMaxObjects> part_mm;
@@ -93,7 +93,7 @@ struct Sum {
         alike[i][j] = i == j ? 0.0 : std::max(0.0, directions[i].dot(directions[j]));
         all += alike[i][j];
       }
-      part_mm[i] = lengths_mm[i] / (1.0 + all);  // alike and equally long: that is it already
+      part_mm[i] = lengths_mm[i] / (1.0 + all);  // final for objects alike in push and length
     }
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (std::size_t i = 0; i < count; ++i) {
@@ -117,7 +117,7 @@ Friction toFriction(const Material& material) noexcept {
   return {most, std::min(coefficient(sliding.value_or(most)), most)};
 }
 
-/// Of what it touches, changing slowly while it does.
+/// Returns the friction of the touched object; in contact it changes gradually.
 Friction ProxySurface::friction(ProxySlot& tied, const InterpolatedObject& object) const noexcept {
   const bool in_contact = tied.touch.displacement_mm != Vec3::Zero();
   const Friction wanted =
@@ -128,7 +128,7 @@ Friction ProxySurface::friction(ProxySlot& tied, const InterpolatedObject& objec
 
 void ProxySurface::restart() noexcept {
   just_restarted_ = true;
-  ++tick_;  // nothing was there in the last one
+  ++tick_;  // the slots of the last tick no longer count
 }
 
 ProxySurface::ProxySlot* ProxySurface::isKnown(std::uint64_t key) noexcept {
@@ -138,14 +138,15 @@ ProxySurface::ProxySlot* ProxySurface::isKnown(std::uint64_t key) noexcept {
   return nullptr;
 }
 
-/// One whose object is not in this scene. There are as many as a scene has objects.
+/// Returns the slot that was unused for longest. There are as many slots as objects in a scene.
 ProxySurface::ProxySlot& ProxySurface::unused() noexcept {
   return *std::min_element(tied_.begin(), tied_.end(),
                            [](const ProxySlot& a, const ProxySlot& b) { return a.tick < b.tick; });
 }
 
-/// The pose changed by more than the velocities of before and now explain (a frame that came late,
-/// a correction, a number that is none); an impact in between is a mean of both.
+/// Returns true if the pose changed by more than the velocities of this tick and the last explain.
+/// Causes are a late frame, a correction, or NaN. With an impact in between, any mean of the two
+/// velocities explains the change.
 bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& object,
                               double arm_mm, double elapsed_s) noexcept {
   const auto path_mm = [=](const Vec3& velocity_mm_s) -> Vec3 {
@@ -155,7 +156,7 @@ bool ProxySurface::poseJumped(const ProxySlot& tied, const InterpolatedObject& o
   };
   const Vec3 step_mm = object.position_mm - tied.position_mm;
   const double turn_rad = object.angle_rad - tied.angle_rad;
-  // The usual case first: it moves on as it did, without a turn.
+  // The usual case first: a steady motion without a turn.
   constexpr double kNear_mm2 = 0.25 * Proxy::kJump_mm * Proxy::kJump_mm;
   if (turn_rad == 0.0 && object.angular_velocity_rad_s == 0.0 &&
       step_mm.squaredNorm() < kNear_mm2) {
@@ -176,7 +177,7 @@ void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& objec
                                 double elapsed_s) noexcept {
   const bool was_there = tied.tick + 1 == tick_;
   if (!was_there) {
-    tied.relief = {};  // of another world, perhaps
+    tied.relief = {};  // the slot may hold the relief of another object
     tied.proxy.restart(!just_restarted_);
     tied.touch = {};
   }
@@ -234,7 +235,8 @@ Contact ProxySurface::computeContact(const Scene& scene, const Vec3& hip_mm,
   } else {
     near_count_ = 0;
   }
-  // Where too many objects lie over each other, some are held for a tick, another first each time.
+  // If the sample budget runs out, the remaining objects hold their result for a tick. Another
+  // object is first in each tick.
   ++round_robin_;
   for (std::size_t i = 0; i < near_count_; ++i) {
     const Candidate& near = near_[(round_robin_ + i) % near_count_];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The `proxy` surface model: one proxy for each object and layer of the scene, which share one
-// stiffness where they push alike. Real-time room.
+// The surface model `proxy`: one god-object proxy for each object and layer of the scene. Objects
+// that push in similar directions share one stiffness, so that overlapping objects do not add their
+// forces.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <array>
@@ -14,43 +16,51 @@
 
 namespace hapticast::client {
 
-/// Of an author's coefficients: finite, 0 <= sliding <= sticking <= 1.5; a NaN is none.
+/// Returns the friction of an author's material: finite, 0 <= sliding <= sticking <= 1.5. NaN
+/// counts as no friction.
 Friction toFriction(const Material& material) noexcept;
 
+/// Computes the joint contact of all proxies.
 class ProxySurface {
  public:
-  /// Heights read in a tick, all objects near the HIP together (and 5 more at most); samples of the
-  /// edge are not counted. Measured: 24 leave 0.5 % of the ticks on a rough relief unfinished at
-  /// 10 cm/s, none on smooth ones.
+  /// Budget of heights in a tick, over all objects near the HIP. A started move may read 5 more.
+  /// Edge samples are not counted. Measured: 24 leave 0.5 % of the ticks on a rough relief
+  /// unfinished at 10 cm/s, and none on smooth ones.
   static constexpr int kSamples = 24;
 
-  /// The contact of the HIP with all objects: the shortest way out of all of them (two that overlap
-  /// do not add up, walls across each other do); normal and surface velocity are the mean over the
-  /// contacts, weighted by their displacements; `object` the one with the longest. Proxies are kept
-  /// by object id and layer, and dropped with their object. A jump of the geometry (an object
-  /// appears, its surface or pose changes by more than motion explains) never steps: its force
-  /// fades in here, so Contact::jump says only that the epoch changed; deeper than `deepest_mm`
-  /// (nominal) after a jump there is none until the HIP is out of the object.
+  /// Returns the contact of the HIP with all objects of `scene` (nominal mm).
+  ///
+  /// The displacement is the shortest one out of all objects: overlapping objects do not add up,
+  /// walls across each other do. Normal and surface velocity are means over the contacts, weighted
+  /// by the lengths of the displacements. `object` is the object with the longest displacement. A
+  /// proxy belongs to an object id and a layer, and ends with its object.
+  ///
+  /// A jump of the geometry never causes a step of the force: an object appears, or a surface or
+  /// pose changes by more than its motion explains. Its force fades in here, so Contact::jump
+  /// reports only a change of the epoch. An object with a displacement longer than `deepest_mm`
+  /// after a jump is disarmed until the HIP is out of it.
   Contact computeContact(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                          double deepest_mm) noexcept;
 
-  /// From now on everything has this friction, whatever its author says; none: the author's. Under
-  /// the hand it changes slowly.
+  /// Sets one friction coefficient for all objects; nullopt restores the author's coefficients. In
+  /// contact the change is gradual (ParameterRateLimiter).
   void setFriction(const std::optional<double>& friction) noexcept { friction_ = friction; }
-  /// The world or the HIP is not connected with the last tick's, and whoever says so fades the
-  /// force: the next tick's contacts are told at their full depth.
+  /// Starts all proxies over: the scene or the HIP has no connection with the last tick. The
+  /// contacts of the next tick begin at their full depth, so the caller must fade the force.
   void restart() noexcept;
 
+  /// Heights read in the last computeContact().
   [[nodiscard]] int samplesUsed() const noexcept { return used_; }
 
  private:
-  /// A proxy and its object, as it was in the last scene: to tell a jump from a motion.
+  /// A proxy with the state of its object in the last scene. The state separates a jump from a
+  /// motion.
   struct ProxySlot {
     std::uint64_t key = 0;
-    std::uint64_t tick = 0;  // when its object was last there
+    std::uint64_t tick = 0;  // last tick with this object
     MovingRelief relief;
     Proxy proxy;
-    ProxyTouch touch;  // the last one
+    ProxyTouch touch;  // result of the last tick
     ParameterRateLimiter sticking;
     ParameterRateLimiter sliding;
     Vec3 position_mm = Vec3::Zero();
@@ -58,11 +68,11 @@ class ProxySurface {
     double angle_rad = 0.0;
     double angular_velocity_rad_s = 0.0;
   };
-  /// What has to be looked at this tick.
+  /// An object near the HIP: its proxy needs an update in this tick.
   struct Candidate {
     ProxySlot* tied = nullptr;
     const InterpolatedObject* object = nullptr;
-    Vec3 hip_mm = Vec3::Zero();  // in the object's frame
+    Vec3 hip_mm = Vec3::Zero();  // object's frame
     bool jumped = false;
   };
 
@@ -77,9 +87,9 @@ class ProxySurface {
 
   std::array<ProxySlot, kMaxObjects> tied_;
   std::array<Candidate, kMaxObjects> near_;
-  std::optional<double> friction_;  // the user's
+  std::optional<double> friction_;  // coefficient of the user
   std::size_t near_count_ = 0;
-  std::size_t round_robin_ = 0;  // who comes first
+  std::size_t round_robin_ = 0;  // first candidate, in turn: the sample budget may run out
   std::uint64_t tick_ = 1;
   bool just_restarted_ = true;
   MediaTime play_time_{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The names of the surface models.
+// The surface models by name (--surface). client/haptics/README.md, section 2, compares them.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 namespace hapticast::client {
 
 enum class SurfaceKind : std::uint8_t {
-  kPerturbed,  ///< Eq. 3 over k, as printed
+  kPerturbed,  ///< Eq. 3 divided by k, as printed
   kNormal,     ///< distance to the tangent plane, d / (1 + |g|²) along M
-  kProxy,      ///< the surface point the HIP is tied to (proxy_surface.hpp): has a state
+  kProxy,      ///< god-object proxy (proxy_surface.hpp); the only model with a state
 };
 
 }  // namespace hapticast::client

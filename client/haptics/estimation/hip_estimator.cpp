@@ -11,10 +11,12 @@
 namespace hapticast::client {
 
 namespace {
-constexpr double kJerkDensity_m2_s5 = 1e6;  // measured: the most stiffness of all filters tried
-constexpr double kLateTick_s = 1.5e-3;      // chosen, as the loop counts late ticks
-constexpr double kLongestGap_s = 20e-3;     // chosen
-constexpr double kFastest_mm_s = 10'000.0;  // no hand is faster: the device was re-homed or lies
+// Measured: allows the stiffest wall of all filters in the comparison.
+constexpr double kJerkDensity_m2_s5 = 1e6;
+constexpr double kLateTick_s = 1.5e-3;   // chosen: the loop counts late ticks by the same limit
+constexpr double kLongestGap_s = 20e-3;  // chosen
+// Above any hand: the device was homed again, or reports nonsense.
+constexpr double kFastest_mm_s = 10'000.0;
 const double kOnePole20Hz = 1.0 - std::exp(-2.0 * std::numbers::pi * 20.0 * kTick_s);
 }  // namespace
 
@@ -31,7 +33,7 @@ KalmanGains steadyGains(double count_mm) noexcept {
   noise *= kJerkDensity_m2_s5;
   Mat3 covariance = noise;
   Vec3 gain = Vec3::Zero();
-  for (int i = 0; i < 500; ++i) {  // settles within about 30 steps for any count
+  for (int i = 0; i < 500; ++i) {  // converges within about 30 steps for any count
     const Mat3 predicted = transition * covariance * transition.transpose() + noise;
     gain = predicted.col(0) / (predicted(0, 0) + variance);
     covariance = predicted - gain * predicted.row(0);
@@ -101,8 +103,8 @@ void HipEstimator::onPosition(const Vec3& measured_mm) noexcept {
   filterAcceleration((observer_.tip().velocity_mm_s - before_mm_s) / (kTick_s * 1000.0));
 }
 
-// Predicting through the gap would spike by the stale acceleration; the mean velocity over it is
-// certain.
+// Uses the mean velocity over the gap, which is certain. A prediction through the gap would cause a
+// spike by the old acceleration.
 void HipEstimator::bridge(const Vec3& measured_mm, double gap_s) noexcept {
   x_mm_ = measured_mm;
   estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;

@@ -9,28 +9,29 @@
 namespace hapticast::client {
 
 namespace {
-// All found by the presses of README.md, where their effect is measured.
+// All values measured with the presses of client/haptics/README.md, section 5a.
 constexpr double kMassFactor = 1.03;
 constexpr double kSlowest_rad_s = 15.0;
 constexpr double kFastest_rad_s = 550.0;
-constexpr double kSoft_rad_s = 50.0;            // at rest in a soft wall
-constexpr double kStiff_rad_s_N_mm = 60.0;      // ... and in a stiff one, divided by its stiffness
-constexpr double kQuietResidual_counts = 1.07;  // a count is no news
+constexpr double kSoft_rad_s = 50.0;            // pole at rest in a soft wall
+constexpr double kStiff_rad_s_N_mm = 60.0;      // pole at rest, times the stiffness of the wall
+constexpr double kQuietResidual_counts = 1.07;  // residuals up to a count are no news
 constexpr double kQuietMean_counts = 0.19;
 constexpr double kMean_s = 11e-3;
 const double kCalms = std::exp(-kTick_s / 55e-3);
-constexpr double kFastest_counts = 16.0;  // of a tip, in as many ticks as its count has stood still
-constexpr double kBeyondDelay_ticks = 2.0;  // margin for a delay that is longer than told
+// Largest motion of the HIP, over as many ticks as its count was constant.
+constexpr double kFastest_counts = 16.0;
+constexpr double kBeyondDelay_ticks = 2.0;  // margin for a delay longer than declared
 
-const double kShareStep = 1.0 - std::exp(-200.0 * kTick_s);  // of its filters: 200 rad/s
-constexpr double kShareMargin = 1.15;  // a device taken for heavier than it is costs more
+const double kShareStep = 1.0 - std::exp(-200.0 * kTick_s);  // low- and high-passes of 200 rad/s
+constexpr double kShareMargin = 1.15;  // an overstated mass costs more than an understated one
 constexpr double kShareMemory_s = 0.3;
-constexpr double kShareDoubt_N = 0.012;  // a force that says nothing yet
+constexpr double kShareDoubt_N = 0.012;  // prior: a weaker force leaves the share at 1
 constexpr double kLeastShare = 0.04;
 }  // namespace
 
-// What is left of a force F after two low-passes and two high-passes of one pole, and what is left
-// of m x'' after the same: there the second difference takes the place of the low-passes.
+// The force passes two low-passes and two high-passes of one pole. The position passes four
+// high-passes: two of them act as the two low-passes and the second difference of m x''.
 EffectiveMassEstimator::EffectiveMassEstimator(double mass_kg) noexcept
     : newton_per_mm_(kShareMargin * mass_kg * 1e-3 *
                      std::pow(kShareStep / ((1.0 - kShareStep) * kTick_s), 2)) {}
@@ -51,7 +52,7 @@ void EffectiveMassEstimator::update(const Vec3& measured_mm, const Vec3& acting_
     slow_mm_.col(i) += kShareStep * (fast_mm - slow_mm_.col(i));
     fast_mm -= slow_mm_.col(i);
   }
-  const Vec3 mean_N = 0.5 * (fast_N + last_N_);  // a force held over a tick acts half a tick late
+  const Vec3 mean_N = 0.5 * (fast_N + last_N_);  // zero-order hold: half a tick of delay
   last_N_ = fast_N;
   constexpr double kKeeps = 1.0 - kTick_s / kShareMemory_s;
   product_N2_ = kKeeps * product_N2_ + newton_per_mm_ * fast_mm.cwiseProduct(mean_N);
@@ -88,7 +89,7 @@ void HipObserver::update(const Vec3& measured_mm, const Vec3& acting_N, double w
   last_mm_ = measured_mm;
   const Vec3 before = share_.value();
   share_.update(measured_mm, acting_N);
-  // What the force no longer explains the hand did: a share that changes moves nothing.
+  // The hand causes what the force no longer explains: a change of the share moves nothing.
   hand_mm_s2_ += mm_s2_per_N_ * (before - share_.value()).cwiseProduct(acting_N);
   predict(tip_, acting_N);
   const Vec3 residual_mm = measured_mm - tip_.position_mm;
@@ -98,7 +99,8 @@ void HipObserver::update(const Vec3& measured_mm, const Vec3& acting_N, double w
   for (int axis = 0; axis < 3; ++axis) correct(axis, residual_mm[axis], slowest_rad_s);
 }
 
-/// News open the filter at once, it calms down slowly: no movement sticks, and rest is silent.
+/// A variable pole: news opens the filter at once, and it closes slowly. So no movement sticks, and
+/// rest is silent.
 void HipObserver::correct(int axis, double residual_mm, double slowest_rad_s) noexcept {
   const double innovation = std::max(std::abs(residual_mm) / kQuietResidual_counts,
                                      std::abs(mean_mm_[axis]) / kQuietMean_counts) /
@@ -118,7 +120,7 @@ void HipObserver::correct(int axis, double residual_mm, double slowest_rad_s) no
 HipState HipObserver::ahead(const SentForces& sent, int delay_ticks) const noexcept {
   HipState tip = tip_;
   for (int ticks = delay_ticks; ticks >= 1; --ticks) predict(tip, sent.ago(ticks));
-  // A push that moves nothing (a nailed tip, a very stiff hand) must not be foreseen as a motion.
+  // A push without a motion (a nailed HIP, a very stiff hand) must not become a predicted motion.
   const Vec3 most_mm_s =
       (kFastest_counts * count_mm_ / kTick_s) * rest_ticks_.cwiseMax(1.0).cwiseInverse();
   tip.velocity_mm_s = tip.velocity_mm_s.cwiseMax(-most_mm_s).cwiseMin(most_mm_s);

@@ -10,15 +10,17 @@ namespace hapticast::client {
 
 namespace {
 
-// Measured on honest streams (evaluate stability, part `honest`): a server smooths what it says
-// over more frames than are looked at here, so that twice the largest change is believed.
+// Measured on honest streams (evaluate stability, part `honest`). A server smooths its statements
+// over more frames than this code compares, so twice the largest change is plausible.
 constexpr double kFactor = 2.0;
-constexpr double kAccelerationFactor = 3.0;  // the whole of it where frames are lost
+constexpr double kAccelerationFactor = 3.0;  // sum of both derivations, where frames are lost
 constexpr double kImpactFactor = 1.5;
-// What a surface that changes its shape does beyond its body: chosen, a hand's fingers.
+// Acceleration of a surface that changes its shape, beyond that of its body. Chosen: a hand's
+// fingers.
 constexpr double kDeforming_mm_s2 = 2000.0;
-// Half of the shortest interval that the wire's 240 frames a second leave; the other half is for
-// capture times that jitter. Over a microsecond the smallest step would bear out anything.
+// Half of the shortest interval at the wire's limit of 240 frames/s; the other half covers jitter
+// of the capture times. At an interval of a microsecond the smallest step would support any
+// statement.
 constexpr double kShortest_s = 0.5 / 240.0;
 
 constexpr std::size_t kSteps = ObjectHistory::kFrames - 1;
@@ -26,15 +28,16 @@ constexpr std::size_t kSteps = ObjectHistory::kFrames - 1;
 double magnitude(double value) noexcept { return std::abs(value); }
 double magnitude(const Vec3& value) noexcept { return value.norm(); }
 
-/// The largest speed, change of speed and its rate in the frames seen.
+/// The largest speed, change of speed, and rate of that change in the frames.
 struct Largest {
   double speed = 0.0;
   double change = 0.0;
   double rate = 0.0;
 };
 
-/// `step(i)`: what was moved from frame i to i+1; `rate(i)`: the speed that frame i tells, believed
-/// up to twice the fastest step. Both for frames that are there.
+/// Finds the largest values. `step(i)` is the motion from frame i to i+1. `rate(i)` is the speed
+/// that frame i states; it counts up to twice the fastest step. Both are called for present frames
+/// only.
 template <class Value, class Step, class Rate>
 Largest findLargest(const ObjectHistory& seen, Step step, Rate rate) noexcept {
   Largest most;
@@ -69,7 +72,7 @@ Largest findLargest(const ObjectHistory& seen, Step step, Rate rate) noexcept {
 }  // namespace
 
 PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept {
-  // A relief that is told to be unchanged lies where it lay, whatever the position says.
+  // A relief that is declared unchanged has not moved, whatever position the frame states.
   const auto moved = [&](std::size_t i) noexcept {
     return seen.object[i]->field != seen.object[i + 1]->field;
   };

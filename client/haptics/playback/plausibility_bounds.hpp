@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// How far a stream is believed: what it says of accelerations, turns and impacts only as far as
-// positions, velocities and reliefs of the frames around play time bear it out. A plateau at rest
-// that claims 1e8 mm/s² is a lie that one subtraction shows. Real-time room.
+// Plausibility bounds: the largest motion that successive frames support. A stream's accelerations,
+// turns, impacts and grids count only as far as the positions, velocities and reliefs of the frames
+// around play time support them. Example: a plateau at rest with a stated acceleration of 1e8
+// mm/s². The method is in client/haptics/README.md, section 4.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <array>
@@ -11,24 +13,26 @@
 
 namespace hapticast::client {
 
-/// The most that is believed of one object between two frames, nominal mm.
+/// Upper bounds for one object between two frames, nominal mm. The defaults are no bound.
 struct PlausibilityBounds {
   double acceleration_mm_s2 = std::numeric_limits<double>::infinity();  ///< of the reference point
-  double grid_mm_s2 = std::numeric_limits<double>::infinity();          ///< that a grid adds to it
+  /// Additional acceleration of a grid.
+  double grid_mm_s2 = std::numeric_limits<double>::infinity();
   double impact_mm_s = std::numeric_limits<double>::infinity();
   double turn_rad_s = std::numeric_limits<double>::infinity();
   double turn_rate_rad_s2 = std::numeric_limits<double>::infinity();
 };
 
-/// An object in five successive frames, of which kNow and the next are around play time (null where
-/// it or the frame is not known), and the time from each to the next. Frames closer together than
-/// any stream's bear nothing out.
+/// One object in five successive frames, and the intervals between them. Frames kNow and kNow + 1
+/// are around play time. An entry is null if the frame, or the object in it, is missing. Frames
+/// closer together than half of 1/240 s support nothing.
 struct ObjectHistory {
   static constexpr std::size_t kFrames = 5;
   static constexpr std::size_t kNow = 2;
   std::array<const PlayObject*, kFrames> object{};
   std::array<double, kFrames - 1> interval_s{};
 };
+/// Returns the bounds that the frames in `seen` support.
 PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept;
 
 }  // namespace hapticast::client

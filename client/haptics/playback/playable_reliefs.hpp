@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the loop can feel of a frame, for whoever draws it.
+// The reliefs of a frame that the loop can touch, for the views.
+// Thread: any.
 #pragma once
 
 #include <memory>
@@ -10,10 +11,10 @@
 
 namespace hapticast::client {
 
-/// Keeps nothing alive: its reliefs are there as long as the loop may play the frame.
+/// Weak references: a relief exists as long as the loop may play its frame.
 struct PlayableReliefs {
   MediaTime media_time;
-  std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< of its objects
+  std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< one for each object
 };
 
 }  // namespace hapticast::client

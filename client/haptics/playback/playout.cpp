@@ -9,14 +9,14 @@ namespace hapticast::client {
 namespace {
 constexpr std::int64_t kRateDivisor = 50;  // 2 %
 constexpr Duration kLongestDelay{10'000'000'000};
-// Keeps sums of three times within 64 bits whatever a server's clock says.
+// Keeps a sum of three times within 64 bits, for any value of a server's clock.
 constexpr Duration kLargestOffset{std::int64_t{1} << 61};
 
 Duration bounded(Duration value, Duration limit) noexcept {
   return std::clamp(value, -limit, limit);
 }
 
-/// Moves `value` towards `target` by at most what is left of `budget`.
+/// Moves `value` towards `target` by at most `budget`, and reduces `budget` by the step.
 void approach(Duration& value, Duration target, Duration& budget) noexcept {
   const Duration step = bounded(target - value, budget);
   value += step;
@@ -40,15 +40,14 @@ MediaTime Playout::advance(LocalTime now, const StreamTiming& stream, bool in_co
     const Duration offset = bounded(stream.clock_offset, kLargestOffset / 2) -
                             bounded(stream.pipeline_latency, kLongestDelay);
     const Duration delay = std::clamp(stream.playout_delay_target, Duration{0}, kLongestDelay);
-    // Far more than any distance between two offsets when nothing has to be slewed.
+    // Without a force the budget exceeds any distance between two offsets.
     Duration budget = in_contact && !restart ? elapsed / kRateDivisor : Duration::max();
     approach(offset_, offset, budget);
     approach(delay_, delay, budget);
   }
   MediaTime play(last_.time_since_epoch() + offset_ - delay_);
   if (!restart && (user.paused || play < last_play_)) {
-    // Stand still; from here the delay is what it takes to be where we are, and is slewed from
-    // there.
+    // Hold play time. The delay becomes the present lag, and its slew starts there.
     delay_ = last_.time_since_epoch() + offset_ - last_play_.time_since_epoch();
     play = last_play_;
   }

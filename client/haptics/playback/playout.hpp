@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The playout clock: local time -> play time on the media clock. Real-time room: noexcept, no heap,
-// no locks.
+// Playout clock: converts local time to play time on the media clock, with a slew-rate limit under
+// the hand.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include "client/haptics/stream_timing.hpp"
@@ -9,29 +10,30 @@
 
 namespace hapticast::client {
 
-/// Play time = media clock now - pipeline latency - playout delay. The delay follows its target at
-/// a rate of at most 2 % while a force acts (so play time never jumps under the hand) and at once
-/// when none does; a moving estimate of the clock offset is followed in the same way, both together
-/// within the 2 %. Play time never runs backwards within a connection: where it would have to, it
-/// stands still until the wanted time has caught up.
+/// Play time = media clock - pipeline latency - playout delay.
+///
+/// While a force acts, play time follows the targets of clock offset and delay at 2 % of its pace
+/// in sum. So it never jumps under the hand. Without a force it follows at once. Within a
+/// connection play time never runs backwards; it holds until the target time has caught up.
 class Playout {
  public:
-  /// Play time of this tick. `in_contact`: a force acts. A new connection (stream.first_epoch)
-  /// starts over once its clock is known. While paused it stands still; without a connection it
-  /// runs on with what it last knew (0 before the first). Any `now`.
+  /// Returns play time of this tick. `in_contact`: a force acts. A new connection
+  /// (stream.first_epoch) starts over as soon as its clock is synchronised. A pause holds play
+  /// time. Without a connection play time continues with the last offset and delay; before the
+  /// first connection it is 0. `now` may have any value.
   MediaTime advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                     const UserControls& user = {}) noexcept;
-  /// The next connected tick starts over like that of a new connection.
+  /// Starts over at the next tick with a connection, like a new connection.
   void resync() noexcept { resync_ = true; }
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:
-  bool running_ = false;  // was connected once
+  bool running_ = false;  // there was a connection
   bool resync_ = false;
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};
-  Duration offset_{0};  // followed clock offset - pipeline latency, slewed like the delay
+  Duration offset_{0};  // slewed target: clock offset - pipeline latency
   MediaTime last_play_{};
 };
 

@@ -9,13 +9,14 @@ namespace hapticast::client {
 
 namespace {
 
-// A velocity is taken as sent while it moves the object less than this in one interval: anything an
-// object can do between two frames, turning round included.
+// A velocity counts as sent while it moves the object by less than kPlausibleFactor times the
+// distance of the two frames, plus a margin. Any motion between two frames is below that, including
+// a reversal.
 constexpr double kPlausibleFactor = 3.0;
 constexpr double kPlausible_mm = 4.0;
 constexpr double kPlausible_rad = 0.5;
 
-/// The object's impacts strictly inside (0, interval_s).
+/// Returns the impacts of `object` strictly inside (0, interval_s).
 VelocityJumps kinksWithin(const PlayObject& object, MediaTime from_time,
                           double interval_s) noexcept {
   VelocityJumps kinks;
@@ -27,7 +28,7 @@ VelocityJumps kinksWithin(const PlayObject& object, MediaTime from_time,
   return kinks;
 }
 
-/// Drops the kinks that do not explain a part of the change of velocity.
+/// Removes the kinks that explain no part of the change of velocity.
 VelocityJumps plausible(const VelocityJumps& kinks, Vec3 change_mm_s) noexcept {
   VelocityJumps kept;
   for (std::size_t i = 0; i < kinks.count; ++i) {
@@ -39,7 +40,7 @@ VelocityJumps plausible(const VelocityJumps& kinks, Vec3 change_mm_s) noexcept {
   return kept;
 }
 
-/// The factor that shortens a velocity that cannot be meant.
+/// Returns the factor (0..1) that shortens an implausible velocity.
 double shortening(double distance, double displacement, double margin) noexcept {
   const double limit = kPlausibleFactor * displacement + margin;
   return distance > limit ? limit / distance : 1.0;
@@ -49,12 +50,13 @@ double shortening(double distance, double displacement, double margin) noexcept 
 
 double rotationBetween(const Motion& from, const Motion& to) noexcept {
   const double step_rad = to.angle_rad - from.angle_rad;
-  if (std::abs(step_rad) <= std::numbers::pi) return step_rad;  // the library's takes 20 ns
+  // Fast path: std::remainder costs 20 ns.
+  if (std::abs(step_rad) <= std::numbers::pi) return step_rad;
   return std::remainder(step_rad, 2.0 * std::numbers::pi);
 }
 
 double secondsBetween(MediaTime a, MediaTime b) noexcept {
-  // In double: the difference of two 64-bit times need not fit into 64 bits.
+  // In double: the difference of two 64-bit times may exceed 64 bits.
   return (static_cast<double>(b.time_since_epoch().count()) -
           static_cast<double>(a.time_since_epoch().count())) *
          1e-9;
@@ -97,7 +99,7 @@ HermitePath::HermitePath(const PlayObject& from, const PlayObject& to, MediaTime
       rate_1_s_(1.0 / interval_s) {
   const Motion& a = from.motion;
   const Motion& b = to.motion;
-  // The later frame knows its past best; both may list the impact.
+  // The later frame describes the interval best; both frames may list the impact.
   kinks_ = kinksWithin(to, from_time, interval_s);
   if (kinks_.count == 0) kinks_ = kinksWithin(from, from_time, interval_s);
   kinks_ = plausible(kinks_, b.velocity_mm_s - a.velocity_mm_s);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The pose of one object between and beyond its frames. Real-time room: noexcept, no heap, no
-// locks. Times are seconds after the earlier frame.
+// Pose of one object between its frames and beyond them: cubic Hermite interpolation with impacts,
+// linear interpolation, and dead reckoning. Times are seconds after the earlier frame.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <array>
@@ -10,7 +11,7 @@
 
 namespace hapticast::client {
 
-/// Units as in Motion (nominal mm, s, rad).
+/// Pose and its derivatives; units as in Motion (nominal mm, s, rad).
 struct Pose {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
@@ -19,17 +20,17 @@ struct Pose {
   double angular_velocity_rad_s = 0.0;
 };
 
-/// b - a in seconds; any two times.
+/// Returns b - a in seconds, for any two times.
 double secondsBetween(MediaTime a, MediaTime b) noexcept;
 
-/// The turn from one frame to the next, the short way round.
+/// Returns the turn from one frame to the next, the shorter of both directions: -pi..pi.
 double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
-/// As sent in the frame, standing still.
+/// Returns the pose of the frame, at rest, with its acceleration.
 Pose restingPose(const Motion& motion) noexcept;
-/// Linear in position, angle and acceleration. Requires interval_s > 0.
+/// Linear interpolation of position, angle and acceleration. Requires interval_s > 0.
 Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept;
-/// The object's changes of velocity that are known within an interval.
+/// The impacts of an object within an interval.
 struct VelocityJumps {
   struct VelocityJump {
     double time_s = 0.0;
@@ -38,22 +39,25 @@ struct VelocityJumps {
   std::array<VelocityJump, kMaxImpacts> at{};
   std::size_t count = 0;
 
-  /// What they have moved the object by until then, and how fast.
+  /// Returns the displacement (mm) and the velocity (mm/s) that the impacts up to `time_s` have
+  /// caused.
   [[nodiscard]] Vec3 displacement(double time_s) const noexcept;
   [[nodiscard]] Vec3 velocity(double time_s) const noexcept;
 };
 
-/// Cubic Hermite of (p, v), acceleration linear. An impact inside the interval puts its kink where
-/// it happened: the Hermite is laid through what is left when the kink is taken out of both ends,
-/// and the kink is added back, which is exact for a ballistic bounce. Impacts that would explain
-/// none of the change of velocity are ignored. All that the pair of frames decides is computed
-/// once, by the constructor.
+/// Cubic Hermite path of (p, v), with linear acceleration.
+///
+/// An impact inside the interval causes a kink at its time. The path subtracts the kink from both
+/// ends, interpolates the rest, and adds the kink again. That is exact for a ballistic bounce.
+/// Impacts that explain no part of the change of velocity are ignored. The constructor computes all
+/// coefficients.
 class HermitePath {
  public:
   HermitePath() = default;
-  /// Requires interval_s > 0.
+  /// Requires interval_s > 0 and two frames of the same object.
   HermitePath(const PlayObject& from, const PlayObject& to, MediaTime from_time,
               double interval_s) noexcept;
+  /// Returns the pose at `time_s`, 0..interval_s.
   [[nodiscard]] Pose at(double time_s) const noexcept;
 
  private:
@@ -67,13 +71,13 @@ class HermitePath {
   Vec3 acceleration_mm_s2_ = Vec3::Zero();
   Vec3 acceleration_change_mm_s2_ = Vec3::Zero();
   double interval_s_ = 1.0;
-  double rate_1_s_ = 1.0;  // 1 / interval
+  double rate_1_s_ = 1.0;  // 1 / interval_s_
   bool turns_ = false;
   VelocityJumps kinks_;
 };
 
-/// Carried on with v (and through known impacts) until limit_s, then standing still; the
-/// acceleration ramps from the sent one to 0 meanwhile.
+/// Dead reckoning: extrapolates with v, and through the impacts of the frame, until limit_s. Then
+/// the object rests. The acceleration ramps to 0 until limit_s. Requires limit_s > 0.
 Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_s,
                       double time_s) noexcept;
 

@@ -11,16 +11,16 @@ namespace {
 
 constexpr double kLongestExtrapolation_s = 0.080;
 constexpr double kLongestHold_s = 0.300;
-// Of an interval: from here on a late frame is blended in, however late it is. Faster, its change
-// of shape would be felt as a blow.
+// Share of an interval: latest begin of the blend towards a late frame. A later begin would make
+// the change of shape a blow.
 constexpr double kLatestBlend = 0.75;
-// Frames farther apart than this and three intervals are not one motion: what lies between is
-// unknown, and a frame from a far future must not keep an old one alive.
+// Frames farther apart than both limits are not one motion. Otherwise a frame of the far future
+// would extend the life of an old frame.
 constexpr double kWidestGap_s = 1.0;
 constexpr double kWidestGap_intervals = 3.0;
-// Frames before the one that is played: what the cubic and the belief look back to.
+// Frames held before the current one: for the cubic and the plausibility bounds.
 constexpr std::size_t kKept = 2;
-// Slots that are always left to the receiver.
+// Slots that always remain for the decode thread.
 constexpr std::size_t kSpareSlots = 4;
 
 bool earlier(const PlayFrame& a, const PlayFrame& b) noexcept {
@@ -44,7 +44,7 @@ struct Blend {
   double rate_1_s;
 };
 
-/// `rate_1_s`: 1 / interval. A frame that came late is blended in from there.
+/// `rate_1_s` is 1 / interval. The blend towards a late frame begins at its arrival, `alone_s`.
 Blend computeBlend(double time_s, double interval_s, double rate_1_s, double alone_s) noexcept {
   const double from_s = std::min(alone_s, kLatestBlend * interval_s);
   if (from_s > 0.0) rate_1_s = 1.0 / (interval_s - from_s);
@@ -96,7 +96,7 @@ std::array<const PlayFrame*, 4> SceneInterpolator::neighbours(MediaTime play_tim
   const std::size_t before = beforeIndex(play_time);
   if (before == kNone) return around;
   for (std::size_t k = 0; k < around.size(); ++k) {
-    const std::size_t i = before + k;  // one too many: the first neighbour is before - 1
+    const std::size_t i = before + k;  // k = 0 is the frame before - 1, so i counts one too high
     if (i == 0 || i > held_count_) continue;
     if (frame(i - 1).epoch == frame(before).epoch) around[k] = &frame(i - 1);
   }
@@ -151,8 +151,8 @@ void SceneInterpolator::release(std::size_t i) noexcept {
 std::size_t SceneInterpolator::releaseUnneeded(MediaTime play_time) noexcept {
   std::size_t before = beforeIndex(play_time);
   for (; before != kNone && before > kKept; --before) release(0);
-  // Far more frames ahead than slots to hold them: thin them out, keeping what the cubic needs now
-  // and the newest, so that what is left still spans the whole time evenly.
+  // More frames ahead than slots: thin them out. The next two frames and the newest remain, for the
+  // cubic. The others remain evenly spread over time.
   const std::size_t first = before == kNone ? 2 : before + 3;
   while (held_count_ > FramePool::kSlots - kSpareSlots) {
     std::size_t densest = first;

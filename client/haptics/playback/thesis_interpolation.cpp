@@ -10,8 +10,8 @@ namespace hapticast::client {
 
 namespace {
 
-/// The deepest contact in one frame as it was captured, of the objects that are there `now`: one
-/// that appears later would else grow out of nothing under the tip.
+/// Returns the deepest contact in one frame at its capture. Only objects that also exist in the
+/// frame `now` count: a later object would grow out of nothing under the HIP.
 Contact validateFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& hip_mm,
                       const Workspace& workspace, const PlayObject*& touched) noexcept {
   Contact deepest;
@@ -33,14 +33,14 @@ Contact validateFrame(const PlayFrame* frame, const PlayFrame& now, const Vec3& 
   return deepest;
 }
 
-/// Uniform Catmull-Rom between p1 and p2.
+/// Uniform Catmull-Rom spline between p1 and p2.
 Vec3 catmullRom(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3, double s) noexcept {
   return p1 + 0.5 * s *
                   (p2 - p0 +
                    s * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + s * (3.0 * (p1 - p2) + p3 - p0)));
 }
 
-/// The touched object at play time, for the dynamic force.
+/// Returns the touched object at play time, for the dynamic force.
 InterpolatedObject objectNow(const PlayObject& touched, const PlayFrame& from, const PlayFrame* to,
                              double s) noexcept {
   InterpolatedObject now;
@@ -59,14 +59,14 @@ InterpolatedObject objectNow(const PlayObject& touched, const PlayFrame& from, c
   return now;
 }
 
-/// What the four frames around play time say of the HIP, and how far play time is from the second
-/// to the third.
+/// Contacts of the HIP in the four frames around play time; `s` is the share of play time between
+/// the second and the third.
 struct Around {
   std::array<Contact, 4> at;
   std::array<const PlayObject*, 4> touched{};
   double s = 0.0;
 
-  /// A cubic where all four are there, else linear, held where there is no third.
+  /// Returns the cubic if `cubic`, else the linear interpolation; constant without a third frame.
   [[nodiscard]] Vec3 displacement_mm(bool cubic) const noexcept {
     if (!cubic) return (1.0 - s) * at[1].displacement_mm + s * at[2].displacement_mm;
     return catmullRom(at[0].displacement_mm, at[1].displacement_mm, at[2].displacement_mm,
@@ -92,7 +92,7 @@ Around readNeighbourhood(const std::array<const PlayFrame*, 4>& frames, MediaTim
 
 }  // namespace
 
-/// The HIP freezes where the interval is entered; returns whether it is another one than before.
+/// Stores the HIP at the begin of an interval. Returns true if the interval is a new one.
 bool ThesisInterpolation::enter(const PlayFrame& from, const Vec3& hip_mm) noexcept {
   const bool new_interval = !entered_ || from.epoch != epoch_ || from.id != frame_id_;
   if (new_interval) frozen_hip_mm_ = hip_mm;
@@ -118,8 +118,8 @@ Contact ThesisInterpolation::evaluate(const SceneInterpolator& lookup, MediaTime
       around.displacement_mm(frames[0] != nullptr && frames[2] != nullptr && frames[3] != nullptr);
   const PlayObject* const object =
       around.touched[1] != nullptr ? around.touched[1] : around.touched[2];
-  // A cubic may swing below zero beside an edge in time: nothing pulls. Touched before or after
-  // only: likewise.
+  // The cubic may become negative beside a step in time: no pull. The same for a contact in frame
+  // i-1 or i+2 only.
   if (object == nullptr || !(contact.displacement_mm.z() > 0.0)) return {};
   const Vec3 normal = (1.0 - s) * at[1].depth_mm * at[1].normal + s * at[2].depth_mm * at[2].normal;
   if (normal.norm() > 0.0) contact.normal = normal.normalized();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The thesis's way in time (--method thesis): displacements of whole frames at a HIP assumed to
-// stand still, interpolated from the video's rate to 1 kHz by cubics. Real-time room: noexcept, no
-// heap, no locks.
+// The thesis's temporal interpolation (--method thesis): Catmull-Rom splines raise the
+// displacements of whole frames from the video's rate to 1 kHz. The HIP counts as standing still
+// within an interval.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <cstdint>
@@ -11,15 +12,20 @@
 
 namespace hapticast::client {
 
+/// State of the temporal interpolation: the current interval and its HIP.
 class ThesisInterpolation {
  public:
-  /// Eq. 3 over k in the frames i-1 .. i+2 around play time, each with its own relief where it
-  /// stood, at the HIP of the moment in which the interval [i, i+1] was entered; between them a
-  /// Catmull-Rom cubic. Linear where i-1 or i+2 is missing, held where i+1 is. The surface counts
-  /// as standing still. `contact.object` (the object touched in frame i or i+1, its acceleration
-  /// linear in between) holds until the next call. `jump` at the first look-up of an epoch and of
-  /// an object that was not in frame i-1; one that is not in frame i is not yet there. The HIP
-  /// freezes anew when the interval, and so the epoch, changes.
+  /// Returns the contact at play time.
+  ///
+  /// Evaluates Eq. 3 divided by k in the frames i-1 .. i+2 around play time. Each frame has its own
+  /// relief at its own place. The HIP is that of the begin of the interval [i, i+1]. A Catmull-Rom
+  /// cubic connects the four displacements. The result is linear if frame i-1 or i+2 is missing,
+  /// and constant if i+1 is missing. The surface velocity is zero.
+  ///
+  /// `contact.object` is the touched object of frame i or i+1, with linear acceleration; valid
+  /// until the next call. `jump` is set at the first tick of an epoch, and for an object that is
+  /// not in frame i-1. An object that is not in frame i does not exist yet. A new interval, and so
+  /// a new epoch, reads the HIP again.
   Contact evaluate(const SceneInterpolator& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 
@@ -28,7 +34,7 @@ class ThesisInterpolation {
 
   bool entered_ = false;
   std::uint32_t epoch_ = 0;
-  std::uint64_t frame_id_ = 0;  // i
+  std::uint64_t frame_id_ = 0;  // id of frame i
   Vec3 frozen_hip_mm_ = Vec3::Zero();
   InterpolatedObject object_;
 };

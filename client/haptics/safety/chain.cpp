@@ -9,20 +9,20 @@
 namespace hapticast::client {
 
 namespace {
-// Fades take 0.2 s and 0.1 s: chosen; felt as neither a blow nor a delay.
+// Duration of the fades: 0.2 s and 0.1 s. Chosen: neither a blow nor a delay for the hand.
 constexpr double kFadeIn = kTick_s / 0.2;
 constexpr double kFadeOut = kTick_s / 0.1;
 
 double smoothstep(double x) noexcept { return x * x * (3.0 - 2.0 * x); }
 
-/// Energy of a spring whose force ends at limit_N, mJ.
+/// Returns the energy (mJ) of a spring whose force saturates at limit_N.
 double springEnergy_mJ(double stiffness_N_mm, double depth_mm, double limit_N) noexcept {
   const double force_N = stiffness_N_mm * depth_mm;
   return force_N <= limit_N ? 0.5 * force_N * depth_mm
                             : limit_N * (depth_mm - 0.5 * limit_N / stiffness_N_mm);
 }
 
-/// The wall is touched ahead of the tip: how deep its count is.
+/// Returns the depth of the counted position. The wall acts at the predicted position.
 double countedDepth_mm(const StepState& state) noexcept {
   return std::max(0.0,
                   state.depth_mm - (state.position_mm - state.ahead.position_mm).dot(state.normal));
@@ -58,10 +58,9 @@ void SafetyChain::forgetDelay() noexcept {
   setDelay(profile_delay_ticks_);
 }
 
-// The numbers of the steps are those of client/haptics/README.md. The fade (9) acts on the force
-// before the tank (5), the budget (6) and the slew limit (8): a fade that begins or ends, a residue
-// that joins and a gain that multiplies all of it can step as well, and only limits behind all of
-// them hold for the force that is sent.
+// The numbers are the steps of client/haptics/README.md, section 5. The fade (9) acts before the
+// tank (5), the budget (6) and the slew limit (8). A fade at its begin or end, a release ramp and a
+// gain can step as well. Only limits behind all of them hold for the sent force.
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   SafetyOutput out;
   if (forget_delay_ && !in.contact && !acts()) forgetDelay();
@@ -69,7 +68,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = halts(in, out);
   const bool touchable = in.in_contact && !out.not_finite && halt_ == Halt::kNone;
-  // A world that disappears under the tip leaves nothing to fade: its last force ramps down.
+  // A scene that disappears in contact leaves no force to fade: the last force ramps down.
   const bool vanished = !in.in_contact && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
   damper_.step(geometry.contact);
@@ -101,7 +100,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   return out;
 }
 
-/// Takes note of why there may be no force from now on; whether that is new.
+/// Determines the cause of a halt. Returns true if the halt begins in this tick.
 bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
   if (halt_ != Halt::kNone) return false;
   const bool distrusts = links_.trust && trust_.lost();
@@ -113,8 +112,8 @@ bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
   return halt_ != Halt::kNone;
 }
 
-/// Returns the share of wall and inertia in what is sent: it steps as far as it might if it were
-/// alone, and what is held back beyond that was the object's.
+/// Applies the slew limit to now.force_N. Returns the share of wall and inertia in it: that share
+/// steps as far as it could step alone, and the object's share absorbs the rest of the limit.
 Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                             SafetyOutput& out) const noexcept {
   const MotionExplainedStep hand =
@@ -160,7 +159,7 @@ StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geome
   return now;
 }
 
-/// The tick that ended with this position, seen by the meters and the latency watch.
+/// Feeds the energy meters and the oscillation detector with the tick that ended at this position.
 void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool measurement_jumped,
                         bool jump, SafetyOutput& out) noexcept {
   PortTick tick{.position_mm = now.position_mm,
@@ -169,7 +168,8 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
                 .contact = geometry.contact,
                 .jump = jump};
   const double gain = smoothstep(fade_);
-  // Each with the stiffness of its own tick; where only one of them touches, with that one's.
+  // Each energy uses the stiffness of its own tick; with one tick in contact, both use that tick's
+  // stiffness.
   const double stiffness_N_mm = (now.contact ? now : last_).local_stiffness_N_mm;
   const double before_N_mm = (last_.contact ? last_ : now).local_stiffness_N_mm;
   tick.stored_mJ = gain * springEnergy_mJ(stiffness_N_mm, countedDepth_mm(now), limit_N_);
@@ -194,8 +194,8 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
   if (delay_ticks_ < kMostDelay_ticks) setDelay(delay_ticks_ + 1);
 }
 
-/// F_s = K_r displacement + B u along the normal, never pulling, and what the contact has generated
-/// damped away.
+/// F_s = K_r displacement + B u along the normal, never pulling. The passivity controller adds
+/// damping for the energy that the contact has generated.
 Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
                             SafetyOutput& out) const noexcept {
   if (!geometry.contact) return Vec3::Zero();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The safety chain: from where the tip should be (geometry) and the dynamic force to the force a
-// device may feel. Nothing reaches the device around it. Its steps in order, their laws and
-// constants stand in client/haptics/README.md. Real-time room.
+// The safety chain: converts displacement and dynamic force into a force that is safe for device
+// and hand. No force bypasses the chain. client/haptics/README.md, section 5, has its eleven steps,
+// their laws and their constants.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@
 
 namespace hapticast::client {
 
-/// The links that can be left out to show what each is there for. Only tests and evaluate do.
+/// Switches of single steps, to measure their effect. For tests and evaluate only.
 struct SafetyLinks {
   bool stiffness_limit = true;
   bool damping = true;
@@ -26,85 +27,89 @@ struct SafetyLinks {
   bool tank = true;
   bool thermal = true;
   bool slew = true;
-  bool fade = true;  ///< fade in, fade out, residue
+  bool fade = true;  ///< fade in, fade out, release ramp
   bool arming = true;
   bool latency_watch = true;
   bool trust = true;
 };
 
-/// Device frame, device mm.
+/// Input of a tick, device frame, device mm.
 struct SafetyInput {
-  // The tip, by its counts.
+  // The HIP, by its counts.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  HipState ahead;  ///< where this tick's force will find it: there the wall is touched
+  HipState ahead;  ///< predicted HIP when this tick's force acts; the wall acts there
   bool measurement_jumped =
       false;                 ///< position and velocity are not connected with the last tick's
   bool device_lost = false;  ///< latched; only rearm() ends it
-  // What it touches.
+  // The contact.
   bool contact = false;
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
-  double scene_step_s = 1e-3;     ///< time that the scene lived since the last tick
-  double stiffness_factor = 1.0;  ///< |displacement| over depth along the normal
+  double scene_step_s = 1e-3;     ///< change of play time since the last tick
+  double stiffness_factor = 1.0;  ///< |displacement| / depth along the normal
   double stiffness_N_mm = 0.5;
-  double damping_Ns_m = 0.0;  ///< the author's, beyond what stability asks for
-  bool world_jumped = false;  ///< epoch, connection, mapping
-  bool in_contact = false;    ///< the scene is fresh enough to be felt
+  double damping_Ns_m = 0.0;  ///< author's damping, in addition to the wall law
+  bool world_jumped = false;  ///< new epoch, connection or mapping
+  bool in_contact = false;    ///< the scene is fresh enough for a force
   Vec3 dynamic_N = Vec3::Zero();
-  Vec3 inertia_N = Vec3::Zero();  ///< of the tip, in dynamic_N: the contact's own, as the wall is
-  bool dynamic_valid = false;     ///< else the dynamic force fades out
-  bool implausible = false;       ///< it was cut to what the stream's frames bear out
+  /// The part of dynamic_N that is virtual inertia: meters count it with the wall.
+  Vec3 inertia_N = Vec3::Zero();
+  bool dynamic_valid = false;  ///< false: the dynamic force fades out
+  bool implausible = false;    ///< the plausibility bounds reduced the dynamic force
 };
 
 struct SafetyOutput {
-  Vec3 force_N = Vec3::Zero();          ///< what goes to the device
-  Vec3 static_force_N = Vec3::Zero();   ///< the wall law
-  Vec3 dynamic_force_N = Vec3::Zero();  ///< after its fade
-  double penetration_mm = 0.0;          ///< |displacement| used, device mm
+  Vec3 force_N = Vec3::Zero();          ///< force for the device
+  Vec3 static_force_N = Vec3::Zero();   ///< force of the wall law
+  Vec3 dynamic_force_N = Vec3::Zero();  ///< dynamic force after its fade
+  double penetration_mm = 0.0;          ///< length of the displacement in use, device mm
   bool contact = false;
-  bool not_finite = false;     ///< or too far: the last geometry was held
-  bool too_far = false;        ///< a finite displacement that no device could make
-  bool trust_lost = false;     ///< in this tick
-  bool latency_alarm = false;  ///< raised in this tick: swings that the profile's delay cannot make
-  double step_excess_N = 0.0;  ///< over StepLimit's: must be 0
+  bool not_finite = false;     ///< a number was not finite or too large: the last geometry is held
+  bool too_far = false;        ///< a finite displacement beyond the reach of any device
+  bool trust_lost = false;     ///< trust was lost in this tick
+  bool latency_alarm = false;  ///< the oscillation detector raised its alarm in this tick
+  double step_excess_N = 0.0;  ///< excess over the slew limit; must be 0
   std::uint32_t interferences = 0;
 };
 
+/// The chain. One object serves one device.
 class SafetyChain {
  public:
-  /// Copies what it needs of the profile.
+  /// Copies the required values of `profile`.
   explicit SafetyChain(const DeviceProfile& profile, const SafetyLinks& links = {}) noexcept;
 
+  /// Computes the force of a tick.
   SafetyOutput step(const SafetyInput& input) noexcept;
-  /// A force acts on the device (it did at the last tick).
+  /// Returns true if the force of the last tick was not zero.
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
-  /// Ticks between reading a position and the begin of its force, as far as is known.
+  /// Delay in use: ticks between reading a position and the begin of its force. The profile's
+  /// value, plus one after an alarm.
   [[nodiscard]] int delayTicks() const noexcept { return delay_ticks_; }
-  /// Stiffness along the normal of the wall that was touched last.
+  /// Stiffness along the normal of the last wall in contact, N/mm.
   [[nodiscard]] double wall_N_mm() const noexcept { return wall_N_mm_; }
-  /// From outside, after a lost device came back, trust was lost or stop(): the force may return,
-  /// from zero.
+  /// Ends a halt: the force returns from zero. Call from outside the chain, after the return of a
+  /// lost device, a loss of trust, stop() or awaitConfirmation().
   void rearm() noexcept;
-  /// Ramps the force to zero and keeps it there until rearm().
+  /// Ramps the force to zero; it remains zero until rearm().
   void stop() noexcept { stop_requested_ = true; }
-  /// There is no force until rearm(), from the first tick on.
+  /// Halts the force from the first tick until rearm(): for an automatically detected device.
   void awaitConfirmation() noexcept { halt_ = Halt::kUnconfirmed; }
-  /// Why there is no force until somebody re-arms it.
+  /// Cause of the present halt.
   [[nodiscard]] Halt halt() const noexcept { return halt_; }
-  /// Which interference cost most of the trust.
+  /// The safety action that spent most of the trust.
   [[nodiscard]] SafetyAction distrusted() const noexcept { return trust_.mostly(); }
-  /// What the latency watch has learned is forgotten as soon as nothing is touched.
+  /// Restores the profile's delay as soon as there is no contact and no force.
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
-  /// Work of the force so far.
+  /// Work of the force since the start.
   [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
 
  private:
   struct Geometry {
     bool contact = false;
     Vec3 displacement_mm = Vec3::Zero();
-    double size_mm = 0.0;  // of the displacement
+    double size_mm = 0.0;  // |displacement|
     Vec3 normal = Vec3::UnitZ();
     Vec3 surface_velocity_mm_s = Vec3::Zero();
     Vec3 surface_step_mm = Vec3::Zero();
@@ -137,7 +142,7 @@ class SafetyChain {
   int profile_delay_ticks_;
   int delay_ticks_ = 0;
   double wall_N_mm_;
-  double limit_N_;  // of the force in this tick: the motors' heat, the peak
+  double limit_N_;  // limit of the force in this tick: thermal budget and peak
   double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   DamperLimit damper_;
   StepLimit steps_;
@@ -152,15 +157,15 @@ class SafetyChain {
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;
   Halt halt_ = Halt::kNone;  // until rearm()
-  double fade_ = 0.0;        // 0..1, smoothed before use
+  double fade_ = 0.0;        // 0..1, before the smoothstep
   double dynamic_fade_ = 0.0;
-  Vec3 dynamic_N_ = Vec3::Zero();  // last valid one
-  Vec3 inertia_N_ = Vec3::Zero();  // in it
+  Vec3 dynamic_N_ = Vec3::Zero();  // last valid dynamic force
+  Vec3 inertia_N_ = Vec3::Zero();  // share of the inertia in dynamic_N_
   Vec3 residue_N_ = Vec3::Zero();
-  Vec3 residue_static_N_ = Vec3::Zero();  // of wall and inertia
-  Vec3 static_N_ = Vec3::Zero();          // of wall and inertia, as sent last
-  bool check_depth_ = true;               // the next touchable geometry decides whether we may arm
-  bool blocked_ = false;                  // too deep after a jump
+  Vec3 residue_static_N_ = Vec3::Zero();  // share of wall and inertia in residue_N_
+  Vec3 static_N_ = Vec3::Zero();          // share of wall and inertia in the last force
+  bool check_depth_ = true;               // the next touchable geometry decides about arming
+  bool blocked_ = false;                  // disarmed: too deep after a jump
 };
 
 }  // namespace hapticast::client

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The first link of the chain: what of a tick's geometry and material is believed. Real-time room.
+// Step 1 of the safety chain: checks geometry and material of a tick, limits the surface velocity,
+// and detects jumps.
+// Thread: loop, real-time.
 #include <algorithm>
 #include <cmath>
 
@@ -8,14 +10,14 @@
 namespace hapticast::client {
 
 namespace {
-constexpr double kSurfaceSpeed_mm_s = 1500.0;  // faster is not plausible
-constexpr double kJump_mm = 3.0;               // change of depth in a tick that nothing explains
-constexpr double kLongestStep_s = 20e-3;       // farther apart no way connects two ticks
-constexpr double kUnit = 1e-12;                // the rounding of a unit vector's square
-constexpr double kFarthest_mm = 1000.0;  // a displacement beyond any device is a broken number
+constexpr double kSurfaceSpeed_mm_s = 1500.0;  // plausible limit
+constexpr double kJump_mm = 3.0;               // unexplained change of depth in a tick
+constexpr double kLongestStep_s = 20e-3;       // a larger step of play time connects no two ticks
+constexpr double kUnit = 1e-12;                // rounding error of a unit vector's square
+constexpr double kFarthest_mm = 1000.0;        // beyond the reach of any device: a broken number
 
 bool finite(const SafetyInput& in) noexcept {
-  // A sum is finite where all are (or so huge that none of it is to be believed).
+  // The sum is finite if all terms are, except for terms too large to be plausible.
   const Vec3 vectors = in.position_mm + in.velocity_mm_s + in.ahead.position_mm +
                        in.ahead.velocity_mm_s + in.displacement_mm + in.normal +
                        in.surface_velocity_mm_s;
@@ -41,7 +43,7 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   geometry.displacement_mm = in.displacement_mm;
   geometry.size_mm = depth_mm;
   const double square = in.normal.squaredNorm();
-  // A normal that is none, or that looks into the surface: along the displacement nothing can pull.
+  // A zero normal, or one into the surface: the direction of the displacement cannot pull.
   if (!(square > 0.0) || in.normal.dot(in.displacement_mm) <= 0.0) {
     geometry.normal = in.displacement_mm / depth_mm;
   } else {
@@ -61,8 +63,8 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   return geometry;
 }
 
-/// Stiffness and damping as the device can render them, along the normal: a displacement that
-/// `perturbed` exaggerates is not damped less than it is stiff.
+/// Limits stiffness and damping along the normal to the limits of the device. The factor of
+/// `perturbed` reduces the stiffness limit, not the damping.
 void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
                            SafetyOutput& out) const noexcept {
   geometry.stiffness_factor = std::max(1.0, in.stiffness_factor);
@@ -80,8 +82,7 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
   geometry.damping_Ns_m = law_Ns_m + std::clamp(in.damping_Ns_m, 0.0, most_Ns_m);
 }
 
-/// The last geometry standing still as a plane: the tip moves against it, the surface does not
-/// move.
+/// Returns the last geometry as a plane at rest; only the HIP moves.
 SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& ahead_mm) const noexcept {
   Geometry held = geometry_;
   held.surface_velocity_mm_s = held.surface_step_mm = Vec3::Zero();

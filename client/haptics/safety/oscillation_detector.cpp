@@ -14,9 +14,9 @@ constexpr int kReversals = 12;
 constexpr int kLongestSwing_ticks = 33;
 constexpr double kLasting = 0.9;
 constexpr int kBounces = 3;
-constexpr int kShortestFlight_ticks = 15;  // below, the surface's edge is only brushed
+constexpr int kShortestFlight_ticks = 15;  // a shorter flight only brushes the edge of the surface
 constexpr int kLongestFlight_ticks = 250;
-constexpr double kSlowestBounce_mm_s = 100.0;  // two counts in a tick
+constexpr double kSlowestBounce_mm_s = 100.0;  // two counts per tick
 }  // namespace
 
 bool OscillationDetector::alarmed(double moved_mm, double surface_mm, bool acts) noexcept {
@@ -37,7 +37,7 @@ bool OscillationDetector::alarmed(double moved_mm, double surface_mm, bool acts)
   return true;
 }
 
-/// The tip has come back from its extreme by a swing's least: that swing is over.
+/// Completes a swing: the HIP has returned from its extreme by the least swing.
 void OscillationDetector::judgeSwing() noexcept {
   State& s = state_;
   const double swing_mm = std::abs(s.extreme.tip_mm - s.before.tip_mm);
@@ -52,7 +52,7 @@ void OscillationDetector::judgeSwing() noexcept {
   s.extreme = s.now;
 }
 
-/// The contact that is over counted to the bounces before it, or none.
+/// Returns the number of bounces in a row including the completed contact; 0 if it was none.
 int BounceDetector::bouncesUpToNow() const noexcept {
   const State& s = state_;
   const bool bounced = s.acted && s.contact_ticks <= s.longest_ticks &&
@@ -65,11 +65,11 @@ int BounceDetector::bouncesUpToNow() const noexcept {
 bool BounceDetector::alarmed(const Tick& tick, int delay_ticks) noexcept {
   State& s = state_;
   if (tick.jump) s = State{};
-  // The loop's delay, and two ticks that it may be later than told.
+  // The delay of the loop, plus two ticks beyond the declared delay.
   const int late_ticks = 3 + delay_ticks;
   if (tick.contact && s.free_ticks > 0) {
     s = State{.bounces = bouncesUpToNow()};
-    // Half a swing of the device on the spring and half as much again.
+    // 1.5 times half a period of the device on the spring.
     const double swing_ticks =
         1.5 * std::numbers::pi * std::sqrt(mass_kg_ / (1e3 * tick.stiffness_N_mm)) / kTick_s;
     s.longest_ticks =

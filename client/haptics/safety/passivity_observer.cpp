@@ -10,20 +10,21 @@
 namespace hapticast::client {
 
 namespace {
-// All measured or chosen with the battery of README.md.
+// All values measured or chosen with the battery of client/haptics/README.md, section 6.
 constexpr double kTolerated_mJ = 3.0;
-constexpr double kDebt_mJ = -2.0;  // what a contact has swallowed is not saved up for long
+// Limit of stored dissipation: a contact may not save up for long.
+constexpr double kDebt_mJ = -2.0;
 constexpr double kForget_s = 1.0;
 constexpr double kMostPassivityDamping_Ns_m = 5.0;
-constexpr double kSlowest_mm_s = 5.0;  // below, the sign of the speed is the count's
+constexpr double kSlowest_mm_s = 5.0;  // below, the counts decide the sign of the speed
 constexpr double kSlow_ticks =
     4.5;  // a count; measured: 1.5 to 4.5 meter a shaken hand alike, within 3 %
 constexpr int kFreeTicks = 20;
 constexpr double kTankSpeed_mm_s = 10.0;
 constexpr double kTankHorizon_s = 0.02;
 constexpr double kTankSmooth_s = 0.005;
-constexpr double kReserve_s = 0.3;     // chosen: a rise of 30 mm under the hand is over by then
-constexpr double kLastingShare = 0.2;  // chosen: 0.04 W on an Omni, below a shake
+constexpr double kReserve_s = 0.3;  // chosen: a rise of 30 mm under the hand ends within this time
+constexpr double kLastingShare = 0.2;  // chosen: 0.04 W on an Omni, less than a shake needs
 }  // namespace
 
 void PassivityObserver::setDelay(int delay_ticks) noexcept {
@@ -52,7 +53,7 @@ double PassivityObserver::meter(const PortTick& tick) noexcept {
   dynamic_sum_N_ += acted.dynamic_N;
   ticks_.array() += 1.0;
   const Vec3 path_mm = wayTo(tick);
-  // By axis, without a branch: counted positions move when they like.
+  // By axis, without a branch: positions move by single counts.
   const Vec3 per_tick_mm = path_mm.cwiseQuotient(ticks_);
   const double static_mJ = per_tick_mm.dot(static_sum_N_);
   const double object_mJ = per_tick_mm.dot(dynamic_sum_N_);

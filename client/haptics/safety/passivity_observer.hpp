@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Where the work of the force goes: meters at the ports of the loop, a passivity observer of what
-// the contact generates with a controller that damps it away (Hannaford, Ryu 2002), and an energy
-// tank on the user's port. 1 N·mm = 1 mJ. Real-time room.
+// Energy metering: the work of the force at the ports of the loop. Energy limits: a passivity
+// observer and controller for the contact (Hannaford and Ryu 2002), and an energy tank. 1 N·mm = 1
+// mJ.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <array>
@@ -11,51 +12,54 @@
 
 namespace hapticast::client {
 
-/// Work of the force on the hand since the beginning, mJ; > 0: into the hand.
+/// Work of the force on the hand since the start, mJ; positive: into the hand.
 struct PortWork {
-  double relative_mJ = 0.0;  ///< of wall and inertia against the surface's motion: must be passive
-  double surface_mJ = 0.0;   ///< of wall and inertia along it: the intended push
-  double object_mJ = 0.0;    ///< of the object's force
+  double relative_mJ = 0.0;  ///< wall and inertia, relative to the surface; must be passive
+  double surface_mJ = 0.0;   ///< wall and inertia, along the surface's motion: the intended push
+  double object_mJ = 0.0;    ///< force of the object
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 
-/// What the meters have to know of the tick that ended with this position.
+/// Input of the meters: the tick that ended at this position.
 struct PortTick {
-  Vec3 position_mm = Vec3::Zero();  ///< of the tip, measured
-  bool connected = true;            ///< with the last one; else the tip made no way
-  Vec3 surface_mm = Vec3::Zero();   ///< the surface at the contact, as it was announced
-  // Energy of the spring at this tick's depth and at the last one's, each with the stiffness of its
-  // own tick (a stream that stiffens a pressed spring gives energy), both with this tick's gain
-  // (else a force that fades in would read as generated).
+  Vec3 position_mm = Vec3::Zero();  ///< HIP, measured
+  bool connected = true;            ///< false: no connection with the last tick, so no motion
+  Vec3 surface_mm = Vec3::Zero();   ///< announced step of the surface at the contact
+  // Energy of the spring at the depth of this tick and of the last tick. Each uses the stiffness of
+  // its own tick, because a stream that stiffens a pressed spring adds energy. Both use the gain of
+  // this tick; otherwise a fade in would count as generated energy.
   double stored_mJ = 0.0;
   double stored_before_mJ = 0.0;
   bool contact = false;
-  bool jump = false;  ///< of world or measurement: the observer starts over
+  bool jump = false;  ///< jump of scene or measurement: the observer starts over
 };
 
-/// A counted position moves late and by leaps; a leap times the force of its tick would read as
-/// work that nobody did (F x count for each press). So the tip is where the count leaves it no
-/// other choice to be (half a count of play), and a way is paid with the mean force since the last
-/// one, axis by axis.
+/// Meters, observer and controller.
+///
+/// A counted position moves late and in steps. A step times the force of its tick would count as
+/// work that the hand never did (F x count for each press). So the meter uses a position with half
+/// a count of play. It multiplies a motion by the mean force since the last step, axis by axis.
 class PassivityObserver {
  public:
   PassivityObserver(int delay_ticks, double count_mm) noexcept : half_count_mm_(0.5 * count_mm) {
     setDelay(delay_ticks);
   }
-  /// Ticks between reading a position and the begin of its force (0..kMostDelay_ticks).
+  /// Sets the ticks between reading a position and the begin of its force, clamped to
+  /// 0..kMostDelay_ticks.
   void setDelay(int delay_ticks) noexcept;
 
-  /// Meters a tick with the force that acted in it: the one sent 1 + delay ticks before. Returns
-  /// its work on the hand, mJ.
+  /// Meters a tick with the force that acted in it, sent 1 + delay ticks before. Returns the work
+  /// on the hand, mJ.
   double meter(const PortTick& tick) noexcept;
-  /// What goes to the device after this tick; `dynamic_N`: the object's share of it.
+  /// Records the force sent to the device after this tick. `dynamic_N` is the object's share of it.
   void sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept;
 
-  /// Damping to be added along the normal at the relative speed u: (G - 3 mJ) / (T u²), at most
-  /// 5 N·s/m; 0 below 5 mm/s.
+  /// Returns the additional damping (N·s/m) along the normal at the relative speed u: (G - 3 mJ) /
+  /// (T u²). It is at most 5 N·s/m, and 0 below 5 mm/s.
   [[nodiscard]] double damping_Ns_m(double u_mm_s) const noexcept;
-  /// The observer G: what the contact has given beyond what it was given, forgotten within 1 s.
+  /// The observer G: energy generated by the contact, mJ. It decays with a time constant of 1 s.
   [[nodiscard]] double generated_mJ() const noexcept { return generated_mJ_; }
+  /// Work since the start.
   [[nodiscard]] const PortWork& work() const noexcept { return work_; }
 
  private:
@@ -63,39 +67,43 @@ class PassivityObserver {
     Vec3 force_N = Vec3::Zero();
     Vec3 dynamic_N = Vec3::Zero();
   };
+  /// Applies the play; returns the motion of this tick.
   [[nodiscard]] Vec3 wayTo(const PortTick& tick) noexcept;
 
   double half_count_mm_;
   Vec3 at_mm_ = Vec3::Zero();
-  Vec3 counted_mm_ = Vec3::Zero();  // as measured last
-  Vec3 leap_mm_ = Vec3::Zero();     // the last one of each axis
-  // Of the ticks since each axis last moved.
+  Vec3 counted_mm_ = Vec3::Zero();  // last measured position
+  Vec3 leap_mm_ = Vec3::Zero();     // last step of each axis
+  // Since the last step of each axis.
   Vec3 static_sum_N_ = Vec3::Zero();
   Vec3 dynamic_sum_N_ = Vec3::Zero();
   Vec3 ticks_ = Vec3::Zero();
-  std::array<Sent, 8> sent_;  // ring
+  std::array<Sent, 8> sent_;  // ring buffer
   std::size_t newest_ = 0;
-  std::size_t age_ = 1;  // of the force that acted
+  std::size_t age_ = 1;  // age of the force that acted, ticks
   PortWork work_;
   double generated_mJ_ = 0.0;
   int free_ticks_ = 0;
 };
 
-/// Energy that the force may give to the hand: refilled by a constant power and by the hand itself.
-/// What was given beyond the content is a debt, to be refilled first (at most one tank, so that one
-/// broken number does not end the touch). The power comes out of a reserve that is worth 0.3 s of
-/// it and grows by a fifth of it, and by what the hand gives to a full tank: over any 10 s a stream
-/// gives at most the tank, the reserve and 10 s of that fifth (Omni: 475 mJ), however it shakes.
+/// Energy tank (mJ): energy that the force may transfer to the hand. A constant power and the hand
+/// refill the tank.
+///
+/// Energy beyond the content is a debt and refilled first. The debt is at most one tank, so that
+/// one broken number does not end the contact. The power is drawn from a reserve, worth 0.3 s of
+/// it. The reserve grows by a fifth of the power, and by the energy of the hand into a full tank.
+/// So in any 10 s a stream transfers at most the tank, the reserve and 10 s of that fifth (Omni:
+/// 475 mJ).
 class EnergyTank {
  public:
   explicit EnergyTank(const DeviceProfile& profile) noexcept;
-  /// Takes out the work of a tick (mJ, > 0: into the hand); the tip's velocity is smoothed within
-  /// 5 ms, since that of single counts would make the limit chatter.
+  /// Withdraws the work of a tick (mJ, positive into the hand). A low-pass of 5 ms smooths the
+  /// velocity, because the velocity of single counts would make the limit chatter.
   void withdraw(double work_mJ, const Vec3& velocity_mm_s) noexcept;
-  /// What the force is to be multiplied with: below 1 where it drives the hand faster than 10 mm/s
-  /// with more than the tank could pay for 20 ms.
+  /// Returns the factor (0..1) for `force_N`. It is below 1 if the force drives the hand faster
+  /// than 10 mm/s, and the tank cannot pay the work of the next 20 ms.
   [[nodiscard]] double factor(const Vec3& force_N) const noexcept;
-  [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }  ///< < 0: a debt
+  [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }  ///< < 0: debt
 
  private:
   double most_mJ_, refill_W_, content_mJ_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the safety chain does to a force, told of every tick.
+// The safety actions: steps of the safety chain that changed the force. The tick report has one bit
+// for each.
+// Thread: any.
 #pragma once
 
 #include <array>
@@ -7,34 +9,36 @@
 
 namespace hapticast::client {
 
-/// A step of the chain that changed the force (or would have), for the report and the summary.
+/// Steps of the chain that changed the force, or would have changed it.
 enum class SafetyAction : std::uint8_t {
-  kNotFinite,     ///< a number was not finite, or absurd; the last geometry is held and fades
-  kSurfaceSpeed,  ///< the surface moved faster than 1.5 m/s
-  kStiffness,     ///< the stiffness was cut to K_max
+  kNotFinite,     ///< a number was not finite or absurd: the last geometry is held and fades
+  kSurfaceSpeed,  ///< the surface was faster than 1.5 m/s
+  kStiffness,     ///< the stiffness was limited to K_max
   kNoPull,        ///< the damper would have pulled
-  kPeak,          ///< clamped to the device's peak
-  kSlew,          ///< a step the hand's motion does not explain was slowed
-  kFade,          ///< the force is fading in or out
-  kDisarmed,      ///< too deep after a jump: no force until the hand has left
-  kResidue,       ///< an old force ramps down
-  kJump,          ///< the world or the measurement jumped
-  kDamping,       ///< the author's damping was cut to what the delay allows
-  kPassivity,     ///< the contact gave energy it had not got: more damping
-  kTank,          ///< shortened: too much energy into the hand
-  kThermal,       ///< shortened: the motors are warm
-  kLatency,       ///< the delay is longer than the profile says: a softer, more damped wall
-  kImplausible,   ///< the stream's own frames do not bear out what it says: not believed
+  kPeak,          ///< clamp to the device's peak
+  kSlew,          ///< slew limit: a step that the hand's motion does not explain
+  kFade,          ///< the force fades in or out
+  kDisarmed,      ///< too deep after a jump: no force until the HIP is out
+  kResidue,       ///< release ramp of an old force
+  kJump,          ///< jump of scene or measurement
+  kDamping,       ///< the author's damping was limited for the delay
+  kPassivity,     ///< the contact generated energy: additional damping
+  kTank,          ///< too much energy into the hand: force reduced
+  kThermal,       ///< warm motors: force reduced
+  kLatency,       ///< delay longer than declared: softer wall, more damping
+  kImplausible,   ///< a statement of the stream beyond its plausibility bounds
 };
+/// Names in the log and in the summary, in the order of SafetyAction.
 inline constexpr std::array<const char*, 16> kInterferenceNames = {
     "not_finite", "surface_speed", "stiffness", "no_pull", "peak",    "slew",
     "fade",       "unarmed",       "residue",   "jump",    "damping", "passivity",
     "tank",       "thermal",       "latency",   "doubted"};
+/// Returns the bit of `which` in TickReport::interferences.
 constexpr std::uint32_t bit(SafetyAction which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }
 
-/// What it did, for a person; empty where a hand does not notice it.
+/// Returns a text for the user; empty for actions that a hand does not notice.
 constexpr const char* toText(SafetyAction which) noexcept {
   switch (which) {
     case SafetyAction::kStiffness:
@@ -62,13 +66,13 @@ constexpr const char* toText(SafetyAction which) noexcept {
   }
 }
 
-/// Why there is no force until UserControls::rearm.
+/// Cause of a halt of the force. UserControls::rearm ends it.
 enum class Halt : std::uint8_t {
   kNone = 0,
   kDeviceLost,
-  kTrustLost,    ///< the stream asked for too much that had to be held back
-  kStopped,      ///< the loop is ending
-  kUnconfirmed,  ///< automatic detection selected the device
+  kTrustLost,    ///< trust is spent: too many safety actions due to the stream
+  kStopped,      ///< the loop ends
+  kUnconfirmed,  ///< the device was detected automatically and awaits a confirmation
 };
 
 }  // namespace hapticast::client

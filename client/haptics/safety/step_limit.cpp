@@ -8,7 +8,7 @@
 namespace hapticast::client {
 
 namespace {
-/// The point nearest to `point` on the way from the origin to `end`.
+/// Returns the point nearest to `point` on the segment from the origin to `end`.
 Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
   const double along = point.dot(end);
   if (!(along > 0.0)) return Vec3::Zero();
@@ -23,9 +23,9 @@ MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& l
   const Vec3 moved_mm = now.position_mm - last.position_mm;
   const double inwards_mm = -(now.ahead.position_mm - last.ahead.position_mm).dot(wall.normal);
   const bool entering = !last.contact;
-  if (entering && now.depth_mm > inwards_mm) return {};  // the surface came, not the hand
+  if (entering && now.depth_mm > inwards_mm) return {};  // the surface moved, not the hand
   const Vec3 change_mm_s = entering ? now.velocity_mm_s : now.velocity_mm_s - last.velocity_mm_s;
-  // The damper's own limit: full speed when it begins, from one end to the other later.
+  // Limit of the damper: the full speed at its begin, later from one end to the other.
   const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
   const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
   const double path_mm = moved_mm.norm();
@@ -55,7 +55,7 @@ double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
   const double most_N = step.allowed_N + kRounding_N;
   if (step.rest_N.squaredNorm() <= most_N * most_N) return 0.0;
   const double rest_N = step.rest_N.norm();
-  // A number that is none must not read as "no step".
+  // NaN must not count as a step of zero.
   return std::isfinite(rest_N) ? rest_N - step.allowed_N : std::numeric_limits<double>::infinity();
 }
 
@@ -64,7 +64,7 @@ Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
   const Step step = computeStep(force_N, last_N, hand);
   Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;
-  // The way round would leave what the device can stand; the straight way does not.
+  // The limited step exceeds the peak. A step straight to the force does not.
   const Vec3 straight_N = force_N - last_N;
   return last_N + straight_N * std::min(1.0, std::min(rise_N_, fall_N_) / straight_N.norm());
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a device's motors can stand for good: a model of their heat (one time constant, heat by the
-// square of the force), and the force it leaves. Real-time room.
+// Thermal budget of the motors: a one-pole heat model driven by the square of the force, and the
+// force limit that follows from the heat.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
@@ -8,6 +9,7 @@
 
 namespace hapticast::client {
 
+/// Heat model and force limit.
 class ThermalBudget {
  public:
   explicit ThermalBudget(const DeviceProfile& profile) noexcept
@@ -16,9 +18,10 @@ class ThermalBudget {
         square_N2_(profile.continuous_N * profile.continuous_N),
         share_(kTick_s / profile.thermal_s) {}
 
-  /// A tick of a force whose square is `force_N2`.
+  /// Adds a tick with the squared force `force_N2`, N².
   void add(double force_N2) noexcept { heat_N2_ += (force_N2 - heat_N2_) * share_; }
-  /// The peak while heat < 0.6 cont², then linear down to 0.98 cont at cont² and beyond.
+  /// Force limit, N: the peak while the heat is below 0.6 cont². Above, it falls linearly to 0.98
+  /// cont at cont².
   [[nodiscard]] double limit_N() const noexcept {
     if (heat_N2_ <= kCool * square_N2_) return peak_N_;
     if (heat_N2_ >= square_N2_) return lasting_N_;
@@ -27,9 +30,9 @@ class ThermalBudget {
 
  private:
   static constexpr double kCool = 0.6;      // chosen
-  static constexpr double kLasting = 0.98;  // chosen: a little below what is allowed for good
+  static constexpr double kLasting = 0.98;  // chosen: slightly below the continuous force
   double peak_N_, lasting_N_, square_N2_, share_;
-  double heat_N2_ = 0.0;  // the mean square of the force over the last thermal_s
+  double heat_N2_ = 0.0;  // mean square of the force over the last thermal_s
 };
 
 }  // namespace hapticast::client

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Whether a stream is still trusted: only as long as the chain has little to do about it. What is
-// only limited may shake a hand for as long as it likes; what has to be limited all the time ends.
-// Real-time room.
+// Trust in a stream: a leaky counter of safety actions due to the stream. A limit alone would let a
+// stream shake a hand for ever. The counter ends the force if the limits have to act all the time.
+// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
 #include <array>
@@ -14,31 +14,32 @@ namespace hapticast::client {
 
 class Trust {
  public:
-  /// What counts, measured (client/haptics/README.md): what a stream does and a hand cannot. A hand
-  /// reaches the peak, a cut leaves it unarmed, an author asks for stiff walls, a device that
-  /// answers late makes a contact give energy: these do not count.
+  /// The actions that count. Measured (client/haptics/README.md, "Trust"): a stream causes these
+  /// and a hand cannot. Other actions have honest causes: a hand reaches the peak, a cut disarms,
+  /// an author requests stiff walls, and a late device makes a contact generate energy.
   static constexpr std::array<SafetyAction, 4> kCounted = {SafetyAction::kImplausible,
                                                            SafetyAction::kTank, SafetyAction::kSlew,
                                                            SafetyAction::kSurfaceSpeed};
 
-  /// Measured: honest streams come to at most 44 (a ball that bounces: 14 ticks an impact, and the
-  /// tank), in the thesis's method to 64. Chosen: far above them and below most lies that shake
-  /// without end; the gentlest of those, at 198, is only limited. A drum is struck seven times a
-  /// second before it is distrusted.
+  /// Threshold in ticks. Measured: honest streams reach at most 44 (a bouncing ball costs 14 ticks
+  /// an impact, and the tank), 64 in the thesis's method. Chosen: far above them, and below most
+  /// lies that shake without end. The gentlest of those lies reaches 198 and is only limited. A
+  /// drum can strike seven times a second before trust is lost.
   static constexpr double kMost_ticks = 200.0;
 
-  /// What was done in a tick, a bit for each interference.
+  /// Adds a tick: one bit for each safety action.
   void add(std::uint32_t interferences) noexcept;
-  /// Too much of it in the last seconds.
+  /// Returns true if the score has reached the threshold.
   [[nodiscard]] bool lost() const noexcept { return score() >= kMost_ticks; }
-  /// The ticks in which it was too much, forgotten within the memory.
+  /// Number of counted ticks, with a decay of 2 s.
   [[nodiscard]] double score() const noexcept { return ticks_; }
-  /// What most of it was.
+  /// The counted action with the largest share.
   [[nodiscard]] SafetyAction mostly() const noexcept;
-  /// The user trusts it again.
+  /// Restores full trust, on request of the user.
   void renew() noexcept { *this = Trust(); }
 
  private:
+  /// Decay of the score: 2 s.
   static constexpr double kMemory_ticks = 2000.0;
   double ticks_ = 0.0;
   std::array<double, kCounted.size()> of_each_{};

@@ -12,17 +12,18 @@ namespace hapticast::client {
 
 namespace {
 constexpr double kFirstTouch_N = 0.04;   // chosen
-constexpr double kGrowth_N = 0.04;       // a tick: chosen, a fifth of what a force rises elsewhere
-constexpr double kShrink_N = 0.5;        // a tick without contact: chosen
-constexpr double kGrown_N = 20.0;        // beyond any device's peak
-constexpr double kStiffest_N_mm = 10.0;  // measured: above, one-count chatter at 1 kHz
+constexpr double kGrowth_N = 0.04;       // per tick; chosen: a fifth of the slew limit
+constexpr double kShrink_N = 0.5;        // per tick without contact; chosen
+constexpr double kGrown_N = 20.0;        // above any device's peak
+constexpr double kStiffest_N_mm = 10.0;  // measured: above, chatter of one count at 1 kHz
 constexpr double kMassShare = 0.64;      // measured
-constexpr double kDampingShare = 0.35;   // measured: up to half of m / (T/2 + td) is as quiet
+constexpr double kDampingShare = 0.35;   // measured: up to half of m / (T/2 + d T) is as quiet
 constexpr double kArmDepth_mm = 2.0;     // chosen
 }  // namespace
 
 double wallLead_s(int delay_ticks) noexcept {
-  // Measured by the battery of README.md; for 4 ticks the mean of its neighbours, not measured.
+  // Measured with the battery of client/haptics/README.md, section 6. The value for 4 ticks is the
+  // mean of its neighbours and was not measured.
   constexpr std::array<double, 6> kLead_s = {1.2e-3, 2.4e-3, 3.9e-3, 5.3e-3, 6.65e-3, 8.0e-3};
   return kLead_s[static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks))];
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What is done with a datagram before it is believed: cheap looks first, then the signature, of
-// which only so many are verified a second, so that a flood costs bounded time. Pure: times are
-// arguments, no sockets. Thread: network.
+// Authentication of datagrams: first cheap checks (token, stream, duplicate), then the signature. A
+// token bucket limits the verifications per second, so that a flood costs bounded time. Times are
+// arguments; no sockets.
+// Thread: network.
 #pragma once
 
 #include <cstdint>
@@ -16,31 +17,33 @@
 
 namespace hapticast::client {
 
-/// By what became of them.
+/// Datagrams by the result of their verification.
 struct DatagramCounts {
-  std::uint64_t received = 0;     ///< signed by the server, and new
-  std::uint64_t repeated = 0;     ///< copies of what had come before
-  std::uint64_t foreign = 0;      ///< of no token or stream of ours, or no datagram at all
-  std::uint64_t astray = 0;       ///< frames too far from those that come
-  std::uint64_t forged = 0;       ///< the signature is wrong
-  std::uint64_t over_budget = 0;  ///< not looked at: too many signatures in this second
+  std::uint64_t received = 0;     ///< valid signature, and new
+  std::uint64_t repeated = 0;     ///< duplicates
+  std::uint64_t foreign = 0;      ///< another token or stream, or no datagram of this protocol
+  std::uint64_t astray = 0;       ///< frame id too far from the present frames
+  std::uint64_t forged = 0;       ///< invalid signature
+  std::uint64_t over_budget = 0;  ///< unverified: the token bucket was empty
 
   DatagramCounts operator+(const DatagramCounts& other) const;
 };
 
+/// Verifies the datagrams of one path.
 class DatagramVerifier {
  public:
-  /// Chosen: 240 frames/s of eight datagrams; a fifth of a core on the machine it was measured on
-  /// (some 100 us each).
+  /// Rate and size of the token bucket. Chosen: 240 frames/s of eight datagrams. Measured: 100 us
+  /// each, a fifth of a core.
   static constexpr double kVerifications_Hz = 2000.0;
   static constexpr double kBurst = 400.0;
 
-  /// `token`: the session's or the group's; `stream` and `key` as the server announced them.
+  /// `token` is that of the session or of the group; `stream` and `key` are those that the server
+  /// announced.
   DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key);
 
   using IsWanted = std::function<FrameAssembler::Want(const DatagramHeader&)>;
-  /// The datagram that the bytes are, where the server has sent it and it is new; `want` says what
-  /// its frame still lacks. A probe is given every time.
+  /// Returns the datagram in `bytes` if the server has signed it and it is new; else nullopt.
+  /// `want` classifies its fragment. A probe always counts as new.
   std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
                                  const IsWanted& want);
 

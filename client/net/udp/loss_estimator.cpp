@@ -9,14 +9,14 @@
 namespace hapticast::client {
 
 namespace {
-// Fewer frames say nothing: one lost of twenty would be 5 %.
+// Fewer frames allow no estimate: one lost fragment of twenty would be 5 %.
 constexpr std::size_t kLeastFrames = 20;
-// Chosen: of a frame of more parts the first say enough, and nobody fills the memory.
+// Chosen: the first fragments of a larger frame suffice, and memory is bounded.
 constexpr std::size_t kMostParts = 256;
-// Chosen: duplicates that the network makes are rarer than that, and of copies that are sent more
-// arrive up to a loss of half of them.
+// A k-th send counts as such from this share on. Chosen: duplicates by the network are rarer, and
+// up to half of the sends may be lost.
 constexpr double kCopiesAreSent = 0.05;
-constexpr double kForgets = 0.5;  // of what was lost before, at each judgement; chosen
+constexpr double kForgets = 0.5;  // weight of the old estimate at each update; chosen
 
 void blendIn(double& share, double now) {
   share = std::max(now, kForgets * share + (1.0 - kForgets) * now);
@@ -25,7 +25,7 @@ void blendIn(double& share, double now) {
 
 void LossEstimator::add(const DatagramHeader& header) {
   const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
-  if (FrameAssembler::jump(newest, header.frame)) {  // another numbering, or the first frame
+  if (FrameAssembler::jump(newest, header.frame)) {  // new numbering, or first frame
     frames_.clear();
     judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
   }
@@ -54,7 +54,7 @@ std::uint32_t LossEstimator::copies(LocalTime now) {
   copies_ = needed_;
   needed_at_ = now;
   lost_ = lost_fewer_ = 0.0;
-  // What is under way was sent in the other number.
+  // Datagrams under way have the previous redundancy.
   ignored_ = frames_.empty() ? judged_ : frames_.rbegin()->first + kSettled;
   return copies_;
 }
@@ -75,7 +75,7 @@ LossEstimator::Tally LossEstimator::popSettled() {
     each = frames_.erase(each);
   }
   judged_ = std::max(judged_, until);
-  // Of frames of which nothing came it is not known how many parts they had.
+  // The number of fragments of a completely lost frame is unknown: extrapolate.
   if (seen > 0)
     tally.parts[0] *=
         static_cast<double>(std::max(until - first + 1, seen)) / static_cast<double>(seen);
@@ -92,13 +92,13 @@ void LossEstimator::judge() {
     received += tally.parts[++copies];
   blendIn(loss_, 1.0 - received / (sent * copies));
   blendIn(lost_, 1.0 - tally.parts[1] / sent);
-  // Of what came once only, the copy left out would have been that one in one case of so many.
+  // With one send less, a fragment that arrived once would be lost with a probability of 1/copies.
   blendIn(lost_fewer_,
           1.0 - tally.parts[1] / sent + (tally.parts[1] - tally.parts[2]) / sent / copies);
   needed_ = copies;
   if (lost_ > kTolerated) {
-    // As independent losses ask for; where these would be rarer, they come together, and the more
-    // copies there are, the farther the last one is from the first.
+    // The redundancy that independent losses require. If it is in use already, losses occur in
+    // bursts: use the maximum, which spreads the sends farthest in time.
     while (needed_ < limits::kMostCopies && std::pow(loss_, needed_) > kTolerated) ++needed_;
     if (needed_ == copies) needed_ = limits::kMostCopies;
   } else if (lost_fewer_ <= kTolerated) {

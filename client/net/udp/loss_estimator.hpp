@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// How many of the datagrams that were sent do not arrive, and how many copies of each that asks
-// for. Counts every copy of every part, so that both what is lost and what is lost in all its
-// copies is seen: losses that come in bursts are not taken for independent ones. Pure. Thread:
-// network.
+// Estimates the loss of datagrams and the redundancy that it requires. It counts every send of
+// every fragment, so that both the loss of single datagrams and the loss of all sends of a fragment
+// are measured. So burst losses do not count as independent ones. Times are arguments.
+// Thread: network.
 #pragma once
 
 #include <array>
@@ -19,52 +19,53 @@ namespace hapticast::client {
 
 class LossEstimator {
  public:
-  /// Of a network of which nothing is known yet.
+  /// Redundancy for an unmeasured network.
   static constexpr std::uint32_t kFirstCopies = 3;
-  /// Chosen: of what is sent at most so much may be lost in all its copies.
+  /// Tolerated share of fragments that are lost in all sends. Chosen.
   static constexpr double kTolerated = 0.002;
   static constexpr Duration kJudgeEvery = std::chrono::seconds(1);
-  /// Copies come at most three frames later; what has not come by then is lost.
+  /// Frames until a missing fragment counts as lost: the sends of a datagram are at most three
+  /// frames apart.
   static constexpr std::uint64_t kSettled = 8;  ///< frames
-  /// Fewer copies only after so long without need, so that a network that loses in bursts is
-  /// not judged by its pauses.
+  /// The redundancy falls only after this time without need, because a network with burst losses
+  /// also has pauses.
   static constexpr Duration kPatience = std::chrono::seconds(30);
 
-  /// `fixed`: so many copies are sent whatever is lost.
+  /// With `fixed` the redundancy remains `copies`, whatever the loss.
   explicit LossEstimator(std::uint32_t copies = kFirstCopies, bool fixed = false)
       : copies_(copies), fixed_(fixed) {}
 
-  /// A datagram has come that the server has signed; no probe.
+  /// Counts an authenticated datagram that is no probe.
   void add(const DatagramHeader& header);
-  /// One has come again, as far as can be told without its signature.
+  /// Counts a duplicate. Its signature is unverified.
   void onDuplicate(const DatagramHeader& header);
-  /// How many copies to ask for from now on.
+  /// Updates the estimate once a second. Returns the redundancy to request from now on, 1 to 4.
   std::uint32_t copies(LocalTime now);
-  [[nodiscard]] double loss() const { return loss_; }  ///< 0..1, as last measured
+  [[nodiscard]] double loss() const { return loss_; }  ///< loss of single datagrams, 0..1
 
  private:
-  /// Of a frame's parts: how often each has come.
+  /// Number of arrivals of each fragment of a frame.
   using Reception = std::vector<std::uint8_t>;
   static void count(Reception& received, std::size_t part);
-  /// How many parts came so often or oftener; those that came 0 times or oftener are all.
+  /// parts[k]: fragments that arrived at least k times; parts[0] are all fragments.
   struct Tally {
     std::array<double, limits::kMostCopies + 1> parts{};
   };
-  /// Takes the frames of which no copy can come any more.
+  /// Removes and counts the frames that can receive no more sends.
   [[nodiscard]] Tally popSettled();
   void judge();
 
-  std::map<std::uint64_t, Reception> frames_;  // by id, since the last judgement
-  std::uint64_t judged_ = 0;                   // all frames up to this one are
-  std::uint64_t ignored_ = 0;  // up to this one they were sent in another number of copies
+  std::map<std::uint64_t, Reception> frames_;  // by id, since the last update
+  std::uint64_t judged_ = 0;                   // all frames up to this id are counted
+  std::uint64_t ignored_ = 0;                  // frames up to this id had another redundancy
   std::uint32_t copies_;
   bool fixed_;
   double loss_ = 0.0;
-  double lost_ = 0.0;        // share of parts of which no copy came
-  double lost_fewer_ = 0.0;  // the same, were there one copy less
+  double lost_ = 0.0;        // share of fragments that are lost in all sends
+  double lost_fewer_ = 0.0;  // the same, for one send less
   std::uint32_t needed_ = kFirstCopies;
   LocalTime judged_at_{};
-  std::optional<LocalTime> needed_at_;  // when as many as now were needed last
+  std::optional<LocalTime> needed_at_;  // last time when the present redundancy was needed
 };
 
 }  // namespace hapticast::client

@@ -38,7 +38,7 @@ void TransportSelector::markFailed(const std::string& why, LocalTime now) {
   if (failed == Transport::kTcp) return;
   failed_at_ = now;
   begin(at_ + 1);
-  // A way that is tried again and fails again is no news.
+  // A repeated failure of the same transport is no news.
   if (std::find(logged_.begin(), logged_.end(), failed) != logged_.end()) return;
   logged_.push_back(failed);
   messages_ = "no frames come " + toText(failed) + " (" + why + "): taking them " +
@@ -51,7 +51,7 @@ void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
   received_at_ = now;
   only_tcp_since_.reset();
   suspected_ = false;
-  // Where a datagram of full size does not get through, frames will be missing.
+  // Without full-size datagrams frames will be incomplete.
   if (!probed_ && !narrow_since_) narrow_since_ = now;
   if (works_ || !probed_) return;
   works_ = true;
@@ -66,7 +66,8 @@ void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
 void TransportSelector::update(LocalTime now, std::uint32_t copies) {
   copies_ = copies;
   if (works_ && now - received_at_ >= kPatience) {
-    // Either nothing is sent, or it does not arrive: TCP will tell.
+    // Either the server sends nothing, or nothing arrives. Frames over TCP will show the
+    // difference.
     works_ = false;
     suspected_ = true;
     only_tcp_since_.reset();

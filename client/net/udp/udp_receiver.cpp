@@ -8,14 +8,14 @@ namespace hapticast::client {
 
 namespace {
 
-// Chosen: a lost echo or probe delays the first datagram by no more than this.
+// Chosen: bounds the delay of the first datagram after a lost echo or probe.
 constexpr Duration kEchoUntilProbed = std::chrono::milliseconds(200);
 constexpr Duration kEchoEvery = std::chrono::seconds(10);  // keeps firewalls and NAT open
 constexpr Duration kTurn = std::chrono::milliseconds(20);
-// Chosen: so many in a second that are not looked at are a flood, in which the server's own drown.
+// Chosen: with more unverified datagrams in a second, the server's own datagrams drown in a flood.
 constexpr std::uint64_t kFlood = 400;
-// Chosen: no network forges, and to see that so many are costs 10 ms of a second. On a busy machine
-// to verify is what drowns the server's own.
+// Chosen: no network produces invalid signatures. 100 verifications cost 10 ms. On a busy machine
+// the verification itself would drown the server's datagrams.
 constexpr std::uint64_t kForgedFlood = 100;
 
 std::vector<Transport> listTransports(const DeliverySettings& settings, const Welcome& welcome) {
@@ -93,7 +93,7 @@ const char* UdpReceiver::flood(LocalTime now) {
   if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
   if (counts.over_budget - counted_.over_budget > kFlood)
     return "more of them come than can be verified";
-  // Only what has been judged is forgotten.
+  // The counters restart only after their check.
   if (now - counted_at_ >= std::chrono::seconds(1)) {
     counted_at_ = now;
     counted_ = counts;

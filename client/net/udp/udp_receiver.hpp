@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Frames by datagrams beside a conversation over TCP: echoes the token, hands what is the server's
-// to the receiver, and decides which way frames shall come. Thread: network.
+// Reception of frames by datagrams, beside a TCP session. Echoes the token to the server, passes
+// authentic fragments to the receiver, and selects the transport.
+// Thread: network.
 #pragma once
 
 #include <functional>
@@ -18,22 +19,24 @@
 
 namespace hapticast::client {
 
+/// UDP side of one session.
 class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
  public:
   struct Events {
-    std::function<void(const Delivery&)> order;          ///< the server is to be told
-    std::function<void(const std::string&)> on_message;  ///< a person is to be told
+    std::function<void(const Delivery&)> order;          ///< request to the server
+    std::function<void(const std::string&)> on_message;  ///< message for the user, one line
   };
-  /// `server`: the address that the TCP connection leads to. Null where the server offers no way
-  /// but TCP, or none is wanted. `clock` and `receiver` outlive the work on `io`.
+  /// Opens the UDP side of a session. Returns null if the server or the settings allow TCP only.
+  /// `server` is the address of the TCP connection. `clock` and `receiver` must outlive the work on
+  /// `io`.
   static std::shared_ptr<UdpReceiver> open(asio::io_context& io, const Clock& clock,
                                            Receiver& receiver, const DeliverySettings& settings,
                                            const Welcome& welcome, const Endpoint& server,
                                            Events events);
 
-  /// A frame has come over TCP.
+  /// Registers a frame that arrived over TCP.
   void tcpFrame(std::uint64_t id);
-  /// Ends its work on `io` and tells nobody any more.
+  /// Ends the work on `io`. No events follow.
   void close();
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::uint64_t bytesReceived() const;
@@ -46,9 +49,9 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   void start();
   asio::awaitable<void> startTimer();
   void update(LocalTime now);
-  /// What a person is told of a flood of datagrams that are not the server's; null: there is none.
+  /// Returns a message about a flood of unauthentic datagrams; null if there is none.
   [[nodiscard]] const char* flood(LocalTime now);
-  /// Opens and closes paths as the choice asks for them.
+  /// Opens and closes sockets until they match the selection.
   void applySelection(LocalTime now);
   void onDatagram(Transport transport, const Datagram& datagram, LocalTime now);
 
@@ -66,9 +69,9 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   std::optional<Transport> opened_;
   std::shared_ptr<UdpSocket> path_;
   std::optional<LocalTime> echoed_at_;
-  DatagramCounts counted_;  // of the path, by counted_at_
+  DatagramCounts counted_;  // counters of path_ at counted_at_
   LocalTime counted_at_{};
-  DatagramCounts counts_;  // of paths that were closed
+  DatagramCounts counts_;  // of closed sockets
   std::uint64_t bytes_ = 0;
   bool closed_ = false;
 };

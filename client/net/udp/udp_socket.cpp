@@ -15,9 +15,9 @@ namespace {
 
 using asio::ip::udp;
 
-// Chosen: half a second of a large frame in 60 frames/s, so that a late thread loses nothing.
+// Chosen: half a second of a large frame at 60 frames/s, so that a late thread loses nothing.
 constexpr int kReceiveBufferBytes = 2 << 20;
-// Chosen: then others on this thread have their turn.
+// Chosen: then other tasks of this thread run.
 constexpr int kMostAtOnce = 64;
 
 Result<udp::endpoint> resolveEndpoint(const Endpoint& endpoint) {
@@ -28,14 +28,14 @@ Result<udp::endpoint> resolveEndpoint(const Endpoint& endpoint) {
 }
 
 void enlargeBuffer(udp::socket& socket) {
-  boost::system::error_code ignored;  // a smaller one loses more in a burst, no worse
+  boost::system::error_code ignored;  // a smaller buffer only loses more in a burst
   socket.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), ignored);
 }
 
-/// The system's error for a person.
+/// Converts the system's error to a text for the user.
 Error failed(const boost::system::error_code& ec) { return Error{ec.message()}; }
 
-/// The index of the interface that is called so; where nothing is said, of the one to the server.
+/// Returns the index of the interface `called`; with an empty name that of the route to the server.
 Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
                               const Endpoint& server) {
   std::string name = called;
@@ -84,7 +84,7 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
   if (!at.ok()) return at.error();
   const auto index = interfaceFor(io, interface, server);
   if (!index.ok()) return index.error();
-  if (at.value().address().is_v6()) {  // a group of the link alone is bound with its link
+  if (at.value().address().is_v6()) {  // a link-local group needs its interface
     auto address = at.value().address().to_v6();
     address.scope_id(index.value());
     at = udp::endpoint(address, group.port);
@@ -93,7 +93,7 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
   boost::system::error_code ec;
   socket.open(at.value().protocol(), ec);
   if (!ec) socket.set_option(asio::socket_base::reuse_address(true), ec);
-  // Bound to the group's address, so that nothing else that comes to the port is read.
+  // Bound to the group's address, so that other datagrams to the port are not read.
   if (!ec) socket.bind(at.value(), ec);
   if (!ec) socket.non_blocking(true, ec);
   if (ec) return failed(ec);
@@ -140,7 +140,7 @@ bool UdpSocket::readSome() {
     boost::system::error_code ec;
     const std::size_t size = socket_.receive(asio::buffer(buffer_), 0, ec);
     if (ec == asio::error::would_block) return false;
-    if (ec) continue;  // that nobody listens there, say: what goes on is the choice's to judge
+    if (ec) continue;  // such as "port unreachable": the selection judges the consequences
     bytes_ += size;
     const LocalTime now = clock_.now();
     const auto datagram = verifier_.verify(std::span(buffer_).first(size), now, is_wanted_);

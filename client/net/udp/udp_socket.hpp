@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A socket that datagrams of a stream come in on: connected to the server, so that the system drops
-// what others send, or a member of a group. Thread: network.
+// UDP socket of a stream: connected to the server, so that the system drops datagrams of other
+// senders, or a member of a multicast group.
+// Thread: network.
 #pragma once
 
 #include <array>
@@ -16,26 +17,29 @@
 
 namespace hapticast::client {
 
+/// A socket with its verifier.
 class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
  public:
   using OnDatagram = std::function<void(const Datagram&, LocalTime)>;
   using IsWanted = DatagramVerifier::IsWanted;
 
-  /// `server`: an address, no name. An error is one line for a person.
+  /// Opens a socket connected to `server`, an address without a name. Returns one line for the user
+  /// on an error.
   static Result<std::shared_ptr<UdpSocket>> toServer(asio::io_context& io, const Clock& clock,
                                                      const Endpoint& server,
                                                      DatagramVerifier verifier);
-  /// Joins a group on an interface, by name or address; empty: the one that leads to `server`.
+  /// Joins a multicast group on `interface` (name or address; empty: that of the route to
+  /// `server`). Returns one line for the user on an error.
   static Result<std::shared_ptr<UdpSocket>> ofGroup(asio::io_context& io, const Clock& clock,
                                                     const Endpoint& group,
                                                     const std::string& interface,
                                                     const Endpoint& server,
                                                     DatagramVerifier verifier);
 
-  /// Begins to read; `is_wanted` and `on_datagram` are called until close().
+  /// Starts reading. Calls `look` and `take` until close().
   void start(IsWanted is_wanted, OnDatagram on_datagram);
   void close();
-  /// To the server, as it is; what is lost is lost.
+  /// Sends `bytes` to the server without a retry.
   void send(std::span<const std::uint8_t> bytes);
 
   [[nodiscard]] const DatagramCounts& counts() const { return verifier_.counts(); }
@@ -44,7 +48,7 @@ class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
  private:
   UdpSocket(asio::ip::udp::socket socket, const Clock& clock, DatagramVerifier verifier);
   asio::awaitable<void> readAll();
-  /// Reads what is there, a bounded number; true where there may be more.
+  /// Reads a bounded number of datagrams. Returns true if more may be available.
   bool readSome();
 
   asio::ip::udp::socket socket_;
@@ -53,7 +57,8 @@ class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
   IsWanted is_wanted_;
   OnDatagram on_datagram_;
   std::uint64_t bytes_ = 0;
-  std::array<std::uint8_t, kMostDatagramBytes + 1> buffer_{};  // a longer one is seen to be
+  // One byte more: detects oversized datagrams.
+  std::array<std::uint8_t, kMostDatagramBytes + 1> buffer_{};
 };
 
 }  // namespace hapticast::client

@@ -10,25 +10,25 @@ namespace hapticast::client {
 
 namespace {
 
-// Xlib hands its handlers nothing of ours.
+// Global, because Xlib's handlers have no user data.
 std::atomic<bool> lost{false};
 std::atomic<unsigned long> watched{0};
 
 #ifdef SDL_VIDEO_DRIVER_X11
-/// Of requests: all errors but one are harmless, drawing into a window that is no more is not.
+/// Handler for failed requests. All errors are harmless, except drawing into a removed window.
 int onError(Display* /*display*/, XErrorEvent* error) {
   const bool ours = error->resourceid == watched.load();
   if (ours && (error->error_code == BadWindow || error->error_code == BadDrawable)) lost = true;
   return 0;
 }
 
-/// Of the connection. Xlib's own would say so in a line that is not ours.
+/// Handler for a broken connection. Xlib's own handler would print a line.
 int onBrokenConnection(Display* /*display*/) {
   lost = true;
   return 0;
 }
 
-/// Where Xlib would end the process: it returns instead, and so does every further call.
+/// Replaces the end of the process: Xlib returns instead, and so does every later call.
 void onExit(Display* /*display*/, void* /*nothing*/) { lost = true; }
 #endif
 

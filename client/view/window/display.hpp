@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: MIT
-// What becomes of the window when its display takes it away, or ends: Xlib would end the process
-// there and then, with the force still on the hand. Thread: main.
+// Survives the loss of the X display or of the window. Xlib would otherwise end the process at
+// once, with a force on the hand.
+// Thread: main.
 #pragma once
 
 #include <SDL.h>
 
 namespace hapticast::client {
 
-/// From now on the loss of the display, or of `window` alone, is only remembered. To be called
-/// again for every window; where SDL draws on something else than X it does nothing.
+/// Replaces Xlib's handlers: the loss of the display, or of `window`, is only recorded. Call it for
+/// every new window. Does nothing without X.
 void surviveDisplay(SDL_Window& window);
 
-/// An event that may tell of it.
+/// Processes an event that may report the loss.
 void handleDisplayEvents(const SDL_Event& event);
 
-/// Whether that has happened to the window of the last call. SDL's video may not be used any more
-/// then, not even to be ended.
+/// Returns true if the window of the last surviveDisplay() is lost. Then no SDL video function is
+/// allowed any more, not even its shutdown.
 [[nodiscard]] bool displayIsLost();
 
 }  // namespace hapticast::client

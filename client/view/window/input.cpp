@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the user does in the window.
+// Input of the window: pointer, wheel and keys.
 #if HAPTICAST_IMGUI
 #include <backends/imgui_impl_sdl.h>
 
@@ -12,10 +12,10 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr std::uint64_t kFrame_ms = 16;  // chosen: as screens do
-constexpr double kWheel_mm = 1.0;        // chosen: a notch of the wheel
-constexpr double kDrag_mm_per_px = 0.1;  // chosen: half a hand's way is a press
-// As far as the tip goes before and behind the picture.
+constexpr std::uint64_t kFrame_ms = 16;  // chosen: the usual rate of a screen
+constexpr double kWheel_mm = 1.0;        // chosen: per notch of the wheel
+constexpr double kDrag_mm_per_px = 0.1;  // chosen: half of a hand's movement is a press
+// Limits of the HIP before and behind the picture.
 constexpr double kNearest_mm = 35.0;
 constexpr double kFarthest_mm = -5.0;
 
@@ -76,20 +76,20 @@ void ViewerWindow::point(const SDL_MouseMotionEvent& motion, UiState& ui_state) 
   if (drag_ != Drag::kNone) return;
   const ImVec2 at(static_cast<float>(motion.x), static_cast<float>(motion.y));
   if (!place_.contains(at) || isRotating(at) || ImGui::GetIO().WantCaptureMouse) return;
-  if (!ui_state.pointer.known) {  // in depth it begins where the tip is
+  if (!ui_state.pointer.known) {  // the depth begins at the HIP
     ui_state.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
     press(0.0, ui_state);
   }
   ui_state.pointer.position_mm.head<2>() = place_.toNominal(at);
 }
 
-/// Into the picture.
+/// Moves the target into the picture.
 void ViewerWindow::press(double by_mm, UiState& ui_state) const {
   double& z_mm = ui_state.pointer.position_mm.z();
   z_mm = std::clamp(z_mm - by_mm, kFarthest_mm, kNearest_mm);
 }
 
-/// While a drag lasts the pointer stays where it was and has no edge to stop at.
+/// During a drag the pointer remains at its place and has no edge to stop at.
 void ViewerWindow::drag(Drag what) {
   drag_ = what;
   SDL_SetRelativeMouseMode(what == Drag::kNone ? SDL_FALSE : SDL_TRUE);

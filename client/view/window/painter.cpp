@@ -9,10 +9,10 @@ namespace hapticast::client {
 
 namespace {
 
-// Of Debian's fonts-dejavu-core; without it ImGui's own font is taken.
+// From Debian's fonts-dejavu-core; without it ImGui's own font is used.
 constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
-/// The part of the target that a command may draw on.
+/// Returns the clip rectangle of a command.
 SDL_Rect toClipRect(const ImDrawCmd& command, const ImDrawData& data) {
   const auto whole = [](float value) { return static_cast<int>(std::lround(value)); };
   const ImVec4& clip = command.ClipRect;
@@ -30,8 +30,7 @@ WindowPainter::WindowPainter(SDL_Renderer& renderer) : renderer_(renderer) {
   ImGuiIO& io = ImGui::GetIO();
   io.BackendRendererName = "SDL_Renderer";
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-  // The software renderer samples no texture between its pixels, so thin lines are made of
-  // triangles.
+  // The software renderer does not interpolate textures, so thin lines are triangles.
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
 }
 
@@ -73,7 +72,7 @@ void WindowPainter::paintList(const ImDrawList& list, const ImDrawData& data) {
     SDL_RenderSetClipRect(&renderer_, &clip);
     const ImDrawVert* const vertex = list.VtxBuffer.Data + command.VtxOffset;
     constexpr int kStride = sizeof(ImDrawVert);
-    // Four bytes of red, green, blue and opacity are what both libraries call a colour.
+    // Both libraries have the same colour format: four bytes of red, green, blue and opacity.
     const auto* const color = reinterpret_cast<const SDL_Color*>(&vertex->col);
     SDL_RenderGeometryRaw(&renderer_, static_cast<SDL_Texture*>(command.GetTexID()), &vertex->pos.x,
                           kStride, color, kStride, &vertex->uv.x, kStride,

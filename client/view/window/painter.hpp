@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Draws what Dear ImGui has collected with SDL's 2-D renderer, which every machine has, also one
-// without OpenGL or a display. Thread: main.
+// Renderer of Dear ImGui's draw data with SDL's 2-D renderer, which needs neither OpenGL nor a
+// display.
+// Thread: main.
 #pragma once
 
 #include <SDL.h>
@@ -17,10 +18,10 @@ using Texture = std::unique_ptr<SDL_Texture, TextureEnd>;
 
 class WindowPainter {
  public:
-  /// Needs a current ImGui context, which like `renderer` outlives the painter.
+  /// Requires a current ImGui context. Context and `renderer` must outlive this object.
   explicit WindowPainter(SDL_Renderer& renderer);
 
-  /// Text has this height from the next frame on. Between frames.
+  /// Sets the text height from the next frame on. Call between frames.
   void setTextHeight(int height_px);
   void paint(const ImDrawData& data);
 

@@ -62,7 +62,7 @@ void showForce(const TickReport& report, const ForceHistory& history, float plot
 void showNetwork(const TickWatch& ticks, const UiState& ui_state, double picture_off_ms) {
   heading("Stream");
   const ConnectionStats& stream = ui_state.stream;
-  // Play time that stands still falls behind by as much as the pause lasts, which says nothing.
+  // During a pause the playout delay grows with the time and has no meaning.
   const double behind_ms = toSeconds(ticks.last().playout_delay) * 1e3;
   text((ui_state.user.paused ? "paused" : fmt::format("behind by {:.0f} ms", behind_ms)) +
        fmt::format(", clock ± {:.2f} ms", stream.clock_error_us * 1e-3));
@@ -84,7 +84,7 @@ void slider(const char* name, double& value, float low, float high) {
     value = double{shown};
 }
 
-/// The thesis's method has a surface of its own.
+/// Control for the surface; the thesis's method has a surface of its own.
 void chooseSurface(UserControls& user, bool thesis) {
   constexpr const char* kNames = "perturbed\0normal\0proxy\0";  // in the order of SurfaceKind
   const SurfaceKind rendered =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The controls of the window: the panel beside the video, the keys.
+// Controls of the window: the panel beside the video, and the keys.
 // Thread: main.
 #pragma once
 
@@ -13,24 +13,24 @@
 
 namespace hapticast::client {
 
-/// What is seen of everything in the window but the video.
+/// State of the panel.
 struct PanelState {
   bool help = false;
   bool outline = false;
   ReliefLook relief = ReliefLook::kNone;
-  double friction = 0.5;      ///< instead of the author's, once that is wanted
-  std::string note;           ///< of the window itself, such as where a picture was saved
-  double picture_off_ms = 0;  ///< the shown picture's time minus that of the felt frame
+  double friction = 0.5;      ///< value of the control; in use once the user overrides the author's
+  std::string note;           ///< message of the window, such as the name of a saved picture
+  double picture_off_ms = 0;  ///< time of the shown picture minus time of the rendered frame
 };
 
-/// A key that changes what the user asks for; whether it was one. Keys: helpText().
+/// Processes a key. Returns true if the key has a function (list: helpText()).
 bool pressKey(int sdl_key, UiState& ui_state, PanelState& state);
 
-/// The panel, from `corner` on and `size` large; its controls change `desk.user`.
+/// Draws the panel at `corner` with `size`. Its controls change `ui_state.user`.
 void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
                const ForceHistory& history, UiState& ui_state, PanelState& state);
 
-/// The list of keys, in the middle of the part of the window of this size.
+/// Draws the list of keys, in the middle of the area `room`.
 void showHelp(const ImVec2& room, bool& open);
 
 }  // namespace hapticast::client

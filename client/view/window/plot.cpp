@@ -24,7 +24,7 @@ void plot(const ForceHistory& history, double most, const char* unit, float heig
   const double now_s = points.empty() ? 0.0 : points.back().time_s;
   constexpr double kPoint_s = ForceHistory::kTicksPerPoint * 1e-3;
   const auto shown = std::min(points.size(), static_cast<std::size_t>(kPlot_s / kPoint_s));
-  // A point a pixel is all that can be seen.
+  // One point per pixel is enough.
   const std::size_t stride = std::max<std::size_t>(1, shown / static_cast<std::size_t>(size.x + 1));
   for (const Curve& curve : curves) {
     for (std::size_t i = points.size() - shown; i < points.size(); i += stride) {

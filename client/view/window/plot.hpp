@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Plots of the last seconds in the window's panel. Thread: main.
+// Plots of the last seconds in the panel.
+// Thread: main.
 #pragma once
 
 #include <imgui.h>
@@ -16,11 +17,11 @@ struct Curve {
   ImU32 color;
 };
 
-/// Plots from 0 to `most`, as wide as the panel.
+/// Draws the curves from 0 to `most`, as wide as the panel.
 void plot(const ForceHistory& history, double most, const char* unit, float height,
           std::span<const Curve> curves);
 
-/// A round number, at least `least`, that what was there in the plotted time stays below.
+/// Returns a round number, at least `least`, above all values in the plotted time.
 [[nodiscard]] double upperEnvelope(const ForceHistory& history, double ForcePoint::*value,
                                    double least);
 

@@ -11,8 +11,8 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kTurn_rad_per_px = 0.01;  // chosen: across the box is about a half turn
-// The software renderer leaves holes between smaller triangles (tried), px of the window.
+constexpr double kTurn_rad_per_px = 0.01;  // chosen: about half a turn across the box
+// The software renderer leaves holes between smaller triangles (measured), px of the window.
 constexpr float kCell_px = 4.0F;
 constexpr double kArrow_mm_per_N = 12.0;
 constexpr double kStylus_mm = 25.0;
@@ -24,7 +24,7 @@ ImU32 lit(float light, int opacity) {
   return IM_COL32(part(255.0F), part(225.0F), part(185.0F), opacity);
 }
 
-/// Draws cells in this order; `at` says where a corner is seen.
+/// Draws the cells in this order; `at` projects a corner.
 template <class At>
 void drawCells(ImDrawList& list, const ReliefMesh& mesh, const std::vector<std::size_t>& order,
                int opacity, At at) {
@@ -48,7 +48,7 @@ std::vector<std::size_t> listIndices(const ReliefMesh& mesh) {
   return order;
 }
 
-/// A look at the workspace from aside, without perspective.
+/// Orthographic projection of the workspace from the side.
 class Aside {
  public:
   Aside(const ReliefMesh& mesh, const ImVec4& box, double yaw_rad, double pitch_rad)
@@ -64,7 +64,7 @@ class Aside {
     }
     if (mesh.corners.empty()) low = high = Vec3::Zero();
     centre_mm_ = 0.5 * (low + high);
-    // Around it room for a stylus.
+    // Margin for the stylus.
     const double across_mm = (high - low).head<2>().norm() + kStylus_mm;
     px_per_mm_ = static_cast<double>(std::min(box.z - box.x, box.w - box.y)) / across_mm;
   }
@@ -83,7 +83,7 @@ class Aside {
   double px_per_mm_;
 };
 
-/// The nearer ones cover the farther ones.
+/// Painter's algorithm: returns the cells from the farthest to the nearest.
 std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) {
   std::vector<double> near(mesh.cells.size());
   for (std::size_t i = 0; i < near.size(); ++i) {
@@ -96,7 +96,7 @@ std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) 
   return order;
 }
 
-/// Stylus, tip, where the tip is held and the force.
+/// Draws stylus, HIP, surface point and force.
 void drawTouch(ImDrawList& list, const Aside& aside, const TickReport& report) {
   const Vec3& tip_mm = report.hip_mm;
   const ImVec2 tip = aside(tip_mm);
@@ -115,7 +115,7 @@ void drawTouch(ImDrawList& list, const Aside& aside, const TickReport& report) {
 
 void WindowRelief::onFrame(const PlayableReliefs& frame) {
   const std::lock_guard lock(mutex_);
-  // An older one than the newest belongs to a server that has started anew.
+  // A frame older than the newest one belongs to a restarted server.
   if (!frames_.empty() && frame.media_time < frames_.back().media_time) frames_.clear();
   frames_.push_back(frame);
   if (frames_.size() > kMostFrames) frames_.pop_front();
@@ -129,7 +129,7 @@ void WindowRelief::update(MediaTime play_time, const Workspace& workspace) {
                                           return off(a.media_time) < off(b.media_time);
                                         });
   if (nearest == frames_.end()) return;
-  // While time is paused frames go on, and the one that stands is forgotten here.
+  // During a pause frames continue to arrive, and the shown one leaves the queue.
   if (shown_ && off(*shown_) <= off(nearest->media_time)) return;
   shown_ = nearest->media_time;
   workspace_ = workspace;

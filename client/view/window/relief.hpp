@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The reliefs that are felt, as the window shows them on demand: outlined, shaded over the picture,
-// or turned in space with the tip beside them. Thread: takeFrame() any, everything else main.
+// Reliefs in the window, on demand: outlines, shaded over the picture, or rotatable in space beside
+// the HIP.
+// Thread: onFrame() any, everything else main.
 #pragma once
 
 #include <imgui.h>
@@ -16,26 +17,27 @@
 
 namespace hapticast::client {
 
-/// How the relief is shown, one after the other on one key.
+/// Display of the relief; one key cycles through it.
 enum class ReliefLook : std::uint8_t { kNone, kShaded, kInSpace };
 
+/// The reliefs of the rendered frame.
 class WindowRelief {
  public:
-  /// As many as the loop holds: the reliefs of older ones are gone.
+  /// As many as the loop holds: older frames have lost their reliefs.
   static constexpr std::size_t kMostFrames = 32;
 
-  /// Remembers the frame without keeping its reliefs.
+  /// Stores the frame with weak references to its reliefs.
   void onFrame(const PlayableReliefs& frame);
-  /// Takes the frame that is felt at this time; while time stands, it stays.
+  /// Selects the frame at this play time. While play time is paused, the selection remains.
   void update(MediaTime play_time, const Workspace& workspace);
-  /// Seen from another side: px that it was dragged by.
+  /// Rotates the view by a drag of this many px.
   void rotate(float right_px, float down_px);
 
   void drawOutline(ImDrawList& list, const ScenePlace& place);
   void drawShaded(ImDrawList& list, const ScenePlace& place);
-  /// In a box of its own.
+  /// Draws into the box of box().
   void drawInSpace(ImDrawList& list, const ScenePlace& place, const TickReport& report);
-  /// Where that box is, in the lower left corner of the picture.
+  /// Returns the box in the lower left corner of the picture: left, top, right, bottom.
   [[nodiscard]] static ImVec4 box(const ScenePlace& place);
 
  private:
@@ -44,11 +46,11 @@ class WindowRelief {
   std::mutex mutex_;
   std::deque<PlayableReliefs> frames_;  // guarded by mutex_
   std::optional<MediaTime> shown_;
-  Reliefs reliefs_;  // of that frame
+  Reliefs reliefs_;  // of the selected frame
   Workspace workspace_;
-  // Made of them when somebody wants to see them.
+  // Built from reliefs_ on demand:
   std::optional<ReliefMesh> mesh_;
-  int cell_px_ = 0;  // of mesh_, at least
+  int cell_px_ = 0;  // smallest cell of mesh_
   std::optional<std::vector<std::vector<cv::Point2f>>> outlines_;
   double yaw_rad_ = -0.5;
   double pitch_rad_ = -0.9;

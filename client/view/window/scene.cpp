@@ -9,17 +9,19 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr float kArrowShare = 0.09F;  // of the picture's width; 3.3 N are a third of it
+constexpr float kArrowShare = 0.09F;  // share of the picture's width per N; 3.3 N are a third of it
 constexpr float kStylusCone_mm = 18.0F;
-// Chosen: at the eye's distance of 120 nominal mm what is nearer looks visibly larger.
+// Distance of the eye for the perspective. Chosen: 120 nominal mm, so that a nearer cone is visibly
+// larger.
 constexpr double kEye_mm = 120.0;
-const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px for a px
+const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px per px
 
 ImVec2 plus(const ImVec2& a, const ImVec2& b) { return {a.x + b.x, a.y + b.y}; }
 ImVec2 times(const ImVec2& a, float factor) { return {a.x * factor, a.y * factor}; }
 float computeLength(const ImVec2& a) { return std::hypot(a.x, a.y); }
 
-/// The stylus: a cone whose tip is the HIP, opening towards the viewer; the nearer, the larger.
+/// Draws the stylus: a cone with its apex at the HIP, opening towards the viewer; the nearer, the
+/// larger.
 void drawCone(ImDrawList& list, const ImVec2& tip, float size) {
   constexpr int kSides = 28;
   const ImVec2 axis(static_cast<float>(kTowardsViewer.x()) * size,

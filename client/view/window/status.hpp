@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the window says of the run in words and numbers. Thread: main.
+// Status of the run in the window, as text and numbers.
+// Thread: main.
 #pragma once
 
 #include <array>
@@ -11,18 +12,18 @@
 
 namespace hapticast::client {
 
-/// What the ticks of a run were like, for the panel.
+/// Statistics of the ticks for the panel.
 class TickWatch {
  public:
   void add(const TickReport& report);
   [[nodiscard]] const TickReport& last() const { return last_; }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
-  /// Began more than 1.5 ms after the one before, as the summary counts them.
+  /// Ticks that began more than 1.5 ms after the tick before, as in the summary.
   [[nodiscard]] std::uint64_t lateTicks() const { return late_; }
-  /// The longest and the mean tick of the last whole second.
+  /// Longest and mean tick of the last complete second.
   [[nodiscard]] double longest_us() const { return longest_us_; }
   [[nodiscard]] double mean_us() const { return mean_us_; }
-  /// What the safety chain did in the last second, in plain words.
+  /// Safety actions of the last second as text.
   [[nodiscard]] std::string chain() const;
 
  private:
@@ -31,7 +32,7 @@ class TickWatch {
   std::uint64_t late_ = 0;
   double longest_us_ = 0.0;
   double mean_us_ = 0.0;
-  // Of the second that runs.
+  // Of the present second:
   Duration second_longest_{0};
   Duration second_sum_{0};
   std::uint64_t second_ticks_ = 0;
@@ -40,7 +41,7 @@ class TickWatch {
   std::array<bool, kInterferenceNames.size()> ever_{};
 };
 
-/// A plain line: "in contact, 1.2 N", or why there is no force.
+/// Returns a line such as "in contact, 1.2 N", or the reason of a missing force.
 [[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
 }  // namespace hapticast::client

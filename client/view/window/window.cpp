@@ -22,13 +22,14 @@ namespace {
   throw std::runtime_error(fmt::format("{} ({})", what, SDL_GetError()));
 }
 
-/// Where no display can be opened SDL may draw in memory, which only who names its driver wants.
+/// Returns true if SDL fell back to drawing into memory without a display, and SDL_VIDEODRIVER does
+/// not request that.
 bool drawsForNobody() {
   const std::string driver = SDL_GetCurrentVideoDriver();
   return (driver == "offscreen" || driver == "dummy") && SDL_getenv("SDL_VIDEODRIVER") == nullptr;
 }
 
-/// The share of the window that is the panel's.
+/// Width of the panel.
 float panelWidth(const ImVec2& window) { return std::clamp(0.3F * window.x, 250.0F, 460.0F); }
 
 int textHeight(const ImVec2& window) {
@@ -55,7 +56,7 @@ struct ViewerWindow::Gui {
     renderer = SDL_CreateRenderer(window, -1, 0);
     if (renderer == nullptr) renderer = SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
     if (renderer == nullptr) end("nothing can be drawn");
-    surviveDisplay(*window);  // now: for a renderer SDL makes a window anew
+    surviveDisplay(*window);  // here, because SDL recreates the window for a renderer
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
@@ -66,7 +67,7 @@ struct ViewerWindow::Gui {
   Gui& operator=(const Gui&) = delete;
   ~Gui() {
     if (displayIsLost()) {
-      (void)painter.release();  // its textures are the display's
+      (void)painter.release();  // its textures belong to the lost display
       return;
     }
     painter.reset();
@@ -135,14 +136,14 @@ void ViewerWindow::draw(UiState& ui_state) {
   SDL_RenderPresent(gui_->renderer);
 }
 
-/// Takes the picture of the frame that is felt to the screen, if it is another one.
+/// Shows the picture of the rendered frame, if it is a new one.
 void ViewerWindow::showPicture() {
   const MediaTime play_time = ticks_.last().play_time;
   const auto off = [play_time](const StreamPicture& picture) {
     return std::abs((picture.video.media_time - play_time).count());
   };
   auto nearest = pictures_.nearest(play_time);
-  // While time is paused the buffer goes on, and forgets the picture of the frame that stands.
+  // During a pause the buffer continues and drops the picture of the shown frame.
   const bool nearer = nearest && (!shown_ || off(*nearest) < off(*shown_));
   if (nearer) show(std::move(nearest));
   if (!shown_) return;
@@ -153,7 +154,7 @@ void ViewerWindow::showPicture() {
   last_play_time_ = play_time;
 }
 
-/// Takes a picture to the screen.
+/// Uploads a picture.
 void ViewerWindow::show(std::shared_ptr<const StreamPicture> picture_of_stream) {
   shown_ = std::move(picture_of_stream);
   workspace_ = shown_->workspace;

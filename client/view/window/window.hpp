@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The window: the video at play time with what is felt in it, the controls beside it, and a pointer
-// that can be a device. Thread: takePicture() any, everything else main.
+// The window: the video at play time with HIP and forces, the panel beside it, and a pointer that
+// can be a device.
+// Thread: onPicture() and onFrame() any, everything else main.
 #pragma once
 
 #include <SDL.h>
@@ -22,7 +23,7 @@ class ViewerWindow final : public View {
   static constexpr int kWidth_px = 1280;
   static constexpr int kHeight_px = 720;
 
-  /// Opens it on SDL's display. Throws std::runtime_error, one line, where there is none.
+  /// Opens the window on SDL's display. Throws std::runtime_error (one line) without a display.
   explicit ViewerWindow(int width_px = kWidth_px, int height_px = kHeight_px);
   ViewerWindow(const ViewerWindow&) = delete;
   ViewerWindow& operator=(const ViewerWindow&) = delete;
@@ -31,18 +32,19 @@ class ViewerWindow final : public View {
   void onPicture(VideoFrame picture, const Workspace& workspace) override;
   void onFrame(const PlayableReliefs& frame) override { relief_.onFrame(frame); }
   void onReport(const TickReport& report) override;
-  /// Hears what the user does; draws when it is time to. False when the window was closed.
+  /// Processes the input, and draws when a frame is due. Returns false if the user closed the
+  /// window.
   [[nodiscard]] bool update(UiState& ui_state) override;
-  /// Throws where the display took it away.
+  /// Throws if the display removed the window.
   void finish() override;
   [[nodiscard]] bool points() const override { return true; }
   [[nodiscard]] const Histogram* eyeHand() const override { return &eye_hand_ns_; }
 
-  /// Draws now, whatever time it is.
+  /// Draws at once.
   void draw(UiState& ui_state);
-  /// What was drawn last, CV_8UC3.
+  /// Returns the last drawing, CV_8UC3.
   [[nodiscard]] cv::Mat pixels() const;
-  /// Where the picture was drawn last.
+  /// Position of the picture in the last drawing.
   [[nodiscard]] const ScenePlace& place() const { return place_; }
 
  private:
@@ -51,18 +53,18 @@ class ViewerWindow final : public View {
   void press(double by_mm, UiState& ui_state) const;
   enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
   void drag(Drag what);
-  /// Whether a drag there turns the relief, and does not move the tip.
+  /// Returns true if a drag at `point` rotates the relief and does not move the HIP's target.
   [[nodiscard]] bool isRotating(const ImVec2& point) const;
   void showPicture();
   void show(std::shared_ptr<const StreamPicture> picture_of_stream);
   void showScene(UiState& ui_state);
   void savePicture();
 
-  struct Gui;  // SDL, ImGui and what they own, in the order of their ends
+  struct Gui;  // SDL, ImGui and their resources, in the order of their destruction
   std::unique_ptr<Gui> gui_;
   PictureBuffer pictures_;
   std::shared_ptr<const StreamPicture> shown_;
-  Texture texture_;  // of shown_
+  Texture texture_;  // texture of shown_
   cv::Size texture_size_;
   Workspace workspace_;
   ForceHistory history_;
