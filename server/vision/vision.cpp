@@ -17,8 +17,8 @@ namespace {
 
 // Chosen, frames: of a longer clip only the beginning is scanned, which lasts some seconds.
 constexpr std::uint64_t kLongestScan = 600;
-constexpr double kClipMargin =
-    0.05;  // chosen: margin on either side, as a share of the objects' depth span
+// Chosen: margin on either side, as a share of the objects' depth span.
+constexpr double kClipMargin = 0.05;
 constexpr double kLiveMargin = 0.5;  // chosen: later frames reach farther than the first
 
 void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points, const char* flag) {

@@ -36,8 +36,8 @@ inline constexpr std::size_t kStages = kStageNames.size();
 /// Settings of the scene plan.
 struct PlanSettings {
   bool everything = false;  ///< all stages stay on
-  std::array<std::optional<bool>, kStages>
-      forced{};  ///< the author's choice by stage; nullopt: the plan decides
+  /// The author's choice by stage; nullopt: the plan decides.
+  std::array<std::optional<bool>, kStages> forced{};
   /// Error budget, N: a tenth of the smallest difference that a hand perceives. That is 7 % (Pang,
   /// Tan and Durlach 1991, discrimination of force by the fingers) of a touch of 1 N.
   double error_budget_N = 0.007;

@@ -26,8 +26,8 @@ constexpr std::size_t kLargestNoiseBins = 400;   // 100 m, the largest valid dep
 constexpr std::size_t kFewestInBin = 200;        // chosen: such a median is exact to a tenth
 constexpr std::size_t kMostValues = 4000;        // more values do not improve the quantum
 constexpr std::size_t kFewestGaps = 8;           // fewer gaps are of flat surfaces, not from a step
-constexpr double kOffLattice =
-    0.1;  // chosen: share of a step, and largest share of gaps off the lattice
+// Chosen: share of a step, and largest share of gaps off the lattice.
+constexpr double kOffLattice = 0.1;
 constexpr double kLargestQuantum_mm = 20.0;  // chosen: coarser than 8 bits over 5 m
 
 // Absolute second and fourth differences along the rows for each bin of range, and all values that

@@ -11,8 +11,8 @@ namespace hapticast::server {
 
 /// Depth noise for each bin of range, and the quantum of the depth values.
 struct DepthNoise {
-  std::vector<double>
-      sigma_mm;  ///< standard deviation for each kBin_mm of range; not empty after measureNoise()
+  /// Standard deviation for each kBin_mm of range; not empty after measureNoise().
+  std::vector<double> sigma_mm;
   double quantum_mm = 0.0;  ///< step between depth values, 0 or more; 0: continuous
   bool eight_bit = false;   ///< 8-bit depth: its quantum is coarser than a sensor's noise
   bool flickers = false;    ///< the source estimates scale and shift anew for each frame

@@ -20,9 +20,9 @@ constexpr std::size_t kFewestPairs = 300;  // chosen
 constexpr int kAsWide_px = 12;             // chosen: depth is mixed around objects
 // Chosen: an estimator's scale varies by 1 to 5 %, a sensor's by less than a thousandth.
 constexpr double kHop = 0.004;
-constexpr double kLargeHop =
-    0.015;                      // a hop of the whole picture at rest: only an estimator causes it
-constexpr int kEnoughHops = 3;  // in alternating directions
+// A hop of the whole picture at rest: only an estimator causes it.
+constexpr double kLargeHop = 0.015;
+constexpr int kEnoughHops = 3;     // in alternating directions
 constexpr double kExplains = 0.5;  // chosen: a hop has to remove this share of the deviation
 constexpr float kLongest = 16.0F;  // frames of the average over resting samples
 constexpr int kFirstLook = 25;     // frames that are all examined; after them every eighth

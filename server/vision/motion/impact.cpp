@@ -14,8 +14,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr std::size_t kRemembered = 50;  // chosen: two seconds of frames show the usual jump
-constexpr double kAboveUsual =
-    6.0;  // of the median jump; measured: no false impacts on smooth clips
+// Of the median jump; measured: no false impacts on smooth clips.
+constexpr double kAboveUsual = 6.0;
 constexpr double kSmallest_mm_s = 60.0;  // chosen: a weaker pulse is not perceptible
 // Tuned with bounces at any instant between frames, with and without noise (impact_test).
 constexpr double kBend = 0.3;    // change of acceleration over a frame, relative to the jump

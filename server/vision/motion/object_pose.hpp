@@ -17,11 +17,11 @@ struct ObjectPose {
   double angle_rad = 0.0;  ///< about +z (towards the viewer), right-handed
   bool seen = true;        ///< false: too little was visible, the position is a prediction
   bool depth_seen = true;  ///< false: this frame repeats the last frame's depth
-  bool confident =
-      true;  ///< false: alignment failed and a fallback was used; its error may be a jump
+  /// False: alignment failed and a fallback was used; its error may be a jump.
+  bool confident = true;
   ReferencePoint point = ReferencePoint::kVisibleCentroid;
-  cv::Vec2d background_px{
-      0, 0};  ///< motion of the background here since the track began; 0 without pan compensation
+  /// Motion of the background here since the track began; 0 without pan compensation.
+  cv::Vec2d background_px{0, 0};
 };
 
 }  // namespace hapticast::server

@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 constexpr int kFinestSide_px = 220;   // chosen for time: larger objects use fewer pixels
 constexpr int kCoarsestSide_px = 24;  // chosen: the exhaustive search costs its fourth power
 constexpr std::size_t kTemplatePoints = 1500;  // chosen: prototypes used 1000 to 2500
-constexpr std::size_t kFewestPoints =
-    40;  // chosen, as the next two: a fit of fewer is no measurement
+// Chosen, as the next two: a fit of fewer is no measurement.
+constexpr std::size_t kFewestPoints = 40;
 constexpr std::size_t kOutlinePoints = 100;
 constexpr std::size_t kFewestOutline = 8;
 // Chosen: depth is just valid at the first, and flat at the second.

@@ -27,8 +27,8 @@ constexpr double kTukey =
 // Chosen: points with larger residuals count as not found.
 constexpr double kGrayInlier = 30.0;  // grey levels
 constexpr double kDepthInlier_mm = 25.0;
-constexpr double kSpinPrior_rad =
-    0.05;  // chosen: weak, so that it decides only without other evidence
+// Chosen: weak, so that it decides only without other evidence.
+constexpr double kSpinPrior_rad = 0.05;
 
 double tukey(double residual, double sigma) {
   const double x = residual / (kTukey * sigma);

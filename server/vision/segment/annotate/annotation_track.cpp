@@ -11,11 +11,11 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kJoined_mm =
-    60;  // chosen: smaller than a hand, larger than a finger with its shadow
+// Chosen: smaller than a hand, larger than a finger with its shadow.
+constexpr double kJoined_mm = 60;
 constexpr double kLeastPatch_mm = 25;  // chosen: excludes the colours of rims and shadows
-constexpr float kLikeThePoint =
-    -7.0F;  // chosen, log density: two standard deviations of camera noise
+// Chosen, log density: two standard deviations of camera noise.
+constexpr float kLikeThePoint = -7.0F;
 
 cv::Point toPixel(const AuthorPoint& point) {
   return {static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y())};

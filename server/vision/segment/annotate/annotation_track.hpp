@@ -34,7 +34,7 @@ class AnnotationTrack {
   /// Returns the annotations of the present frame of `frames`: its key mask, and the points nearest
   /// to it in time but not nearer to the frame before.
   [[nodiscard]] Annotation annotationAt(const FramePair& frames) const;
-  /// Whether an object is pointed at after the first frame.
+  /// Returns whether the author marked an object after the first frame.
   [[nodiscard]] bool pointsLater() const { return !on_.empty(); }
   /// Returns whether points annotate a frame after the present one. Key masks of later frames are
   /// unknown.

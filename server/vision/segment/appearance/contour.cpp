@@ -13,15 +13,15 @@ namespace {
 // and checked on real captures, unless marked.
 constexpr float kMemory = 0.3F;  // of the last decision; 0 is sharper, but flickers more
 constexpr float kLimit = 3.0F;   // of the evidence
-constexpr double kMostDepth =
-    2.0;  // limit of the depth's evidence; a larger one includes touching hands
-constexpr double kCoreShare =
-    0.8;  // weight of the core, so that background at the rim does not enter the colours
+// Limit of the depth's evidence; a larger one includes touching hands.
+constexpr double kMostDepth = 2.0;
+// Weight of the core, so that background at the rim does not enter the colours.
+constexpr double kCoreShare = 0.8;
 constexpr int kCell_px = 4;         // chosen for time: a mean over sigma 7 px is smooth
 constexpr float kInside_px = 3.0F;  // chosen: depth nearer to the contour is not reliable
 constexpr int kLargestHole_px = 400;
-constexpr double kLeastPart =
-    0.03;  // of the largest: the end of an object that sticks out of a hand
+// Of the largest: the end of an object that sticks out of a hand.
+constexpr double kLeastPart = 0.03;
 constexpr double kColorWeight = 1.5;
 constexpr double kWholePicture = 0.3;  // of the background, if the object differs from the picture
 constexpr double kUnlike = 0.35;  // distance of two histograms at which colour has its full weight
@@ -259,8 +259,8 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
   cv::Mat evidence = color_weight * color + depthTerm(patch, planes, noise);
   cv::blur(evidence, evidence, {3, 3});
   addExpectation(patch.distance, memory.evidence, evidence);
-  const float lean =
-      memory.evidence.empty() ? 0.0F : kLean;  // the first frame must not creep either
+  // The first frame must not creep either.
+  const float lean = memory.evidence.empty() ? 0.0F : kLean;
   result.mask = guided(patch, evidence, lean);
   cv::morphologyEx(result.mask, result.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));

@@ -13,8 +13,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
-constexpr float kOwnColor =
-    0.002F;                        // chosen, of a histogram: the least share of an occurring colour
+// Chosen, of a histogram: the least share of an occurring colour.
+constexpr float kOwnColor = 0.002F;
 constexpr double kMostPast = 0.5;  // chosen, of the object
 
 // Returns the bounding box of `from` after the similarity.

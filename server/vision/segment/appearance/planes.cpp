@@ -105,8 +105,8 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
     Plane plane;
     if ((i % 2 == 0 && !close && random.uniform(0, 4) != 0) || !planeThrough(p, q, r, plane))
       continue;
-    plane.widest_mm = 8 * noise.at(std::min({p.z, q.z, r.z})) +
-                      2.0;  // correlated noise is underestimated 2 to 3 times
+    // Correlated noise is underestimated 2 to 3 times.
+    plane.widest_mm = 8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;
     plane.tolerance_mm = plane.widest_mm;
     const int count = countInliers(points, plane, every);
     if (count <= most) continue;
