@@ -33,8 +33,8 @@ struct SceneContext {
 /// One tracked object.
 class TrackedMask {
  public:
-  /// Starts with a first mask (0 / 255, size of the picture), which is settled: the band step is
-  /// repeated on this frame until it comes to rest, `most_rounds` times at most.
+  /// Starts with a first mask (CV_8UC1, 0/255, image size). Repeats the band step on this frame
+  /// until the mask converges, at most `most_rounds` times.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
   static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
