@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// In a build without Avahi, whose command line takes no --announce.
+// Replacement for announce.cpp in a build without Avahi; its command line has no --announce.
 #include "server/stream/announce.hpp"
 
 namespace hapticast::server {

@@ -11,7 +11,7 @@
 
 namespace hapticast::server {
 
-inline constexpr int kMaxLayers = 4;  ///< layers of an object; the wire's limit is equal
+inline constexpr int kMaxLayers = 4;  ///< largest number of layers of an object
 inline constexpr DepthRange kAllDepths{0.0, 1e9};
 
 /// Layers of an object.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Change detection in tiles: compares a frame with the held values, with temporal evidence, and
 // decides which tiles are at rest. Part of StaticRegionFilter.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
