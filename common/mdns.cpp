@@ -13,7 +13,7 @@ namespace hapticast {
 namespace {
 
 bool isShown(std::uint32_t code) {
-  // Controls, soft hyphen, marks of direction, what separates lines or joins invisibly, tags.
+  // Controls, soft hyphen, directional marks, line separators, invisible joiners, tags.
   constexpr std::array<std::pair<std::uint32_t, std::uint32_t>, 10> kHidden{{{0x00, 0x1F},
                                                                              {0x7F, 0x9F},
                                                                              {0xAD, 0xAD},

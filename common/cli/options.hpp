@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Options of the command line: values that a flag and a config key read alike, and how a wrong one
-// is told. Thread: main, at start-up.
+// Typed options of the command line: parsers that flags and config keys share, with uniform error
+// messages. Thread: main, at start-up.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,7 +17,7 @@
 
 namespace hapticast {
 
-/// Two finite numbers "A,B"; nullopt otherwise.
+/// Parses two finite numbers "A,B"; nullopt for other texts.
 std::optional<Vec2> parsePair(const std::string& text);
 
 /// The endpoint that `text` names, as parseEndpoint() has it; throws CLI::ValidationError, which
@@ -32,18 +32,19 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
-/// An option of two numbers "A,B"; `take` returns false for a pair that is not allowed.
+/// Adds an option for two numbers "A,B". `take` returns false for a pair outside the allowed range.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& take, const std::string& form,
                      const std::string& help);
 
-/// What is said of a `text` that is no number from `least` to `most`. For double and
+/// Returns the error for a `text` that is no number from `least` to `most`. For double and
 /// std::uint64_t.
 template <class Number>
 CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
                                 Number most);
 
-/// A finite number from `least` to `most`; `unit` is for the help. A Value takes a Number.
+/// Adds an option for a finite number from `least` to `most`. `unit`: for the help. Value must be
+/// assignable from Number.
 template <class Value, class Number>
 CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
                        Number most, const std::string& unit, const std::string& help) {
@@ -55,8 +56,8 @@ CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Num
   return app.add_option_function<std::string>(name, set, help)->type_name(unit);
 }
 
-/// An option that may be repeated, each time with one value; `parse` tells nullopt of a text that
-/// is none.
+/// Adds an option that may be repeated, with one value each time. `parse` returns nullopt for an
+/// invalid text.
 template <class Value>
 CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>& values,
                      std::optional<Value> (*parse)(const std::string&), const std::string& help,
@@ -74,7 +75,7 @@ CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>&
       ->allow_extra_args(false);
 }
 
-/// One of the named `choices` (which have to outlive `app`).
+/// Adds an option for one of the named `choices`, which must outlive `app`.
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {

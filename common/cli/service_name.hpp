@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-// Names of servers on the command line, and whether this build can look for them. Thread: main, at
-// start-up.
+// Names of servers on the command line, and whether this build supports discovery (DNS-SD). Thread:
+// main, at start-up.
 #pragma once
 
 #include <string>
 
 namespace hapticast {
 
-/// Whether this build announces and finds servers (Avahi was found).
+/// Returns whether this build announces and finds servers (Avahi was available).
 [[nodiscard]] bool hasDiscovery();
 
-/// Throws CLI::ValidationError, which names `flag`, in a build that cannot look for servers.
+/// Throws CLI::ValidationError with `flag` in a build without discovery.
 void requireDiscovery(const std::string& flag);
 
-/// `text`, when a server can be announced by it; throws CLI::ValidationError otherwise.
+/// Returns `text` if it is a valid service name; throws CLI::ValidationError otherwise.
 [[nodiscard]] std::string serviceName(const std::string& flag, const std::string& text);
 
 }  // namespace hapticast

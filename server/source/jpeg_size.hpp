@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a JPEG says of its size, read before a decoder believes it. Thread: any.
+// JPEG header parser: reads the size of a picture before a decoder allocates memory for it. Thread:
+// any.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ struct PictureSize {
   bool operator==(const PictureSize&) const = default;
 };
 
-/// The size in the frame header (ITU T.81 annex B), without decoding; nullopt when there is none.
+/// Returns the size in the frame header (ITU T.81 annex B) without decoding; nullopt if there is
+/// none.
 [[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
 }  // namespace hapticast::server

@@ -34,8 +34,8 @@ class SessionHost {
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// Called after the session's welcome.
   virtual void onJoined(Session& session) = 0;
-  /// The session is no viewer any more: it ends by our decision, or, without a reason, by its
-  /// peer's. Said at most once.
+  /// Called when the session stops being a viewer's: with a reason if this server closes it,
+  /// without one if its peer does. Called at most once.
   virtual void onClosing(const std::shared_ptr<Session>& session,
                          const std::optional<WireError>& why) = 0;
   /// Called at the end of the connection. May be called more than once.
@@ -65,8 +65,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// workspace and are removed.
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
-  /// Sends what waits, as far as the connection takes it at once, which costs far less than to wake
-  /// the writer; what is left is the writer's. Never ends the session.
+  /// Sends from the queue what the connection accepts at once, which costs far less than to wake
+  /// the writer. The writer sends the rest. Never ends the session.
   void flush();
   /// Combines queue() and flush().
   template <class... What>
@@ -78,9 +78,9 @@ class Session : public std::enable_shared_from_this<Session> {
   void send(const EncodedFrame& frame);
   /// Sends the reason to the peer, then closes. Removes items that still wait.
   void close(const WireError& why);
-  /// Ends it at once, without a word to the peer.
+  /// Closes at once, without a message to the peer.
   void abort();
-  /// Looks after the deadlines; called regularly.
+  /// Checks the deadlines; call regularly.
   void check(LocalTime now);
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }

@@ -14,8 +14,8 @@ namespace hapticast::server {
 struct StreamSettings {
   std::size_t max_clients = 64;                       ///< --max-clients
   Duration hello_deadline = std::chrono::seconds(5);  ///< from connection to hello
-  Duration idle_timeout =
-      std::chrono::seconds(10);  ///< a client says something (a ping) that often
+  /// Longest silence of a client (pings count).
+  Duration idle_timeout = std::chrono::seconds(10);
   /// Longest time without a byte read by a client.
   Duration write_timeout = std::chrono::seconds(5);
   /// Time for the peer to read the reason of a close.
