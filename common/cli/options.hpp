@@ -20,14 +20,14 @@ namespace hapticast {
 /// Parses two finite numbers "A,B"; nullopt for other texts.
 std::optional<Vec2> parsePair(const std::string& text);
 
-/// The endpoint that `text` names, as parseEndpoint() has it; throws CLI::ValidationError, which
-/// names the flag `name` and the `form`, where it is none or its port is below `least_port`.
+/// Parses an endpoint like parseEndpoint(). Throws CLI::ValidationError with the flag `name` and
+/// the `form` if `text` is invalid or its port is below `least_port`.
 [[nodiscard]] Endpoint parseEndpointOr(const std::string& text, const Endpoint& otherwise,
                                        const std::string& name, std::uint16_t least_port,
                                        const std::string& form);
 
-/// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
-/// px".
+/// Adds an option for an endpoint. `form`: expected text for error messages, for example
+/// "HOST:PORT".
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);

@@ -54,7 +54,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
            ": a flag is on or off (true or false)";
   }
   if (is<CLI::ArgumentMismatch>(error) && app.remaining().empty()) return countComplaint(app, what);
-  // A mistyped flag makes a required one missing: name the cause.
+  // A misspelt flag makes a required one missing: state the cause.
   if (!app.remaining().empty()) return "not understood:" + unknownWords(app);
   return what;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Protobuf bytes -> domain structs, with every number checked (the other direction: encode.cpp).
+// Decoder: protobuf bytes to domain structs, with every number checked (encoder: encode.cpp).
+// Thread: any.
 #include "common/protocol/messages.hpp"
 
 #include <google/protobuf/stubs/logging.h>
@@ -17,10 +18,10 @@ namespace hapticast {
 
 namespace {
 
-// Bytes from a peer must not make protobuf write to our standard error.
+// Bytes from a peer must not cause output of protobuf on standard error.
 const google::protobuf::LogSilencer kSilence;
 
-/// Texts end up in logs and on screens: control characters become '?'.
+/// Returns a text for logs and screens: control characters become '?'.
 std::string text(const std::string& from, std::size_t limit, Check& check) {
   check.bound(from.size(), limit, "a text is too long");
   std::string clean = check.error() ? std::string() : from;

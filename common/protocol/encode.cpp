@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Domain structs -> protobuf bytes (the other direction: decode.cpp).
+// Encoder: domain structs to protobuf bytes (decoder: decode.cpp). Thread: any.
 #include "common/protocol/messages.hpp"
 
 #include "common/protocol/write_frame.hpp"
@@ -11,7 +11,7 @@ namespace hapticast {
 
 namespace {
 
-/// At most `limit` bytes of valid UTF-8 without control characters (C0, DEL).
+/// Returns at most `limit` bytes of valid UTF-8 without control characters (C0, DEL).
 std::string plain(const std::string& text, std::size_t limit) {
   return sanitizeUtf8(text, limit, [](std::uint32_t code) { return code >= 0x20 && code != 0x7F; });
 }
