@@ -10,8 +10,8 @@
 
 namespace hapticast {
 
-/// Smooths the distances to the edge of a mask, row by row, in mm, positive inside: by a Gaussian
-/// of 1.8 px, and within 4 px of the edge by a quadratic along it.
+/// Smooths the distances to the edge of a mask, row by row, in mm, positive inside. A Gaussian of
+/// 1.8 px smooths all distances; within 4 px of the edge a quadratic along the edge replaces them.
 /// The quadratic extends 8 to 24 px to either side, as far as it stays within about half a pixel of
 /// the Gaussian's distances (Lepski's choice of a bandwidth).
 /// As a uniform cubic B-spline of the result, a circle's edge has its true radius. Requires

@@ -96,8 +96,8 @@ bool HeightField::inside(const Vec2& image_px) const noexcept {
 SurfaceSample HeightField::bilinear(const Vec2& image_px) const noexcept {
   const Cell cell = interpolateCell(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
   // Interpolates the value between two pixels of a column. Sobel's [1 2 1] and [-1 0 1] of one
-  // pixel blend into those of the other, so that each of the four pixels' Sobel gradients has the
-  // weight of the opposite area.
+  // pixel blend into those of the other. So each of the four pixels' Sobel gradients has the weight
+  // of the opposite area.
   const auto& [top, upper, lower, bottom] = cell.row;
   const Four between = lower - upper;
   const Four above = top + upper, below = lower + bottom, middle = upper + lower;

@@ -61,6 +61,7 @@ struct Datagram {
                                                    SigningKey& key);
 /// Returns the body of a probe, of full size: if it arrives, every datagram can arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);
+/// Returns the token in the byte order of the wire.
 [[nodiscard]] TokenBytes tokenBytes(std::uint64_t token) noexcept;
 
 /// Registration of a viewer's address.
@@ -69,6 +70,7 @@ struct Echo {
   std::uint32_t stream = 0;
   bool operator==(const Echo&) const = default;
 };
+/// Returns the bytes of an echo.
 [[nodiscard]] EchoBytes echoBytes(const Echo& echo) noexcept;
 /// Parses an echo; nullopt for other bytes.
 [[nodiscard]] std::optional<Echo> readEcho(std::span<const std::uint8_t> bytes) noexcept;

@@ -39,6 +39,7 @@ class SigningKey {
   /// Creates the key of RFC 8032 for a seed: for tests and examples.
   explicit SigningKey(const KeyBytes& seed);
 
+  /// Signs `bytes`. Throws std::runtime_error if OpenSSL fails.
   [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
   [[nodiscard]] const KeyBytes& verifyingKey() const noexcept { return verifying_key_; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Producer-consumer stage: encodes frames and pictures on its own thread and publishes them to the
-// sinks, while vision processes the next frame.
+// sinks, while vision processes the next frame. Thread: see each function.
 #pragma once
 
 #include <condition_variable>

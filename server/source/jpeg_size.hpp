@@ -9,6 +9,7 @@
 
 namespace hapticast::server {
 
+/// Size of a picture.
 struct PictureSize {
   std::uint32_t width_px = 0;
   std::uint32_t height_px = 0;

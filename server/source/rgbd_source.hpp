@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Source interface: RGB-D frames (colour plus registered depth) from a clip or a camera. One
-// interface, with one implementation for each kind.
+// interface, with one implementation for each kind. Thread: one for each source.
 #pragma once
 
 #include <cstdint>

@@ -28,6 +28,7 @@ enum class SceneKind : std::uint8_t {
   kStill,  ///< a ball at rest on the optical axis
 };
 
+/// Name of a scene on the command line.
 struct SceneName {
   std::string_view name;
   SceneKind kind;
@@ -75,6 +76,7 @@ class SceneInstant {
     Vec3 normal;  ///< outward, not normalised
   };
 
+  /// `angle_rad`: rotation of the body about nominal +z.
   SceneInstant(const SceneView& view, const BodyState& body, const Vec3& semi_axes_mm,
                double angle_rad);
 

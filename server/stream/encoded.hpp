@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Encoded stream items: frames and pictures, encoded once and shared as immutable payloads by all
-// viewers. Channels add the framing.
+// viewers. Channels add the framing. Thread: any, except FrameEncoder.
 #pragma once
 
 #include <cstddef>

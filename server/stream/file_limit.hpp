@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Limit of open files (RLIMIT_NOFILE): each connection is an open file.
+// Limit of open files (RLIMIT_NOFILE): each connection is an open file. Thread: main.
 #pragma once
 
 #include <cstddef>

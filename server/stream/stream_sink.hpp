@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Consumer interface of the encoded stream: viewers today, for example a recorder or a relay later.
-// A further sink implements this interface.
+// A further sink implements this interface. Thread: the encoder's.
 #pragma once
 
 #include "common/haptic_frame.hpp"

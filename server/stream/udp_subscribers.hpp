@@ -35,8 +35,8 @@ class UdpSubscribers {
   /// Lifetime of an address. Chosen: a viewer echoes every 10 s, and two of three echoes may be
   /// lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
-  /// Least interval of a viewer's echoes. Chosen: half of a viewer's retry time. A probe is a
-  /// hundred times as large as its echo, so this bounds the amplification.
+  /// Least interval of a viewer's echoes. Chosen: half of the time that a viewer waits for a probe.
+  /// A probe is a hundred times as large as its echo, so this bounds the amplification.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
   /// A viewer and its datagram address.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Rough mode, for heights that are not smooth (a sensor's steps and noise): lossless-style
-// prediction of each pixel's level index by the median edge detector (LOCO-I, Weinberger et al.
-// 2000).
-// The levels come first: evenly spaced heights, or the heights that occur. One template serves both
-// directions (range_coder.hpp). Thread: any.
+// Rough mode, for heights that are not smooth (a sensor's steps and noise). Codes each pixel's
+// level index by prediction with the median edge detector (LOCO-I, Weinberger et al. 2000). A slice
+// begins with its levels: evenly spaced heights, or the heights that occur. One template serves
+// both directions (range_coder.hpp). Thread: any.
 #pragma once
 
 #include <array>

@@ -19,11 +19,11 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kRounds = 8;          // chosen: usually five suffice
 constexpr double kDone_px = 0.002;  // a smaller step changes no perceptible velocity
-constexpr double kGrayFloor =
-    1.5;  // chosen, grey levels: what agrees as well as that is not told apart
-constexpr double kDepthFloor_mm = 0.7;  // chosen, likewise
-constexpr double kTukey =
-    4.6;  // standard deviations: 95 % efficient (4.685; Huber, Robust Statistics)
+// Chosen: lower limits of the standard deviations; smaller residuals are equally good.
+constexpr double kGrayFloor = 1.5;  // grey levels
+constexpr double kDepthFloor_mm = 0.7;
+// Standard deviations: 95 % efficient (4.685; Huber, Robust Statistics).
+constexpr double kTukey = 4.6;
 // Chosen: points with larger residuals count as not found.
 constexpr double kGrayInlier = 30.0;  // grey levels
 constexpr double kDepthInlier_mm = 25.0;

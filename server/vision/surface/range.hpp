@@ -28,7 +28,7 @@ class RangeFinder {
   /// mask.
   void add(std::uint32_t object, const Surface& surface, const DepthNoise& noise);
   /// Returns the range from the nearest front to the farthest back of all frames, without 2 % of
-  /// them at each end, widened by `margin` (share of it) on both sides.
+  /// them at each end. Both sides are widened by `margin`, a share of the range.
   /// Depths much farther from a frame's median than usual for the object do not count.
   /// The range is at least 50 mm or 60 sigma wide, for 8-bit depth 16 levels or 20 sigma. A
   /// narrower range would turn noise into force. nullopt if no frame was added.

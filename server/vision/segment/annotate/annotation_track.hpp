@@ -27,6 +27,7 @@ struct Annotation {
 /// Annotations of a clip, by time.
 class AnnotationTrack {
  public:
+  /// Copies the points of `settings`.
   explicit AnnotationTrack(const VisionSettings& settings);
 
   /// Returns the points of the clip's first frame, without a key mask.

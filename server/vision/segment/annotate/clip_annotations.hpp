@@ -28,7 +28,7 @@ struct PropagatedMask {
   bool given = false;  ///< the author's key mask of this frame
 };
 
-struct InitialState;  // initialise/initial_mask.hpp
+struct InitialState;  // follow/narrow_band_tracker.hpp
 
 /// Annotations of a clip, in a form that its playbacks share.
 struct ClipAnnotations {
