@@ -205,7 +205,7 @@ void Broadcaster::onClosed(const std::shared_ptr<Session>& session) {
 
 void Broadcaster::countViewers() {
   const auto viewers = std::count_if(viewers_.begin(), viewers_.end(),
-                                     [](const auto& each) { return each->wantsVideo(); });
+                                     [](const auto& each) { return each->isVideoSubscriber(); });
   video_viewers_.store(static_cast<std::size_t>(viewers), std::memory_order_relaxed);
   viewer_count_.store(viewers_.size(), std::memory_order_relaxed);
 }

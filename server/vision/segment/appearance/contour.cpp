@@ -271,7 +271,7 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
   return result;
 }
 
-void update(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
+void updateMemory(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
   const cv::Mat inside = atPatchSize(mask, patch);
   ColorHistogram object;
   ColorHistogram core;

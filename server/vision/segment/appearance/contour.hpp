@@ -39,12 +39,12 @@ struct ContourResult {
 };
 
 /// Decides the contour in `patch`. Requires `memory.evidence` warped to `patch`, or empty. Replaces
-/// `memory.evidence` by this frame's decision. Leaves the histograms unchanged; see update().
+/// `memory.evidence` by this frame's decision. Leaves the histograms unchanged; see updateMemory().
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
 
 /// Adds the colours of `mask` (CV_8UC1, 0/255, over the patch's box at full size) and of the ring
 /// around it to `memory`. Requires a contour at most one band away from the patch's contour.
-void update(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
+void updateMemory(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
 
 }  // namespace hapticast::server

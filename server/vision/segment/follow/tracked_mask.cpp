@@ -88,7 +88,7 @@ void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, in
     const ObjectRoi patch = patchAround(images, mask_);
     if (patch.empty()) return;
     forgetColors(scene);
-    update(patch, mask_(patch.box), memory_);
+    updateMemory(patch, mask_(patch.box), memory_);
     const cv::Mat mask = decideContour(patch, scene.noise, scene.planes, memory_).mask;
     const int changed = cv::countNonZero(mask != mask_(patch.box));
     const int area = cv::countNonZero(mask);
@@ -102,7 +102,7 @@ void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, in
 void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& images,
                                   const SceneContext& scene, double most_skin) {
   forgetColors(scene);
-  update(patch, mask_(patch.box), memory_);
+  updateMemory(patch, mask_(patch.box), memory_);
   memory_.elsewhere = elsewhere(images, mask_);
   const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
   like_skin_ = cv::countNonZero(skin) > most_skin * cv::countNonZero(patch.inside);
@@ -171,13 +171,13 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   if (convincing) {
     isSeenWell(patch);
     if (!flow.reliable) quality_ = kWeaker;
-    if (expected_px > kMostlySeen * area_px_) update(patch, now.mask, memory_);
+    if (expected_px > kMostlySeen * area_px_) updateMemory(patch, now.mask, memory_);
   } else {
     quality_ *= kWeaker;
     ++weak_;
   }
   const bool in_doubt = weak_ == 2 || weak_ > kWeakFrames;
-  if ((in_doubt || ++since_look_ >= kLookEvery) && redetect(images, scene)) return;
+  if ((in_doubt || ++since_look_ >= kLookEvery) && redetectObject(images, scene)) return;
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
   if (nothing || weak_ > kWeakFrames || leaving) lose();
 }
@@ -191,7 +191,7 @@ void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const Fra
 
 // Searches for the object by one graph cut. Returns true if that decides: the result is better than
 // the propagated mask, or neither resembles the object.
-bool TrackedMask::redetect(const FrameImages& images, const SceneContext& scene) {
+bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& scene) {
   since_look_ = 0;
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
   const FrameContext view = scene.view(images);

@@ -91,7 +91,7 @@ class TrackedMask {
   [[nodiscard]] ObjectRoi expected(const FrameImages& images, const cv::Matx23d& similarity,
                                    const SceneContext& scene) const;
   void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
-  bool redetect(const FrameImages& images, const SceneContext& scene);
+  bool redetectObject(const FrameImages& images, const SceneContext& scene);
 
   std::uint32_t id_ = 0;
   int number_ = 0;
