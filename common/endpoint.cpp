@@ -15,7 +15,8 @@ bool isPort(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// An IPv6 address without brackets, whose colons are none before a port; with its zone, if any.
+/// Returns whether `text` is an IPv6 address without brackets, whose colons precede no port; a zone
+/// is allowed.
 bool isBareV6(std::string_view text) {
   in6_addr address{};
   const std::size_t zone = std::min(text.find('%'), text.size());
@@ -24,8 +25,8 @@ bool isBareV6(std::string_view text) {
          ::inet_pton(AF_INET6, numbers.c_str(), &address) == 1;
 }
 
-/// Takes the host off the front of `text`; what is left is empty or begins with ':'. False if it
-/// cannot be.
+/// Moves the host from the front of `text` to `host`; the rest is empty or begins with ':'. Returns
+/// false for an invalid host.
 bool parseHost(std::string_view& text, std::string& host) {
   std::size_t size = std::min(text.find(':'), text.size());
   const bool brackets = text.starts_with('[');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a server listens, as people write it. Thread: any.
+// Network endpoint of a server: parser and formatter. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,20 @@ namespace hapticast {
 
 inline constexpr std::uint16_t kDefaultPort = 7447;
 
+/// Address of a server.
 struct Endpoint {
-  std::string host;  ///< a name or a numeric address, IPv6 without brackets
+  std::string host;  ///< name or numeric address, IPv6 without brackets
   std::uint16_t port = kDefaultPort;
   bool operator==(const Endpoint&) const = default;
 };
 
-/// HOST, HOST:PORT, PORT or :PORT, an IPv6 address as [ADDRESS], [ADDRESS]:PORT or bare; nullopt if
-/// it is none of them. What is not said is taken from `otherwise`.
+/// Parses HOST, HOST:PORT, PORT or :PORT; an IPv6 address as [ADDRESS], [ADDRESS]:PORT or bare.
+/// Missing parts are those of `otherwise`. nullopt for other texts.
 [[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text,
                                                     const Endpoint& otherwise);
-/// Whether the host is a numeric address of IPv6.
+/// Returns whether the host is a numeric IPv6 address.
 [[nodiscard]] bool isV6(const Endpoint& endpoint);
-/// HOST:PORT or [V6ADDRESS]:PORT, which parseEndpoint() reads back.
+/// Formats HOST:PORT or [V6ADDRESS]:PORT, which parseEndpoint() accepts.
 [[nodiscard]] std::string toString(const Endpoint& endpoint);
 
 }  // namespace hapticast

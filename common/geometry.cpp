@@ -6,8 +6,8 @@
 namespace hapticast {
 
 namespace {
-// What the device's z range has to hold, in nominal mm: 5 mm below the picture to 35 mm of air
-// above it.
+// Range of z in the device's workspace, nominal mm: from 5 mm below the picture's plane to 35 mm of
+// air above the relief.
 constexpr double kDepthRange_mm = 70.0;
 constexpr double kDepthCentre_mm = 30.0;
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A histogram of durations with 1/16-octave buckets (6 % resolution): constant time and space, no
-// heap.
+// Log-linear histogram of durations with 1/16-octave buckets (6 % resolution). Constant time and
+// space, no heap. Thread: one owner.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,10 @@
 
 namespace hapticast {
 
+/// Histogram of values in ns.
 class Histogram {
  public:
-  /// Negative values count as 0. Thread: one owner; copy it to hand it over.
+  /// Adds a value; negative values count as 0. Thread: the owner; other threads receive copies.
   void add(std::int64_t value_ns) noexcept {
     const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(value_ns, 0));
     ++buckets_[bucketIndex(value)];
@@ -24,8 +25,8 @@ class Histogram {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t max_ns() const noexcept { return max_ns_; }
 
-  /// Upper edge of the bucket that holds the q-quantile, at most max_ns(); 0 when empty. Requires 0
-  /// <= q <= 1.
+  /// Returns the upper edge of the bucket with the q-quantile, at most max_ns(); 0 when empty.
+  /// Requires 0 <= q <= 1.
   [[nodiscard]] std::uint64_t quantile_ns(double q) const noexcept {
     if (count_ == 0) return 0;
     const auto rank = static_cast<std::uint64_t>(q * static_cast<double>(count_ - 1)) + 1;

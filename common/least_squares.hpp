@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Small linear least squares: normal equations by LDL^T, or the rectangular system by a QR
-// decomposition with column pivoting. Compiled once: Eigen's decompositions cost 5 CPU seconds in
-// every source that includes them (g++ -O3). Thread: any.
+// Small linear least squares: normal equations by LDL^T decomposition, or the rectangular system by
+// QR decomposition with column pivoting.
+// In a translation unit of its own, because Eigen's decompositions cost 5 CPU seconds in every
+// source that includes them (g++ -O3). Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +10,7 @@
 namespace hapticast {
 
 /// Solves `normal` x = `right` for x by LDL^T. Requires a symmetric positive semidefinite matrix.
-/// Returns numbers that are not finite where no solution exists. Allocates nothing.
+/// Returns non-finite numbers if there is no solution. Allocates nothing.
 [[nodiscard]] Eigen::Vector3d solveNormal(const Eigen::Matrix3d& normal,
                                           const Eigen::Vector3d& right);
 [[nodiscard]] Eigen::Vector4d solveNormal(const Eigen::Matrix4d& normal,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What comes from outside never throws: whoever reads it returns a value or an error.
+// Result type: a value or an error, for code that parses data from outside without exceptions.
+// Thread: any.
 #pragma once
 
 #include <string>
@@ -8,13 +9,13 @@
 
 namespace hapticast {
 
-/// What is wrong, in one sentence for people.
+/// An error, described in one sentence.
 struct Error {
   std::string message;
 };
 
-/// A value or an error (`Failure`: Error, or one that also carries a code). Requires ok() before
-/// value(), !ok() before error().
+/// A value or an error (`Failure`: Error, or a type with a code). Requires ok() before value(),
+/// !ok() before error().
 template <class T, class Failure = Error>
 class [[nodiscard]] Result {
  public:

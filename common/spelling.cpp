@@ -8,7 +8,7 @@ namespace hapticast {
 
 namespace {
 
-// Words of flags are shorter; what is longer is no slip of a finger.
+// Flags are shorter; a longer word is no typing error.
 constexpr std::size_t kLongest = 32;
 
 /// Damerau-Levenshtein distance (optimal string alignment).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a mistyped word may have meant. Thread: any.
+// Spelling correction by the Damerau-Levenshtein distance (optimal string alignment). Thread: any.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace hapticast {
 
-/// "; did you mean X?" with the one of `words` that is nearest to `typed`; empty when none is near:
-/// for every three letters one may be wrong, missing, too many, or swapped with its neighbour.
+/// Returns "; did you mean X?" with the nearest of `words`; empty if none is near. Near: one edit
+/// for every three letters of the word (at least one), where an edit replaces, omits, adds or swaps
+/// a letter.
 [[nodiscard]] std::string spellingHint(std::string_view typed,
                                        const std::vector<std::string>& words);
 

@@ -31,7 +31,7 @@ std::string_view unquoted(std::string_view text) {
   return in_quotes ? text.substr(1, text.size() - 2) : text;
 }
 
-/// A character at the front of a text; none of UTF-8: one byte of code kNone.
+/// First character of a text; for invalid UTF-8 one byte with code kNone.
 struct Character {
   std::uint32_t code;
   std::size_t bytes;
@@ -43,7 +43,8 @@ Character decodeFirst(std::string_view text) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
   };
   if (byte(0) < 0x80) return {byte(0), 1};
-  // Of 2, 3 and 4 bytes: the first one's mark, and the least code that needs so many.
+  // For sequences of 2, 3 and 4 bytes: mask and mark of the first byte, and the least code of this
+  // length.
   constexpr std::array<std::array<std::uint32_t, 3>, 3> kForms{
       {{0xE0, 0xC0, 0x80}, {0xF0, 0xE0, 0x800}, {0xF8, 0xF0, 0x10000}}};
   for (std::size_t more = 1; more <= kForms.size(); ++more) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Text from outside: numbers, and small files of `key = value` lines (config files, device
-// profiles). Limits first, typed errors. Thread: any, not the loop's (allocates).
+// Parsing of text from outside: numbers, UTF-8, and small files of `key = value` lines (config
+// files, device profiles). Checks limits first, returns typed errors. Thread: any, but not the
+// haptic loop (allocates).
 #pragma once
 
 #include <cstddef>
@@ -18,35 +19,36 @@ namespace hapticast {
 inline constexpr std::size_t kMaxKeyValueText_bytes = 65'536;
 inline constexpr std::size_t kMaxKey_bytes = 64;
 
-/// Without the white space at both ends.
+/// Returns `text` without white space (blank, tab, carriage return) at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
-/// In quotes, cut after 40 bytes: what an error message says of a wrong value.
+/// Returns `text` in quotes, cut after 40 bytes, for error messages.
 [[nodiscard]] std::string quote(std::string_view text);
-/// "a, b, c" with the separator ", ".
+/// Joins the words with `separator`, for example "a, b, c".
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
-/// Returns `text` as one line that cannot steer a terminal. '?' replaces each byte outside UTF-8,
+/// Returns `text` as one line that cannot control a terminal. '?' replaces each byte outside UTF-8,
 /// each control character (C0, C1), and each character that hides text or changes its direction.
 /// Letters of any script stay. Cuts to `most_bytes` between two characters.
 [[nodiscard]] std::string sanitizeUtf8(std::string_view text,
                                        std::size_t most_bytes = std::string_view::npos);
-/// A finite number that is the whole of `text` (decimal, '.'); nullopt otherwise.
+/// Parses a finite decimal number (with '.') that is the whole of `text`; nullopt for other texts.
 [[nodiscard]] std::optional<double> parseNumber(std::string_view text);
 
-/// The number from `least` to `most` that is the whole of `text`; nullopt otherwise. For double,
-/// std::uint16_t and std::uint64_t.
+/// Parses a number from `least` to `most` that is the whole of `text`; nullopt for other texts. For
+/// double, std::uint16_t and std::uint64_t.
 template <class Number>
 [[nodiscard]] std::optional<Number> parseNumberInRange(std::string_view text, Number least,
                                                        Number most);
 
+/// One `key = value` line.
 struct KeyValue {
-  int line = 0;  ///< 1 is the first
+  int line = 0;  ///< counts from 1
   std::string key;
   std::string value;
 };
 
-/// The `key = value` lines of at most 64 KiB. `#` begins a comment; a key is a letter and then
-/// letters, digits, `-` and `_`, at most 64; a value may stand in a pair of quotes. Error messages
-/// begin with `name`: "NAME:LINE: ...".
+/// Reads `key = value` lines of at most 64 KiB. `#` begins a comment. A key is a letter followed by
+/// letters, digits, `-` and `_`, at most 64 bytes. A value may be in quotes. Errors begin with
+/// `name`: "NAME:LINE: ...".
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
 }  // namespace hapticast

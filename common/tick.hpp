@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The loop's period, said once: 1 kHz is what haptic rendering of stiff surfaces asks for.
+// Period of the haptic loop: 1 kHz, the usual rate for the haptic rendering of stiff surfaces.
+// Thread: any.
 #pragma once
 
 #include "common/time.hpp"
@@ -7,7 +8,7 @@
 namespace hapticast {
 
 inline constexpr Duration kTickPeriod{1'000'000};
-inline constexpr double kTick_s = 1e-3;  ///< the same in seconds
+inline constexpr double kTick_s = 1e-3;  ///< kTickPeriod in seconds
 static_assert(fromSeconds(kTick_s) == kTickPeriod);
 
 }  // namespace hapticast

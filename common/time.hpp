@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The two times of the system, as types that do not mix, and the injectable local clock.
+// Time types: media time and local time do not mix, and the local clock can be replaced in tests.
+// Thread: any.
 #pragma once
 
 #include <chrono>
@@ -9,7 +10,7 @@ namespace hapticast {
 
 using Duration = std::chrono::nanoseconds;
 
-/// Time on the server's media clock: capture time of a frame, steady, 0 when the server starts.
+/// Time of the server's media clock: capture time of a frame, steady, 0 at the server's start.
 struct MediaClockTag {
   using duration = Duration;
   using rep = duration::rep;
@@ -28,7 +29,7 @@ struct LocalClockTag {
 using MediaTime = MediaClockTag::time_point;
 using LocalTime = LocalClockTag::time_point;
 
-/// Seconds since the clock's zero.
+/// Returns the seconds since the clock's zero.
 template <class Clock>
 constexpr double toSeconds(std::chrono::time_point<Clock, Duration> time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
@@ -36,14 +37,14 @@ constexpr double toSeconds(std::chrono::time_point<Clock, Duration> time) {
 constexpr double toSeconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
-/// Requires |seconds| < 9e9 (the range of 64-bit nanoseconds).
+/// Converts seconds. Requires |seconds| < 9e9 (the range of 64-bit nanoseconds).
 constexpr Duration fromSeconds(double seconds) {
   return Duration(static_cast<std::int64_t>(seconds * 1e9));
 }
 constexpr MediaTime mediaTime(double seconds) { return MediaTime(fromSeconds(seconds)); }
 constexpr LocalTime localTime(double seconds) { return LocalTime(fromSeconds(seconds)); }
 
-/// Where the rest of the program asks for the local time, so that tests can drive it by hand.
+/// Source of local time for the program; tests set it by hand.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -51,7 +52,7 @@ class Clock {
   [[nodiscard]] virtual LocalTime now() const noexcept = 0;
 };
 
-/// CLOCK_MONOTONIC.
+/// The system's steady clock (CLOCK_MONOTONIC).
 class SteadyClock final : public Clock {
  public:
   [[nodiscard]] LocalTime now() const noexcept override {
@@ -60,8 +61,8 @@ class SteadyClock final : public Clock {
   }
 };
 
-/// The clock that frames are stamped with: this machine's own, or one that follows an origin's on
-/// another machine.
+/// Source of media time, for stamping frames: this machine's own, or a clock that follows an origin
+/// on another machine.
 class MediaClock {
  public:
   virtual ~MediaClock() = default;
@@ -69,10 +70,10 @@ class MediaClock {
   [[nodiscard]] virtual MediaTime now() const noexcept = 0;
 };
 
-/// Media time is the local time since the clock was made.
+/// Media clock of this machine: local time since the construction.
 class LocalMediaClock final : public MediaClock {
  public:
-  /// `clock` outlives it.
+  /// `clock` must outlive it.
   explicit LocalMediaClock(const Clock& clock) : clock_(clock), zero_(clock.now()) {}
   [[nodiscard]] MediaTime now() const noexcept override { return MediaTime(clock_.now() - zero_); }
   [[nodiscard]] LocalTime zero() const noexcept { return zero_; }

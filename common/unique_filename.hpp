@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names for files that a user asks for without naming them. Thread: any.
+// File names for output that the user did not name. Thread: any.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@
 
 namespace hapticast {
 
-/// hapticast-1.csv, hapticast-2.csv, ...: the first one, of this `ending`, that is not yet in the
-/// working folder.
+/// Returns the first of hapticast-1.csv, hapticast-2.csv, ... (with `ending`) that does not exist
+/// in the working folder.
 inline std::string nextFreeFilename(const std::string& ending) {
   std::string name;
-  std::error_code unknown;  // such a file is not there either
+  std::error_code unknown;  // an error counts as not existing
   int number = 1;
   do {
     name = "hapticast-" + std::to_string(number++) + ending;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What can be wrong between two peers, as both of them name it.
+// Errors between two peers, with the codes of the protocol. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,21 @@
 
 namespace hapticast {
 
-/// The numbers go over the wire (proto/README.md).
+/// Codes of the wire protocol (proto/README.md).
 enum class ErrorCode : std::uint8_t {
   kMalformed = 1,     ///< not decodable, or a field outside its valid range
   kTooLarge = 2,      ///< a length or count above the protocol's limit
   kVersion = 3,       ///< the peer speaks another protocol version
-  kUnexpected = 4,    ///< a well-formed message at the wrong moment
+  kUnexpected = 4,    ///< a valid message at the wrong time
   kServerFull = 5,    ///< no more clients are accepted
-  kTimeout = 6,       ///< the peer said nothing for too long
-  kShuttingDown = 7,  ///< the server ends
+  kTimeout = 6,       ///< the peer was silent for too long
+  kShuttingDown = 7,  ///< the server shuts down
 };
 
+/// An error to send to a peer.
 struct WireError {
   ErrorCode code;
-  std::string message;  ///< one sentence for people
+  std::string message;  ///< one sentence
 };
 
 inline WireError malformed(const char* what) { return {ErrorCode::kMalformed, what}; }

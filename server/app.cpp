@@ -34,11 +34,11 @@ namespace hapticast::server {
 
 namespace {
 
-// How long viewers get to play out the end of a clip before the server says goodbye.
+// Time for viewers to play the end of a clip before the goodbye.
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
-// The protocol's page promises viewers a word about once a second.
+// The protocol (proto/README.md) promises viewers a message about once a second.
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
-// Whoever waits looks so often whether stop() was called; chosen.
+// Interval in which waiting code checks stop(); chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
 
 std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Settings& settings) {
@@ -63,7 +63,7 @@ class App::Impl {
   [[nodiscard]] bool streaming() const { return streaming_; }
 
  private:
-  /// What sends the stream by UDP.
+  /// Members of UDP delivery.
   struct Datagrams {
     Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
               const Settings& settings);
@@ -73,7 +73,7 @@ class App::Impl {
   };
 
   void browse();
-  /// Lets viewers in, once: not before the source has shown that there is nothing to complain of.
+  /// Starts to accept viewers, once: not before the source has proved usable.
   void open();
   void waitForViewer() const;
   void play(EncoderThread& encoder);
@@ -90,7 +90,7 @@ class App::Impl {
   Broadcaster broadcaster_;
   Listener listener_;
   std::optional<Datagrams> datagrams_;
-  std::optional<Announcer> announcer_;  // once it is open
+  std::optional<Announcer> announcer_;  // once open() was called
   PlanLog plan_teller_;
   DepthRangeLog range_teller_;
   std::atomic<bool> stop_{false};
@@ -130,7 +130,7 @@ void App::Impl::run() {
   signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
     if (error) return;
     stop();
-    signals.clear();  // a second one ends what does not hear the first
+    signals.clear();  // a second signal has its default action and ends a blocked program
   });
   std::jthread network([this] { io_.run(); });
   const auto end = [&] {
@@ -143,7 +143,7 @@ void App::Impl::run() {
     browse();
     const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
     if (settings_.explain) spdlog::info("heights travel within {:.3g} mm", slices.error_mm);
-    EncoderThread encoder({&broadcaster_},  // a further sink is named here
+    EncoderThread encoder({&broadcaster_},  // add further sinks here
                           datagrams_ ? &datagrams_->signer : nullptr, slices);
     if (!stop_) play(encoder);
     encoder.finish();
@@ -227,7 +227,7 @@ void App::Impl::publish(VisionResult result, EncoderThread& encoder) {
 
 void App::Impl::logSkippedFrames(const Pacer& pacer) {
   const MediaTime now = media_clock_.now();
-  // At once where it begins, then once a minute with the sum.
+  // First after a second, then once a minute with the sum.
   const Duration pause = logged_skipped_ == 0 ? std::chrono::seconds(1) : std::chrono::minutes(1);
   if (pacer.skipped() == logged_skipped_ || now - last_logged_ < pause) return;
   spdlog::warn("too slow for {:g} frames/s: {} frames skipped so far", source_->info().fps,

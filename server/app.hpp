@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The server as wiring: source -> vision on the calling thread, frames to bytes on a second one
-// (EncoderThread), the network on a third.
+// Composition root of the server: source and vision on the calling thread, encoding on a second
+// thread (EncoderThread), the network on a third.
 #pragma once
 
 #include <memory>
@@ -10,21 +10,22 @@
 
 namespace hapticast::server {
 
+/// One server.
 class App {
  public:
   /// Opens the source and the port. Throws SourceError, AddressError or std::runtime_error, one
-  /// line each. `clock` outlives the app.
+  /// line each. `clock` must outlive App.
   App(Settings settings, const Clock& clock);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Streams until the clip ends (without --loop), --frames are shown, or stop(). Throws
-  /// SourceError when the source breaks on the way. Thread: the pipeline's; call once.
+  /// Streams until the clip ends (without --loop), --frames frames are done, or stop(). Throws
+  /// SourceError if the source fails later. Call once. Thread: the pipeline's.
   void run();
-  /// Ends run() soon. Thread: any, also a signal handler.
+  /// Makes run() return soon. Thread: any, also a signal handler.
   void stop() noexcept;
-  /// Whether frames have begun to go out: what fails later is no wrong input.
+  /// Returns whether streaming has begun; later failures are not wrong input.
   [[nodiscard]] bool streaming() const;
 
  private:

@@ -68,7 +68,7 @@ void addFriction(CLI::App& app, Material& material) {
           "The surface's coefficients of static and dynamic friction; default: each viewer's own");
 }
 
-/// Reads `auto`, `everything` or `STAGE=on|off,...`; nullopt where it is none of them.
+/// Parses `auto`, `everything` or `STAGE=on|off,...`; nullopt for other texts.
 std::optional<PlanSettings> parsePlan(std::string_view text) {
   PlanSettings out;
   if (text == "auto") return out;
@@ -90,7 +90,7 @@ std::optional<PlanSettings> parsePlan(std::string_view text) {
   }
 }
 
-/// --plan keeps the error budget, whichever comes first.
+/// Sets the plan, without changing the error budget; the order of both flags does not matter.
 void addPlan(CLI::App& app, PlanSettings& plan) {
   const auto set = [&plan](const std::string& text) {
     const std::optional<PlanSettings> parsed = parsePlan(text);
@@ -128,7 +128,7 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
             "Stop after N frames");
 }
 
-/// "U,V" or "U,V@SECONDS".
+/// Parses "U,V" or "U,V@SECONDS".
 std::optional<AuthorPoint> parsePoint(const std::string& text) {
   const std::size_t at = text.find('@');
   const auto place_px = parsePair(text.substr(0, at));
@@ -196,7 +196,7 @@ void addName(CLI::App& app, std::string& name) {
       ->type_name("TEXT");
 }
 
-/// A picture, or a folder for several.
+/// A file for one picture, or a folder for several.
 void addPreview(CLI::App& app, std::string& preview) {
   const auto set = [&preview](const std::string& text) {
     std::error_code error;
@@ -254,7 +254,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
       ->type_name("NAME");
 }
 
-/// The author's say on what is touched.
+/// Flags by which the author selects the objects.
 void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");

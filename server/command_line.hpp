@@ -10,11 +10,11 @@
 
 namespace hapticast::server {
 
-/// Returns the command line that fills `settings`, which outlives it. Parse with
+/// Returns the command line that fills `settings`, which must outlive it. Parse it with
 /// parseCommandLine().
 [[nodiscard]] std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
-/// Fills `settings` from the program's arguments. Returns nullopt to go on, else the exit code:
+/// Fills `settings` from the program's arguments. Returns nullopt to continue, else the exit code:
 /// 2 after one line on stderr, 0 after the help.
 [[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
                                                  const char* const* argv);

@@ -30,7 +30,7 @@ int serve(const hapticast::server::Settings& settings) {
     app->run();
   } catch (const hapticast::server::SourceError& error) {
     const std::string what = hapticast::sanitizeUtf8(error.what());
-    // Some complaints are about another flag and begin with it.
+    // Some messages are about another flag and begin with it.
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
   } catch (const hapticast::server::AddressError& error) {

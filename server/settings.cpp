@@ -8,7 +8,7 @@
 namespace hapticast::server {
 
 double heightError_mm(const VisionSettings& vision) {
-  // Chosen: beyond it steps between slices are felt as edges.
+  // Chosen: larger steps between slices are perceptible as edges.
   constexpr double kMost_mm = 0.25;
   const double stiffness_N_mm = vision.material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
   const double usual_N = kUsualStiffness_N_mm * kDefaultHeightError_mm;

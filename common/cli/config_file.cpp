@@ -13,8 +13,8 @@ namespace hapticast {
 
 namespace {
 
-/// CLI11's own reader takes sections, nests them without a limit, and loses a key that is repeated
-/// further down.
+/// Replaces CLI11's own reader, which accepts sections, nests them without a limit, and loses a key
+/// that occurs again further down.
 class KeyValueConfig : public CLI::ConfigBase {
  public:
   explicit KeyValueConfig(const CLI::App& app) : app_(app) {}

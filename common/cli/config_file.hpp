@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// --config FILE: `key = value` lines (readKeyValues()), every flag a key of the same name, a list a
-// key repeated. Thread: main, at start-up.
+// Config file (--config FILE): lines `key = value` (readKeyValues()). Every flag is a key of the
+// same name; a list repeats its key. Thread: main, at start-up.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,14 +8,14 @@
 
 namespace hapticast {
 
-/// What is wrong inside a config file, in words that need only the file's name in front.
+/// An error inside a config file. The message needs only the file's name in front.
 class ConfigFileError : public CLI::ParseError {
  public:
   explicit ConfigFileError(const std::string& what)
       : CLI::ParseError("ConfigFileError", what, CLI::ExitCodes::ConfigError) {}
 };
 
-/// Lets `--config FILE` hold every flag of `app`; unknown keys are refused by ConfigFileError.
+/// Adds `--config FILE`, which accepts every flag of `app`. Unknown keys cause a ConfigFileError.
 void addConfigFile(CLI::App& app);
 
 }  // namespace hapticast

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Options of the command line: values that a flag and a config key read alike, and how a wrong one
-// is told. Thread: main, at start-up.
+// Typed options of the command line: parsers that flags and config keys share, with uniform error
+// messages. Thread: main, at start-up.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,33 +17,35 @@
 
 namespace hapticast {
 
-/// Two finite numbers "A,B"; nullopt otherwise.
+/// Parses two finite numbers "A,B"; nullopt for other texts.
 std::optional<Vec2> parsePair(const std::string& text);
 
-/// The endpoint that `text` names, as parseEndpoint() has it; throws CLI::ValidationError, which
-/// names the flag `name` and the `form`, where it is none or its port is below `least_port`.
+/// Parses an endpoint like parseEndpoint(). Throws CLI::ValidationError with the flag `name` and
+/// the `form` if `text` is invalid or its port is below `least_port`.
 [[nodiscard]] Endpoint parseEndpointOr(const std::string& text, const Endpoint& otherwise,
                                        const std::string& name, std::uint16_t least_port,
                                        const std::string& form);
 
-/// Options bound to a value of these types; a wrong text is told with `form`, for example "U,V in
-/// px".
+/// Adds an option for an endpoint. `form`: expected text for error messages, for example
+/// "HOST:PORT".
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
-/// An option of two numbers "A,B"; `set_pair` returns false for a pair that is not allowed.
+/// Adds an option for two numbers "A,B". `set_pair` returns false for a pair outside the allowed
+/// range.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help);
 
-/// What is said of a `text` that is no number from `least` to `most`. For double and
+/// Returns the error for a `text` that is no number from `least` to `most`. For double and
 /// std::uint64_t.
 template <class Number>
 CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
                                 Number most);
 
-/// A finite number from `least` to `most`; `unit` is for the help. A Value takes a Number.
+/// Adds an option for a finite number from `least` to `most`. `unit`: for the help. Value must be
+/// assignable from Number.
 template <class Value, class Number>
 CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
                        Number most, const std::string& unit, const std::string& help) {
@@ -55,8 +57,8 @@ CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Num
   return app.add_option_function<std::string>(name, set, help)->type_name(unit);
 }
 
-/// An option that may be repeated, each time with one value; `parse` tells nullopt of a text that
-/// is none.
+/// Adds an option that may be repeated, with one value each time. `parse` returns nullopt for an
+/// invalid text.
 template <class Value>
 CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>& values,
                      std::optional<Value> (*parse)(const std::string&), const std::string& help,
@@ -74,7 +76,7 @@ CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>&
       ->allow_extra_args(false);
 }
 
-/// One of the named `choices` (which have to outlive `app`).
+/// Adds an option for one of the named `choices`, which must outlive `app`.
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {

@@ -13,7 +13,7 @@ namespace hapticast {
 
 namespace {
 
-/// What `app` did not know, as one text, and what its first flag may have meant.
+/// Returns the unknown arguments of `app` as one text, with a spelling hint for the first flag.
 std::string unknownWords(const CLI::App& app) {
   std::string words;
   std::string meant;
@@ -36,7 +36,7 @@ bool is(const CLI::ParseError& error) {
   return dynamic_cast<const Kind*>(&error) != nullptr;
 }
 
-/// Where CLI11 found too many values for a flag, or none.
+/// Returns the message for a flag with too many values or none.
 std::string countComplaint(const CLI::App& app, const std::string& what) {
   const std::string flag = what.substr(0, what.find(':'));
   const CLI::Option* const option = app.get_option_no_throw(flag);
@@ -44,23 +44,23 @@ std::string countComplaint(const CLI::App& app, const std::string& what) {
   return flag + (many ? ": may be given only once" : ": its value is missing");
 }
 
-/// CLI11's complaint in words that name the flag and what is wrong with it.
+/// Returns the message for CLI11's error, with the flag and the cause.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   std::string what = error.what();
   if (is<CLI::ConversionError>(error)) {
-    // CLI11 puts its own words in front of the flag and its value.
+    // CLI11 prepends its own words to the flag and its value.
     const std::size_t words = what.find(": ");
     return (words == std::string::npos ? what : what.substr(words + 2)) +
            ": a flag is on or off (true or false)";
   }
   if (is<CLI::ArgumentMismatch>(error) && app.remaining().empty()) return countComplaint(app, what);
-  // A mistyped flag makes a required one missing: name the cause.
+  // A misspelt flag makes a required one missing: state the cause.
   if (!app.remaining().empty()) return "not understood:" + unknownWords(app);
   return what;
 }
 
-/// Whether what `line` complains of stands in none of the arguments: neither the flag that it
-/// begins with nor, where that is a key without one, the value.
+/// Returns whether the error's cause is in none of the arguments: neither its flag nor, for a key
+/// without one, its value.
 bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
   const std::string key = line.substr(0, line.find_first_of(": "));
   return std::none_of(argv + 1, argv + argc, [&](const std::string& argument) {
@@ -69,10 +69,10 @@ bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
   });
 }
 
-/// The same with the config file, where the fault lies there.
+/// Returns the message with the config file's name, if the error is there.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc,
                       const char* const* argv) {
-  const auto files = app.get_config_ptr()->results();  // more than one is a complaint itself
+  const auto files = app.get_config_ptr()->results();  // several files are an error themselves
   const std::string file = files.empty() ? "" : files.back();
   const std::string config = "--config " + file;
   if (is<ConfigFileError>(error)) return config + error.what();

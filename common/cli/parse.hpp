@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reading a whole command line, and what a person is told when it is wrong. Thread: main, at
-// start-up.
+// Command line parser with one-line error messages. Thread: main, at start-up.
 #pragma once
 
 #include <optional>
@@ -9,8 +8,8 @@
 
 namespace hapticast {
 
-/// Parses; nullopt: go on. Otherwise the exit code to leave with, after one line on stderr (2) or
-/// the help (0).
+/// Parses the arguments. Returns nullopt to continue, else the exit code: 2 after one line on
+/// stderr, 0 after the help.
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace hapticast

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a program says of itself: its version and what is built in. Thread: any.
+// Version text of a program, with its optional packages. Thread: any.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace hapticast {
 
-/// Adds --version, and ends --help with the same text: "PROGRAM VERSION (`built_in`)", and on a
-/// second line which optional packages this build has found.
+/// Adds --version and appends the same text to --help: "PROGRAM VERSION (`built_in`)", then a line
+/// with the optional packages of this build.
 void addVersion(CLI::App& app, const std::string& built_in);
 
 }  // namespace hapticast

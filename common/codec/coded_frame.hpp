@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A frame as it travels: its reliefs as slices of the height codec. Thread: any; a FrameCoder has
-// one.
+// Coded frame: a frame whose reliefs are slices of the height codec, for transport. Thread: any;
+// one for each FrameCoder.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,15 @@
 
 namespace hapticast {
 
-/// The slices of a relief, as many of them as have come: none overlaps another.
+/// The received slices of a relief, which do not overlap.
 struct CodedRelief {
   PixelRect rect;  ///< inside the picture
   std::vector<SliceBytes> slices;
-  std::size_t slice_count = 0;  ///< of the whole relief; a relief holds at least one
+  std::size_t slice_count = 0;  ///< of the whole relief, at least 1
 
+  /// Returns whether all slices are present.
   [[nodiscard]] bool whole() const { return slices.size() == slice_count; }
+  /// Returns the sum of the slices' sizes.
   [[nodiscard]] std::size_t bytes() const;
   bool operator==(const CodedRelief&) const = default;
 };
@@ -29,18 +31,18 @@ struct CodedRelief {
 using CodedObject = ObjectOf<CodedRelief>;
 using CodedFrame = FrameOf<CodedRelief>;
 
-/// The same object with another relief.
+/// Returns the same object with another relief.
 template <class To, class From>
 ObjectOf<To> withRelief(const ObjectOf<From>& from, std::shared_ptr<const To> relief) {
   return {from.id,     from.layer, from.changed_in_frame, std::move(relief),
           from.motion, from.grid,  from.impacts,          from.material};
 }
 
-/// Codes the reliefs of a stream's frames, each of them once for as long as it stays the same.
+/// Codes the reliefs of a stream's frames, each unchanged relief once.
 class FrameCoder {
  public:
-  /// An object whose relief holds no pixel comes out without one. Requires every relief's mask and
-  /// heights to have its rectangle's size, at most 1920 x 1080.
+  /// Codes `frame`. An object whose mask is empty has no relief in the result. Requires masks and
+  /// heights of their rectangle's size, at most 1920 x 1080 px.
   [[nodiscard]] CodedFrame code(const HapticFrame& frame, const SliceSettings& settings = {});
 
  private:
@@ -53,7 +55,7 @@ class FrameCoder {
                                                 const SliceSettings& settings);
 
   HeightEncoder encoder_;
-  std::map<ObjectKey, Known> known_;  // of the frame before
+  std::map<ObjectKey, Known> known_;  // reliefs of the frame before
 };
 
 }  // namespace hapticast

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Slices -> heights (the other direction: height_encoder.cpp).
+// Decoder of the height codec: slices to heights (encoder: height_encoder.cpp). Thread: one for
+// each object.
 #include "common/codec/height_codec.hpp"
 
 #include <algorithm>
@@ -15,13 +16,13 @@ namespace hapticast {
 
 namespace {
 
-/// Where a header's pixels lie in the object's rectangle.
+/// Returns the rectangle of a header's pixels within the object's rectangle.
 PixelRect computePixelRect(const codec::Header& header, const PixelRect& object) {
   const codec::Shape shape = header.shape(object);
   return {header.x * codec::kCell_px, header.y * codec::kCell_px, shape.width, shape.height};
 }
 
-/// Fills the mask; false: it is empty.
+/// Decodes the mask. Returns false if it is empty.
 bool decodeMask(codec::RangeDecoder& coder, const codec::Field& field) {
   codec::MaskCoder rows(field.shape.width);
   bool any = false;
@@ -53,7 +54,7 @@ void reconstruct(codec::Field& field, const codec::Steps& steps) {
   }
 }
 
-/// Heights in units; outside the mask they mean nothing.
+/// Heights in units; undefined outside the mask.
 struct Heights {
   const std::int32_t* data = nullptr;
   std::ptrdiff_t stride = 0;
@@ -81,7 +82,7 @@ std::optional<Heights> decodeRough(codec::RangeDecoder& coder, const codec::Head
   return Heights{numbers.level.data() + numbers.at(0, 0), numbers.stride};
 }
 
-/// Heights in units to mm, row by row; 0 outside the mask.
+/// Converts heights from units to mm, row by row; 0 outside the mask.
 void writeRow(const std::int32_t* units, const std::uint8_t* mask, int width, float* height_mm,
               std::uint8_t* inside) {
   constexpr float kMmPerUnit = 1.0F / codec::kUnitsPerMm;

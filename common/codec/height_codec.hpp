@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Heights in few bytes with a hard bound on their error: a relief as slices, rectangles of 8 x 8 px
-// cells with their part of the mask, each of which fits a datagram and is decoded alone, in any
-// order (proto/README.md, byte by byte). Thread: one; both keep their working memory.
+// Height codec: near-lossless compression of a relief with a bounded error for each pixel. A relief
+// becomes slices: rectangles of 8 x 8 px cells with their part of the mask.
+// A slice fits one datagram and decodes alone, in any order. It is coded by interpolation on a
+// pyramid or by pixel prediction, with an adaptive binary range coder. Bytes: proto/README.md.
+// Thread: one for each object; both classes reuse their working memory.
 #pragma once
 
 #include <cstddef>
@@ -18,49 +20,54 @@
 
 namespace hapticast {
 
-/// With the coarse step below it adds less than half a point to the force's error
-/// (hapticast-evaluate codec).
+/// Default bound. Measured (hapticast-evaluate codec): with the coarse step below it adds less than
+/// half a point to the force's error.
 inline constexpr double kDefaultHeightError_mm = 0.02;
-/// With a datagram's header and signature, and the names of its object and relief, this stays below
-/// IPv6's least MTU of 1280 bytes.
+/// Limit of a slice. With a datagram's header and signature, and the ids of its object and relief,
+/// it stays below IPv6's least MTU of 1280 bytes.
 inline constexpr std::size_t kMostSliceBytes = 1100;
 
+/// Settings of the encoder.
 struct SliceSettings {
-  double error_mm = kDefaultHeightError_mm;  ///< of any pixel; 0.002..0.499
-  /// 1..16: less is a smoother surface of the same bound, and more bytes. At 16 slices add 0.75
-  /// points to the error of the force where they add 0.49 at 10, for 11 % more bytes
-  /// (measured).
+  double error_mm = kDefaultHeightError_mm;  ///< bound of a pixel's error, 0.002..0.499
+  /// Coarse step in sixteenths of the pixel step, 1..16. A smaller step yields a smoother surface
+  /// of equal bound, and more bytes. Measured: at 16, slices add 0.75 points to the force's error;
+  /// at 10, 0.49 points for 11 % more bytes.
   int coarse_sixteenths = 10;
-  std::size_t most_bytes = kMostSliceBytes;  ///< 300 or more
+  std::size_t most_bytes = kMostSliceBytes;  ///< limit of a slice, 300 or more
 
   bool operator==(const SliceSettings&) const = default;
 };
 
 using SliceBytes = std::vector<std::uint8_t>;
 
+/// Encoder of reliefs.
 class HeightEncoder {
  public:
-  /// The relief's slices; none where its mask is empty. Heights beyond -1..1000 mm are taken as
-  /// those limits, what is no number as 0. Requires mask and heights of the rectangle's size, at
-  /// most 1920 x 1080.
+  /// Returns the slices of `relief`; none if its mask is empty. Heights are clamped to -1..1000 mm,
+  /// and NaN counts as 0. Requires mask and heights of the rectangle's size, at most 1920 x 1080
+  /// px.
   [[nodiscard]] std::vector<SliceBytes> encode(const Relief& relief,
                                                const SliceSettings& settings = {});
 
  private:
-  /// In cells of the relief.
+  /// A part of the relief, in cells.
   struct Part {
     int x = 0, y = 0, width = 0, height = 0;
   };
 
+  /// Copies the relief to target_ and mask_.
   void load(const Relief& relief);
+  /// Codes a part as one slice, in the mode that needs fewer bytes.
   SliceBytes code(const Part& part);
   SliceBytes codeSmooth(const Part& part);
-  /// Empty where there are too many levels.
+  /// Returns an empty vector if there are too many levels.
   SliceBytes codeRough(const Part& part);
   [[nodiscard]] codec::Surroundings around(const Part& part);
   void beginSlice(const Part& part, const codec::Shape& shape);
   [[nodiscard]] codec::Header makeHeader(const Part& part, codec::Mode mode) const;
 
+  /// Codes a part, split into as many slices as needed.
   void codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out);
   void split(const Part& part, int pieces, std::vector<SliceBytes>& out);
   [[nodiscard]] std::ptrdiff_t offset(const Part& part) const;
@@ -74,21 +81,22 @@ class HeightEncoder {
   Part whole_;
   std::ptrdiff_t stride_ = 0;
   std::vector<std::int32_t> target_;  ///< heights in units, with a margin
-  std::vector<std::uint8_t> mask_;    ///< the same
-  std::vector<float> costs_;          ///< bits of each cell
+  std::vector<std::uint8_t> mask_;    ///< with the same margin
+  std::vector<float> costs_;          ///< estimated bits of each cell
   codec::Field field_;
   codec::Numbers numbers_;
 };
 
+/// Decoder of slices.
 class HeightDecoder {
  public:
-  /// Which pixels of an object's rectangle a slice says something about, by its first bytes alone.
+  /// Returns the pixels of an object's rectangle that a slice covers, from its header alone.
   [[nodiscard]] static Result<PixelRect, WireError> covers(std::span<const std::uint8_t> slice,
                                                            const PixelRect& object);
 
-  /// Writes the pixels that the slice covers, mask and heights (0 outside), into `relief`, and
-  /// returns which. On an error nothing is written. Time and memory are bounded by the covered
-  /// pixels. Requires mask and heights of the rectangle's size, at most 1920 x 1080.
+  /// Writes the pixels of the slice, mask and heights (0 outside), to `relief`. Returns their
+  /// rectangle. Writes nothing on an error. Time and memory are bounded by the covered pixels.
+  /// Requires mask and heights of the rectangle's size, at most 1920 x 1080 px.
   [[nodiscard]] Result<PixelRect, WireError> decode(std::span<const std::uint8_t> slice,
                                                     Relief& relief);
 

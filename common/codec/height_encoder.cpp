@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Heights -> slices: the whole object as one, or cut where its cost divides.
+// Encoder of the height codec: heights to slices. A relief too large for one slice is split by its
+// estimated cost. Thread: one for each object.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -150,7 +151,7 @@ SliceBytes HeightEncoder::codeRough(const Part& part) {
 
 SliceBytes HeightEncoder::code(const Part& part) {
   SliceBytes smooth = codeSmooth(part);
-  // Below a bit for each pixel the rough way was never the shorter one.
+  // Below one bit for each pixel, rough mode was never shorter (measured).
   if (8 * smooth.size() < countPixels(part)) return smooth;
   SliceBytes rough = codeRough(part);
   return !rough.empty() && rough.size() < smooth.size() ? rough : smooth;
@@ -179,7 +180,7 @@ void HeightEncoder::codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out
       costs_[static_cast<std::size_t>((part.y + y) * whole_.width + part.x + x)] =
           rough ? codec::estimateCost(numbers_, field_, x, y) : codec::estimateCost(field_, x, y);
   }
-  // Every slice learns anew, and no cut divides exactly.
+  // Each slice adapts its models anew, and no split is exact.
   const double pieces =
       1.09 * static_cast<double>(bytes.size()) / static_cast<double>(settings_.most_bytes);
   split(part, std::max(2, static_cast<int>(std::ceil(pieces))), out);
@@ -195,7 +196,7 @@ void HeightEncoder::split(const Part& part, int pieces, std::vector<SliceBytes>&
   const float share = total * static_cast<float>(before_line) / static_cast<float>(pieces);
   int line = 1;
   float before = costs[0];
-  // A line belongs to the side that is then nearer to its share.
+  // A line belongs to the side that it brings nearer to its share.
   while (line < lines - 1 && before + 0.5F * costs[static_cast<std::size_t>(line)] < share)
     before += costs[static_cast<std::size_t>(line++)];
   Part first = part;

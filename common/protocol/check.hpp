@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What decode() checks numbers with. Thread: any, one object per message.
+// Validation helper of the decoder. Thread: any, one object for each message.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,15 @@
 
 namespace hapticast {
 
-/// Remembers the first thing that is wrong, so that reading stays straight.
+/// Records the first error, so that reading code needs no branches.
 class Check {
  public:
-  /// False for NaN as well.
+  /// Requires low <= value <= high; NaN fails.
   double number(double value, double low, double high, const char* what) {
     require(value >= low && value <= high, what);
     return value;
   }
+  /// Requires |value| <= limit.
   double magnitude(double value, double limit, const char* what) {
     return number(value, -limit, limit, what);
   }
@@ -30,9 +31,11 @@ class Check {
   void require(bool holds, const char* what) {
     if (!holds && !error_) error_ = malformed(what);
   }
+  /// Requires size <= limit; else the error is kTooLarge.
   void bound(std::size_t size, std::size_t limit, const char* what) {
     if (size > limit && !error_) error_ = WireError{ErrorCode::kTooLarge, what};
   }
+  /// Records an error of another check.
   void adopt(const WireError& error) {
     if (!error_) error_ = error;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Protobuf bytes -> domain structs, with every number checked (the other direction: encode.cpp).
+// Decoder: protobuf bytes to domain structs, with every number checked (encoder: encode.cpp).
+// Thread: any.
 #include "common/protocol/messages.hpp"
 
 #include <google/protobuf/stubs/logging.h>
@@ -17,7 +18,7 @@ namespace hapticast {
 
 namespace {
 
-// Bytes from a peer must not make protobuf write to our standard error.
+// Bytes from a peer must not cause output of protobuf on standard error.
 const google::protobuf::LogSilencer kSilence;
 
 /// Returns `from` clean for logs and screens.

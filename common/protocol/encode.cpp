@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Domain structs -> protobuf bytes (the other direction: decode.cpp).
+// Encoder: domain structs to protobuf bytes (decoder: decode.cpp). Thread: any.
 #include "common/protocol/messages.hpp"
 
 #include "common/protocol/write_frame.hpp"

@@ -11,7 +11,7 @@ namespace hapticast {
 
 namespace {
 
-/// Chosen: 960 bytes, beside which the rest of the message has room.
+/// Chosen: 960 bytes, which leave room for the rest of the fragment.
 constexpr std::size_t kCellsInPiece = 40;
 
 class Fragmenter {
@@ -40,7 +40,7 @@ class Fragmenter {
       writeCells(*object.grid, first, kCellsInPiece, *to.mutable_motion()->mutable_grid());
     });
   }
-  /// The payloads: at least one, which may be empty.
+  /// Returns the payloads: at least one, which may be empty.
   std::vector<std::vector<std::uint8_t>> finish() {
     flush();
     const bool small = pieces_.size() <= kMostParts && bytes_ <= kMaxMessageBytes;
@@ -48,7 +48,7 @@ class Fragmenter {
   }
 
  private:
-  /// Into the piece that is being filled, or into a new one where it does not fit.
+  /// Adds to the present fragment, or to a new one if it does not fit.
   template <class Put>
   void add(const CodedObject& object, const Put& put) {
     proto::HapticFrame grown = piece_;
@@ -90,13 +90,13 @@ class Fragmenter {
   std::size_t bytes_ = 0;
 };
 
-/// What of the header is the same in all parts of a frame.
+/// Returns whether two headers belong to the same frame.
 bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
   a.part = b.part;
   return a == b;
 }
 
-/// Whichever order its slices came in, the same relief is the same bytes.
+/// Returns the relief with sorted slices, so that the bytes do not depend on the order of arrival.
 std::shared_ptr<const CodedRelief> inOrder(CodedRelief relief) {
   std::sort(relief.slices.begin(), relief.slices.end());
   return std::make_shared<const CodedRelief>(std::move(relief));

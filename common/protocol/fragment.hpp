@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A frame in pieces that fit datagrams: packed by who sends it, read one by one and joined by who
-// gets it. Thread: any, one per object.
+// Fragmentation and reassembly: the sender splits a frame into payloads that fit datagrams; the
+// receiver checks each one and joins them in any order. Thread: any, one for each object.
 #pragma once
 
 #include <cstddef>
@@ -19,61 +19,65 @@
 
 namespace hapticast {
 
-/// What one piece brings of an object.
+/// Part of an object in one fragment.
 struct ObjectPiece {
-  CodedObject object;  ///< of its relief's slices and its grid's cells those that came
-  bool head = false;   ///< motion, impacts, material and which relief it has came, too
-  /// Of the grid, whose size is told whole and whose vectors begin here.
+  CodedObject object;  ///< with only this fragment's slices and cells
+  bool head = false;   ///< includes motion, impacts, material and the relief's rectangle
+  /// First cell of the grid's vectors in this fragment; columns and rows describe the whole grid.
   std::size_t first_cell = 0;
 };
+/// Content of one fragment.
 struct FramePiece {
   std::vector<ObjectPiece> objects;
-  /// Of the whole frame, where a head comes, or where there are none.
+  /// Number of objects of the whole frame, if the fragment has a head or no objects.
   std::optional<std::size_t> object_count = std::nullopt;
 };
 
-/// The payloads of a frame's datagrams, at most kMostPieceBytes each; none where it needs more than
-/// kMostParts or 8 MiB. Requires a frame that decode() would take.
+/// Splits `frame` into payloads of at most kMostPieceBytes. Returns none if it needs more than
+/// kMostParts or 8 MiB. Requires a frame that decode() would accept.
 [[nodiscard]] std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame);
 
-/// One payload by itself, with every number checked as decode() does it.
+/// Reads one payload, with the checks of decode(). `frame`: id of its frame.
 [[nodiscard]] Result<FramePiece, WireError> readPiece(std::span<const std::uint8_t> payload,
                                                       std::uint64_t frame);
 
-/// A frame as its pieces come, in any order.
+/// Reassembles a frame from its fragments, in any order.
 class Reassembly {
  public:
-  /// The frame that this datagram is a part of; no probe.
+  /// Starts the frame of this datagram. Requires a header that is no probe.
   explicit Reassembly(const DatagramHeader& any_part);
 
-  /// False where the part was had before or is none of this frame.
+  /// Returns whether the part belongs to this frame and is still missing.
   [[nodiscard]] bool lacks(const DatagramHeader& part) const;
-  /// Takes the payload of a part that it lacks. An error where it contradicts what came before:
-  /// the frame is to be given up.
+  /// Adds the payload of a missing part. Returns an error if it contradicts earlier parts; then the
+  /// frame must be discarded.
   [[nodiscard]] std::optional<WireError> add(const DatagramHeader& part,
                                              std::span<const std::uint8_t> payload);
+  /// Returns whether all parts are present.
   [[nodiscard]] bool whole() const { return had_count_ == header_.parts; }
   [[nodiscard]] const DatagramHeader& header() const { return header_; }
-  /// Whether the head of every object has come: nothing of the frame is unknown but shapes.
+  /// Returns whether the heads of all objects are present, so that only slices and cells may be
+  /// missing.
   [[nodiscard]] bool headed() const;
-  /// What has come of an object's relief; null where it has none, or its head is missing.
+  /// Returns the received part of an object's relief; null if it has no relief or its head is
+  /// missing.
   [[nodiscard]] std::shared_ptr<const CodedRelief> relief(const ObjectKey& object);
-  [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< of what has come
-  /// What has come so far: objects whose head has, with the slices that have; a grid only where all
-  /// of it has.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< bytes received
+  /// Returns the received part of the frame: objects with a head, with their slices so far. Only
+  /// complete grids.
   [[nodiscard]] CodedFrame frame() const;
 
  private:
   struct Joined {
     CodedObject object;
     CodedRelief relief;
-    std::shared_ptr<const CodedRelief> in_order;  // the same, once it was asked for
+    std::shared_ptr<const CodedRelief> in_order;  // cached result of relief()
     std::optional<codec::CoveredCells> covered;   // by its slices
     MotionGrid grid;
-    std::vector<bool> cells;  // of the grid: those that came
+    std::vector<bool> cells;  // received cells of the grid
     bool head = false;
 
-    /// Whether grid and relief, as far as they are known, belong together.
+    /// Returns whether grid and relief, as far as received, belong together.
     [[nodiscard]] bool covers() const;
   };
   [[nodiscard]] std::optional<WireError> addFragment(const ObjectPiece& piece);
@@ -84,7 +88,7 @@ class Reassembly {
   std::vector<bool> had_;
   std::size_t had_count_ = 0;
   std::size_t bytes_ = 0;
-  std::size_t pixels_ = 0;  // of all reliefs' rectangles
+  std::size_t pixels_ = 0;  // sum of all reliefs' rectangles
   std::optional<std::size_t> object_count_;
   std::map<ObjectKey, Joined> objects_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Domain structs <-> protobuf bytes. The only door to protobuf; everything read is validated here,
-// so what comes out of decode() is finite, within range and consistent. Format: proto/README.md.
+// Protocol messages as structs, with their encoder and decoder. Only this folder includes protobuf.
+// The decoder validates all input, so its results are finite, within range and consistent. Format:
+// proto/README.md. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +19,10 @@
 
 namespace hapticast {
 
-/// Bumped by hand at every incompatible change of proto/hapticast.proto.
+/// Protocol version. Increment by hand at every incompatible change of proto/hapticast.proto.
 inline constexpr std::uint32_t kProtocolVersion = 2;
 
+/// First message of a client.
 struct Hello {
   std::uint32_t protocol_version = kProtocolVersion;
   std::string client_name;
@@ -34,32 +36,35 @@ struct DatagramGroup {
   std::uint64_t token = 0;
   bool operator==(const DatagramGroup&) const = default;
 };
+/// Answer of the server to Hello.
 struct Welcome {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint32_t session_id = 0;
-  std::uint64_t datagram_token = 0;  ///< 0: no datagrams, and nothing of what follows them
+  std::uint64_t datagram_token = 0;  ///< 0: no datagrams; then the members below are unused
   StreamDescription description;
-  std::uint16_t datagram_port = 0;  ///< 0: that of the TCP connection
-  std::uint32_t stream = 0;         ///< of this run of the server, in every datagram
+  std::uint16_t datagram_port = 0;  ///< 0: the port of the TCP connection
+  std::uint32_t stream = 0;         ///< number of this run of the server, in every datagram
   std::optional<KeyBytes> verifying_key = std::nullopt;
   std::optional<DatagramGroup> group = std::nullopt;
 };
-/// How a client wants its frames from now on.
+/// Delivery that a client requests from now on.
 struct Delivery {
   bool on_tcp = true;
-  bool datagrams = true;     ///< where it has echoed its token
-  std::uint32_t copies = 1;  ///< of each datagram, 1..limits::kMostCopies; also of the group's
+  bool datagrams = true;     ///< after an echo of its token
+  std::uint32_t copies = 1;  ///< redundancy, 1..limits::kMostCopies; also for the group
   bool operator==(const Delivery&) const = default;
 };
+/// Clock request of a client.
 struct Ping {
   LocalTime t0;
 };
+/// Answer to a ping (transport/clock_sync.hpp).
 struct Pong {
   LocalTime t0;
   MediaTime t1;
   MediaTime t2;
 };
-/// How a client receives, as RTCP's receiver reports say it: now and then, client to server.
+/// Reception statistics of a client, like RTCP receiver reports; sent now and then.
 struct ReceiverReport {
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;
@@ -69,23 +74,22 @@ struct ReceiverReport {
   bool in_contact = false;
 };
 
-/// No frame can come yet: the server looks through its clip first.
+/// Progress of the server's scan of its clip; no frames before its end.
 struct Preparing {
-  double share = 0.0;  ///< of the clip, 0..1
+  double share = 0.0;  ///< scanned share, 0..1
 };
 
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
                              ReceiverReport, WireError, Preparing, Delivery>;
 
-/// The bytes of one message, without the length prefix (framing.hpp). Requires valid content.
+/// Encodes one message, without the length prefix (framing.hpp). Requires valid content.
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
 
-/// The same, to be shared by all who send them.
+/// Encodes one message into bytes that senders share.
 [[nodiscard]] SharedBytes encodeShared(const Message& message);
 
-/// Never throws on bad bytes; limits are checked before anything is allocated by content. Slices
-/// are checked as far as their first bytes go: whether they can be decoded is HeightDecoder's to
-/// say.
+/// Decodes one message. Never throws for bad bytes; checks limits before it allocates memory for
+/// the content. Checks slices by their headers only; HeightDecoder checks the rest.
 [[nodiscard]] Result<Message, WireError> decode(std::span<const std::uint8_t> bytes);
 
 }  // namespace hapticast

@@ -48,7 +48,7 @@ std::vector<Eigen::Vector3f> vectors(const Floats& from, double limit, Check& ch
   return to;
 }
 
-/// Which part of a grid stands in a message.
+/// Part of a grid in a message.
 struct GridPart {
   std::shared_ptr<const MotionGrid> grid;
   std::size_t first_cell = 0;
@@ -120,7 +120,7 @@ std::shared_ptr<const CodedRelief> read(const proto::Relief& from, bool in_piece
   return to;
 }
 
-/// Motion, impacts and material.
+/// Reads motion, impacts and material.
 void readHead(const proto::Object& from, std::uint64_t frame_id, CodedObject& to, Check& check) {
   to.changed_in_frame = from.changed_in_frame();
   check.require(to.changed_in_frame <= frame_id, "a relief changed in a later frame");
@@ -151,7 +151,7 @@ ObjectPiece read(const proto::Object& from, std::uint64_t frame_id, bool in_piec
   return to;
 }
 
-/// All objects, none once the check has an error.
+/// Reads all objects; none after an error of the check.
 std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64_t frame_id,
                                      bool in_pieces, Check& check) {
   std::vector<ObjectPiece> to;
@@ -185,7 +185,7 @@ void checkObject(const CodedObject& object, Check& check) {
   checkRelief(*object.relief, check);
 }
 
-/// The parser would put the slices of several reliefs together.
+/// The parser would merge the slices of several reliefs.
 void boundSlices(std::span<const std::uint8_t> object, Check& check) {
   const auto reliefs = submessages(object, proto::Object::kReliefFieldNumber, 1);
   check.require(reliefs.has_value(), "an object has two reliefs");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Protobuf's frames -> domain structs, with every number checked; part of decode() and readPiece().
-// Thread: any.
+// Decoder of frames: protobuf messages to domain structs, with every number checked; part of
+// decode() and readPiece(). Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@
 
 namespace hapticast {
 
-/// Counts what may repeat in the bytes of a message before the parser allocates it.
+/// Bounds the repeated fields in a message's bytes before the parser allocates memory for them.
 void boundCounts(std::span<const std::uint8_t> message, Check& check);
-/// The same in those of a frame or a piece of one.
+/// Bounds the repeated fields of a frame or a fragment.
 void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 
-/// What these return means nothing once the check has an error.
+/// Return undefined values after an error of the check.
 [[nodiscard]] CodedFrame readFrame(const proto::HapticFrame& from, Check& check);
 [[nodiscard]] FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id,
                                         Check& check);
 
-/// What objects, and parts of them, owe each other: each of them comes once, slices do not overlap,
-/// a grid covers its relief, and all of it is bounded.
+/// Checks the consistency of objects and fragments: no object twice, no overlap of slices, a grid
+/// that covers its relief, limits of the whole frame.
 void checkFrame(const CodedFrame& frame, Check& check);
 
 }  // namespace hapticast

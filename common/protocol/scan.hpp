@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Walks the fields of a protobuf message without parsing it, so that repeated messages can be
-// counted before anything is allocated for them (an empty one costs 2 bytes on the wire and 150 in
-// memory). It reads tags and skips unknown fields and groups with protobuf's own code, so that it
-// goes at least as far as the parser does. Thread: any.
+// Scanner of a protobuf message without parsing: counts repeated submessages before anything is
+// allocated for them (an empty one costs 2 bytes on the wire and 150 in memory).
+// It reads tags and skips unknown fields and groups with protobuf's own code, so that it reads at
+// least as far as the parser. Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace hapticast {
 
-/// The contents of the length-delimited fields numbered `field`, at most `limit` of them (nullopt:
-/// more). Stops at the first byte that makes no sense: the parser refuses it, too. Requires at most
+/// Returns the contents of the length-delimited fields numbered `field`; nullopt if there are more
+/// than `limit`. Stops at the first invalid byte, which the parser rejects too. Requires at most
 /// kMaxMessageBytes.
 [[nodiscard]] std::optional<std::vector<std::span<const std::uint8_t>>> submessages(
     std::span<const std::uint8_t> message, std::uint32_t field, std::size_t limit);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Frames -> protobuf's, whole or in pieces; part of encode() and of packFrame(). Thread: any.
+// Encoder of frames to protobuf messages, whole or in fragments; part of encode() and packFrame().
+// Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +10,12 @@
 
 namespace hapticast {
 
+/// Writes a whole frame.
 void writeFrame(const CodedFrame& from, proto::HapticFrame& to);
-/// What of an object is no relief and no grid.
+/// Writes an object without its relief and grid.
 void writeHead(const CodedObject& from, proto::Object& to);
 void writeRect(const PixelRect& from, proto::Relief& to);
-/// Cells of the grid from `first` on, at most `most` of them, behind those that stand there.
+/// Appends the cells of the grid from `first` on, at most `most` of them.
 void writeCells(const MotionGrid& from, std::size_t first, std::size_t most, proto::MotionGrid& to);
 
 }  // namespace hapticast

@@ -10,11 +10,11 @@ namespace hapticast {
 
 namespace {
 
-// Rows farther away than any picture is high: none.
+// Row offset larger than any picture: no marked pixel.
 constexpr std::int32_t kNone = 1 << 24;
 
-/// Row of the nearest marked pixel in the same column, +-kNone where the column has none. Without
-/// branches, so that the columns of a row are done side by side.
+/// Returns for each pixel the row of the nearest marked pixel in its column, +-kNone if there is
+/// none. Without branches, so that the compiler vectorises over columns.
 std::vector<std::int32_t> nearestInColumn(const std::vector<std::uint8_t>& mask, int width,
                                           int height, std::uint8_t marked) {
   const auto columns = static_cast<std::size_t>(width);
@@ -37,8 +37,8 @@ std::vector<std::int32_t> nearestInColumn(const std::vector<std::uint8_t>& mask,
   return row;
 }
 
-/// One row: candidates are the columns' nearest pixels; parabola i is height[i] + (step * (u -
-/// i))².
+/// Lower envelope of parabolas along one row. Candidates are the columns' nearest pixels; parabola
+/// i is height[i] + (step * (u - i))².
 class LowerEnvelope {
  public:
   LowerEnvelope(std::size_t width, double step)
@@ -64,7 +64,7 @@ class LowerEnvelope {
     height_[count_] = height;
     ++count_;
   }
-  /// Calls visit(u, column of the nearest, squared distance) for u = 0..width-1. Requires a
+  /// Calls `visit`(u, column of the nearest, squared distance) for u = 0..width-1. Requires a
   /// candidate.
   template <class Visit>
   void forEach(int width, Visit visit) const {
@@ -86,8 +86,8 @@ class LowerEnvelope {
   std::vector<double> half_per_;  // 1 / (2 step² gap)
 };
 
-/// Calls visit(index, squared distance, index of the nearest) for all pixels that have one; a
-/// marked pixel is its own.
+/// Calls `visit`(index, squared distance, index of the nearest) for all pixels with a nearest
+/// marked pixel; for a marked pixel that is itself.
 template <class Visit>
 void visitNearest(const std::vector<std::uint8_t>& mask, int width, int height, std::uint8_t marked,
                   const Vec2& mm_per_px, Visit visit) {
@@ -101,7 +101,7 @@ void visitNearest(const std::vector<std::uint8_t>& mask, int width, int height, 
       const std::size_t i = start + static_cast<std::size_t>(u);
       const std::int32_t candidate = row[i];
       if (std::abs(candidate) == kNone) continue;
-      // Within a run of marked pixels only its ends are nearest to anything but themselves.
+      // Within a run of marked pixels only its ends can be nearest to other pixels.
       const bool within_run =
           candidate == v && u > 0 && u + 1 < width && row[i - 1] == v && row[i + 1] == v;
       if (within_run) continue;

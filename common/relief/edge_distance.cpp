@@ -12,19 +12,20 @@ namespace {
 
 constexpr double kSigma_px = 1.8;
 constexpr std::size_t kRadius_px = 5;
-// The fit counts in full so near to the edge, and less and less as far as this: a sample on the
-// edge reads pixels up to 2.8 px away, the farther the less.
+// The fit has full weight up to kAll_px from the edge, decreasing to none at kNothing_px. A sample
+// on the edge reads pixels up to 2.8 px away, with decreasing weight.
 constexpr float kAll_px = 1.0F;
 constexpr float kNothing_px = 4.0F;
-// A mask tells its edge to half a pixel: by about so much may the distances be off the quadratic.
+// A mask determines its edge to half a pixel: about the largest deviation of distances from the
+// quadratic.
 constexpr float kSurelyGood_px = 0.25F;
 constexpr float kSurelyBad_px = 0.75F;
 constexpr int kLongestStep_px = 3;
-// What the Gaussian and the spline take off a line's distances where it bends, per second
+// Loss of the Gaussian and the spline at a curved line of distances, for each unit of the second
 // derivative: half their variances.
 constexpr auto kBent_px2 = static_cast<float>(0.5 * (kSigma_px * kSigma_px + 1.0 / 3.0));
 
-/// A line of blurred values from the lines lineAt(-kRadius_px .. kRadius_px) around it.
+/// Writes a line of blurred values from the lines lineAt(-kRadius_px .. kRadius_px) around it.
 template <class LineAt>
 void blurLine(float* __restrict__ to, std::size_t length,
               const std::array<float, kRadius_px + 1>& weight, LineAt lineAt) {
@@ -39,7 +40,8 @@ void blurLine(float* __restrict__ to, std::size_t length,
   }
 }
 
-/// A separable Gaussian; beyond the ends the last value is held. Changes `scratch`, of equal size.
+/// Blurs by a separable Gaussian; the ends repeat the last value. Overwrites `scratch`, of equal
+/// size.
 void blur(std::vector<float>& values, std::vector<float>& scratch, int columns, int rows) {
   std::array<float, kRadius_px + 1> weight{};
   float sum = 0.0F;
@@ -66,7 +68,7 @@ void blur(std::vector<float>& values, std::vector<float>& scratch, int columns, 
   }
 }
 
-/// Values on a straight line, the middle one first, then pairs of them to either side.
+/// Values on a straight line: the middle one, then pairs of them to either side.
 constexpr std::size_t kPairs = 8;
 struct Line {
   float middle = 0.0F;
@@ -74,12 +76,12 @@ struct Line {
   std::array<float, kPairs> behind{};
 };
 
-/// How much a value k from the middle weighs in a fit.
+/// Returns the weight of a value k steps from the middle in a fit.
 constexpr float weight(float k) {
   constexpr float kBeyond = kPairs + 1;
   return 1.0F - k * k / (kBeyond * kBeyond);
 }
-/// Sum of the weights times k to the power.
+/// Returns the sum of the weights times k to the power.
 constexpr float moment(int power) {
   float sum = power == 0 ? weight(0) : 0.0F;
   for (std::size_t i = 1; i <= kPairs; ++i) {
@@ -90,7 +92,7 @@ constexpr float moment(int power) {
   return sum;
 }
 
-/// The weighted quadratic fit to a Line.
+/// Weighted quadratic fit to a Line.
 class LineFit {
  public:
   explicit LineFit(const Line& line) {
@@ -113,7 +115,7 @@ class LineFit {
   [[nodiscard]] float middle() const { return middle_; }
   /// Second derivative, per step between two values.
   [[nodiscard]] float bend() const { return 2.0F * bend_; }
-  /// The farthest any of the values is from it.
+  /// Returns the largest deviation of a value from the fit.
   [[nodiscard]] float off(const Line& line) const {
     std::array<float, kPairs> each;
     for (std::size_t i = 0; i < kPairs; ++i) {
@@ -131,8 +133,8 @@ class LineFit {
   float bend_ = 0.0F;
 };
 
-/// The line through a pixel along the edge next to it: it goes on by one pixel along the axis it is
-/// nearer to, and by `lean` along the other.
+/// The line through a pixel along the nearby edge: one pixel along the axis closer to it, `lean`
+/// along the other, for each step.
 class AlongEdge {
  public:
   AlongEdge(const std::vector<float>& values, int width, int height, int u, int v)
@@ -151,7 +153,7 @@ class AlongEdge {
     room_across_ = static_cast<float>((level ? room_v : room_u) - 1);
   }
 
-  /// Whether values `step` px apart are all there.
+  /// Returns whether values `step` px apart are all available.
   [[nodiscard]] bool reaches(int step) const {
     const int far = step * static_cast<int>(kPairs);
     return far <= room_along_ && static_cast<float>(far) * lean_ <= room_across_;
@@ -170,7 +172,7 @@ class AlongEdge {
     }
     return line;
   }
-  /// Square of the line's length per pixel along its axis.
+  /// Returns the square of the line's length per pixel along its axis.
   [[nodiscard]] float stretch() const { return 1.0F + lean_ * lean_; }
 
  private:
@@ -182,9 +184,9 @@ class AlongEdge {
   float room_across_;
 };
 
-/// A mask runs along whole pixels for long stretches where its edge is nearly level or upright;
-/// only a longer line sees where between them the edge lies. So the longest is taken that a
-/// quadratic explains (Lepski's choice of a bandwidth), mixed where that is in doubt.
+/// Near level or upright edges a mask follows whole pixels for long stretches, and only a longer
+/// line shows the subpixel position of the edge. Selects the longest line that a quadratic explains
+/// (Lepski's choice of a bandwidth), blended in cases of doubt.
 float alongEdge(const AlongEdge& edge, float value_mm, float mm_per_px) {
   float smooth_mm = 0.0F;
   float left = 1.0F;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sampling: called in the 1 kHz loop. No heap, bounded, any coordinate.
+// Sampling of a height field. Called in the 1 kHz loop: no heap, bounded time, any coordinate.
+// Thread: any.
 #include "common/relief/height_field.hpp"
 
 #include <algorithm>
@@ -20,8 +21,8 @@ Four load(const float* from) {
   return values;
 }
 
-/// Weights of four pixels along one axis, t beyond the second: of the value and its derivatives
-/// per px.
+/// Weights of four pixels along one axis, for a position t beyond the second: of the value and its
+/// derivatives per px.
 struct SplineWeights {
   Four value, slope, bend;
 };
@@ -37,7 +38,7 @@ SplineWeights splineWeights(float t) {
           6.0F * kCube * t + 2.0F * kSquare};
 }
 
-/// The sums of a, b, c and d, each over its four values.
+/// Returns the sums of a, b, c and d, each over its four values.
 Four sums(const Four& a, const Four& b, const Four& c, const Four& d) {
   const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5) +  //
                   __builtin_shufflevector(a, b, 2, 6, 3, 7);
@@ -46,20 +47,20 @@ Four sums(const Four& a, const Four& b, const Four& c, const Four& d) {
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
-/// The 4 x 4 pixels around a point, row by row, and where it lies between them.
+/// The 4 x 4 pixels around a point, row by row, and the point's position between them.
 struct Cell {
   float u, v;
   std::array<Four, 4> row;
 
-  /// For each column the sum over the rows.
+  /// Returns for each column the weighted sum over the rows.
   [[nodiscard]] Four down(const Four& weights) const {
     return weights[0] * row[0] + weights[1] * row[1] + weights[2] * row[2] + weights[3] * row[3];
   }
 };
 
-/// The pixels around a point `x_px`, `y_px` from the first centre; none of them is outside when
-/// both are kept within 1 and `last`, less than two below the last centre. Without branches; a NaN
-/// counts as 1.
+/// Returns the pixels around a point, which is measured from the first pixel's centre. The point is
+/// clamped to 1 .. `last`, less than two below the last centre, so that all pixels exist. Without
+/// branches; a NaN counts as 1.
 [[gnu::always_inline]] inline Cell interpolateCell(const std::vector<float>& values,
                                                    std::ptrdiff_t stride, const Vec2& from_first_px,
                                                    const Vec2& last) {
@@ -73,7 +74,7 @@ struct Cell {
           {load(row), load(row + stride), load(row + 2 * stride), load(row + 3 * stride)}};
 }
 
-/// From derivatives per px; v runs against y.
+/// Converts derivatives per px to nominal mm; v runs against y.
 Vec2 computeGradient(const Four& sample, const Vec2& px_per_mm) {
   return Vec2(static_cast<double>(sample[1]), -static_cast<double>(sample[2]))
       .cwiseProduct(px_per_mm);
@@ -86,7 +87,7 @@ bool HeightField::inside(const Vec2& image_px) const noexcept {
   const Vec2 from_edge_px = image_px - first_px_ + Vec2::Constant(0.5);
   const double u = from_edge_px.x();
   const double v = from_edge_px.y();
-  // Written so that a NaN fails.
+  // A NaN fails this test.
   if (!(u >= 0.0 && u < size_px_.x() && v >= 0.0 && v < size_px_.y())) return false;
   return mask_[static_cast<std::size_t>(static_cast<int>(v) * prepared_.width +
                                         static_cast<int>(u))] != 0;
@@ -94,9 +95,9 @@ bool HeightField::inside(const Vec2& image_px) const noexcept {
 
 SurfaceSample HeightField::bilinear(const Vec2& image_px) const noexcept {
   const Cell cell = interpolateCell(height_mm_, prepared_.width, image_px - first_px_, last_cell_);
-  // Between two pixels of a column: the value; Sobel's [1 2 1] and [-1 0 1] of one pixel turn into
-  // those of the other, so that each of the four pixels' Sobel gradients weighs by the area
-  // opposite to it.
+  // Interpolates the value between two pixels of a column. Sobel's [1 2 1] and [-1 0 1] of one
+  // pixel blend into those of the other. So each of the four pixels' Sobel gradients has the weight
+  // of the opposite area.
   const auto& [top, upper, lower, bottom] = cell.row;
   const Four between = lower - upper;
   const Four above = top + upper, below = lower + bottom, middle = upper + lower;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A relief prepared for touch: heights continued beyond the mask, signed distance to the mask's
-// edge. Built off the loop by whoever receives a frame; afterwards immutable and read by the 1 kHz
-// loop.
+// Height field: a relief prepared for contact, with heights continued beyond the mask and the
+// signed distance to the mask's edge.
+// Prepared off the haptic loop, then immutable and sampled by the 1 kHz loop. Thread: any.
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ struct SurfaceSample {
   Vec2 gradient = Vec2::Zero();
 };
 
-/// The same with second derivatives (1/mm).
+/// Height, gradient and second derivatives (1/mm).
 struct CurvedSample : SurfaceSample {
   double bend_xx = 0.0;
   double bend_xy = 0.0;
@@ -30,59 +30,62 @@ struct EdgeSample {
   Vec2 gradient = Vec2::Zero();
 };
 
+/// The prepared relief of one layer.
 class HeightField {
  public:
   HeightField() = default;
 
-  /// Continues the heights kMargin_px beyond the mask by local fits (rim_fit.hpp), so that a
-  /// surface sampled near the rim is not pulled down by what lies beside the object, and finds the
-  /// smoothed signed distance to the mask's edge (edge_distance.hpp), which the proxy feels as a
-  /// wall. Takes time linear in the rectangle. Requires a validated relief (sizes match, finite
-  /// heights). May allocate; not for the loop.
+  /// Prepares `relief`: continues its heights kMargin_px beyond the mask by local fits
+  /// (rim_fit.hpp), so that nothing beside the object affects samples near the rim.
+  /// Computes the smoothed signed distance to the mask's edge (edge_distance.hpp), which the proxy
+  /// contacts as a wall. Time is linear in the rectangle.
+  /// Requires a validated relief (matching sizes, finite heights). May allocate; not for the haptic
+  /// loop.
   static HeightField prepare(const Relief& relief, const Workspace& workspace);
-  /// The thesis's way: zero outside the mask, nothing continued.
+  /// Prepares `relief` by the thesis's method: height 0 outside the mask, without continuation.
   static HeightField prepareThesis(const Relief& relief, const Workspace& workspace);
 
-  /// Whether the pixel under `image_px` belongs to the object.
+  /// Returns whether the pixel at `image_px` belongs to the object.
   [[nodiscard]] bool inside(const Vec2& image_px) const noexcept;
-  /// Bilinear height and bilinearly interpolated Sobel gradient (Eq. 11-12), to about 1e-5 mm
-  /// (single precision). Outside the prepared rectangle: the nearest prepared value. Any
-  /// `image_px`; a NaN counts as the far left or top. Requires a field that is not empty.
+  /// Returns the bilinear height and the bilinearly interpolated Sobel gradient (Eq. 11-12), exact
+  /// to about 1e-5 mm (single precision).
+  /// Outside the prepared rectangle: the nearest prepared value. Accepts any `image_px`; a NaN
+  /// counts as the far left or top. Requires a non-empty field.
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
-  /// Uniform cubic B-spline with the heights as coefficients; otherwise as bilinear().
+  /// Returns a uniform cubic B-spline with the heights as coefficients; otherwise like bilinear().
   [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
-  /// Signed distance to the mask's edge (a cubic B-spline of the smoothed field), clamped to
-  /// +-kMargin_px. Coordinates and requirement as for bilinear().
+  /// Returns the signed distance to the mask's edge (a cubic B-spline of the smoothed field),
+  /// clamped to +-kMargin_px. Coordinates and requirement: see bilinear().
   [[nodiscard]] EdgeSample edge(const Vec2& image_px) const noexcept;
-  /// No spline() of this field is higher.
+  /// Returns an upper bound of spline() over the field, mm.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
 
-  /// Centre of the pixel of the mask that is farthest from its edge, px, image frame; (0, 0) when
+  /// Returns the centre of the mask's pixel farthest from the edge, px, image frame; (0, 0) when
   /// empty.
   [[nodiscard]] const Vec2& deepestPoint_px() const noexcept { return deepest_px_; }
-  /// Height of that pixel.
+  /// Returns the height of that pixel, mm.
   [[nodiscard]] double deepestPointHeight_mm() const noexcept { return deepest_height_mm_; }
 
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
   [[nodiscard]] bool empty() const noexcept { return height_mm_.empty(); }
 
-  static constexpr int kMargin_px = 12;
+  static constexpr int kMargin_px = 12;  ///< width of the continuation, px
 
  private:
-  /// Heights inside the mask, zero elsewhere; empty when the sizes do not match.
+  /// Returns heights inside the mask, zero elsewhere; empty if the sizes do not match.
   static HeightField padded(const Relief& relief, const Workspace& workspace);
-  /// Edge distances and, if `continued`, the heights beyond the mask.
+  /// Computes edge distances and, if `continued`, the heights beyond the mask.
   void complete(bool continued);
 
   PixelRect rect_;      // of the relief
-  PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may leave the picture)
-  // The same in the numbers that sampling reckons with.
+  PixelRect prepared_;  // rect_ grown by kMargin_px on all sides (may extend beyond the picture)
+  // Precomputed for sampling.
   Vec2 first_px_ = Vec2::Zero();  // centre of the first pixel
   Vec2 size_px_ = Vec2::Zero();
-  Vec2 last_cell_ = Vec2::Zero();  // from there: the last point with 4 x 4 pixels around it
+  Vec2 last_cell_ = Vec2::Zero();  // last point with 4 x 4 pixels around it, from first_px_
   Vec2 mm_per_px_ = Vec2::Ones();
   Vec2 px_per_mm_ = Vec2::Ones();
-  Vec2 deepest_px_ = Vec2::Zero();  // of the mask
+  Vec2 deepest_px_ = Vec2::Zero();  // in the mask
   double deepest_height_mm_ = 0.0;
   double highest_mm_ = 0.0;
   std::vector<float> height_mm_;    // over prepared_

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Preparing a relief for touch: distance transform, heights continued beyond the rim, seams
-// rounded. Off the loop; any thread.
+// Preparation of a height field: distance transform, heights continued beyond the rim, smoothed
+// seams. Off the haptic loop. Thread: any.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,8 +35,8 @@ std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width
   return edge;
 }
 
-/// Rounds the seams where the fits of two rim pixels meet. Averaging neighbours leaves planes as
-/// they are; only pixels whose neighbours are all within the fits' reach take part.
+/// Smooths the seams between the fits of two rim pixels. Averaging of neighbours does not change
+/// planes. Uses only pixels whose neighbours are all within the fits' reach.
 void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask, int width,
                  int height, const NearestPixel& to_inside, double mm_per_px) {
   const auto columns = static_cast<std::size_t>(width);
@@ -58,7 +58,8 @@ void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>&
   }
 }
 
-/// The largest of some values, not none and no NaN among them; eight side by side.
+/// Returns the largest value. Requires values without NaN, at least one. Vectorised: eight maxima
+/// in parallel.
 float largest(const std::vector<float>& values) {
   constexpr std::size_t kSideBySide = 8;
   std::array<float, kSideBySide> most;
@@ -80,7 +81,7 @@ void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const std::int32_t rim = to_inside.nearest[i];
     if (mask[i] != 0 || rim < 0) continue;
-    if (to_inside.distance_mm[i] > farthest) {  // nobody comes here
+    if (to_inside.distance_mm[i] > farthest) {  // beyond the reach of contact
       height_mm[i] = height_mm[static_cast<std::size_t>(rim)];
       continue;
     }
@@ -117,7 +118,7 @@ HeightField HeightField::padded(const Relief& relief, const Workspace& workspace
                      rect.height + 2 * kMargin_px};
   field.first_px_ = Vec2(field.prepared_.u, field.prepared_.v) + Vec2::Constant(0.5);
   field.size_px_ = Vec2(field.prepared_.width, field.prepared_.height);
-  constexpr double kJustBefore_px = 1e-9;  // the point itself is between the next pixels
+  constexpr double kJustBefore_px = 1e-9;  // excludes the point exactly on the next pixel
   field.last_cell_ = field.size_px_ - Vec2::Constant(2.0 + kJustBefore_px);
   const auto width = static_cast<std::size_t>(field.prepared_.width);
   const auto height = static_cast<std::size_t>(field.prepared_.height);

@@ -17,13 +17,13 @@ constexpr double kSigma_px = 2.5;
 constexpr double kBendReach_px = 4.0;
 constexpr double kReach_px = 12.0;
 constexpr double kLimit_mm = 2.0;
-// Relative to the weight of the pixels. The slope's only settles masks that do not show a slope
-// (one pixel, a line); the bend's keeps three noisy pixels in a row from being taken for a
-// parabola.
+// Ridge parameters, relative to the weight of the pixels. The slope's ridge only affects masks that
+// do not determine a slope (one pixel, a line). The curvature's ridge prevents a parabola through
+// three noisy pixels.
 constexpr double kSlopeRidge = 1e-6;
 constexpr double kBendRidge = 3e-3;
 
-/// w x^0 .. w x^4 of one offset, x in units of sigma.
+/// w x^0 .. w x^4 of one offset; x in units of sigma.
 using Powers = std::array<double, 5>;
 
 std::array<Powers, 2 * kRadius_px + 1> makePowers() {

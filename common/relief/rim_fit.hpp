@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The local fit that continues a relief beyond the rim of its mask. Used to prepare height fields,
-// off the loop; any thread.
+// Local quadratic regression at the rim of a mask, which continues a relief beyond the rim.
+// Prepares height fields, off the haptic loop. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace hapticast {
 
-/// A quadratic about one pixel, from the masked heights around it.
+/// A quadratic about one pixel, fitted to the masked heights around it.
 class RimFit {
  public:
-  /// Gaussian weights of 2.5 px over the masked pixels within 5 px of (u, v). A plane is met
-  /// exactly; curvature is held back by a small ridge where the pixels do not show it (thin masks).
+  /// Fits with Gaussian weights of 2.5 px over the masked pixels within 5 px of (u, v). Exact for
+  /// planes. A small ridge suppresses curvature that the pixels do not determine (thin masks).
   /// Requires mask(u, v) = 1.
   RimFit(const std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask, int width,
          int height, int u, int v);
 
-  /// Height at (du, dv) px from the pixel: the quadratic for 4 px, from there straight on to 12 px,
-  /// from there held; never farther than 2 mm from the weighted mean around the pixel.
+  /// Returns the height at (du, dv) px from the pixel, mm: the quadratic up to 4 px, its tangent up
+  /// to 12 px, then constant. At most 2 mm from the weighted mean around the pixel.
   [[nodiscard]] double at(double du, double dv) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The newest value of one writer for one reader (triple buffer): wait-free on both sides, never
-// torn.
+// Triple buffer: passes the newest value of one writer to one reader, wait-free on both sides,
+// without torn values. Thread: one writer, one reader.
 #pragma once
 
 #include <array>
@@ -10,9 +10,10 @@
 
 namespace hapticast {
 
+/// Newest value of type T.
 template <class T>
 class LatestValue {
-  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially
+  // T owns no memory, so copies in the loop cannot allocate. (Eigen vectors are not trivially
   // copyable.)
   static_assert(std::is_trivially_destructible_v<T>);
 
@@ -20,16 +21,16 @@ class LatestValue {
   LatestValue() = default;
   explicit LatestValue(const T& initial) { slots_.fill(initial); }
 
-  /// Thread: the one writer.
+  /// Stores the newest value. Thread: the writer.
   void store(const T& value) noexcept {
     slots_[back_] = value;
-    // Release publishes the slot, acquire takes back one the reader is done with (pairs with
-    // load()).
+    // Release publishes the slot; acquire receives a slot that the reader has finished with (pairs
+    // with load()).
     back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) &
             kIndex;
   }
 
-  /// The newest stored value, or the initial one. Thread: the one reader.
+  /// Returns the newest stored value, or the initial one. Thread: the reader.
   [[nodiscard]] const T& load() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
       front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Single-producer single-consumer ring of plain values: wait-free on both sides.
+// Single-producer single-consumer ring buffer (Lamport queue) of plain values: wait-free on both
+// sides. Thread: one producer, one consumer.
 #pragma once
 
 #include <array>
@@ -9,16 +10,16 @@
 
 namespace hapticast {
 
-/// `Capacity` must be a power of two; it holds that many values.
+/// Ring of `Capacity` values, a power of two.
 template <class T, std::size_t Capacity>
 class SpscRing {
-  // Owns nothing, so copying it in the loop cannot allocate. (Eigen vectors are not trivially
+  // T owns no memory, so copies in the loop cannot allocate. (Eigen vectors are not trivially
   // copyable.)
   static_assert(std::is_trivially_destructible_v<T>);
   static_assert((Capacity & (Capacity - 1)) == 0 && Capacity > 1);
 
  public:
-  /// Returns false and changes nothing when full. Thread: the one producer.
+  /// Appends a value. Returns false and changes nothing when full. Thread: the producer.
   [[nodiscard]] bool tryPush(const T& value) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     // Pairs with the release store in tryPop: the slot's old value has been read.
@@ -29,7 +30,7 @@ class SpscRing {
     return true;
   }
 
-  /// Returns false when empty. Thread: the one consumer.
+  /// Removes the oldest value. Returns false when empty. Thread: the consumer.
   [[nodiscard]] bool tryPop(T& value) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (head_.load(std::memory_order_acquire) == tail) return false;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-// The one door to Boost.Asio 1.74.
+// Boost.Asio 1.74; only this file includes it. Thread: any.
 #pragma once
 
-// Boost 1.74 uses std::exchange without including <utility> when coroutines are on (gcc 12).
+// Boost 1.74 uses std::exchange without an include of <utility> if coroutines are on (gcc 12).
 #include <utility>
 
 #if defined(__clang__)
-// Boost 1.74 does not detect co_await of clang with libstdc++ (needed for clang-tidy and libFuzzer
+// Boost 1.74 does not detect co_await of clang with libstdc++ (for clang-tidy and libFuzzer
 // builds).
 #define BOOST_ASIO_HAS_CO_AWAIT 1
 #define BOOST_ASIO_HAS_STD_COROUTINE 1
 #endif
 
 #if defined(__SANITIZE_THREAD__)
-// ThreadSanitizer does not know std::atomic_thread_fence (gcc refuses it under -Werror).
+// ThreadSanitizer does not support std::atomic_thread_fence (an error under gcc's -Werror).
 #define BOOST_ASIO_DISABLE_FENCED_BLOCK 1
 #endif
 
@@ -22,7 +22,8 @@
 namespace hapticast {
 namespace asio = boost::asio;
 
-/// The IPv4 address that a socket for both versions sees as ::ffff:a.b.c.d; others as they are.
+/// Returns the IPv4 address of an IPv4-mapped IPv6 address (::ffff:a.b.c.d), other addresses
+/// unchanged.
 inline asio::ip::address unmapped(const asio::ip::address& address) {
   if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
   return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());

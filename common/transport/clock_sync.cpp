@@ -9,8 +9,8 @@
 namespace hapticast {
 
 namespace {
-/// A slope needs this much time between the samples it is taken from; chosen: over less of it a
-/// jitter of 20 ms says more than clocks that drift.
+/// Least time span of samples for a slope; chosen: over less, a jitter of 20 ms exceeds the drift
+/// of clocks.
 constexpr Duration kSlopeSpan = std::chrono::seconds(40);
 
 double nanoseconds(Duration duration) { return static_cast<double>(duration.count()); }
@@ -19,14 +19,15 @@ struct Point {
   double time_ns, offset_ns;
 };
 
-/// Of the lines below all points the one nearest to them: the edge of their lower convex hull over
-/// the middle of their times (Moon, Skelly and Towsley). Requires several, sorted by time.
+/// Returns the slope of the line below all points that is nearest to them: the edge of their lower
+/// convex hull over their mean time (Moon, Skelly and Towsley 1999). Requires several points,
+/// sorted by time.
 double slopeBelow(const std::vector<Point>& points) {
   std::vector<Point> hull;
   double middle_ns = 0.0;
   for (const Point& point : points) {
     middle_ns += point.time_ns / static_cast<double>(points.size());
-    const auto above = [&](const Point& a, const Point& b) {  // b is, of the line from a to point
+    const auto above = [&](const Point& a, const Point& b) {  // b is above the line from a to point
       return (b.offset_ns - a.offset_ns) * (point.time_ns - a.time_ns) >=
              (point.offset_ns - a.offset_ns) * (b.time_ns - a.time_ns);
     };
@@ -55,7 +56,7 @@ void ClockSync::add(LocalTime t0, MediaTime t1, MediaTime t2, LocalTime t3) {
 
 void ClockSync::fit() {
   line_ = fitted();
-  // No way takes less than no time: the server's clock was set, and what was before is void.
+  // A negative delay is impossible: the server's clock was set, and earlier samples are invalid.
   while (line_.error < Duration::zero()) {
     samples_.pop_front();
     line_ = fitted();
@@ -75,7 +76,7 @@ ClockSync::Line ClockSync::fitted() const {
   }
   if (line.origin - samples_.front().time >= kSlopeSpan)
     line.slope = std::clamp(0.5 * (slopeBelow(there) - slopeBelow(back)), -kMaxDrift, kMaxDrift);
-  // The quickest ways waited in no queue.
+  // The quickest ways had no queueing delay.
   double there_ns = std::numeric_limits<double>::infinity(), back_ns = there_ns;
   for (std::size_t i = 0; i < there.size(); ++i) {
     there_ns = std::min(there_ns, there[i].offset_ns - line.slope * there[i].time_ns);
@@ -96,8 +97,8 @@ Duration ClockSync::offset(LocalTime now) {
     const Duration drifted(
         std::llround(kMaxDrift * nanoseconds(std::max(now - last_, Duration::zero()))));
     const Duration step = drifted + std::max(error_ - line_.error, Duration::zero());
-    // What no ping allows is left at once; within that, no faster than clocks drift apart and than
-    // the estimate becomes better.
+    // Leaves the range excluded by the pings at once. Within the range the change is limited by
+    // clock drift and by the improvement of the estimate.
     offset_ = std::clamp(offset_, wanted - line_.error, wanted + line_.error);
     offset_ = std::clamp(wanted, offset_ - step, offset_ + step);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Offset between the server's media clock and the local clock from four-timestamp pings. Pure:
-// times are arguments. Thread: one (the client's network thread).
+// Clock synchronisation from four-timestamp pings, as in NTP: offset from the quickest ways, drift
+// from lower convex hulls (Moon, Skelly and Towsley 1999).
+// Estimates media clock minus local clock. Times are arguments. Thread: one (the client's network
+// thread).
 #pragma once
 
 #include <deque>
@@ -9,39 +11,41 @@
 
 namespace hapticast {
 
+/// Estimate for one connection.
 class ClockSync {
  public:
-  static constexpr std::size_t kBurst = 16;  ///< pings a client sends at once when it connects
-  static constexpr std::size_t kNeeded = 5;  ///< pings before the offset is handed out
-  /// Pings remembered; chosen: the slope over less of them is mostly jitter.
+  static constexpr std::size_t kBurst = 16;  ///< pings at the start of a connection
+  static constexpr std::size_t kNeeded = 5;  ///< pings before the first offset
+  /// Stored pings; chosen: over fewer the slope is mostly jitter.
   static constexpr std::size_t kWindow = 256;
-  static constexpr double kMaxDrift = 5e-4;  ///< rate at which the offset handed out may change
+  static constexpr double kMaxDrift = 5e-4;  ///< largest rate of change of the offset
 
-  /// Forgets everything: a new connection.
+  /// Resets all state, for a new connection.
   void reset() { *this = ClockSync(); }
 
-  /// Ping sent at t0 and answer received at t3 (local), received and answered by the server at t1,
-  /// t2 (media). Impossible samples (negative round trip, time running backwards) are ignored.
+  /// Adds a ping: sent at t0 and its answer received at t3 (local), received and answered by the
+  /// server at t1 and t2 (media). Ignores impossible samples (negative round trip, decreasing
+  /// time).
   void add(LocalTime t0, MediaTime t1, MediaTime t2, LocalTime t3);
 
-  /// Enough pings were answered to hand out an offset.
+  /// Returns whether enough pings were answered for an offset.
   [[nodiscard]] bool ready() const { return answered_ >= kNeeded; }
 
-  /// Media clock - local clock now. From the first call after ready() on it changes by at most
-  /// kMaxDrift of the local time passed, but for what the quickest ways there and back rule out and
-  /// for what better pings make more exact.
-  /// Requires ready(); `now` does not run backwards.
+  /// Returns media clock minus local clock at `now`. Requires ready(); `now` must not decrease.
+  /// After the first call it changes by at most kMaxDrift of the elapsed local time. It changes
+  /// faster only if the quickest ways exclude the old value, or if better pings improve the
+  /// estimate.
   [[nodiscard]] Duration offset(LocalTime now);
 
-  /// How far the offset last handed out may be off: half of the quickest way there and the quickest
-  /// way back, and what the limited rate keeps it behind the estimate. Requires ready().
+  /// Returns the largest error of the last returned offset. It is half of the sum of the quickest
+  /// ways there and back, plus the remaining distance to the estimate. Requires ready().
   [[nodiscard]] Duration errorBound() const;
 
  private:
-  /// One ping: media - local clock as each way shows it, too large by what it took to go there, too
-  /// small by what it took to come back.
+  /// One ping: media minus local clock by each way. `there` is too large by the delay there, `back`
+  /// too small by the delay back.
   struct Sample {
-    LocalTime time;  // its middle
+    LocalTime time;  // middle of the ping
     Duration there;
     Duration back;
   };
@@ -61,8 +65,8 @@ class ClockSync {
   bool published_ = false;
   LocalTime last_{};
   Duration offset_{0};
-  Duration error_{0};   // of the estimate, when it was handed out last
-  Duration behind_{0};  // how far offset_ is from the estimate
+  Duration error_{0};   // error of the estimate at the last offset()
+  Duration behind_{0};  // distance of offset_ from the estimate
 };
 
 }  // namespace hapticast

@@ -10,7 +10,7 @@ namespace hapticast {
 
 namespace {
 
-/// Reads little-endian numbers one after the other.
+/// Reads successive little-endian numbers.
 struct Reader {
   std::span<const std::uint8_t> rest;
 

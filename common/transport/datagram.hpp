@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One datagram, byte by byte (proto/README.md): a token that says whose it is, then a body that is
-// signed once for all who get it. And the echo, by which a viewer says where it wants them. Pure
-// functions on bytes. Thread: any.
+// Datagram format (proto/README.md): the receiver's token, then a body that is signed once for all
+// receivers. The echo, with which a viewer registers its address. Pure functions on bytes. Thread:
+// any.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace hapticast {
 
-/// Of UDP payload: with the headers of UDP and IPv6 it is IPv6's least MTU of 1280 bytes.
+/// Limit of the UDP payload: with the headers of UDP and IPv6 it is IPv6's least MTU of 1280 bytes.
 inline constexpr std::size_t kMostDatagramBytes = 1232;
 inline constexpr std::size_t kTokenBytes = 8;
 inline constexpr std::size_t kDatagramHeaderBytes = 36;  ///< token included
@@ -28,46 +28,51 @@ inline constexpr std::size_t kEchoBytes = 12;
 using TokenBytes = std::array<std::uint8_t, kTokenBytes>;
 using EchoBytes = std::array<std::uint8_t, kEchoBytes>;
 
-/// What the signed body says before its payload.
+/// Header of the signed body.
 struct DatagramHeader {
-  std::uint32_t stream = 0;  ///< of this run of the server
+  std::uint32_t stream = 0;  ///< number of this run of the server
   std::uint32_t epoch = 0;
   std::uint64_t frame = 0;
   MediaTime media_time;
   std::uint16_t part = 0;   ///< below `parts`
-  std::uint16_t parts = 0;  ///< of the frame; 0: a probe
+  std::uint16_t parts = 0;  ///< of the frame, 0: a probe
 
   [[nodiscard]] bool probe() const { return parts == 0; }
   bool operator==(const DatagramHeader&) const = default;
 };
 
+/// A parsed datagram; its spans point into the bytes read.
 struct Datagram {
   std::uint64_t token = 0;
   DatagramHeader header;
-  std::span<const std::uint8_t> payload;  ///< of the bytes that were read
+  std::span<const std::uint8_t> payload;  ///< fragment
   std::span<const std::uint8_t> signed_bytes;
-  std::span<const std::uint8_t> signature;  ///< of those, not verified yet
+  std::span<const std::uint8_t> signature;  ///< of signed_bytes, not verified yet
 };
 
-/// What stands in the bytes, nullopt where their size or numbers cannot be a datagram's. Cheap: the
-/// signature is the caller's to verify.
+/// Parses a datagram; nullopt if size or numbers are invalid. Cheap: it does not verify the
+/// signature.
 [[nodiscard]] std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexcept;
 
-/// The bytes behind the token, signature included. Requires at most kMostPieceBytes.
+/// Returns the bytes after the token, with signature. Requires a payload of at most
+/// kMostPieceBytes.
 [[nodiscard]] std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
                                                    std::span<const std::uint8_t> payload,
                                                    SigningKey& key);
-/// The body of a probe, of full size: where it arrives, every datagram does.
+/// Returns the body of a probe, of full size: if it arrives, every datagram can arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);
+/// Returns the token in the byte order of the wire.
 [[nodiscard]] TokenBytes tokenBytes(std::uint64_t token) noexcept;
 
+/// Registration of a viewer's address.
 struct Echo {
   std::uint64_t token = 0;
   std::uint32_t stream = 0;
   bool operator==(const Echo&) const = default;
 };
+/// Returns the bytes of an echo.
 [[nodiscard]] EchoBytes echoBytes(const Echo& echo) noexcept;
-/// nullopt where the bytes are not an echo's.
+/// Parses an echo; nullopt for other bytes.
 [[nodiscard]] std::optional<Echo> readEcho(std::span<const std::uint8_t> bytes) noexcept;
 
 }  // namespace hapticast

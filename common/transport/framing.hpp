@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Messages on a byte stream: a 4-byte little-endian length, then that many bytes (proto/README.md).
-// Thread: one per FrameReader.
+// Message framing on a byte stream: a 4-byte little-endian length, then the message
+// (proto/README.md). Thread: one for each FrameReader.
 #pragma once
 
 #include <array>
@@ -18,37 +18,37 @@ namespace hapticast {
 
 inline constexpr std::size_t kPrefixBytes = 4;
 inline constexpr std::size_t kMaxMessageBytes = 8U << 20U;
-/// What a server accepts from a client, and what a client accepts before the welcome.
+/// Limit of a server for messages from clients, and of a client before the welcome.
 inline constexpr std::size_t kMaxSmallMessageBytes = 64U << 10U;
 
-/// Bytes that are made once and shared by all who send them; immutable.
+/// Immutable bytes that all senders share.
 using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 using LengthPrefix = std::array<std::uint8_t, kPrefixBytes>;
-/// What goes in front of a payload of so many bytes, 1..kMaxMessageBytes.
+/// Returns the prefix of a payload of 1..kMaxMessageBytes bytes.
 [[nodiscard]] LengthPrefix lengthPrefix(std::size_t payload_bytes);
 
-/// Cuts a stream of arbitrary chunks into messages. Holds at most one message of the limit plus one
-/// chunk.
+/// Splits a stream of arbitrary chunks into messages. Buffers at most one message of the limit plus
+/// one chunk.
 class FrameReader {
  public:
   explicit FrameReader(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  /// Takes bytes off the stream; invalidates what next() returned.
+  /// Adds bytes of the stream; invalidates the last result of next().
   void feed(std::span<const std::uint8_t> chunk);
 
-  /// The next whole message (without prefix), nullopt when more bytes are needed, or kMalformed
-  /// (length 0) or kTooLarge, which stays: the stream has lost its frame. Valid until the next
-  /// feed().
+  /// Returns the next whole message (without prefix), valid until the next feed(); nullopt if more
+  /// bytes are needed. Returns kMalformed (length 0) or kTooLarge, then for ever: the message
+  /// boundaries are lost.
   [[nodiscard]] Result<std::optional<std::span<const std::uint8_t>>, WireError> next();
 
-  /// Another limit for the messages that follow.
+  /// Sets the limit for the following messages.
   void setLimit(std::size_t limit_bytes) { limit_bytes_ = limit_bytes; }
 
  private:
   std::size_t limit_bytes_;
   std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;  // of what next() has not returned yet
+  std::size_t begin_ = 0;  // first byte that next() has not returned
 };
 
 }  // namespace hapticast

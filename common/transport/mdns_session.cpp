@@ -13,7 +13,7 @@
 namespace hapticast {
 
 namespace {
-constexpr unsigned kRetry_ms = 2000;  // chosen: a daemon is back soon, or not for long
+constexpr unsigned kRetry_ms = 2000;  // chosen: a restarted daemon is soon back
 constexpr const char* kNoDaemon = "avahi-daemon does not run";
 }  // namespace
 
@@ -34,7 +34,7 @@ AvahiSession::~AvahiSession() {
 
 void AvahiSession::connect() {
   int error = 0;
-  // The library calls with its own enumeration, whose values an int holds.
+  // The library passes its own enumeration, whose values fit an int.
   client_ = avahi_client_new(
       api_, AVAHI_CLIENT_NO_FAIL,
       [](AvahiClient* client, AvahiClientState state, void* self) { changed(client, state, self); },
@@ -64,10 +64,10 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
     case AVAHI_CLIENT_FAILURE: {
       const int error = avahi_client_errno(client);
       session.lost(error == AVAHI_ERR_DISCONNECTED ? kNoDaemon : avahi_strerror(error));
-      session.retryLater();  // a client that has failed is of no use any more
+      session.retryLater();  // a failed client is unusable
       break;
     }
-    default:  // the machine's own name is being settled, and what was published goes with it
+    default:  // the machine's name is changing, which removes published services
       session.events_.over();
   }
 }

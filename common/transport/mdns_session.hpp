@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A client of avahi-daemon that outlives the daemon: whenever that is there, its owner is told to
-// make his objects, and when it goes to free them. Thread: a library's own, on which the events
-// come; the owner's for the rest.
+// Connection to avahi-daemon with automatic reconnection: reports to its owner when Avahi objects
+// can be created and when they must be freed. Thread: Avahi's own for the events; the owner's for
+// the rest.
 #pragma once
 
 #include <functional>
@@ -14,17 +14,20 @@ struct AvahiTimeout;
 
 namespace hapticast {
 
+/// One reconnecting client.
 class AvahiSession {
  public:
+  /// Callbacks to the owner.
   struct Events {
-    std::function<void(AvahiClient*)> runs;  ///< objects of this client can be made
-    std::function<void()> over;              ///< they have to be freed now, if there are any
-    std::function<void(const std::string&)> absent;  ///< why there is none, once until it runs
+    std::function<void(AvahiClient*)> runs;  ///< create objects of this client
+    std::function<void()> over;              ///< free these objects now, if any
+    /// No daemon, with the cause; once until it runs.
+    std::function<void(const std::string&)> absent;
   };
 
-  /// Throws std::runtime_error where the library cannot begin.
+  /// Throws std::runtime_error if the library cannot start.
   explicit AvahiSession(Events events);
-  /// Nothing is called any more but `over`, on the calling thread.
+  /// Calls only `over`, on the calling thread, then nothing more.
   ~AvahiSession();
   AvahiSession(const AvahiSession&) = delete;
   AvahiSession& operator=(const AvahiSession&) = delete;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The networks of this machine, for multicast. Thread: any.
+// Network interfaces of this machine, for multicast. Thread: any.
 #pragma once
 
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace hapticast {
 
-/// An address of one of this machine's networks; one with several addresses comes several times.
+/// One address of a network interface; an interface with several addresses has several entries.
 struct NetworkInterface {
   std::string name;
   unsigned index = 0;
   asio::ip::address address;
   bool loopback = false;
 
-  /// Whether this is what a person calls it: by its name or its address.
+  /// Returns whether `text` is the interface's name or this address.
   [[nodiscard]] bool called(const std::string& text) const;
 };
 
-/// Those that are up; the loopback comes last.
+/// Returns the interfaces that are up, loopback last.
 [[nodiscard]] std::vector<NetworkInterface> networkInterfaces();
 
 }  // namespace hapticast

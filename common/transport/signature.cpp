@@ -45,7 +45,7 @@ SigningKey::SigningKey(const KeyBytes& seed)
 Signature SigningKey::sign(std::span<const std::uint8_t> bytes) {
   Signature signature;
   std::size_t size = signature.size();
-  // The context is begun anew for each signature: keeping it saves its allocation.
+  // Initialises the context anew for each signature; its reuse saves an allocation.
   require(EVP_DigestSignInit(context_.get(), nullptr, nullptr, nullptr, key_.get()) == 1 &&
           EVP_DigestSign(context_.get(), signature.data(), &size, bytes.data(), bytes.size()) == 1);
   return signature;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Ed25519 signatures (RFC 8032): whoever knows the verifying key can check what only the signing
-// key can make. The one door to OpenSSL's signatures and random numbers. Thread: one per object,
-// except where a function says "any".
+// Ed25519 signatures (RFC 8032) and random numbers; only this file's .cpp includes OpenSSL. Thread:
+// one for each object, except where a function says "any".
 #pragma once
 
 #include <array>
@@ -32,14 +31,15 @@ using Key = std::unique_ptr<evp_pkey_st, Free>;
 using Context = std::unique_ptr<evp_md_ctx_st, Free>;
 }  // namespace signature_detail
 
+/// Secret key, which signs.
 class SigningKey {
  public:
-  /// A fresh one that nobody can guess. Throws std::runtime_error where the system has no random
-  /// numbers.
+  /// Creates a random key. Throws std::runtime_error if the system has no random numbers.
   SigningKey();
-  /// The one that RFC 8032 derives from a seed: for tests and examples.
+  /// Creates the key of RFC 8032 for a seed: for tests and examples.
   explicit SigningKey(const KeyBytes& seed);
 
+  /// Signs `bytes`. Throws std::runtime_error if OpenSSL fails.
   [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
   [[nodiscard]] const KeyBytes& verifyingKey() const noexcept { return verifying_key_; }
 
@@ -51,12 +51,13 @@ class SigningKey {
   KeyBytes verifying_key_{};
 };
 
+/// Public key, which verifies.
 class VerifyingKey {
  public:
-  /// An error where the bytes are no key of 32 bytes.
+  /// Returns an error if the bytes are no key of 32 bytes.
   [[nodiscard]] static Result<VerifyingKey> from(std::span<const std::uint8_t> bytes);
 
-  /// Whether the key's owner has signed exactly these bytes.
+  /// Returns whether the key's owner signed exactly these bytes.
   [[nodiscard]] bool verify(std::span<const std::uint8_t> bytes,
                             std::span<const std::uint8_t> signature) const noexcept;
 
@@ -67,8 +68,8 @@ class VerifyingKey {
   signature_detail::Context context_;
 };
 
-/// 64 bits that nobody can guess, never 0. Throws std::runtime_error where the system has none.
-/// Thread: any.
+/// Returns 64 random bits that are not predictable, never 0. Throws std::runtime_error if the
+/// system has no random numbers. Thread: any.
 [[nodiscard]] std::uint64_t unguessable();
 
 }  // namespace hapticast

@@ -13,7 +13,7 @@ namespace hapticast {
 
 namespace {
 
-// Chosen: a video frame of 50 KB arrives in few reads, and a thousand sessions take 16 MB.
+// Chosen: a picture of 50 KB needs few reads, and a thousand sessions need 16 MB.
 constexpr std::size_t kChunkBytes = 16U << 10U;
 constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
 
@@ -34,7 +34,7 @@ TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_byte
       socket_(std::move(socket)),
       chunk_(kChunkBytes),
       reader_(read_limit_bytes) {
-  boost::system::error_code ignored;  // without it messages only come later
+  boost::system::error_code ignored;  // without it messages are only later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);  // for writeNow()
   hosts_.peer = unmapped(remoteEndpoint(socket_).address());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A channel over TCP: each payload with its length in front (framing.hpp).
+// TCP channel: each payload with a length prefix (framing.hpp). Thread: the one that runs the
+// channel's io_context.
 #pragma once
 
 #include <array>
@@ -9,9 +10,10 @@
 
 namespace hapticast {
 
+/// A connected TCP socket.
 class TcpChannel final : public Channel {
  public:
-  /// Takes over a connected socket and asks it to send small messages at once.
+  /// Adopts a connected socket and disables Nagle's algorithm (TCP_NODELAY).
   TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes);
 
   asio::awaitable<Result<std::optional<Payload>, WireError>> read() override;
@@ -24,14 +26,14 @@ class TcpChannel final : public Channel {
   void abort() noexcept override;
 
  private:
-  /// Reads once into chunk_; 0 bytes when the connection has ended.
+  /// Reads once into chunk_. Returns 0 at the end of the connection.
   asio::awaitable<std::size_t> readSome();
 
   asio::ip::tcp::socket socket_;
   std::vector<std::uint8_t> chunk_;
   FrameReader reader_;
-  LengthPrefix prefix_{};    // of the payload that is being written
-  std::size_t written_ = 0;  // of prefix and payload, by writeNow()
+  LengthPrefix prefix_{};    // of the payload in writing
+  std::size_t written_ = 0;  // bytes of prefix and payload written by writeNow()
 };
 
 }  // namespace hapticast

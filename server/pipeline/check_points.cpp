@@ -9,7 +9,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kOnePlace_px = 3.0;  // chosen: nobody points more exactly
+constexpr double kOnePlace_px = 3.0;  // chosen: precision of a pointing person
 
 void removeContradictions(VisionSettings& settings) {
   std::erase_if(settings.object_points, [&settings](const AuthorPoint& on) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The author's points against the clip that they are for. Thread: any.
+// Validation of the author's points against their clip. Thread: any.
 #pragma once
 
 #include "server/source/rgbd_source.hpp"
@@ -7,9 +7,8 @@
 
 namespace hapticast::server {
 
-/// `settings` without the points whose time is after the end of the clip, and without those that
-/// are the object and none of it in one place at one time; a line in the log for each. A live
-/// source has no end.
+/// Returns `settings` without the points after the end of the clip and without contradictory points
+/// (positive and negative at one place and time). Logs one line for each. A live source has no end.
 [[nodiscard]] VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info);
 
 }  // namespace hapticast::server

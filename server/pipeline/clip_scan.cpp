@@ -6,7 +6,7 @@
 namespace hapticast::server {
 
 namespace {
-constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: what one waits for gladly
+constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: a comfortable interval
 }  // namespace
 
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The look through a recorded clip before it plays: what it tells people meanwhile, and that it can
-// be broken off. What it finds is vision's. Thread: the pipeline's.
+// Scan of a recorded clip before its playback, with progress reports and cancellation. Vision
+// stores its results. Thread: the pipeline's.
 #pragma once
 
 #include <atomic>
@@ -11,11 +11,12 @@
 
 namespace hapticast::server {
 
-/// The share of the look that is done, 0..1: told after each frame, never where there is no look.
+/// Called with the completed share of the scan, 0..1, after each frame. Never called without a
+/// scan.
 using ScanProgress = std::function<void(double share)>;
 
-/// Lets vision look through the clip where it has to. Logs how far it is, at most every two
-/// seconds; `progress` may be null. False where `stop` has broken it off.
+/// Scans the clip if vision needs it. Logs the progress at most every two seconds. `progress` may
+/// be null. Returns false if `stop` cancelled the scan. Throws SourceError.
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
               const std::atomic<bool>& stop, const ScanProgress& progress);
 

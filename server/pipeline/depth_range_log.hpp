@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Says once which depths become heights, and when the object takes little of them. Thread: the
+// Logs once the mapped range, with a warning if the object covers little of it. Thread: the
 // pipeline's.
 #pragma once
 
@@ -9,9 +9,10 @@
 
 namespace hapticast::server {
 
+/// Logger of one stream.
 class DepthRangeLog {
  public:
-  /// `mapped`: nullopt while it is not known.
+  /// Logs the range at the first call with a value. `mapped`: nullopt if unknown.
   void log(const std::optional<MappedRange>& mapped);
 
  private:

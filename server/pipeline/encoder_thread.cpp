@@ -10,7 +10,7 @@ namespace hapticast::server {
 
 namespace {
 constexpr int kJpegQuality = 80;      // chosen: a 640 x 480 picture is some 30 KB
-constexpr std::size_t kMostJobs = 2;  // then vision waits, so that latency does not grow
+constexpr std::size_t kMostJobs = 2;  // bounds the latency: with more jobs vision waits
 }  // namespace
 
 EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Makes bytes and JPEGs of what vision has found, on a thread of its own, and hands them to the
-// sinks: the next frame is looked at meanwhile.
+// Producer-consumer stage: encodes frames and pictures on its own thread and publishes them to the
+// sinks, while vision processes the next frame. Thread: see each function.
 #pragma once
 
 #include <condition_variable>
@@ -17,23 +17,24 @@
 
 namespace hapticast::server {
 
+/// The encoder's thread with its queue.
 class EncoderThread {
  public:
-  /// Starts the thread. The sinks and the signer outlive it; without a signer there are no
-  /// datagrams. `slices`: how heights are coded.
+  /// Starts the thread. The sinks and `signer` must outlive it; without `signer` there are no
+  /// datagrams. `slices`: settings of the height codec.
   explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr,
                          SliceSettings slices = {});
-  /// Encodes what still waits and ends the thread; a failure that finish() was not asked for is
-  /// lost.
+  /// Encodes the waiting frames and ends the thread. Discards an exception that finish() did not
+  /// rethrow.
   ~EncoderThread();
 
-  /// Hands over a frame of the stream that `description` announces; waits while two are still to be
-  /// encoded. Rethrows what encoding has thrown. Thread: the pipeline's.
+  /// Queues a frame of the stream `description`. Blocks while two frames wait. Rethrows an
+  /// exception of the encoder. Thread: the pipeline's.
   void push(StreamDescription description, VisionResult result);
-  /// Encodes what still waits, ends the thread and rethrows what encoding has thrown. Thread: the
-  /// pipeline's.
+  /// Encodes the waiting frames, ends the thread and rethrows an exception of the encoder. Thread:
+  /// the pipeline's.
   void finish();
-  /// Of the last frame that was encoded. Thread: any.
+  /// Returns the relief bytes of the last encoded frame. Thread: any.
   [[nodiscard]] ReliefBytes reliefBytes() const;
 
  private:
@@ -48,15 +49,15 @@ class EncoderThread {
   std::vector<StreamSink*> sinks_;
   DatagramSigner* signer_;
   SliceSettings slices_;
-  FrameEncoder encoder_;                        // by the thread
-  std::optional<StreamDescription> described_;  // by the thread
+  FrameEncoder encoder_;                        // used by the thread only
+  std::optional<StreamDescription> described_;  // used by the thread only
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Job> jobs_;        // under the mutex
-  ReliefBytes relief_bytes_;    // under the mutex
-  bool ended_ = false;          // under the mutex
-  std::exception_ptr failure_;  // under the mutex
-  std::thread thread_;          // last: everything above is there when it starts
+  std::deque<Job> jobs_;        // guarded by mutex_
+  ReliefBytes relief_bytes_;    // guarded by mutex_
+  bool ended_ = false;          // guarded by mutex_
+  std::exception_ptr failure_;  // guarded by mutex_
+  std::thread thread_;          // last member: it uses all others
 };
 
 }  // namespace hapticast::server

@@ -12,7 +12,7 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen: more than the objects of a loop's round have.
+// Chosen: more than the plans of a loop's round.
 constexpr std::size_t kMostBuried = 256;
 constexpr Duration kSameAgain = std::chrono::minutes(1);
 
@@ -21,7 +21,7 @@ std::string withoutFigures(std::string text) {
   return text;
 }
 
-/// Another figure in a reason is no other decision.
+/// Returns whether two plans decide equally; different figures in a reason do not count.
 bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const PlanLine& x, const PlanLine& y) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// --explain: says in the log what is left out of each object, why, what it saves and costs.
+// Log of --explain: the inactive stages of each object, with reason, saved time and cost in force.
+// Thread: the pipeline's.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +14,13 @@
 
 namespace hapticast::server {
 
+/// Rate-limited log of all objects' plans.
 class PlanLog {
  public:
-  /// Tells the plans that have changed, by object id; one object's at most once a second, because a
-  /// change that is taken back at once is not worth a line, and the same plan at most once a
-  /// minute. What was told of an object that is gone is not told again of its successors: a clip
-  /// that loops has new ones every round.
-  /// `relief_bytes`: what leaving heights out saves.
+  /// Logs changed plans by object id: one object at most once a second, and an equal plan at most
+  /// once a minute.
+  /// A plan of a vanished object is not logged again for later objects, because each round of a
+  /// looped clip has new ids. `relief_bytes`: bytes saved without heights.
   void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
            const ReliefBytes& relief_bytes, MediaTime now);
 
@@ -32,14 +33,14 @@ class PlanLog {
   struct LoggedPlan {
     Lines lines;  // the newest
     MediaTime at;
-    std::vector<LoggedLines> all;  // that were told of it, each once
+    std::vector<LoggedLines> all;  // logged plans, without duplicates
   };
-  /// Whether its newest plan is to be told; then it counts as told.
+  /// Returns whether the newest plan is to be logged; then marks it as logged.
   bool isNews(LoggedPlan& logged, MediaTime now) const;
   void retire(LoggedPlan plan);
 
   std::map<std::uint32_t, LoggedPlan> logged_;  // by object id
-  std::deque<Lines> retired_;                   // of objects that are gone, oldest first
+  std::deque<Lines> retired_;                   // plans of vanished objects, oldest first
 };
 
 }  // namespace hapticast::server

@@ -15,13 +15,13 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kText_px = 22;         // a line of text; chosen
-constexpr int kLeastWidth_px = 960;  // of both halves: as wide as the lines of text; chosen
-constexpr int kColumns = 6;          // of a sheet
+constexpr int kLeastWidth_px = 960;  // of both halves: fits the lines of text; chosen
+constexpr int kColumns = 6;          // columns of a sheet
 constexpr int kThumbnail_px = 240;   // width of a frame in a sheet; chosen
-constexpr int kAround_px = 8;        // of the picture that the relief is shown with; chosen
-constexpr double kLetters = 0.45;    // size of the font that goes with kText_px
+constexpr int kAround_px = 8;        // margin around the relief; chosen
+constexpr double kLetters = 0.45;    // font size for kText_px
 
-// BGR, told apart on most pictures and by most eyes (Okabe and Ito 2008).
+// BGR colours that are distinct on most pictures and for colour-blind people (Okabe and Ito 2008).
 const std::array<cv::Scalar, 4> kColors{cv::Scalar(66, 228, 240), cv::Scalar(233, 180, 86),
                                         cv::Scalar(167, 121, 204), cv::Scalar(115, 158, 0)};
 
@@ -31,7 +31,7 @@ void write(cv::Mat& picture, const std::string& text, const cv::Point& at, const
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
 }
 
-// Breaks a line where it would leave the picture.
+// Breaks a line at the width of the picture.
 std::vector<std::string> broken(const std::string& line, int width_px) {
   std::vector<std::string> out;
   std::string now;
@@ -53,7 +53,7 @@ std::vector<std::string> broken(const std::string& line, int width_px) {
   return out;
 }
 
-// The slope of the heights along one axis in mm/mm; where one side is not felt, towards the other.
+// Returns the slope of the heights along one axis in mm/mm. One-sided where a neighbour is outside.
 float computeSlope(const cv::Mat& heights, const cv::Point& at, const cv::Point& step,
                    float px_mm) {
   const cv::Rect all({0, 0}, heights.size());
@@ -66,7 +66,7 @@ float computeSlope(const cv::Mat& heights, const cv::Point& at, const cv::Point&
   return (heightAt(at + step) - heightAt(at - step)) / (2.0F * px_mm);
 }
 
-// A part of a picture, as large as fits into one of the same size.
+// Returns a part of a picture, enlarged to the size of the picture.
 cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
   cv::Mat out = cv::Mat::zeros(picture.size(), picture.type());
   if (part.empty()) return out;
@@ -120,7 +120,7 @@ cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace) {
           cv::Vec3b::all(cv::saturate_cast<unsigned char>(30.0F + 225.0F * std::max(0.0F, lit)));
     }
   }
-  return enlarged(picture, boxAround(heights >= 0.0, kAround_px));  // which no NaN is
+  return enlarged(picture, boxAround(heights >= 0.0, kAround_px));  // false for NaN
 }
 
 cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,

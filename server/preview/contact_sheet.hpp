@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The pictures of --preview. Each is a new one; nothing is drawn into what is given. Thread: any.
+// Drawing of the --preview pictures. Each function returns a new picture and leaves its arguments
+// unchanged. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,15 +11,14 @@
 
 namespace hapticast::server {
 
-/// The frame at this size with the outline of each object, and in large pictures its number.
+/// Draws the frame at `size` with the outline of each object, and in large pictures its id.
 [[nodiscard]] cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size);
-/// What is felt, as if lit from above left, as large as fits into the picture; black where nothing
-/// is.
+/// Draws the heights, lit from above left and enlarged to the picture; black outside the objects.
 [[nodiscard]] cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace);
-/// Outline and relief side by side (at least 960 px wide), with lines of text below.
+/// Draws outline and relief side by side (at least 960 px wide), with `lines` of text below.
 [[nodiscard]] cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
                                 const std::vector<std::string>& lines);
-/// The frames in rows, each with outline and time.
+/// Draws the frames in rows, each with outline and time. Requires at least one frame.
 [[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames);
 
 }  // namespace hapticast::server

@@ -9,17 +9,17 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen, of the object's area: a smaller part is not worth a word, a larger one is the object.
+// Chosen, of the object's area: a smaller part is not worth a hint, a larger part is the object.
 constexpr double kLeastPart = 0.06;
 constexpr double kMostPart = 0.6;
-// Chosen: what is so near to the picture's edge, as part of its width, comes in from there.
+// Chosen, as part of the width: pixels nearer to the picture's edge count as touching it.
 constexpr double kEdge = 0.02;
-// Chosen, CIELAB: so far apart nobody calls two colours one.
+// Chosen, CIELAB: a distance of clearly different colours.
 constexpr double kOtherColor = 40.0;
-// Chosen: as fine as the part that is pointed at has to be.
+// Chosen: precision needed for a point.
 constexpr int kLargestClustered_px = 20'000;
 
-// The place farthest from all edges of `part`; the picture's edge is one of them.
+// Returns the place farthest from all edges of `part` and from the picture's edge.
 cv::Point findDeepestPoint(const cv::Mat& part) {
   cv::Mat framed;
   cv::copyMakeBorder(part, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
@@ -30,7 +30,7 @@ cv::Point findDeepestPoint(const cv::Mat& part) {
   return deepest - cv::Point(1, 1);
 }
 
-// The place deepest inside the largest piece of `part`, where that is a part worth a word.
+// Returns the deepest place inside the largest piece of `part`, if its size is worth a hint.
 std::optional<cv::Point> findMiddle(const cv::Mat& part, double object_px) {
   cv::Mat opened;
   cv::morphologyEx(part, opened, cv::MORPH_OPEN,
@@ -93,7 +93,7 @@ std::optional<CorrectionHint> anotherColor(const cv::Mat& color, const cv::Mat& 
   if (samples.size() < 16) return std::nullopt;
   cv::Mat labels;
   cv::Mat middles;
-  cv::theRNG().state = 1;  // the same advice for the same picture
+  cv::theRNG().state = 1;  // the same hint for the same picture
   const cv::Mat rows(static_cast<int>(samples.size()), 3, CV_32F, samples.data());
   cv::kmeans(rows, 2, labels, {cv::TermCriteria::COUNT, 20, 0}, 2, cv::KMEANS_PP_CENTERS, middles);
   if (cv::norm(middles.row(0), middles.row(1)) < kOtherColor) return std::nullopt;

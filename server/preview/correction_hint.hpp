@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What an author may try next, from what the first frame shows of an object. Thread: any; values.
+// Heuristic hints for the author: finds a part of an object's mask that may not belong to it.
+// Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,14 +9,15 @@
 
 namespace hapticast::server {
 
-/// A place inside `mask` that may not be the object's, and why one may think so.
+/// A place inside the mask that may not belong to the object, with the reason.
 struct CorrectionHint {
   cv::Point at_px;
-  std::string why;  ///< completes "--not U,V: "
+  std::string why;  ///< text after "--not U,V: "
 };
 
-/// Looks, in this order, for what reaches the picture's edge, for the colours of skin, and for a
-/// part of other colours than the rest. `color` CV_8UC3, `mask` 0 / 255 of the same size.
+/// Searches for a suspicious part of `mask`, in this order: a contact with the picture's edge, skin
+/// colours, a cluster of other colours. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
+/// Returns nullopt if there is none.
 [[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color,
                                                               const cv::Mat& mask);
 

@@ -23,16 +23,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLive_s = 3.0;     // chosen: of a live source, enough to see it
+constexpr double kLive_s = 3.0;     // chosen: duration of a live source's preview
 constexpr std::size_t kSheet = 24;  // frames of a contact sheet
-constexpr double kFewLost = 0.05;   // chosen, of the frames: not worth advice
-constexpr double kSeen = 0.5;       // quality below which an object is only carried on; chosen
+constexpr double kFewLost = 0.05;   // chosen, of the frames: not worth a hint
+constexpr double kSeen = 0.5;       // quality below which an object is only extrapolated; chosen
 
-/// What was seen of the whole clip.
+/// Statistics and samples of the whole clip.
 struct Watched {
-  std::vector<PreviewFrame> kept;  // about kSheet, evenly over the clip, the first one first
+  std::vector<PreviewFrame> kept;  // about kSheet, evenly over the clip, the first frame first
   std::uint64_t frames = 0;
-  std::uint64_t lost = 0;  // in which nothing is seen
+  std::uint64_t lost = 0;  // frames without a visible object
   std::optional<double> first_lost_s;
 };
 
@@ -42,7 +42,7 @@ struct Watched {
 
 bool isPicture(const fs::path& place) { return place.extension() == ".png"; }
 
-// Before minutes are spent on a clip: whether its pictures can be written at all.
+// Checks the output place before the clip is processed for minutes.
 void checkPlace(const fs::path& place) {
   std::error_code error;
   if (!isPicture(place)) {
@@ -73,7 +73,7 @@ bool seesAny(const HapticFrame& frame) {
                      [](const HapticObject& object) { return object.motion.quality >= kSeen; });
 }
 
-// Keeps every n-th frame; when there are twice too many, every second of them goes.
+// Samples every n-th frame; at twice the wanted number it drops every second sample and doubles n.
 class Keeper {
  public:
   void take(PreviewFrame frame) {
@@ -92,7 +92,7 @@ class Keeper {
     every_ *= 2;
   }
   Watched finish() {
-    // Between kSheet and twice as many are left: an even choice of them.
+    // Between kSheet and twice as many samples remain: selects an even subset.
     if (out_.kept.size() <= kSheet) return std::move(out_);
     std::vector<PreviewFrame> chosen;
     chosen.reserve(kSheet);

@@ -11,7 +11,7 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen, nominal mm: heights that vary less tell no range.
+// Chosen, nominal mm: heights that vary less do not determine a range.
 constexpr double kFlat_mm = 0.05;
 
 double percentile(std::vector<float>& values, double fraction) {
@@ -21,7 +21,7 @@ double percentile(std::vector<float>& values, double fraction) {
   return static_cast<double>(*at);
 }
 
-// Calls `take(place, height)` for each pixel that is felt.
+// Calls `take`(position, height) for each pixel of the mask.
 template <class Take>
 void eachPixel(const Relief& relief, const Take& take) {
   std::size_t at = 0;
@@ -33,7 +33,7 @@ void eachPixel(const Relief& relief, const Take& take) {
   }
 }
 
-// Heights are a line over depth; the line through all pixels by least squares.
+// Fits the linear relation of height and depth to all pixels by least squares.
 std::optional<DepthRange> fitDepthRange(const std::vector<float>& depths,
                                         const std::vector<float>& heights_mm, double depth_mm) {
   const auto count = static_cast<double>(depths.size());

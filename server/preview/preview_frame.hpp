@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What --preview shows of a clip: frames kept as vision gives them, and counts of all. Thread: any;
-// values.
+// Frames of the preview: results of vision beside the source's images, masks, heights and facts of
+// each object. Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -14,34 +14,35 @@
 
 namespace hapticast::server {
 
-/// One frame as it would be felt, beside what the source gave.
+/// One described frame beside the source's images.
 struct PreviewFrame {
-  double time_s = 0.0;  ///< in the clip
+  double time_s = 0.0;  ///< in the clip, s
   cv::Mat color;        ///< CV_8UC3
-  cv::Mat depth;        ///< CV_32FC1, as the source gives it
+  cv::Mat depth;        ///< CV_32FC1, from the source
   HapticFrame haptic;
 };
 
-/// 255 where object `id` (all its layers) is felt, else 0; size of the picture.
+/// Renders the mask of object `id` (all its layers): CV_8UC1, 0/255, `size`.
 [[nodiscard]] cv::Mat renderMask(const HapticFrame& frame, std::uint32_t id, const cv::Size& size);
-/// The heights of all objects in nominal mm, NaN where nothing is felt.
+/// Renders the heights of all objects: CV_32FC1, nominal mm, NaN outside.
 [[nodiscard]] cv::Mat renderHeights(const HapticFrame& frame, const cv::Size& size);
-/// The objects' ids, each once, in order.
+/// Returns the objects' ids, each once, in ascending order.
 [[nodiscard]] std::vector<std::uint32_t> listIds(const HapticFrame& frame);
 
-/// What is told of one object of a frame.
+/// Facts about one object of a frame.
 struct ObjectFacts {
   std::uint32_t id = 0;
-  double share = 0.0;                  ///< of the picture
-  double near = 0.0, far = 0.0;        ///< 2 and 98 % of its depths, in the source's unit
-  double low_mm = 0.0, high_mm = 0.0;  ///< 2 and 98 % of its heights, nominal
-  /// The depths that become heights 30 and 0, found from depths and heights, in the source's unit;
-  /// nullopt where the object is too flat to tell.
+  double share = 0.0;                  ///< of the picture's pixels, 0..1
+  double near = 0.0, far = 0.0;        ///< 2 and 98 % quantiles of its depths, in the source's unit
+  double low_mm = 0.0, high_mm = 0.0;  ///< 2 and 98 % quantiles of its heights, nominal
+  /// Depths that become heights 30 and 0, fitted to depths and heights, in the source's unit;
+  /// nullopt if the object is too flat.
   std::optional<DepthRange> mapped;
 };
+/// Computes the facts about object `id` of `frame`.
 [[nodiscard]] ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id,
                                       const Workspace& workspace);
-/// One line for people; `unit` is of depth.
+/// Formats the facts as one line. `kind` determines the unit of depth.
 [[nodiscard]] std::string toText(const ObjectFacts& facts, DepthKind kind);
 
 }  // namespace hapticast::server

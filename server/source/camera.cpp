@@ -53,7 +53,7 @@ DepthKind detectDepthKind(const cv::Mat& raw, const std::string& name) {
 
 }  // namespace
 
-// In braces: what is said first is opened first.
+// Braces guarantee the order: the colour camera opens first.
 Camera::Camera(int color, int depth, double fps)
     : Camera{CameraDevice{openDevice(color, fps), deviceName(color)},
              CameraDevice{openDevice(depth, fps), deviceName(depth)}, fps} {
@@ -62,7 +62,7 @@ Camera::Camera(int color, int depth, double fps)
 
 Camera::Camera(CameraDevice color, CameraDevice depth, double fps)
     : color_(std::move(color)), depth_(std::move(depth)) {
-  // Otherwise 16-bit depth would be squeezed into 8 bits.
+  // Otherwise OpenCV converts 16-bit depth to 8 bits.
   depth_.capture->set(cv::CAP_PROP_CONVERT_RGB, 0.0);
   const cv::Mat picture = firstPicture(*color_.capture, color_.name);
   const cv::Mat raw = firstPicture(*depth_.capture, depth_.name);
@@ -119,7 +119,8 @@ std::optional<RgbdFrame> Camera::read() {
       if (depth.ok()) return frame;
       problem = depth_.name + ": " + depth.problem;
     }
-    // The first time and at every doubling: a camera that fails now and then would fill the log.
+    // Logs the first fault and every doubling, so that a camera with occasional faults does not
+    // fill the log.
     if (bad == 0 && std::has_single_bit(++faults_))
       spdlog::warn("{}; frame {} is left out (time {})", problem, frame.index, faults_);
   }

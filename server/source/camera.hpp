@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Two cameras as a live source: one gives colour, the other depth of the same size, registered to
-// it. Thread: one.
+// Live source from two V4L2 cameras: one for colour, one for depth of the same size, registered to
+// colour. Thread: one.
 #pragma once
 
 #include <memory>
@@ -12,32 +12,33 @@
 
 namespace hapticast::server {
 
-/// An open capture, and what to call it to people.
+/// An open capture with its name for messages.
 struct CameraDevice {
   std::unique_ptr<cv::VideoCapture> capture;
   std::string name;
 };
 
+/// Source of the two cameras.
 class Camera final : public RgbdSource {
  public:
-  /// Opens /dev/video`color` and /dev/video`depth`, takes a frame of each. 16-bit depth is taken as
-  /// mm, 8-bit depth as height (near is white). `fps` > 0 is asked of the devices. Throws
+  /// Opens /dev/video`color` and /dev/video`depth` and reads a frame of each. 16-bit depth is in
+  /// mm, 8-bit depth is height (near is white). `fps` > 0: requested rate, frames/s. Throws
   /// SourceError.
   Camera(int color, int depth, double fps);
-  /// The same with captures that are open.
+  /// Uses captures that are open already.
   Camera(CameraDevice color, CameraDevice depth, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Waits for the next frame of both. Throws SourceError when a device gives no more, or for about
-  /// a second nothing that can be used: pictures of another size, for example.
+  /// Waits for the next frame of both cameras. Throws SourceError if a device fails, or after 25
+  /// unusable frames in a row (about a second; pictures of another size, for example).
   std::optional<RgbdFrame> read() override;
   bool skip() override;
-  /// Throws: what is live cannot be rewound.
+  /// Throws SourceError: a live source cannot be rewound.
   void rewind() override;
 
  private:
   void grab();
-  /// The picture just grabbed; what is wrong with it, or "".
+  /// Decodes the last grabbed picture. Returns the problem, or "".
   std::string retrieve(const CameraDevice& device, cv::Mat& picture) const;
 
   CameraDevice color_;
@@ -45,7 +46,7 @@ class Camera final : public RgbdSource {
   SourceInfo info_;
   DepthFormat format_;
   std::uint64_t next_ = 0;
-  std::uint64_t faults_ = 0;  // how often frames were left out
+  std::uint64_t faults_ = 0;  // number of omitted runs of frames
 };
 
 }  // namespace hapticast::server

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Of TUM's recordings: the focal length of 525 px at 640 px that the data set's pages recommend.
+// Horizontal field of view of TUM's recordings: the recommended focal length of 525 px at 640 px.
 constexpr double kKinect_deg = 62.7;
 constexpr std::uintmax_t kMaxText_bytes = 16U << 20U;
 
@@ -64,7 +64,7 @@ void requireCount(const fs::path& folder, std::size_t count, std::size_t colors)
                     " colour images; each colour image needs its own, so add or remove some");
 }
 
-// As many masks as pictures are paired with them in order; fewer by their names.
+// Masks as many as pictures pair in order; fewer masks pair by name.
 void addMasks(const fs::path& folder, ClipFiles& clip) {
   const auto masks = listImages(folder);
   if (masks.size() >= clip.frames.size()) {
@@ -161,7 +161,7 @@ ClipFiles findTum(const fs::path& folder) {
   const auto colors = readTumList(folder / "rgb.txt");
   const auto depths = readTumList(folder / "depth.txt");
   const auto earlier = [](const TimedFile& file, double time_s) { return file.time_s < time_s; };
-  // Depth index -> the colour nearest to it, so that each depth frame is used once.
+  // Maps a depth index to its nearest colour frame, so that each depth frame is used once.
   std::map<std::size_t, std::size_t> pairs;
   for (std::size_t i = 0; i < colors.size(); ++i) {
     const double time_s = colors[i].time_s;
@@ -225,7 +225,7 @@ bool naturalLess(const std::string& a, const std::string& b) {
     const int order = a.compare(i0, i - i0, b, j0, j - j0);
     if (order != 0) return order < 0;
   }
-  // Equal by value (01 and 1): any fixed order will do.
+  // Equal by value (01 and 1): any fixed order works.
   return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
 }
 

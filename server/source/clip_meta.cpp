@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Null where the text is no JSON object, or one beyond the limits.
+// Returns null if the text is no JSON object or exceeds the limits.
 Json parseObject(std::string_view text) {
   if (text.size() > kMaxMeta_bytes) return nullptr;
   bool too_deep = false;
@@ -30,20 +30,20 @@ Json parseObject(std::string_view text) {
   return out;
 }
 
-// A value as a person wrote it: a string without its quotes, anything else as JSON.
+// Returns a value as its author wrote it: a string without quotes, any other value as JSON.
 std::string toText(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// The checked members of one object of the file.
+// Range-checked members of one object of the file.
 class Members {
  public:
-  /// `object` must outlive it; null has no members. `prefix` names it in messages.
+  /// `object` must outlive Members; null has no members. `prefix`: its name in messages.
   Members(const Json& object, const std::string& name, std::string prefix)
       : object_(object), name_(name), prefix_(std::move(prefix)) {}
 
-  /// Null where it is not there.
+  /// Returns null if the member is missing.
   [[nodiscard]] const Json& at(const char* key) const {
     static const Json kNone;
     const auto member = object_.find(key);

@@ -40,7 +40,7 @@ std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
          sizeText(kMaxWidth_px, kMaxHeight_px);
 }
 
-/// The whole file, or a problem.
+/// Reads the whole file. Returns the problem, or "".
 std::string readBytes(const std::filesystem::path& file, std::vector<std::uint8_t>& bytes) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
@@ -69,7 +69,7 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   if (size->width_px > kMaxWidth_px || size->height_px > kMaxHeight_px) {
     return {{}, tooLarge(size->width_px, size->height_px)};
   }
-  // The decoders would fill what is missing with grey.
+  // Decoders would fill a missing part with grey.
   const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
   if (text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
   cv::Mat image;
@@ -93,7 +93,7 @@ bool sizeAllowed(int width_px, int height_px) {
 }
 
 ImageResult readColorFile(const std::filesystem::path& file) {
-  // A phone's orientation tag is ignored: depth has none to turn with.
+  // Ignores the orientation tag of phones, because depth images have none.
   return readFile(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
@@ -135,7 +135,7 @@ bool isColorCoded(const cv::Mat& raw) {
   if (raw.type() != CV_8UC3) return false;
   std::array<cv::Mat, 3> bgr;
   cv::split(raw, bgr.data());
-  // Grey through a lossy codec stays within a few levels; a colour map is tens of levels off.
+  // Grey after a lossy codec stays within a few levels; a colour map differs by tens of levels.
   constexpr double kGreyTolerance = 8.0;
   const auto pixels = static_cast<double>(raw.total());
   return cv::norm(bgr[0], bgr[1], cv::NORM_L1) / pixels > kGreyTolerance ||

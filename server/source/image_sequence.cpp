@@ -7,7 +7,7 @@ namespace hapticast::server {
 
 namespace {
 
-/// How depth is to be read, from what is declared and what the first depth file is.
+/// Returns the depth format, from the declarations and the first depth file.
 DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& clip) {
   const ImageResult first = readRawFile(file);
   if (!first.ok())
@@ -59,7 +59,7 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
 
 std::optional<RgbdFrame> ImageSequence::read() {
   const std::uint64_t first = next_;
-  std::string problem;  // of frame `first`
+  std::string problem;  // problem of frame `first`
   while (next_ < files_.frames.size()) {
     const std::uint64_t index = next_++;
     RgbdFrame frame;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A folder of image files as a source (layouts: clip_files.hpp). Images are decoded one by one as
-// they are read. Thread: one.
+// Source from a folder of image files (layouts: clip_files.hpp). Decodes images one by one, on
+// read. Thread: one.
 #pragma once
 
 #include <filesystem>
@@ -13,32 +13,33 @@
 
 namespace hapticast::server {
 
+/// Source of one folder.
 class ImageSequence final : public RgbdSource {
  public:
-  /// Finds the files and checks the first frame. `fps` > 0 overrides what the folder says. Throws
+  /// Finds the files and checks the first frame. `fps` > 0 overrides the folder's rate. Throws
   /// SourceError.
   ImageSequence(const std::filesystem::path& folder, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Throws SourceError where no frame of a round could be read: the files have gone.
+  /// Throws SourceError if a whole round has no readable frame: the files vanished.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;
 
  private:
-  /// Decodes frame `index` into `frame`; what is wrong with it (naming the file), or "".
+  /// Decodes frame `index` into `frame`. Returns the problem with the file's name, or "".
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
-  /// Throws SourceError where a key mask cannot be read, has another size or shows no object: what
-  /// the author drew is not passed over silently.
+  /// Throws SourceError if a key mask is unreadable, has another size or shows no object: the
+  /// author's masks are never skipped silently.
   void checkKeyMasks() const;
-  /// What is wrong with the size of `image`, or "".
+  /// Returns the problem with the size of `image`, or "".
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
-  /// A mask's picture, or what is wrong with it.
+  /// Reads and converts a mask, or returns its problem.
   [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;
-  /// Warns of the frames first .. end - 1, which were passed over; does nothing where there are
-  /// none or all were warned of in an earlier round. `problem`: the first one's.
-  /// Whether its files, which were there when the clip was opened, are gone.
+  /// Returns whether the frame's files no longer exist.
   static bool vanished(const FrameFiles& frame);
+  /// Warns about the skipped frames first .. end - 1, unless there are none or earlier rounds
+  /// reported all. `problem`: the first frame's.
   void exclude(std::uint64_t first, std::uint64_t end, const std::string& problem);
 
   ClipFiles files_;
@@ -47,8 +48,8 @@ class ImageSequence final : public RgbdSource {
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool any_read_ = false;  // of this round
-  std::set<std::uint64_t>
-      reported_;  // unreadable frames, so that a loop does not repeat its warnings
+  // Unreadable frames, so that a loop does not repeat its warnings.
+  std::set<std::uint64_t> reported_;
 };
 
 }  // namespace hapticast::server

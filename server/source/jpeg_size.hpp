@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a JPEG says of its size, read before a decoder believes it. Thread: any.
+// JPEG header parser: reads the size of a picture before a decoder allocates memory for it. Thread:
+// any.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +9,15 @@
 
 namespace hapticast::server {
 
+/// Size of a picture.
 struct PictureSize {
   std::uint32_t width_px = 0;
   std::uint32_t height_px = 0;
   bool operator==(const PictureSize&) const = default;
 };
 
-/// The size in the frame header (ITU T.81 annex B), without decoding; nullopt when there is none.
+/// Returns the size in the frame header (ITU T.81 annex B) without decoding; nullopt if there is
+/// none.
 [[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
 }  // namespace hapticast::server

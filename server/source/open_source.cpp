@@ -57,7 +57,7 @@ bool isFile(const std::string& path) {
 }
 
 std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
-  // File names may hold commas themselves: prefer the split where both files are there.
+  // File names may contain commas: prefers the split at which both files exist.
   std::size_t comma = spec.find(',');
   for (std::size_t at = comma; at != std::string::npos; at = spec.find(',', at + 1)) {
     if (isFile(spec.substr(0, at)) && isFile(spec.substr(at + 1))) comma = at;
@@ -74,7 +74,7 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
 
 std::string fileName(const fs::path& path) {
   std::error_code error;
-  const fs::path whole = fs::canonical(path, error);  // "." and "clip/" have names, too
+  const fs::path whole = fs::canonical(path, error);  // resolves "." and "clip/"
   return (error ? path : whole).filename().string();
 }
 

@@ -9,7 +9,7 @@ namespace hapticast::server {
 Pacer::Pacer(double fps, MediaTime start) : fps_(fps), start_(start) {}
 
 MediaTime Pacer::slotTime(std::uint64_t slot) const {
-  // From the slot's number, not summed up, so that no rounding accumulates.
+  // Computed from the slot's number and not summed, so that rounding errors do not accumulate.
   return start_ + Duration(std::llround(static_cast<double>(slot) * 1e9 / fps_));
 }
 
@@ -22,7 +22,7 @@ Pacer::Plan Pacer::plan(MediaTime now) {
   std::uint64_t skip = 0;
   if (late > Duration::zero()) {
     skip = static_cast<std::uint64_t>(toSeconds(late) * fps_);
-    // The division may be off by one where `now` falls on a slot.
+    // The division may be off by one if `now` is at a slot.
     while (skip > 0 && slotTime(next_slot_ + skip) > now) --skip;
     while (slotTime(next_slot_ + skip + 1) <= now) ++skip;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Plays a recorded clip in real time: when the next frame is due, what to leave out when processing
-// cannot keep up (newest wins), and the media time of each frame. Times are arguments; no thread,
-// no clock, no waiting of its own. Thread: one.
+// Real-time pacing of a recorded clip: computes the due time and media time of each frame, and
+// frame drops under overload (newest wins). Times are arguments: no thread, no clock, no waiting.
+// Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +10,30 @@
 
 namespace hapticast::server {
 
-/// The schedule is a comb of slots 1/fps apart that knows no clip: slots count on over loop wraps,
-/// so media time always increases. Use, per frame:
-///   plan = pacer.plan(now);  pass over plan.skip frames;  wait until plan.due;  read the frame;
+/// The schedule is a sequence of slots 1/fps apart. Slots continue over loop wraps, so media time
+/// always increases. Use for each frame:
+///   plan = pacer.plan(now);  skip plan.skip frames;  wait until plan.due;  read the frame;
 ///   media_time = pacer.frameRead(frame.epoch, frame.index);
 class Pacer {
  public:
+  /// Instructions for the next frame.
   struct Plan {
-    std::uint64_t skip = 0;  ///< frames to pass over first
-    MediaTime due;  ///< when the frame after them is captured; not later than `now` if late
+    std::uint64_t skip = 0;  ///< frames to skip first
+    MediaTime due;           ///< capture time of the next frame; at most `now` if late
   };
 
-  /// The first frame is due at `start`. Requires 0 < fps.
+  /// The first frame is due at `start`. Requires fps > 0, frames/s.
   Pacer(double fps, MediaTime start);
 
-  /// What to play next. A frame is left out when the one after it is already due. A stall longer
-  /// than kLongestSkip (a suspended machine, a debugger) is not caught up: the schedule moves
-  /// instead.
+  /// Plans the next frame. A frame is skipped if the frame after it is already due. After a stall
+  /// longer than kLongestSkip (a suspended machine, a debugger) the schedule moves instead.
   [[nodiscard]] Plan plan(MediaTime now);
 
-  /// Media time of the frame that was read for the last plan. Frames that the source itself passed
-  /// over because they were unreadable (a gap in `index` within an epoch) take up their slots too.
+  /// Returns the media time of the frame read for the last plan. Frames that the source itself
+  /// skipped (a gap in `index` within an epoch) occupy their slots too.
   MediaTime frameRead(std::uint32_t epoch, std::uint64_t index);
 
-  /// Frames left out so far because they were late.
+  /// Returns the number of frames skipped because they were late.
   [[nodiscard]] std::uint64_t skipped() const noexcept { return skipped_; }
 
   static constexpr Duration kLongestSkip = std::chrono::seconds(1);
@@ -43,9 +43,9 @@ class Pacer {
 
   double fps_;
   MediaTime start_;              // of slot 0
-  std::uint64_t slot_ = 0;       // of the frame planned last
-  std::uint64_t next_slot_ = 0;  // of the next frame if nothing is left out
-  std::uint64_t step_ = 1;       // how many frames further the planned one is than the last read
+  std::uint64_t slot_ = 0;       // of the last planned frame
+  std::uint64_t next_slot_ = 0;  // of the next frame without skips
+  std::uint64_t step_ = 1;       // frames between the last read and the planned frame
   std::uint64_t skipped_ = 0;
   bool any_read_ = false;
   std::uint32_t last_epoch_ = 0;

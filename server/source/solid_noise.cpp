@@ -11,14 +11,14 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSide = 32;  // of the lattice, a power of two
+constexpr int kSide = 32;  // side of the lattice, a power of two
 
 std::size_t cell(int x, int y, int z) {
   const auto wrapped = [](int i) { return static_cast<std::size_t>(i & (kSide - 1)); };
   return (wrapped(z) * kSide + wrapped(y)) * kSide + wrapped(x);
 }
 
-/// Trilinear with smoothed weights, so that the noise has a continuous slope.
+/// Trilinear interpolation with smoothed weights, for a continuous slope.
 float interpolate(const std::vector<float>& lattice, const Vec3& p) {
   std::array<int, 3> base{};
   std::array<float, 3> w{};
@@ -42,7 +42,7 @@ float interpolate(const std::vector<float>& lattice, const Vec3& p) {
 
 SolidNoise::SolidNoise() : lattice_(static_cast<std::size_t>(kSide * kSide * kSide)) {
   std::mt19937 random(20);
-  // Not a std distribution: those differ between standard libraries.
+  // Not a std distribution: their results differ between standard libraries.
   std::generate(lattice_.begin(), lattice_.end(),
                 [&] { return static_cast<float>(random() >> 8U) * 0x1p-24F; });
 }
@@ -51,7 +51,7 @@ float SolidNoise::at(const Vec3& position_mm) const noexcept {
   const float sum = 0.45F * interpolate(lattice_, position_mm / 24.0) +
                     0.35F * interpolate(lattice_, position_mm / 12.0) +
                     0.20F * interpolate(lattice_, position_mm / 6.0);
-  // The sum of octaves crowds round the middle; spread it.
+  // The sum of octaves concentrates around 0.5; this spreads it.
   return std::clamp(0.5F + 1.9F * (sum - 0.5F), 0.0F, 1.0F);
 }
 

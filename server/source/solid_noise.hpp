@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A fixed noise texture in space, three octaves: what the synthetic bodies are made of. Thread:
+// Value noise in space, three octaves: the solid texture of the synthetic bodies. Thread: any.
 // any.
 #pragma once
 
@@ -9,12 +9,13 @@
 
 namespace hapticast::server {
 
+/// A fixed noise field.
 class SolidNoise {
  public:
   SolidNoise();
 
-  /// 0..1 with a mean of about 0.5, smooth, the same in every run. The finest detail is some 6 mm
-  /// wide and the pattern repeats every 768 mm.
+  /// Returns the noise at a position, 0..1 with a mean of about 0.5: smooth, the same in every run.
+  /// The finest detail is about 6 mm wide; the pattern repeats every 768 mm.
   [[nodiscard]] float at(const Vec3& position_mm) const noexcept;
 
  private:

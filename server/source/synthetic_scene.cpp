@@ -14,10 +14,10 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kDuration_s = 4.8;
 
 constexpr double kBallRadius_mm = 60.0;
-constexpr double kDistance_mm =
-    600.0;  // of the bouncing and the still ball, and in the middle of approach
+// Distance of the bouncing and the still ball, and mean distance of approach.
+constexpr double kDistance_mm = 600.0;
 
-// bounce: every impact falls between two frames at 25 fps.
+// bounce: no impact coincides with a frame at 25 fps.
 constexpr double kFloor_mm = 150.0;  // Y of the centre at the floor
 constexpr double kFlight_s = 1.2;    // from floor to floor
 constexpr double kGravity_mm_s2 = 8.0 * 280.0 / (kFlight_s * kFlight_s);  // 280 mm high
@@ -38,7 +38,7 @@ double wrap(double time_s, double period_s) {
   return time_s - period_s * std::floor(time_s / period_s);
 }
 
-/// One coordinate: position, velocity, acceleration.
+/// One coordinate: position, velocity, acceleration in mm and s.
 struct Coordinate {
   double x, v, a;
 };
@@ -96,8 +96,8 @@ BodyState computeBodyState(SceneKind kind, double t) {
   return fromCoordinates(kZero, kZero, {kDistance_mm, 0.0, 0.0});
 }
 
-/// The sweep of the visible surface plus a margin. The outline of a tilted ellipsoid may lie behind
-/// its centre.
+/// Returns the depth range of the visible surface plus a margin. The outline of a tilted ellipsoid
+/// may lie behind its centre.
 DepthRange sceneRange(SceneKind kind) {
   switch (kind) {
     case SceneKind::kApproach:
@@ -136,7 +136,8 @@ std::vector<SceneImpact> bounces(const SceneView& view) {
   return impacts;
 }
 
-/// The two values where a x^2 - 2 b x + c = 0, in order; the quadric guarantees that they are real.
+/// Returns the roots of a x^2 - 2 b x + c = 0 in ascending order; the quadric guarantees that they
+/// are real.
 Vec2 tangents(double a, double b, double c) {
   const double root = std::sqrt(std::max(0.0, b * b - a * c));
   const Vec2 both((b - root) / a, (b + root) / a);
@@ -187,7 +188,7 @@ std::optional<SceneInstant::Hit> SceneInstant::hit(const Vec2& image_px) const n
   const double b = ray.dot(shape_centre_);
   const double discriminant = b * b - a * centre_term_;
   if (!(discriminant > 0.0)) return std::nullopt;
-  // The nearer root; in this form nothing cancels.
+  // The nearer root, in a form without cancellation.
   const double z = centre_term_ / (b + std::sqrt(discriminant));
   const Vec3 position = z * ray;
   return Hit{position, shape_ * position - shape_centre_};
@@ -254,7 +255,8 @@ SyntheticScene::SyntheticScene(SceneKind kind, const Workspace& workspace)
 
 SceneInstant SyntheticScene::at(double time_s) const {
   const BodyState body = computeBodyState(kind_, time_s);
-  // Camera z points away from the viewer, nominal z towards him; the angular velocity is constant.
+  // Camera z points away from the viewer, nominal z towards the viewer; the angular velocity is
+  // constant.
   return {view_, body, semi_axes_mm_, -body.angular_velocity_rad_s.z() * time_s};
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws a synthetic scene: exact depth and mask at pixel centres, textured colour. Thread: one.
+// Renderer of the synthetic scenes: exact depth and mask at pixel centres, textured colour. Thread:
+// one.
 #pragma once
 
 #include "server/source/rgbd_source.hpp"
@@ -8,16 +9,18 @@
 
 namespace hapticast::server {
 
-/// A colour of a texture: `part` 0..1 of the way from dark to light (BGR, 0..255), lit.
+/// Returns a lit texture colour: `part` 0..1 between `dark` and `light` (BGR, 0..255), times
+/// `brightness`.
 cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness);
-/// Lambert with much ambient light, from above left: shape is visible, yet texture changes little
-/// as the body turns. `normal`: outward, camera frame, any length.
+/// Lambertian shading with much ambient light from above left: shape is visible, but texture
+/// changes little with rotation. `normal`: outward, camera frame, any length.
 float brightness(const Vec3& normal);
 
+/// Source of one synthetic scene.
 class SyntheticSource final : public RgbdSource {
  public:
-  /// Frame n shows the scene at n / fps; the clip lasts scene.duration_s(). `fps` 1..240; the
-  /// size 1..1920 x 1..1080.
+  /// Frame n shows the scene at n / fps; the clip lasts scene.duration_s(). `fps`: 1..240. Size:
+  /// 1..1920 x 1..1080 px.
   explicit SyntheticSource(SceneKind kind, double fps = 25.0, int width_px = 640,
                            int height_px = 480);
 
@@ -26,7 +29,7 @@ class SyntheticSource final : public RgbdSource {
   bool skip() override;
   void rewind() override;
 
-  /// The truth of what is drawn (with the whole picture fitted into 160 x 120 mm).
+  /// Returns the ground truth of the pictures (the whole picture is fitted into 160 x 120 mm).
   [[nodiscard]] const SyntheticScene& scene() const { return scene_; }
 
  private:

@@ -15,17 +15,18 @@ namespace hapticast::server {
 
 namespace {
 
-/// A shorter video by so many frames is only cut; more means that they do not belong together.
+/// Videos that differ by up to so many frames are cut; a larger difference means that they do not
+/// belong together.
 constexpr double kCountTolerance = 5.0;
 
 cv::VideoCapture openVideo(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw SourceError(file + ": no such file");
-  // FFmpeg's own lines would drown the one line a person needs. OpenCV reads this once, at the
-  // first video; whoever sets it himself still gets them.
+  // FFmpeg's own log would hide the error message. OpenCV reads this variable once, at the first
+  // video; a value set by the user takes precedence.
   static const int quiet = ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   static_cast<void>(quiet);
-  // FFmpeg only: other back ends read other things (image patterns, pipelines) and hide the pixel
+  // FFmpeg only: other back ends accept other inputs (image patterns, pipelines) and hide the pixel
   // format.
   cv::VideoCapture capture(file, cv::CAP_FFMPEG);
   if (!capture.isOpened()) {
@@ -61,7 +62,7 @@ void requireEightBitDepth(const cv::VideoCapture& capture, const std::string& fi
                     "grey video (ffmpeg -i FILE -pix_fmt gray -c:v ffv1 OUT.mkv)");
 }
 
-/// The rate a file claims; 25 where that is nonsense.
+/// Returns the rate stated by the file; 25 if it is implausible.
 double readFrameRate(const cv::VideoCapture& capture) {
   const double fps = capture.get(cv::CAP_PROP_FPS);
   return fps >= 1.0 && fps <= 240.0 ? fps : 25.0;
@@ -71,8 +72,8 @@ double readFrameRate(const cv::VideoCapture& capture) {
 
 bool isEightBitFormat(std::uint32_t tag) {
   // FFmpeg's tags, by name: grey, planar and packed YUV, RGB with and without alpha, palette. A
-  // list of what is safe, because the others (10 to 64 bits, and those FFmpeg has no tag of its own
-  // for) are many.
+  // list of safe formats, because the others (10 to 64 bits, and formats without a tag of FFmpeg's
+  // own) are many.
   using Tag = std::array<char, 4>;
   constexpr std::array<Tag, 26> kTags{
       {{'Y', '8', '0', '0'},  {'I', '4', '2', '0'},  {'Y', '4', '2', 'B'},  {'4', '4', '4', 'P'},
@@ -107,7 +108,7 @@ VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
   }
   const double colors = color_.get(cv::CAP_PROP_FRAME_COUNT);
   const double depths = depth_.get(cv::CAP_PROP_FRAME_COUNT);
-  // Not every container knows its count; nonsense is taken for "unknown".
+  // Not every container states its count; implausible counts are unknown.
   const bool known = colors >= 1.0 && depths >= 1.0 && colors < 1e9 && depths < 1e9;
   if (known && std::abs(colors - depths) > kCountTolerance) {
     throw SourceError(depth_file_ + ": has " + std::to_string(std::llround(depths)) +
@@ -150,7 +151,7 @@ bool VideoPair::grab() {
 }
 
 std::optional<RgbdFrame> VideoPair::read() {
-  std::string problem;  // of frame `first_bad`
+  std::string problem;  // problem of frame `first_bad`
   std::uint64_t first_bad = 0;
   const auto tell = [&] {  // once, not in every round
     if (problem.empty() || !reported_.insert(first_bad).second) return;
@@ -166,7 +167,7 @@ std::optional<RgbdFrame> VideoPair::read() {
     const bool color = color_.retrieve(frame.color) && frame.color.size() == size;
     const bool depth = depth_.retrieve(raw) && raw.size() == size;
     if (color && depth) {
-      // The decoder reuses its buffer for the next frame; toDepth makes its own.
+      // The decoder reuses its buffer for the next frame; toDepth() makes its own.
       frame.color = frame.color.clone();
       frame.depth = toDepth(raw, {DepthKind::kHeight}).image;
       any_read_ = true;

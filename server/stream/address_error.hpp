@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
+// Error of a listen or multicast address from the command line. Thread: any.
 #pragma once
 
 #include <stdexcept>
 
 namespace hapticast::server {
 
-/// What was given as address is none, or none of this machine: wrong input, where other failures to
-/// listen are the machine's. One line, which begins with the flag where that is not --listen.
+/// An address that is invalid or does not belong to this machine: a user error, unlike other
+/// failures to listen. The message is one line. It begins with the flag, except for --listen.
 class AddressError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

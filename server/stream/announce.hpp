@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Tells the LAN of this server, by Avahi. Thread: the caller's for the object, a library's own for
-// what happens.
+// DNS-SD announcement (RFC 6763, multicast DNS) of this server on the LAN, by Avahi. Thread: the
+// caller's for the object; Avahi's own for its events.
 #pragma once
 
 #include <memory>
@@ -10,16 +10,18 @@
 
 namespace hapticast::server {
 
-/// Throws AddressError where nobody else could reach what listens there.
+/// Throws AddressError if no other machine could reach a server at `address`.
 void requireReachable(const asio::ip::address& address);
 
+/// Announces one service until destruction.
 class Announcer {
  public:
-  /// `name`: isServiceName(). `listens`: where viewers connect. `plays`: the stream's name. Logs
-  /// by which name it is announced, another one where that is taken, and when avahi-daemon comes
-  /// and goes; it is never waited for.
+  /// Announces `name` (see isServiceName()). `listens`: address for viewers. `plays`: the stream's
+  /// name. Never waits for avahi-daemon.
+  /// Logs the announced name, another name if `name` is in use, and starts and stops of
+  /// avahi-daemon.
   Announcer(std::string name, const asio::ip::tcp::endpoint& listens, const std::string& plays);
-  /// Withdraws it.
+  /// Withdraws the announcement.
   ~Announcer();
   Announcer(const Announcer&) = delete;
   Announcer& operator=(const Announcer&) = delete;

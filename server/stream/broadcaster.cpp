@@ -11,10 +11,12 @@ namespace hapticast::server {
 
 namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
-constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);  // a thousand take a while
+// Checks of a thousand viewers last a while.
+constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);
 constexpr auto kCountEvery = std::chrono::seconds(1);
 constexpr const char* kServerEnds = "the server ends";
-/// Of an IPv6 address the first 64 bits, since a single host has all that follow them.
+/// Returns the first 64 bits of an IPv6 address, since one host may use all addresses with this
+/// prefix. Other addresses are returned unchanged.
 std::string findNetwork(const std::string& address) {
   boost::system::error_code ec;
   const auto v6 = asio::ip::make_address_v6(
@@ -50,9 +52,9 @@ void Broadcaster::onIo(Visit visit) {
 
 template <class... What>
 void Broadcaster::sendAll(const What&... what) {
-  // Sending to all takes a while. What has been published in the meantime goes only into the
-  // queues, where newer frames replace older ones, and the last of it sends: a server with too much
-  // to do drops frames, and is never late.
+  // Sending to all viewers lasts a while. Items published in the meantime only enter the queues,
+  // where newer frames replace older ones; the last item sends. An overloaded server drops frames
+  // and is never late.
   const bool last = waiting_ == 0;
   for (const auto& viewer : viewers_) {
     if (last) {
@@ -61,7 +63,7 @@ void Broadcaster::sendAll(const What&... what) {
       viewer->queue(what...);
     }
   }
-  // Whoever comes last has it some milliseconds later: not always the same one.
+  // The last viewer receives some milliseconds later, so the order rotates.
   if (last && !viewers_.empty())
     std::rotate(viewers_.begin(), viewers_.begin() + 1, viewers_.end());
 }
@@ -71,7 +73,7 @@ void Broadcaster::publish(EncodedFrame frame) {
     if (tooLarge(frame)) return;
     last_frame_ = frame;
     preparing_ = nullptr;
-    // Datagrams first: a viewer costs a fraction of one by TCP, and most take them.
+    // Datagrams first: one costs a fraction of a send by TCP, and most viewers use them.
     if (datagrams_ != nullptr) datagrams_->send(frame);
     sendAll(frame);
   });
@@ -93,7 +95,7 @@ void Broadcaster::prepare(double share) {
 
 void Broadcaster::describe(const StreamDescription& description) {
   onIo([this, description] {
-    if (description == description_) return sendAll();  // what may wait for it
+    if (description == description_) return sendAll();  // only flushes the queues
     const bool other_picture = !(description.workspace == description_.workspace);
     description_ = description;
     if (other_picture) {
@@ -108,7 +110,7 @@ void Broadcaster::describe(const StreamDescription& description) {
 void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;
-    const Sessions pending = pending_sessions_, viewers = viewers_;  // closing moves them
+    const Sessions pending = pending_sessions_, viewers = viewers_;  // close() changes the lists
     for (const Sessions* each : {&pending, &viewers}) {
       for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
     }
@@ -127,7 +129,8 @@ void Broadcaster::accept(std::unique_ptr<Channel> channel) {
 
 void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
   pending_sessions_.push_back(session);
-  if (pending_sessions_.size() <= kMaxPending || stopped_) return;  // at the end all hear a goodbye
+  // At shutdown all receive a goodbye.
+  if (pending_sessions_.size() <= kMaxPending || stopped_) return;
   const std::shared_ptr<Session> peer = evictionCandidate();
   ++counts_.refused;
   log(spdlog::level::warn, "too many connections beside the viewers': closing " + peer->label());
@@ -139,7 +142,7 @@ std::shared_ptr<Session> Broadcaster::evictionCandidate() const {
   for (const auto& each : pending_sessions_) ++from[findNetwork(each->address())];
   const auto most = std::max_element(
       from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  // Where several have as many it is the oldest of them all.
+  // Among networks with equally many sessions, the oldest session is the candidate.
   return *std::find_if(pending_sessions_.begin(), pending_sessions_.end(), [&](const auto& each) {
     return from[findNetwork(each->address())] == most->second;
   });
@@ -170,7 +173,7 @@ void Broadcaster::onJoined(Session& session) {
   viewers_.push_back(self);
   ++counts_.welcomed;
   countViewers();
-  if (preparing_) session.queue(preparing_);  // it sends them itself
+  if (preparing_) session.queue(preparing_);  // onJoined()'s caller flushes the queue
   if (last_frame_) session.queue(*last_frame_);
   if (last_video_) session.queue(*last_video_);
   log(spdlog::level::info, session.label() + " joined");
@@ -214,7 +217,7 @@ StreamCounts Broadcaster::counts() const {
 }
 
 void Broadcaster::check(const Sessions& sessions, LocalTime now) {
-  const Sessions all(sessions.begin(), sessions.end());  // a check may end one
+  const Sessions all(sessions.begin(), sessions.end());  // a check may close a session
   for (const auto& session : all) session->check(now);
 }
 

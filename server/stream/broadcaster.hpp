@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Hands encoded frames to all viewers: one queue each, bytes shared, a slow one never slows
-// another. Takes bytes, wherever they come from. Thread: io, except where a function says "any".
+// Fan-out of encoded frames to all viewers: one queue for each viewer, shared bytes, so that a slow
+// viewer never slows another. Thread: io, except where a function says "any".
 #pragma once
 
 #include <atomic>
@@ -26,50 +26,52 @@ enum level_enum : int;  // NOLINT(readability-identifier-naming): the name of sp
 
 namespace hapticast::server {
 
+/// All viewers of one stream.
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
-  /// Connections beside the viewers' that are kept at a time: those that have not said hello yet,
-  /// and those that are being closed. Chosen: more than a healthy stream ever has.
+  /// Limit of pending connections: those before their hello, and those that are closing. Chosen:
+  /// more than a healthy stream ever has.
   static constexpr std::size_t kMaxPending = 32;
 
-  /// Everything runs on `io`, which one thread runs; that thread ends before the Broadcaster does.
-  /// The clocks outlive it.
+  /// Uses `io` for all its work. One thread runs `io` and ends before the Broadcaster's
+  /// destruction. The clocks must outlive the Broadcaster.
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
-  /// Offers viewers to send their frames as datagrams as well. Before the first of them comes;
-  /// `sender` outlives the connections.
+  /// Enables UDP delivery. Call before the first viewer connects; `sender` must outlive all
+  /// sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
-  /// Sends a frame to every viewer; who joins later gets the newest at once. Thread: any.
+  /// Sends a frame to every viewer; later viewers receive the newest frame at once. Thread: any.
   void publish(EncodedFrame frame) override;
-  /// Sends a picture to those who want it. Thread: any.
+  /// Sends a picture to the viewers that subscribed to pictures. Thread: any.
   void publish(EncodedVideo video) override;
-  /// Tells viewers and who joins before the first frame how much of the clip is looked through.
-  /// Thread: any.
+  /// Reports the progress of the clip's scan, 0..1, to present viewers and to viewers that join
+  /// before the first frame. Thread: any.
   void prepare(double share);
-  /// Announces another stream. A change of the workspace voids the frames before it. Thread: any.
+  /// Announces another stream. A new workspace invalidates earlier frames. Thread: any.
   void describe(const StreamDescription& description) override;
-  /// Whether encoding pictures is worth it. Thread: any.
+  /// Returns whether a viewer subscribed to pictures. Thread: any.
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
   }
+  /// Returns whether a viewer or the group needs datagrams. Thread: any.
   [[nodiscard]] bool datagramsWanted() const override {
     return datagrams_ != nullptr && datagrams_->wanted();
   }
-  /// How many have been welcomed and have not left. Thread: any.
+  /// Returns the number of welcomed and present viewers. Thread: any.
   [[nodiscard]] std::size_t viewers() const {
     return viewer_count_.load(std::memory_order_relaxed);
   }
-  /// Tells every viewer that the server ends and closes them within the goodbye deadline; `io` then
-  /// runs out of work. Thread: any.
+  /// Sends a goodbye to every viewer and closes all connections within the goodbye deadline. `io`
+  /// then runs out of work. Thread: any.
   void stop();
 
-  /// Takes over a fresh connection.
+  /// Starts a session for a new connection.
   void accept(std::unique_ptr<Channel> channel);
-  /// Writes a line to the log unless there were too many of late: whatever strangers on the port
-  /// do, there are at most 20 a minute, half of them warnings.
-  /// Returns whether it was written.
+  /// Logs a line, rate-limited: at most 20 lines a minute, half of them warnings, whatever hosts on
+  /// the port do. Returns whether the line was written.
   bool log(spdlog::level::level_enum level, std::string_view line);
+  /// Returns the counts since the start.
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
 
@@ -86,26 +88,27 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void onClosed(const std::shared_ptr<Session>& session) override;
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
-  /// The session's connection does not count as a viewer's (yet, or any more). Above kMaxPending
-  /// of them one has to go.
+  /// Adds the session to the pending connections: it is not a viewer yet, or not any more. Above
+  /// kMaxPending it aborts the evictionCandidate().
   void addStranger(const std::shared_ptr<Session>& session);
-  /// The oldest stranger from the address that most of them come from: so that a single host
-  /// cannot take everybody's places.
+  /// Returns the oldest pending session of the network with most pending sessions, so that a single
+  /// host cannot occupy all places.
   [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
-  /// Calls `visit` on io when its turn comes. Thread: any.
+  /// Posts `visit` to io. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
-  /// Sends something to each viewer, or, where something newer waits, only puts it into its queue.
+  /// Sends `what` to each viewer; only queues it if newer items wait.
   template <class... What>
   void sendAll(const What&... what);
-  /// Whether viewers would refuse the frame and the connection with it; says so once a minute, and
-  /// where only its datagrams are left out: whom none reach takes frames by TCP a second later.
+  /// Returns whether the frame exceeds the message limit, so that viewers would close the
+  /// connection. Logs once a minute, also if only its datagrams are too large. Viewers without
+  /// datagrams change to TCP a second later.
   bool tooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> startTimer();
   void logSlowViewers(LocalTime now);
   void logDatagrams(LocalTime now);
-  /// How many lines were kept back, where nothing more has come to say it with.
+  /// Logs the number of suppressed lines if no later line reported it.
   void logHidden();
   void countViewers();
 
@@ -116,25 +119,25 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamSettings settings_;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
-  Sessions viewers_;           // welcomed and not closing; the one that is served first comes first
-  Sessions pending_sessions_;  // no hello yet, or closing; the oldest first
+  Sessions viewers_;           // welcomed and not closing; in order of service
+  Sessions pending_sessions_;  // before the hello, or closing; the oldest first
   std::uint32_t last_session_id_ = 0;
-  SharedBytes preparing_;  // until the first frame
+  SharedBytes preparing_;  // scan progress, until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
-  std::atomic<int> waiting_{0};  // calls by onIo() whose turn has not come
+  std::atomic<int> waiting_{0};  // posted calls that have not run
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
-  StreamCounts counts_;  // clients and sent: of those who left
-  SendCounts logged_;    // of slow viewers
+  StreamCounts counts_;  // clients and sent: of viewers that left
+  SendCounts logged_;    // last logged counts of slow viewers
   LocalTime checked_;
   LocalTime counted_;
   DatagramSenderCounts logged_datagrams_;
   LogInterval slow_interval_;
   LogInterval large_interval_;
   LogInterval datagrams_interval_;
-  LogRateLimiter comings_and_goings_;  // apart, so that a crowd does not hide problems
+  LogRateLimiter comings_and_goings_;  // separate, so that a crowd does not hide problems
   LogRateLimiter problems_;
 };
 

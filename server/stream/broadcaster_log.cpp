@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the broadcaster writes to the log.
+// Log lines of the Broadcaster, rate-limited. Thread: io.
 #include <spdlog/spdlog.h>
 
 #include "server/stream/broadcaster.hpp"

@@ -13,7 +13,7 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen: a frame's datagrams for some hundred viewers. The system allows less, as it is set up.
+// Chosen: a frame's datagrams for some hundred viewers. The system's limit may be lower.
 constexpr int kSendBuffer_bytes = 4 << 20;
 
 std::vector<SignedDatagrams> mergeRound(const std::deque<SignedDatagrams>& frames) {
@@ -97,7 +97,7 @@ void DatagramSender::send(const EncodedFrame& frame) {
   book_.forEachSubscriber([&targets](std::uint64_t token, const UdpSubscribers::Viewer& viewer) {
     targets.push_back({token, *viewer.at, viewer.local, viewer.copies, viewer.counts});
   });
-  // Whoever comes last has it some milliseconds later: not always the same one.
+  // The last viewer receives some milliseconds later, so the order rotates.
   if (!targets.empty()) {
     const auto first = static_cast<std::ptrdiff_t>(frame.id % targets.size());
     std::rotate(targets.begin(), targets.begin() + first, targets.end());
@@ -112,7 +112,7 @@ void DatagramSender::sendToGroup() {
   const LocalTime now = clock_.now();
   if (!group_probed_at_ || now - *group_probed_at_ >= kGroupProbeEvery) {
     group_probed_at_ = now;
-    // One that the system does not take comes half a second later.
+    // If the system rejects this probe, the next one follows half a second later.
     (void)group_out_->sendNow(signer_.probe(), all);
   }
   group_out_->send(mergeRound(last_), {all});
@@ -126,7 +126,7 @@ void DatagramSender::stop() {
 }
 
 asio::awaitable<void> DatagramSender::readEchoes() {
-  std::array<std::uint8_t, kEchoBytes + 1> bytes{};  // what is longer shows
+  std::array<std::uint8_t, kEchoBytes + 1> bytes{};  // one byte more detects longer datagrams
   while (socket_.is_open()) {
     boost::system::error_code ec;
     co_await socket_.async_wait(asio::socket_base::wait_read,
@@ -146,7 +146,7 @@ void DatagramSender::onEcho(std::span<const std::uint8_t> bytes,
   if (verdict != AddressValidation::kBelieved) return;
   const std::uint64_t token = readEcho(bytes)->token;
   const UdpSubscribers::Viewer& viewer = *book_.find(token);
-  // One that the system does not take comes with the next echo.
+  // If the system rejects this probe, the next echo triggers another one.
   (void)out_.sendNow(signer_.probe(), {token, from, viewer.local, 1, viewer.counts});
   countTakers();
 }

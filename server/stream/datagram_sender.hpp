@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The stream by UDP: takes viewers' echoes, and sends every frame's datagrams to all who want them
-// and to the group. It sends nothing to an address that has not echoed its viewer's token from the
-// host of that viewer's TCP connection. Thread: io, except where a function says "any".
+// UDP delivery: receives viewers' echoes (return routability, as in QUIC's address validation) and
+// sends every frame's datagrams to subscribed viewers and to the multicast group.
+// It sends to no address that has not echoed its viewer's token from the host of that viewer's TCP
+// connection. Thread: io, except where a function says "any".
 #pragma once
 
 #include <array>
@@ -21,51 +22,59 @@
 
 namespace hapticast::server {
 
-/// Since the start.
+/// Counts since the start.
 struct DatagramSenderCounts {
-  DatagramCounts viewers;
-  DatagramCounts group;
+  DatagramCounts viewers;                             ///< datagrams to viewers
+  DatagramCounts group;                               ///< datagrams to the group
   std::array<std::uint64_t, kEchoVerdicts> echoes{};  ///< by AddressValidation
 
   [[nodiscard]] std::uint64_t of(AddressValidation verdict) const {
     return echoes[static_cast<std::size_t>(verdict)];
   }
+  /// Returns the datagrams that were not sent.
   [[nodiscard]] std::uint64_t lost() const {
     return viewers.dropped + viewers.failed + group.dropped + group.failed;
   }
-  /// Who has just left, or echoes too often, is no stranger.
+  /// Returns the rejected echoes that no present viewer sent. Echoes of former viewers and too
+  /// frequent echoes do not count.
   [[nodiscard]] std::uint64_t notBelieved() const {
     return of(AddressValidation::kMalformed) + of(AddressValidation::kForeign) +
            of(AddressValidation::kUnknownToken);
   }
 };
 
+/// Sender of one stream.
 class DatagramSender {
  public:
-  /// Echoes read before others on the thread have their turn; chosen.
+  /// Limit of echoes read before other work on the thread; chosen.
   static constexpr std::size_t kMostEchoes = 64;
-  /// Chosen: nobody asks a group for a probe; who joins knows within a second whether datagrams of
-  /// full size get through.
+  /// Interval of probes to the group. Chosen: a new member detects within a second whether
+  /// datagrams of full size arrive.
   static constexpr Duration kGroupProbeEvery = std::chrono::milliseconds(500);
 
-  /// Takes the UDP port of the listener's number, or another one where that is taken. Signer,
-  /// group, if any, and clock outlive it; `io` is run by one thread, which ends before this does.
-  /// Throws std::runtime_error with one line.
+  /// Binds the UDP port with the listener's number, or another one if that is in use. `signer`,
+  /// `group` (may be null) and `clock` must outlive the sender.
+  /// One thread runs `io` and ends before the sender's destruction. Throws std::runtime_error with
+  /// one line.
   DatagramSender(asio::io_context& io, const Clock& clock, const asio::ip::tcp::endpoint& listener,
                  const DatagramSigner& signer, MulticastGroup* group = nullptr);
 
-  /// Takes a viewer in and writes into its welcome what it is told of datagrams; nothing where its
-  /// connection has no hosts. The token names the viewer from now on.
+  /// Adds a viewer and writes its datagram parameters to `welcome`. The token identifies the viewer
+  /// from then on. Does nothing if `hosts` is unspecified.
   void offer(const Hosts& hosts, Welcome& welcome);
+  /// Removes a viewer.
   void left(std::uint64_t token);
+  /// Sets how the viewer wants its frames.
   void deliver(std::uint64_t token, const Delivery& delivery);
+  /// Sends the frame's datagrams, with the redundancy of each viewer, to all subscribers and the
+  /// group.
   void send(const EncodedFrame& frame);
-  /// Forgets whose echoes have ceased; called regularly.
+  /// Removes the addresses whose echoes have ceased. Call about once a second.
   void check(LocalTime now);
-  /// Ends it: the port is free again.
+  /// Stops sending and frees the port.
   void stop();
 
-  /// Whether making datagrams is worth it. Thread: any.
+  /// Returns whether a viewer or the group needs datagrams. Thread: any.
   [[nodiscard]] bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] DatagramSenderCounts counts() const;
@@ -82,13 +91,13 @@ class DatagramSender {
   MulticastGroup* group_;
   std::uint64_t group_token_ = 0;
   std::optional<LocalTime> group_probed_at_;
-  std::uint16_t port_ = 0;  // its own
+  std::uint16_t port_ = 0;  // the sender's own
   std::uint16_t listener_port_;
   UdpSubscribers book_;
   UdpFanout out_;
   std::unique_ptr<UdpFanout> group_out_;
-  std::deque<SignedDatagrams> last_;  // of the frames before, newest first
-  DatagramSenderCounts counts_;       // of viewers: of those who left
+  std::deque<SignedDatagrams> last_;  // earlier frames, newest first
+  DatagramSenderCounts counts_;       // viewers: of viewers that left
   std::shared_ptr<DatagramCounts> group_counts_ = std::make_shared<DatagramCounts>();
   std::atomic<bool> wanted_{false};
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Makes a frame's datagrams, signed once for all who get them. Thread: one that signs (the
-// encoder's); what is constant, any.
+// Signs a frame's datagrams (Ed25519), once for all receivers. Thread: the encoder's for sign();
+// any for the constant members.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,13 @@
 
 namespace hapticast::server {
 
+/// Key and stream number of one run of the server.
 class DatagramSigner {
  public:
-  /// A key and a number of this run of the server, which nobody can guess.
+  /// Creates a random key and stream number, which are not predictable.
   DatagramSigner();
 
-  /// Null where the frame is too large for datagrams.
+  /// Returns the signed datagrams without tokens; null if the frame is too large for datagrams.
   [[nodiscard]] SignedDatagrams sign(const CodedFrame& frame);
 
   [[nodiscard]] std::uint32_t stream() const { return stream_; }

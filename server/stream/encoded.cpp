@@ -9,7 +9,7 @@ namespace hapticast::server {
 
 namespace {
 
-// The protocol's promise: a viewer who lost a relief has it again within a second.
+// The protocol promises that a viewer that lost a relief receives it again within a second.
 constexpr Duration kRepeatReliefs = std::chrono::seconds(1);
 
 }  // namespace

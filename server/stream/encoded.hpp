@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What goes to many viewers, encoded once: shared immutable payloads. How they are framed is the
-// affair of the channel that takes them.
+// Encoded stream items: frames and pictures, encoded once and shared as immutable payloads by all
+// viewers. Channels add the framing. Thread: any, except FrameEncoder.
 #pragma once
 
 #include <cstddef>
@@ -18,53 +18,55 @@
 
 namespace hapticast::server {
 
-/// A frame with every relief, for who joins or lost the frame before: most frames are never asked
-/// for it, so it becomes bytes at the first call. Thread: any.
+/// Key frame, for viewers that joined or lost the frame before. Most are never needed, so the first
+/// call of payload() encodes it. Thread: any.
 class LazyKeyFrame {
  public:
   explicit LazyKeyFrame(CodedFrame frame) : frame_(std::move(frame)) {}
-  /// Its bytes are there already.
+  /// Uses bytes that exist already.
   explicit LazyKeyFrame(SharedBytes payload) : payload_(std::move(payload)) {}
 
+  /// Returns the encoded key frame; encodes it at the first call.
   [[nodiscard]] SharedBytes payload();
 
  private:
   std::mutex mutex_;
-  std::optional<CodedFrame> frame_;  // until it is bytes
+  std::optional<CodedFrame> frame_;  // until its encoding
   SharedBytes payload_;
 };
 
-/// A frame's datagrams without their tokens, signed.
+/// A frame's signed datagrams, without their tokens.
 using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
 
+/// A frame in all forms that viewers need.
 struct EncodedFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
-  SharedBytes delta;  ///< for who got the frame before: reliefs that did not change are left out
+  SharedBytes delta;                        ///< delta frame, for viewers with the frame before
   std::shared_ptr<LazyKeyFrame> key_frame;  ///< never null
-  SignedDatagrams datagrams = nullptr;      ///< the lean frame's; null: nobody takes them
-  bool too_many_datagrams = false;          ///< somebody takes them, but the frame is too large
+  SignedDatagrams datagrams = nullptr;      ///< datagrams of the delta frame; null: none
+  bool too_many_datagrams = false;          ///< datagrams are wanted, but the frame is too large
 };
 
 class DatagramSigner;
 
+/// A picture, encoded for all viewers.
 struct EncodedVideo {
   std::uint64_t id = 0;
   MediaTime media_time;
   SharedBytes payload;
 };
 
-/// Of each object's reliefs as they were last sent, by its id.
+/// Bytes of each object's reliefs in the last frame that sent them, by object id.
 using ReliefBytes = std::map<std::uint32_t, std::size_t>;
 
-/// Makes the bytes of frames; remembers when all reliefs were sent last. Thread: one (the
-/// encoder's).
+/// Encodes frames; decides when all reliefs are repeated. Thread: one (the encoder's).
 class FrameEncoder {
  public:
-  /// `frame` carries every relief; its objects' `changed_in_frame` say which are new. Reliefs that
-  /// did not change are repeated every second of media time and at every new epoch.
-  /// `signer`: makes datagrams as well.
+  /// Encodes `frame`, which has every relief; `changed_in_frame` of its objects marks the new ones.
+  /// Unchanged reliefs are repeated every second of media time and at every new epoch. `signer`:
+  /// signs datagrams too; may be null.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     DatagramSigner* signer = nullptr);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }
@@ -76,7 +78,7 @@ class FrameEncoder {
   std::uint32_t epoch_ = 0;
 };
 
-/// Requires a JPEG of at most 4 MiB.
+/// Encodes a picture. Requires a JPEG of at most 4 MiB.
 [[nodiscard]] EncodedVideo encodeVideo(VideoFrame video);
 
 }  // namespace hapticast::server

@@ -11,7 +11,7 @@
 namespace hapticast::server {
 
 namespace {
-// Chosen: the source's, the log, the event loop; 11 were seen.
+// Chosen: files of the source, the log, the event loop; 11 were measured.
 constexpr rlim_t kOwnFiles = 64;
 }  // namespace
 

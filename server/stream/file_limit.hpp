@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// A connection is an open file, and a system allows a process only so many.
+// Limit of open files (RLIMIT_NOFILE): each connection is an open file. Thread: main.
 #pragma once
 
 #include <cstddef>
 
 namespace hapticast::server {
 
-/// Raises this process's limit of open files as far as the system allows, if `viewers` need it, and
-/// returns how many viewers fit: `viewers`, or fewer, which is told in one line of the log. Thread:
-/// main, before connections come.
+/// Raises this process's limit of open files if `viewers` need it, as far as the system allows.
+/// Returns how many viewers fit: `viewers`, or fewer after one log line. Thread: main, before the
+/// first connection.
 std::size_t raiseFileLimit(std::size_t viewers);
 
 }  // namespace hapticast::server

@@ -70,7 +70,7 @@ asio::awaitable<void> Listener::acceptAll() {
     if (!ec) {
       accept(std::move(socket));
     } else if (acceptor_.is_open()) {
-      // Out of file handles, say: trying again at once would spin.
+      // For example out of file handles: an immediate retry would spin.
       broadcaster_.log(spdlog::level::warn, "cannot accept a connection: " + ec.message());
       pause_.expires_after(kPauseAfterError);
       co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
@@ -79,7 +79,7 @@ asio::awaitable<void> Listener::acceptAll() {
 }
 
 void Listener::accept(asio::ip::tcp::socket socket) {
-  boost::system::error_code ignored;  // without it a stalled viewer only hoards more
+  boost::system::error_code ignored;  // without it a stalled viewer only buffers more
   socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
                     ignored);
   broadcaster_.accept(std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Accepts viewers on ADDR:PORT and hands their connections to the broadcaster. Thread: io.
+// TCP acceptor on ADDR:PORT: passes new connections to the broadcaster. Thread: io.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,21 @@
 
 namespace hapticast::server {
 
+/// Accepts viewers.
 class Listener {
  public:
-  /// The host of `address` is numeric or localhost (127.0.0.1); port 0 takes a free one. Throws
-  /// AddressError or std::runtime_error with one line that names the address and what to do.
-  /// Who connects waits until start().
+  /// Binds `address` and listens; connections wait until start(). Its host is numeric or localhost
+  /// (127.0.0.1); port 0 selects a free port.
+  /// Throws AddressError or std::runtime_error with one line that states the address and the
+  /// remedy.
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster);
 
-  /// Lets them in. Thread: any, once.
+  /// Starts to accept connections. Call once. Thread: any.
   void start();
-  /// Where it listens, with the port that was taken.
+  /// Returns the address with the actual port.
   [[nodiscard]] const Endpoint& address() const { return address_; }
   [[nodiscard]] asio::ip::tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
-  /// No new connections from now on. Thread: any.
+  /// Stops accepting. Thread: any.
   void stop();
 
  private:

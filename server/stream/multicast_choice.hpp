@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// The multicast group of the command line, without sockets. Thread: any.
 #pragma once
 
 #include <string>
@@ -7,10 +8,10 @@
 
 namespace hapticast::server {
 
-/// A multicast group as it is asked for: GROUP:PORT[@INTERFACE].
+/// A requested multicast group: GROUP:PORT[@INTERFACE].
 struct MulticastChoice {
   Endpoint group;
-  std::string interface;  ///< a name or an address; empty: whichever there is
+  std::string interface;  ///< name or address; empty: the first suitable one
 
   bool operator==(const MulticastChoice&) const = default;
 };

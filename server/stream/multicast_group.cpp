@@ -18,14 +18,14 @@ namespace {
 
 using Interfaces = std::vector<NetworkInterface>;
 
-/// Those that speak this version of IP.
+/// Returns the interfaces of this IP version.
 Interfaces interfaces(bool v6) {
   Interfaces all = networkInterfaces();
   std::erase_if(all, [v6](const auto& each) { return each.address.is_v6() != v6; });
   return all;
 }
 
-/// Each name once, as they come.
+/// Returns each interface name once, in order.
 std::vector<std::string> listNames(const Interfaces& all, bool loopback) {
   std::vector<std::string> names;
   for (const NetworkInterface& each : all) {
@@ -74,8 +74,8 @@ MulticastGroup::MulticastGroup(asio::io_context& io, const MulticastChoice& choi
   };
   require(socket_.open(endpoint_.protocol(), ec));
   require(socket_.non_blocking(true, ec));
-  // From this address, as viewers see it: an IPv6 group belongs to the interface, whatever its
-  // address.
+  // Binds an IPv4 socket to this address, which viewers see as the source. An IPv6 group belongs to
+  // the interface, whatever its address.
   if (group.is_v4()) {
     require(socket_.bind({out.address, 0}, ec));
     require(socket_.set_option(asio::ip::multicast::outbound_interface(out.address.to_v4()), ec));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A multicast group on one of this machine's networks: one datagram for all who listen there.
-// Thread: main, at start-up.
+// Multicast group on one network of this machine: one datagram reaches all members. Thread: main,
+// at start-up.
 #pragma once
 
 #include "common/transport/asio.hpp"
@@ -8,11 +8,13 @@
 
 namespace hapticast::server {
 
+/// Socket that sends to one group.
 class MulticastGroup {
  public:
-  /// Opens a socket that sends to the group on that interface, whose name is told in the log where
-  /// it was not asked for and there are several. Throws AddressError with one line that begins with
-  /// --multicast.
+  /// Opens a socket that sends to the group on the chosen interface. Logs the interface if several
+  /// exist and none was chosen. `hops`: time to live.
+  /// Throws AddressError, or std::runtime_error if the system rejects the group, with one line that
+  /// begins with --multicast.
   MulticastGroup(asio::io_context& io, const MulticastChoice& choice, int hops);
 
   [[nodiscard]] asio::ip::udp::socket& socket() { return socket_; }

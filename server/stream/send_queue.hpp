@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What waits to be sent to one viewer: newest wins, age and size bounded, so that a slow viewer
-// costs nothing. Pure: no sockets, no clocks. Thread: io.
+// Send queue of one viewer with head drop: newest frames win, age and size are bounded, so that a
+// slow viewer costs nothing. No sockets, no clocks. Thread: io.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,13 @@
 
 namespace hapticast::server {
 
-/// Counted over the life of a queue.
+/// Counts over the life of a queue.
 struct SendCounts {
   std::uint64_t frames_sent = 0;
   std::uint64_t videos_sent = 0;
-  std::uint64_t frames_dropped_full = 0;  ///< newer ones came while kMaxFrames waited
+  std::uint64_t frames_dropped_full = 0;  ///< newer frames arrived while kMaxFrames waited
   std::uint64_t frames_dropped_old = 0;   ///< more than kMaxAge behind the newest
-  std::uint64_t videos_dropped = 0;       ///< a newer one came
+  std::uint64_t videos_dropped = 0;       ///< a newer picture arrived
 
   SendCounts& operator+=(const SendCounts& other);
   [[nodiscard]] std::uint64_t dropped() const {
@@ -26,29 +26,35 @@ struct SendCounts {
   }
 };
 
+/// Items that wait for one viewer.
 class SendQueue {
  public:
-  static constexpr std::size_t kMaxFrames = 3;
+  static constexpr std::size_t kMaxFrames = 3;  ///< frames in the queue
+  /// Behind the newest frame, in media time.
   static constexpr Duration kMaxAge = std::chrono::milliseconds(250);
-  static constexpr std::size_t kMaxControl = 64;
+  static constexpr std::size_t kMaxControl = 64;  ///< control messages in the queue
 
-  /// False when kMaxControl messages wait already: the peer asks without reading the answers.
+  /// Adds a control message. Returns false if kMaxControl messages wait: the peer requests without
+  /// reading the answers.
   [[nodiscard]] bool pushControl(SharedBytes payload);
-  /// Replaces a description that still waits.
+  /// Sets the description; replaces one that still waits.
   void pushDescription(SharedBytes payload) { description_ = std::move(payload); }
+  /// Adds a frame and drops frames beyond kMaxFrames or kMaxAge. After a drop the next sent frame
+  /// is a key frame.
   void pushFrame(EncodedFrame frame);
+  /// Sets the picture; replaces one that still waits.
   void pushVideo(EncodedVideo video);
-  /// Forgets frames and videos: they belong to another picture, as do the reliefs that the viewer
-  /// has; the next frame is a whole one.
+  /// Removes frames and pictures, which belong to another workspace. The next frame is a key frame.
   void clearFrames();
-  /// Forgets everything: the session ends.
+  /// Removes all items, at the end of a session.
   void clear();
 
-  /// Whether a control message is what pop() gives next.
+  /// Returns whether pop() would return a control message.
   [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
-  /// Gives back at once what pushFrame() and pop() would. Requires that nothing waits.
+  /// Returns the payload that pushFrame() and pop() would return. Requires an empty queue.
   [[nodiscard]] SharedBytes pass(const EncodedFrame& frame);
-  /// What to send next (control, then frames, then video), null when nothing waits.
+  /// Returns the next payload (control, description, frames, then video); null if the queue is
+  /// empty.
   [[nodiscard]] SharedBytes pop();
 
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
@@ -56,9 +62,9 @@ class SendQueue {
  private:
   void dropOldest(std::uint64_t& cause);
 
-  // What pass() touches comes first, in one line of the processor's cache.
+  // Members of pass() first, in one cache line.
   SendCounts counts_;
-  bool needs_key_frame_ = true;  // joined, or lost a frame since the last one sent
+  bool needs_key_frame_ = true;  // after joining or a dropped frame
   std::deque<SharedBytes> control_;
   SharedBytes description_;
   std::deque<EncodedFrame> frames_;

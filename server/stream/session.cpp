@@ -10,8 +10,8 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen: more than any client has under way when it is refused. It is read and thrown away, so
-// that the peer can read why it was refused.
+// Chosen: more than a client has under way at its refusal. These bytes are read and discarded, so
+// that the peer can read the reason.
 constexpr std::size_t kMaxDrainBytes = 1U << 20U;
 
 }  // namespace
@@ -71,7 +71,7 @@ void Session::queue(const EncodedVideo& video) {
 void Session::queue(const SharedBytes& control) {
   if (!welcomed()) return;
   idle_ = false;
-  (void)queue_.pushControl(control);  // who does not read need not be told
+  (void)queue_.pushControl(control);  // a peer that does not read misses it
 }
 
 void Session::queue(const SharedBytes& description, bool other_picture) {
@@ -82,7 +82,7 @@ void Session::queue(const SharedBytes& description, bool other_picture) {
 }
 
 void Session::flush() {
-  if (!writer_sleeps_) return;  // it looks at the queue itself before it sleeps again
+  if (!writer_sleeps_) return;  // it reads the queue itself before it sleeps again
   while (!unfinished_) {
     SharedBytes payload = nextPayload();
     idle_ = !payload;
@@ -106,7 +106,7 @@ void Session::sendGoodbye(const WireError& farewell, const std::optional<WireErr
   queue_.clear();
   pongs_.clear();
   (void)queue_.pushControl(encodeShared(farewell));  // the queue was just emptied
-  wakeWriter();                                      // it ends the writing, too
+  wakeWriter();                                      // ends the writing, too
   host_.onClosing(shared_from_this(), why);
 }
 
@@ -153,13 +153,13 @@ bool Session::stalled(LocalTime now) {
 asio::awaitable<void> Session::readAll() {
   while (!closing_since_ && !ended_) {
     const auto payload = co_await channel_->read();
-    if (closing_since_ || ended_) break;  // what it has read then comes too late
+    if (closing_since_ || ended_) break;  // a payload read by then is too late
     if (!payload.ok()) {
       close(payload.error());
     } else if (payload.value()) {
       onPayload(*payload.value());
     } else {
-      // Whoever only ends its own side may still read; the host need not be told why.
+      // A peer that only ends its own side may still read; the host receives no reason.
       sendGoodbye({ErrorCode::kUnexpected, "you ended your side of the connection"}, std::nullopt);
       read_ended_ = true;
       co_return;
@@ -195,7 +195,7 @@ void Session::handle(const Hello& hello) {
   host_.offerDatagrams(channel_->hosts(), welcome);
   datagram_token_ = welcome.datagram_token;
   idle_ = false;
-  (void)queue_.pushControl(encodeShared(welcome));  // the first message
+  (void)queue_.pushControl(encodeShared(welcome));  // first message
   host_.onJoined(*this);
   flush();
 }
@@ -210,7 +210,8 @@ void Session::handle(const Ping& ping) {
 
 void Session::handle(const Delivery& delivery) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a delivery before the hello"});
-  // What waits is stale by then, and what was lost meanwhile is not known: the next one is whole.
+  // Waiting frames are stale by then, and losses in the meantime are unknown, so the next frame is
+  // a key frame.
   if (delivery.on_tcp != frames_on_tcp_) queue_.clearFrames();
   frames_on_tcp_ = delivery.on_tcp;
   host_.deliver(datagram_token_, delivery);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One viewer: hello and welcome, pings, the queue of what is to be sent, and how it ends. Protocol
-// only: the bytes travel through a channel. Its coroutines own it; it never blocks and never grows.
-// Thread: io.
+// Protocol state machine of one viewer: hello and welcome, pings, the send queue, deadlines and
+// goodbye. A Channel carries its bytes.
+// Its coroutines own the session. It never blocks, and its memory is bounded. Thread: io.
 #pragma once
 
 #include <cstdint>
@@ -19,65 +19,68 @@ namespace hapticast::server {
 
 class Session;
 
-/// What a session asks of those who keep it.
+/// Interface of a session to its owner. Thread: io.
 class SessionHost {
  public:
   [[nodiscard]] virtual const Clock& clock() const = 0;
   [[nodiscard]] virtual const MediaClock& mediaClock() const = 0;
   [[nodiscard]] virtual const StreamSettings& settings() const = 0;
   [[nodiscard]] virtual const StreamDescription& description() const = 0;
-  /// Why this client cannot be welcomed, if so.
+  /// Returns the reason to refuse this client, nullopt to welcome it.
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
-  /// Writes into the welcome what this client is told of datagrams, if anything.
+  /// Writes the client's datagram parameters to `welcome`, if any.
   virtual void offerDatagrams(const Hosts& hosts, Welcome& welcome) = 0;
-  /// How the client that has this token wants its frames.
+  /// Sets how the client with this token wants its frames.
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
-  /// The session has welcomed its client.
+  /// Called after the session's welcome.
   virtual void onJoined(Session& session) = 0;
-  /// The session is no viewer any more: it ends by our decision, or, without a reason, by its
-  /// peer's. Said at most once.
+  /// Called when the session stops being a viewer's: with a reason if this server closes it,
+  /// without one if its peer does. Called at most once.
   virtual void onClosing(const std::shared_ptr<Session>& session,
                          const std::optional<WireError>& why) = 0;
-  /// The connection has ended. May be said more than once.
+  /// Called at the end of the connection. May be called more than once.
   virtual void onClosed(const std::shared_ptr<Session>& session) = 0;
 
  protected:
   ~SessionHost() = default;
 };
 
+/// One connection. Create it with std::make_shared.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  static constexpr std::size_t kMaxPongs = 64;  ///< pings answered at once; chosen
+  static constexpr std::size_t kMaxPongs = 64;  ///< pings that wait for their pong; chosen
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
 
-  /// `io` runs the channel; `host` outlives the session's coroutines.
+  /// `io` runs the channel. `host` must outlive the session's coroutines.
   Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
           std::uint32_t id);
 
+  /// Starts reading and writing.
   void start();
-  /// Puts it into the queue, where newer ones may replace it until flush().
+  /// Adds an item to the queue, where newer items may replace it until flush().
   void queue(const EncodedFrame& frame);
   void queue(const EncodedVideo& video);
   void queue(const SharedBytes& control);
-  /// A description. `other_picture`: what waits belongs to another workspace and is forgotten.
+  /// Adds a description. `other_picture`: frames and pictures in the queue belong to another
+  /// workspace and are removed.
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
-  /// Sends what waits, as far as the connection takes it at once, which costs far less than to wake
-  /// the writer; what is left is the writer's. Never ends the session.
+  /// Sends from the queue what the connection accepts at once, which costs far less than to wake
+  /// the writer. The writer sends the rest. Never ends the session.
   void flush();
-  /// queue() and flush().
+  /// Combines queue() and flush().
   template <class... What>
   void send(const What&... what) {
     queue(what...);
     flush();
   }
-  /// The same, but past the queue where nothing waits: most frames find it so.
+  /// Combines queue() and flush(), but bypasses an empty queue: the usual case.
   void send(const EncodedFrame& frame);
-  /// Tells the peer why, then closes; what still waits is forgotten.
+  /// Sends the reason to the peer, then closes. Removes items that still wait.
   void close(const WireError& why);
-  /// Ends it at once, without a word to the peer.
+  /// Closes at once, without a message to the peer.
   void abort();
-  /// Looks after the deadlines; called regularly.
+  /// Checks the deadlines; call regularly.
   void check(LocalTime now);
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
@@ -98,36 +101,36 @@ class Session : public std::enable_shared_from_this<Session> {
   template <class Other>
   void handle(const Other& other);
   [[nodiscard]] bool withinRate();
-  /// Whether the peer has taken nothing of what is being written for too long.
+  /// Returns whether the peer has read nothing of a write for longer than write_timeout.
   [[nodiscard]] bool stalled(LocalTime now);
-  /// Says the last word; `why` is told to the host.
+  /// Sends `farewell` as the last message; the host receives `why`.
   void sendGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();
   [[nodiscard]] SharedBytes nextPayload();
   void wakeWriter();
 
-  // With a thousand viewers each is out of the processor's cache when its turn comes: what send()
-  // touches stands together.
+  // With a thousand viewers each session is out of the cache at its turn, so the members of send()
+  // are adjacent.
   std::unique_ptr<Channel> channel_;
-  bool idle_ = false;  // the writer sleeps, and nothing waits to be sent
+  bool idle_ = false;  // the writer sleeps, and the queue is empty
   bool frames_on_tcp_ = false;
   SendQueue queue_;
   asio::io_context& io_;
-  asio::steady_timer wake_;  // the writer sleeps on it
+  asio::steady_timer wake_;  // wakes the writer
   SessionHost& host_;
   std::uint32_t id_;
-  SharedBytes unfinished_;  // a part of it is on the way; the writer's next
-  std::deque<Pong> pongs_;  // t2 is filled in when one is sent
+  SharedBytes unfinished_;  // partly written; the writer's next payload
+  std::deque<Pong> pongs_;  // t2 is set when the pong is sent
   std::optional<Hello> hello_;
-  std::uint64_t datagram_token_ = 0;  // 0: it was offered none
+  std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;
-  LocalTime received_;  // last message
+  LocalTime received_;  // time of the last message
   bool ended_ = false;
-  bool read_ended_ = false;   // nothing more comes from the peer, or nothing that matters
-  bool write_ended_ = false;  // the last word is written
+  bool read_ended_ = false;   // the peer sends nothing more that matters
+  bool write_ended_ = false;  // the last message is written
   bool writer_sleeps_ = false;
   bool writing_ = false;
-  LocalTime write_progress_;  // when the peer was last seen to take something
+  LocalTime write_progress_;  // last time the peer read bytes
   std::uint64_t bytes_read_ = 0;
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What can be set of the stream, and what it counts. Plain values.
+// Settings and counts of the stream. Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -10,23 +10,26 @@
 
 namespace hapticast::server {
 
+/// Limits and deadlines of connections.
 struct StreamSettings {
   std::size_t max_clients = 64;                       ///< --max-clients
-  Duration hello_deadline = std::chrono::seconds(5);  ///< a connection says hello by then
-  Duration idle_timeout =
-      std::chrono::seconds(10);  ///< a client says something (a ping) that often
-  Duration write_timeout = std::chrono::seconds(5);     ///< a client takes some bytes that often
-  Duration goodbye_deadline = std::chrono::seconds(1);  ///< for the peer to read why it is closed
-  int send_buffer_bytes = 256 << 10;                    ///< so that a stalled client hoards little
+  Duration hello_deadline = std::chrono::seconds(5);  ///< from connection to hello
+  /// Longest silence of a client (pings count).
+  Duration idle_timeout = std::chrono::seconds(10);
+  /// Longest time without a byte read by a client.
+  Duration write_timeout = std::chrono::seconds(5);
+  /// Time for the peer to read the reason of a close.
+  Duration goodbye_deadline = std::chrono::seconds(1);
+  int send_buffer_bytes = 256 << 10;  ///< bounds the bytes buffered for a stalled client
 };
 
-/// Since the start.
+/// Counts since the start.
 struct StreamCounts {
-  std::size_t clients = 0;  ///< now
+  std::size_t clients = 0;  ///< at present
   std::uint64_t welcomed = 0;
-  std::uint64_t refused = 0;    ///< full, wrong version, not speaking the protocol
+  std::uint64_t refused = 0;    ///< server full, wrong version, or protocol violations
   std::uint64_t timed_out = 0;  ///< silent, or not reading
-  SendCounts sent;              ///< over all clients
+  SendCounts sent;              ///< sum over all clients
 };
 
 }  // namespace hapticast::server

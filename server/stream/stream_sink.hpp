@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where a stream goes once it is bytes: to viewers, and to whatever else takes it (a recorder, a
-// relay). A further sink is one more class of this kind.
+// Consumer interface of the encoded stream: viewers today, for example a recorder or a relay later.
+// A further sink implements this interface. Thread: the encoder's.
 #pragma once
 
 #include "common/haptic_frame.hpp"
@@ -8,18 +8,21 @@
 
 namespace hapticast::server {
 
-/// Everything is called by one thread, the encoder's; a sink hands over and does not wait.
+/// Called by one thread, the encoder's. Implementations must not block.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;
 
-  /// What follows belongs to this stream. Comes before the first frame and at every change.
+  /// Announces the stream of the items that follow. Called before the first frame and at every
+  /// change.
   virtual void describe(const StreamDescription& description) = 0;
+  /// Receives the next frame.
   virtual void publish(EncodedFrame frame) = 0;
+  /// Receives the next picture.
   virtual void publish(EncodedVideo video) = 0;
-  /// Whether encoding pictures is worth it.
+  /// Returns whether pictures are worth their encoding.
   [[nodiscard]] virtual bool videoWanted() const = 0;
-  /// Whether signing datagrams of frames is worth it.
+  /// Returns whether datagrams are worth their signing.
   [[nodiscard]] virtual bool datagramsWanted() const = 0;
 };
 

@@ -15,10 +15,11 @@ namespace hapticast::server {
 
 namespace {
 
-/// Control data of a message: the source address, and how to cut it.
+/// Control data of a message: source address and segment size.
 class Control {
  public:
-  /// `v6`: the kind of the socket and of all addresses that it sends to; IPv4 ones are mapped.
+  /// Sets the source address. `v6`: version of the socket and of all its targets; IPv4 addresses
+  /// are mapped.
   void source(const asio::ip::address& from, bool v6) {
     if (from.is_unspecified() || (from.is_v6() && !v6)) return;
     if (!v6) {
@@ -78,7 +79,8 @@ struct UdpFanout::Address {
     source.source(target.from, to.protocol() == asio::ip::udp::v6());
   }
 
-  /// A message of datagrams, each with the token first; `parts` has room for two of each.
+  /// Fills a message of datagrams, each preceded by the token. `parts` needs two entries for each
+  /// body.
   void fill(msghdr& message, iovec* parts, Control& control,
             std::span<const std::vector<std::uint8_t>* const> bodies) {
     message = {};
@@ -88,7 +90,7 @@ struct UdpFanout::Address {
     message.msg_iovlen = 2 * bodies.size();
     for (const auto* body : bodies) {
       *parts++ = {token.data(), token.size()};
-      *parts++ = {const_cast<std::uint8_t*>(body->data()), body->size()};  // is only read
+      *parts++ = {const_cast<std::uint8_t*>(body->data()), body->size()};  // only read
     }
     control = source;
     if (bodies.size() > 1) control.cutAfter(token.size() + bodies.front()->size());
@@ -197,7 +199,7 @@ void UdpFanout::sendPending() {
 void UdpFanout::scheduleSend() {
   waiting_ = true;
   socket_.async_wait(asio::socket_base::wait_write, [this](const boost::system::error_code& ec) {
-    if (ec) return;  // the socket is closed, and this may be gone
+    if (ec) return;  // the socket is closed, and UdpFanout may be destroyed
     waiting_ = false;
     sendPending();
   });
@@ -221,7 +223,7 @@ bool UdpFanout::sendBatch() {
   if (taken < 0) {
     if (errno == EAGAIN || errno == EWOULDBLOCK) return false;
     if (errno == EINTR) return true;
-    // An address that is gone, a filter, a network that does not cut: it alone.
+    // A vanished address, a filter, or a network without segmentation: affects this target only.
     sendSingly(at(next_), targets_[next_.target]);
     ++next_.target;
     return true;

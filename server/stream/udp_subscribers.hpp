@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Where viewers want their datagrams: what their echoes say, as far as it is believed. An echo
-// counts only from the address that the viewer's TCP connection comes from, so that nobody can
-// point the stream at somebody else. Pure: no sockets, no clocks. Thread: io.
+// Address validation of UDP subscribers: an echo of the viewer's token sets its address (return
+// routability).
+// An echo counts only from the host of the viewer's TCP connection, so that nobody can direct the
+// stream at another host. No sockets, no clocks. Thread: io.
 #pragma once
 
 #include <cstddef>
@@ -17,63 +18,67 @@
 
 namespace hapticast::server {
 
-/// What an echo came to. The order is that of the checks.
+/// Result of an echo, in the order of the checks.
 enum class AddressValidation : std::uint8_t {
-  kBelieved,      ///< the address stands, and is to be answered with a probe
+  kBelieved,      ///< valid; the server answers with a probe
   kMalformed,     ///< not 12 bytes
-  kOtherStream,   ///< of another run of the server
-  kUnknownToken,  ///< nobody's, or nobody's any more
-  kForeign,       ///< from another host than the viewer's TCP connection
-  kTooSoon,       ///< right after another one of this viewer
+  kOtherStream,   ///< another run of the server
+  kUnknownToken,  ///< no viewer has this token now
+  kForeign,       ///< not the host of the viewer's TCP connection
+  kTooSoon,       ///< too soon after this viewer's last echo
 };
 inline constexpr std::size_t kEchoVerdicts = 6;
 
+/// Table of all viewers, by token.
 class UdpSubscribers {
  public:
-  /// Chosen: a viewer echoes every 10 s, and two of three echoes may be lost.
+  /// Lifetime of an address. Chosen: a viewer echoes every 10 s, and two of three echoes may be
+  /// lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
-  /// Chosen: half of what a viewer waits for an answer. A probe is a hundred times its echo: this
-  /// bounds what a viewer can make of it.
+  /// Least interval of a viewer's echoes. Chosen: half of the time that a viewer waits for a probe.
+  /// A probe is a hundred times as large as its echo, so this bounds the amplification.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
+  /// A viewer and its datagram address.
   struct Viewer {
-    asio::ip::address peer;   ///< of its TCP connection
-    asio::ip::address local;  ///< where that came to: datagrams leave from it
-    bool wanted = true;       ///< once it has echoed
+    asio::ip::address peer;   ///< remote address of its TCP connection
+    asio::ip::address local;  ///< local address of its TCP connection; source of its datagrams
+    bool wanted = true;       ///< after its echo
     std::uint32_t copies = 1;
-    bool by_group = false;  ///< it takes the group's datagrams
-    std::optional<asio::ip::udp::endpoint> at;
-    LocalTime received{};
+    bool by_group = false;                      ///< receives the group's datagrams
+    std::optional<asio::ip::udp::endpoint> at;  ///< the validated address
+    LocalTime received{};                       ///< time of the last valid echo
     std::shared_ptr<DatagramCounts> counts = std::make_shared<DatagramCounts>();
   };
 
   explicit UdpSubscribers(std::uint32_t stream) : stream_(stream) {}
 
-  /// A viewer is welcomed; returns its token.
+  /// Adds a viewer. Returns its token, which is not predictable.
   std::uint64_t add(const asio::ip::address& peer, const asio::ip::address& local);
-  /// It has left; what was counted of it.
+  /// Removes a viewer. Returns its counts.
   DatagramCounts remove(std::uint64_t token);
-  /// How it wants its frames from now on.
+  /// Sets how the viewer wants its frames from now on.
   void deliver(std::uint64_t token, const Delivery& delivery);
-  /// Reads an echo that came from `from`.
+  /// Validates an echo received from `from`.
   AddressValidation onEcho(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,
                            LocalTime now);
-  /// Forgets where those are whose echoes have ceased.
+  /// Removes the addresses whose echoes have ceased.
   void forget(LocalTime now);
 
-  /// The viewer that has this token, null where none has.
+  /// Returns the viewer with this token; null if there is none.
   [[nodiscard]] Viewer* find(std::uint64_t token);
-  /// Calls take(token, viewer) for all to whom datagrams go.
+  /// Calls `visit`(token, viewer) for all viewers that receive datagrams.
   template <class Visit>
   void forEachSubscriber(Visit&& visit) {
     for (auto& [token, viewer] : viewers_) {
       if (viewer.at && viewer.wanted) visit(token, viewer);
     }
   }
+  /// Returns whether any viewer receives datagrams.
   [[nodiscard]] bool hasSubscribers() const;
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::size_t size() const { return viewers_.size(); }
-  /// What nine of ten of the group's viewers ask for, 1 where there are none.
+  /// Returns the redundancy that nine of ten of the group's viewers request; 1 without viewers.
   [[nodiscard]] std::uint32_t groupCopies() const;
 
  private:

@@ -8,7 +8,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kStep_mm = 3.0;  // nominal, chosen: the least that is felt as a gap
+constexpr double kStep_mm = 3.0;  // nominal, chosen: smallest step that a hand perceives as a gap
 
 bool equalReliefs(const Relief& a, const Relief& b) {
   return a.rect == b.rect && a.mask == b.mask && a.height_mm == b.height_mm;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From a tracked object to its place in the descriptor: a relief in nominal mm, and what of it did
-// not change. Thread: vision's.
+// Converts a tracked object to its descriptor: reliefs in nominal mm for each layer, with an
+// unchanged relief shared with the frame before. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,17 @@
 
 namespace hapticast::server {
 
-/// The object as it enters the descriptor; its motion comes later, with the window. `last`: the
-/// same object in the frame before, or null; an unchanged relief keeps its pointer and its
-/// changed_in_frame. `clock` tells the plan how long smoothing takes; null: nobody asks.
+/// Returns the descriptor of `object` without its motion, which FrameMotion adds. `last`: the same
+/// object in the frame before, or null.
+/// The pointer and the changed_in_frame of an unchanged relief stay. `clock` measures the duration
+/// of smoothing for the plan; null: no measurement.
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
                             const VisionSettings& settings, const Clock* clock);
 
-/// The same cut into layers where its depth steps; not in the thesis's method. `last`: all objects
-/// of the frame before. What is entirely at rest or lost is taken from there.
+/// Returns the descriptors of all layers of `object`. Depth steps separate the layers; the thesis's
+/// method has one layer. `last`: all objects of the frame before. An object entirely at rest or
+/// lost reuses its layers of `last`.
 std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint64_t frame_id,
                                          const std::vector<HapticObject>& last,
                                          const DepthNoise& noise, const NominalFrame& nominal,

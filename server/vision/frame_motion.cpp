@@ -9,15 +9,15 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kHighQuantile = 0.99;       // chosen: one in a hundred is noise
-constexpr std::size_t kLiveFrames = 600;     // chosen: the running bound goes back 20 s at 30 fps
-constexpr std::size_t kFewestForBound = 30;  // a quantile of less is their noise
-constexpr std::uint64_t kRestsLost = 10;     // frames; twice as long as a lost object is told of
-constexpr double kUsualMass_kg = 0.5;        // chosen: a thing that one hand lifts easily
-constexpr double kFastest_mm_s = 1e4;        // chosen, of a grid's cells: beyond, they were lost
+constexpr double kHighQuantile = 0.99;       // chosen: one value in a hundred is noise
+constexpr std::size_t kLiveFrames = 600;     // chosen: the running bound covers 20 s at 30 fps
+constexpr std::size_t kFewestForBound = 30;  // the quantile of fewer values is noise
+constexpr std::uint64_t kRestsLost = 10;     // frames; twice Track::kKeepLost
+constexpr double kUsualMass_kg = 0.5;        // chosen: an object that one hand lifts easily
+constexpr double kFastest_mm_s = 1e4;  // chosen, of a grid's cells: faster cells lost their tracks
 constexpr double kHardest_mm_s2 = 1e6;
 
-// Of an object in layers it is no layer's; a viewer would refuse it.
+// The grid of an object in layers fits none of its layers, and a client would reject the frame.
 bool covers(const MotionGrid& grid, const Relief& relief) {
   const auto sane = [](const std::vector<Eigen::Vector3f>& values, double limit) {
     return std::all_of(values.begin(), values.end(), [&](const Eigen::Vector3f& v) {
@@ -29,7 +29,7 @@ bool covers(const MotionGrid& grid, const Relief& relief) {
          sane(grid.acceleration_mm_s2, kHardest_mm_s2);
 }
 
-// A viewer adds the two: of a whole flow the grid is what the object's own motion leaves over.
+// Clients add grid and rigid motion, so the rigid motion is subtracted from a whole flow.
 std::shared_ptr<const MotionGrid> lessRigid(const MotionGrid& flow, const Motion& motion) {
   auto out = std::make_shared<MotionGrid>(flow);
   for (Eigen::Vector3f& v : out->velocity_mm_s) v -= motion.velocity_mm_s.cast<float>();
@@ -93,8 +93,8 @@ void FrameMotion::complete(HapticFrame& frame, std::uint64_t clip_frame,
   if (frame.id > reach) history_.dropBefore(frame.id - reach, kRestsLost);
 }
 
-// An impact between this frame and the next is known now; those of the frames before are repeated
-// for a viewer who has missed them.
+// An impact between this frame and the next is found in this frame. Impacts around earlier frames
+// are repeated for clients that missed them.
 void FrameMotion::findImpacts(HapticObject& object, const HapticFrame& frame,
                               const MotionWindow& around) {
   ImpactFinder& finder = impacts_[object.id];
@@ -109,7 +109,7 @@ void FrameMotion::setFromClip(HapticObject& object, MediaTime media_time, const 
   if (known == nullptr) return;
   const Motion windowed = object.motion;
   const bool still = windowed.velocity_mm_s.isZero(0.0) && windowed.acceleration_mm_s2.isZero(0.0);
-  // What is held at rest may still have been settling here when the clip was looked through.
+  // The scan may still have measured motion here where the object is now held at rest.
   if (!still) object.motion = known->motion;
   object.motion.reference_point = windowed.reference_point;
   object.motion.quality = windowed.quality;
@@ -129,11 +129,11 @@ void FrameMotion::addGrid(HapticObject& object, const HapticFrame& frame,
   }
 }
 
-// What the rigid motion does not explain, where it is worth its bytes: felt by an object of the
-// usual mass it is more than the error budget.
+// Adds the motion that the rigid motion does not explain, if it is worth its bytes: on an object of
+// the usual mass its force exceeds the error budget.
 void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
                               const NominalFrame& nominal) {
-  // A window across an impact, its first cells from the frame before it, shows what nothing has.
+  // A window across an impact starts before the impact and yields motion that no object has.
   const double window_s = (lookahead_ + 1) / info_.fps;
   const bool smooth = object.impacts.empty() &&
                       impacts_[object.id].around(toSeconds(frame.media_time), window_s).empty();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How the objects of a frame move, told when the frames around it are known: poses of many frames
-// in, motion, impacts and grid of one out. Thread: vision's.
+// Computes the motion of a frame's objects from a window of frames around it: poses of many frames
+// in; motion, impacts and grid of one frame out. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -17,34 +17,38 @@
 
 namespace hapticast::server {
 
-/// What a clip's largest acceleration is announced as: the 0.99 quantile, because the one largest
-/// of hundreds of measured values is the worst of their noise. 0 when empty. Reorders.
+/// Returns the 0.99 quantile of the values, the largest acceleration that a stream announces,
+/// mm/s². The maximum of hundreds of measured values would be the worst of their noise. 0 when
+/// empty. Reorders the values.
 double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 
+/// Motion of all objects over the frames of a stream.
 class FrameMotion {
  public:
-  /// `info` and `settings` are copied. `lookahead` in frames.
+  /// Copies `info` and `settings`. `lookahead` in frames.
   FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead);
 
-  /// What a scan saw of the clip, which counted its objects from 1: from now on frames of it have
-  /// all of it as their window.
+  /// Sets the motion that a scan of the clip found; the scan counted objects from 1. From now on
+  /// frames of the clip use the whole clip as their window.
   void setClip(ClipMotion clip) { clip_ = std::move(clip); }
-  /// The clip begins again; its first object will have the id `first_object_id`.
+  /// Starts the clip anew; its first object has the id `first_object_id`.
   void beginClip(std::uint32_t first_object_id) { first_object_id_ = first_object_id; }
 
-  /// The next frame's objects.
+  /// Adds the objects of the next frame. `time_s`: media time.
   void add(std::uint64_t frame_id, double time_s, const std::vector<TrackedObject>& objects);
-  /// Fills in the motion, impacts and grids of a frame that was added, when the lookahead's frames
-  /// after it have been, too (or never will be). In order. `clip_frame`: its number in the clip.
+  /// Adds motion, impacts and grids to `frame`, which was added before. Requires that the
+  /// lookahead's frames after it were added too, or that the stream ended. Call in order of frames.
+  /// `clip_frame`: its index in the clip.
   void complete(HapticFrame& frame, std::uint64_t clip_frame, const NominalFrame& nominal);
-  /// A new epoch: nothing reaches across.
+  /// Starts a new epoch: no window reaches across.
   void forget();
 
-  /// Plans of the objects of the last frame that was added, by object id.
+  /// Returns the plans of the last added frame's objects, by object id.
   [[nodiscard]] const std::map<std::uint32_t, std::shared_ptr<ScenePlan>>& plans() const {
     return plans_;
   }
-  /// Of a live source: a running bound of |a|, which never falls; 0: not known yet.
+  /// Returns a running bound of |a| of a live source, mm/s², which never falls; 0: not enough
+  /// frames.
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
 
  private:
@@ -54,7 +58,7 @@ class FrameMotion {
   void addGrid(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void addResidual(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void boundAcceleration(const HapticObject& object);
-  /// How far around a frame its impacts are told.
+  /// Reach of impacts around a frame, s.
   [[nodiscard]] double reach_s() const { return lookahead_ / info_.fps; }
 
   SourceInfo info_;

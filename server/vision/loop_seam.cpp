@@ -9,7 +9,7 @@ namespace hapticast::server {
 
 namespace {
 
-// How far the object's outermost point has gone, mm.
+// Returns the way of the object's outermost point, mm.
 double moved_mm(const TrackedObject& before, const TrackedObject& now,
                 const NominalFrame& nominal) {
   const Sample a = nominal.sample(before.pose, 0.0);
@@ -20,7 +20,7 @@ double moved_mm(const TrackedObject& before, const TrackedObject& now,
   return (b.position_mm - a.position_mm).norm() + std::abs(b.angle_rad - a.angle_rad) * radius_mm;
 }
 
-// How much the force on a finger changes with the relief.
+// Returns the change of force at a fingertip that the change of relief causes, N.
 double reliefChange_N(const TrackedObject& before, const TrackedObject& now,
                       const NominalFrame& nominal, const VisionSettings& settings) {
   if (now.atRest()) return 0.0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What becomes of objects where a clip begins again. Thread: any; values.
+// Loop seam test: decides whether objects continue where a looped clip begins again, or a new epoch
+// has to start. Thread: any.
 #pragma once
 
 #include <vector>
@@ -10,11 +11,11 @@
 
 namespace hapticast::server {
 
-/// Whether both frames show the same objects, by id, all of them seen.
+/// Returns whether both frames show the same objects by id, all of them seen.
 bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
 
-/// Whether the same objects are where they were in the frame before, and feel as they did: pose and
-/// relief together change the force by the error budget at most.
+/// Returns whether the same objects are unchanged since the frame before. Pose and relief together
+/// may change the force by at most the error budget.
 bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
                   const NominalFrame& nominal, const VisionSettings& settings);
 

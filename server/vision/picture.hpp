@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The picture for the viewer's window.
+// JPEG encoding of the picture for the viewer's window. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace hapticast::server {
 
-/// `color` (CV_8UC3, BGR) as a JPEG, `quality` 1..100 (cut to it). Empty when there is no picture
-/// or it cannot be encoded. Thread: any.
+/// Encodes `color` (CV_8UC3, BGR) as a JPEG. `quality` is clamped to 1..100. Returns an empty
+/// vector if `color` is empty or cannot be encoded.
 std::vector<std::uint8_t> encodePicture(const cv::Mat& color, int quality);
 
 }  // namespace hapticast::server

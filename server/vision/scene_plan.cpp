@@ -10,9 +10,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kNew = 0.2;        // chosen: of a new measurement in what is remembered of a time
-constexpr double kFade = 0.95;      // chosen: of what a grid cost, a frame; half a second at 25 fps
-constexpr double kFinger_mm = 1.0;  // chosen: as deep as a light touch goes in
+constexpr double kNew = 0.2;    // chosen: weight of a new measurement in the mean duration
+constexpr double kFade = 0.95;  // chosen: decay of a grid's cost per frame; half a second at 25 fps
+constexpr double kFinger_mm = 1.0;  // chosen: penetration of a light touch
 
 std::size_t stageIndex(Stage stage) { return static_cast<std::size_t>(stage); }
 
@@ -80,7 +80,7 @@ bool ScenePlan::on(Stage stage) const {
 }
 
 void ScenePlan::isResting(bool at_rest, std::string_view why) {
-  // What goes on being released is told once, until it has rested again.
+  // The cause of a release stays until the object has rested again.
   if (at_rest_ && !at_rest) released_ = why;
   at_rest_ = at_rest;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What a scene does not need is left out: per object, decided by measurement at the start and as
-// the scene changes. A stage goes off only where leaving it out costs less force than the error
-// budget. No clock inside: who runs the stages says how long they took. Thread: vision's.
+// Scene plan: switches off, for each object, the stages that its scene does not need. A stage is
+// off only if its omission changes the force by less than the error budget.
+// The plan measures at the start and repeatedly while the scene changes. It has no clock: the code
+// that runs the stages reports their durations. Thread: the one that runs Vision.
 #pragma once
 
 #include <array>
@@ -17,44 +18,50 @@
 
 namespace hapticast::server {
 
+/// State of one stage of a plan, for --explain.
 struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
-  std::string why;
-  double saves_ms = 0.0;  ///< per frame, when it is off, as last measured; 0: it never ran
-  double costs_N = 0.0;   ///< rms force, as last measured
+  std::string why;        ///< the reason, as text
+  double saves_ms = 0.0;  ///< saved time per frame while off, as last measured; 0: it never ran
+  double costs_N = 0.0;   ///< rms change of force by the omission, as last measured
 };
 
 /// The plan of one object.
 class ScenePlan {
  public:
+  /// Copies `settings`. `source_mask`: the source has masks.
   ScenePlan(const PlanSettings& settings, bool source_mask);
 
+  /// Returns whether the stage runs in this frame.
   [[nodiscard]] bool on(Stage stage) const;
-  /// Whether the object is at rest: all of it is held. `why`: what released it in this frame, a
-  /// text that stays; empty: nothing did.
+  /// Sets whether all of the object is held at rest. `why`: cause of the release in this frame,
+  /// static text; empty: no release.
   void isResting(bool at_rest, std::string_view why = {});
-  /// Whether the heights of this frame are those of the last one.
+  /// Sets whether the heights of this frame equal those of the last frame.
   void unchanged(bool unchanged);
-  /// What leaving the stage out costs in this frame: rms force, N; infinity: it cannot be left out.
+  /// Sets the rms change of force by the stage's omission in this frame, N. Infinity: it cannot be
+  /// off.
   void setForceError(Stage stage, double error_N);
-  /// What the rigid motion leaves over would be felt as this force in this frame, N. Whether the
-  /// grid is worth its bytes: what sways passes through zero, so the last frames count, too.
+  /// Adds the force that the residual motion causes in this frame, N. Returns whether the grid is
+  /// worth its bytes. The last frames count too, because oscillations pass through zero.
   bool residual(double force_change_N);
-  /// Ends a frame and begins the next one. What is off is measured again every kMeasureEvery
-  /// frames.
+  /// Ends a frame and begins the next frame. Stages that are off are measured again every
+  /// kMeasureEvery frames.
   void nextFrame();
+  /// Returns whether stages that are off are measured in this frame.
   [[nodiscard]] bool measureNow() const;
+  /// Adds `time` to the stage's duration in this frame.
   void addTime(Stage stage, Duration time);
 
-  /// All stages, in order, for --explain.
+  /// Returns all stages, in order, for --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
 
-  // Chosen: once a second at 25 fps; the grid is dear, so it is measured every four seconds, over
-  // as many frames as a window of it needs.
+  // Chosen: once a second at 25 fps. The grid is expensive, so it is measured every four seconds,
+  // over as many frames as its window needs.
   static constexpr int kMeasureEvery = 25;  ///< frames
-  static constexpr int kGridEvery = 100;    ///< frames from one measurement of the grid to the next
-  static constexpr int kGridFrames = 12;    ///< that one takes
+  static constexpr int kGridEvery = 100;    ///< frames between two measurements of the grid
+  static constexpr int kGridFrames = 12;    ///< frames of one measurement of the grid
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
@@ -63,7 +70,7 @@ class ScenePlan {
   PlanSettings settings_;
   bool source_mask_;
   bool at_rest_ = false;
-  std::string_view released_;  // what ended the last rest; empty before the first
+  std::string_view released_;  // cause of the last release; empty before the first
   bool unchanged_ = false;
   int frame_ = 0;
   std::array<std::optional<double>, kStages> cost_N_{};
@@ -71,8 +78,8 @@ class ScenePlan {
   std::array<double, kStages> this_frame_ms_{};
 };
 
-/// Tells a plan how long a stage took, from here to the end of the scope; does nothing without a
-/// clock.
+/// Reports the duration of a stage to a plan, from construction to destruction. Does nothing if
+/// `clock` is null.
 class ScopedStageTimer {
  public:
   ScopedStageTimer(const Clock* clock, ScenePlan& plan, Stage stage)
@@ -93,9 +100,10 @@ class ScopedStageTimer {
   LocalTime start_;
 };
 
-/// Rms difference of the force that two reliefs of one surface give to a finger 1 mm deep, by the
-/// distance to the tangent plane (surface model `normal`), 2 px and more inside their common mask.
-/// Requires the same rectangle.
+/// Returns the rms difference of the forces that two reliefs of one surface exert on a finger 1 mm
+/// deep, N. The force follows the distance to the tangent plane (surface model `normal`).
+/// Uses pixels at least 2 px inside the common mask; infinity if there are none. Requires equal
+/// rectangles.
 double forceDifference_N(const Relief& a, const Relief& b, double mm_per_px, double stiffness_N_mm);
 
 }  // namespace hapticast::server

@@ -12,15 +12,15 @@ namespace hapticast::server {
 
 namespace {
 
-// A depth camera that is slower than the colour repeats its depth: nearly all of it, to the bit.
+// A depth camera slower than the colour camera repeats its depth: nearly all of it, to the bit.
 constexpr double kRepeated = 0.98;  // chosen
-// Chosen: while colour moves by more, a depth that stays is a repeat and no rest.
+// Chosen: with more motion in colour, unchanged depth is a repeat and not rest.
 constexpr double kMoves_px = 0.3;
 constexpr double kChanges = 1.2;         // grey levels a pixel
-constexpr double kTooLittle = 0.25;      // measured: of less visible no motion can be told
-constexpr double kBlindQuality = 0.5;    // chosen, at most: followed without depth
+constexpr double kTooLittle = 0.25;      // measured: a smaller visible share yields no motion
+constexpr double kBlindQuality = 0.5;    // chosen, upper limit: tracked without depth
 constexpr double kGuessQuality = 0.8;    // chosen: followed without a reliable flow
-constexpr double kFullAreaShare = 0.05;  // chosen: a new size is believed in a second
+constexpr double kFullAreaShare = 0.05;  // chosen: accepts a new size within a second
 
 TrackedObject startObject(const TrackSettings& settings, const Segment& segment) {
   PlanSettings plan = settings.vision.plan;
@@ -84,7 +84,7 @@ const ObjectFlow& Track::computeFlow(const FramePair& frames) {
   const bool asked = !settings_->exact_masks || settings_->vision.motion != MotionMode::kNone;
   if (rests_ || lost_ > 0 || !asked) return flow_;
   const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
-  // One tracker serves mask and motion; where it fails, corners tell where the mask went.
+  // One tracker serves mask and motion; if it fails, corners track the mask.
   if (!repeatsDepth(frames, mask_)) {
     if (const auto found = motion_.find(frames.now)) return flow_ = *found;
   }
@@ -113,7 +113,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   now_.plan->isResting(now_.atRest(), toText(hold_.cause()));
   {
     const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
-    // Motion is measured on what this frame shows, not on what is held of the frames before.
+    // Motion is measured on this frame's surface, not on the surface held from earlier frames.
     now_.pose = motion_.advance({.flow = flow_,
                                  .gray = frames.now.gray,
                                  .surface = seen,
@@ -155,22 +155,21 @@ Surface Track::denoisedSurface(const Segment& segment, const FramePair& frames) 
   Surface raw;
   if (!clean || measure) {
     raw = rawSurface(frames.now.depth, segment.mask, frames.noise);
-    // A hole cannot be left as it is.
+    // Holes must be filled.
     if (!clean && !measure && raw.allMeasured()) return raw;
   }
   const ScopedStageTimer lap(settings_->clock, plan, Stage::kClean);
   Surface out =
       cleanSurface(frames.now.depth, segment.mask, frames.noise, method, settings_->exact_masks);
   if (measure) {
-    // A mask of our own may take in some background in any frame, not just in those that are
-    // measured.
+    // Own masks may include background in any frame, not just in measured frames.
     const bool same = settings_->exact_masks && raw.allMeasured() && out.allMeasured();
     plan.setForceError(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
   }
   return out;
 }
 
-// Holds what is at rest of the new surface; does nothing where there is no noise.
+// Replaces the resting parts of the new surface by their held depth. Does nothing for exact depth.
 void Track::hold(const FramePair& frames, bool repeated) {
   now_.held_share = 0.0;
   if (settings_->vision.method == Method::kThesis) return;
@@ -187,17 +186,17 @@ void Track::updatePresence(const Segment& segment, bool blind) {
   const bool entire =
       box.x > 0 && box.y > 0 && box.br().x < picture.width && box.br().y < picture.height;
   if (flow_.rotation_reliable) full_area_px_ *= flow_.scale() * flow_.scale();
-  // A whole object that stays smaller has become smaller; one cut by the border has not.
+  // A whole object that remains smaller has shrunk; an object cut by the border has not.
   if (entire) full_area_px_ += kFullAreaShare * (area - full_area_px_);
   full_area_px_ = std::max(full_area_px_, area);
   now_.visible_fraction = area / full_area_px_;
   now_.quality = segment.quality * (flow_.reliable ? 1.0 : kGuessQuality);
-  // Of so little its motion cannot be told: its shape is felt, no force of its motion.
+  // Too small a visible share yields no motion: its shape is sent without a force of motion.
   if (now_.visible_fraction < kTooLittle) now_.quality = 0.0;
   if (blind) now_.quality = std::min(now_.quality, kBlindQuality);
 }
 
-// The thesis's dense flow, or what the rigid motion leaves over.
+// Returns the thesis's dense flow, or the residual of the rigid motion.
 CellFlow Track::cells(const FramePair& frames, const Surface& before) const {
   CellFlow out;
   const MotionMode mode = settings_->vision.motion;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One object's way through the frames: it takes a segment of each frame and makes surface,
-// stillness, presence, pose and cells of it. Thread: vision's.
+// Track of one object over the frames: turns its segment in each frame into surface, rest,
+// presence, pose and cells. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -16,39 +16,41 @@
 
 namespace hapticast::server {
 
-/// What all tracks of a clip share.
+/// Settings that all tracks of a clip share.
 struct TrackSettings {
   VisionSettings vision;
   PoseSettings pose;
-  bool exact_masks = false;      ///< the source's own
-  const Clock* clock = nullptr;  ///< to tell how long stages take; null: nobody asks
+  bool exact_masks = false;      ///< the source's own masks
+  const Clock* clock = nullptr;  ///< measures durations of stages; null: no measurement
 };
 
+/// Track of one object. Each frame: isResting(), computeFlow(), then update() or lose().
 class Track {
  public:
-  /// Begins with the object's segment in this frame. `settings` must outlive it.
+  /// Starts with the object's segment in this frame. `settings` must outlive the track.
   Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames);
 
-  /// Ends a frame of the plan and tells whether the new one shows the object as it is held, all of
-  /// it at rest, and the plan leaves out what would measure it again; not where the author has a
-  /// word on this frame (`told`). First of a frame.
+  /// Starts a frame of the plan. Returns whether the frame shows the held object: all of it at
+  /// rest, and no active stage would measure it again. False if the author annotated this frame
+  /// (`told`).
   bool isResting(const FramePair& frames, bool told);
-  /// Where the object went since the last frame: what carries its mask. After rests().
+  /// Returns the motion of the object since the last frame, which moves its mask. Call after
+  /// isResting().
   const ObjectFlow& computeFlow(const FramePair& frames);
-  /// Its segment in this frame. Last of a frame, or lose().
+  /// Adds the object's segment in this frame. Last call of a frame, in place of lose().
   void update(const Segment& segment, const FramePair& frames);
-  /// It has no segment in this frame: it stays where it was, its quality falls.
+  /// Marks the object as lost in this frame: its pose stays and its quality falls.
   void lose();
-  /// How far the background has moved behind it in this frame, px.
+  /// Adds the motion of the background behind the object in this frame, px.
   void addBackground(const cv::Vec2d& step_px) { background_px_ += step_px; }
 
   [[nodiscard]] const TrackedObject& object() const { return now_; }
-  /// Of the last frame that it was seen in: 0 / 255, size of the picture.
+  /// Mask of the last frame that showed the object: CV_8UC1, 0/255, image size.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
-  /// Lost for so long that it is given up.
+  /// Returns whether the object was lost for more than kKeepLost frames.
   [[nodiscard]] bool isGone() const { return lost_ > kKeepLost; }
 
-  static constexpr int kKeepLost = 5;  ///< frames; chosen, 0.2 s at 25 fps
+  static constexpr int kKeepLost = 5;  ///< frames of a lost object; chosen, 0.2 s at 25 fps
 
  private:
   [[nodiscard]] bool repeatsDepth(const FramePair& frames, const cv::Mat& mask) const;
@@ -63,11 +65,11 @@ class Track {
   PoseTracker motion_;
   StaticRegionFilter hold_;
   ObjectFlow flow_;            // from the last frame to this one
-  bool rests_ = false;         // in this frame nothing of it has changed
+  bool rests_ = false;         // nothing of it changed in this frame
   int lost_ = 0;               // frames
-  double full_area_px_ = 0.0;  // of the whole object, at its present size
+  double full_area_px_ = 0.0;  // area of the whole object at its present size
   cv::Vec2d last_step_px_{0, 0};
-  cv::Vec2d background_px_{0, 0};  // how far it has moved behind the object
+  cv::Vec2d background_px_{0, 0};  // motion of the background behind the object, accumulated
 };
 
 }  // namespace hapticast::server

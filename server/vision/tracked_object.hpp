@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What tracking tells of one object in one frame: its surface, where it is and how it moves.
-// Thread: vision's.
+// Result of tracking for one object in one frame: surface, pose and residual motion. Thread: the
+// one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,25 @@
 
 namespace hapticast::server {
 
+/// One object in one frame.
 struct TrackedObject {
   std::uint32_t id = 0;
-  bool seen = true;  ///< false: lost, kept where it was last seen
+  bool seen = true;  ///< false: lost, stays at its last position
   Surface surface;
   ObjectPose pose;
-  CellFlow cells;  ///< empty where the plan or the method does without
-  double quality = 1.0;
-  double visible_fraction = 1.0;
-  /// What is left out; never null.
+  CellFlow cells;                 ///< residual motion; empty if the plan or the method omits it
+  double quality = 1.0;           ///< of the tracking, 0..1
+  double visible_fraction = 1.0;  ///< visible share of the area, 0..1
+  /// Stages that are off; never null.
   std::shared_ptr<ScenePlan> plan = std::make_shared<ScenePlan>(PlanSettings{}, false);
-  double held_share = 0.0;  ///< 0..1, the part of the surface that is held; 1: all of it is at rest
-                            ///< and equals the last frame's
+  double held_share = 0.0;  ///< held share of the surface, 0..1; 1: all of it rests
 
   [[nodiscard]] bool atRest() const { return held_share >= 1.0; }
-  /// Seen and followed well enough to tell its motion; with less it is only carried on.
+  /// Returns whether the tracking is good enough to measure motion; else the motion is
+  /// extrapolated.
   [[nodiscard]] bool isWellTracked() const { return quality >= kGoodQuality; }
 
-  static constexpr double kGoodQuality = 0.75;  ///< chosen: between 1 and one doubtful step of 0.7
+  static constexpr double kGoodQuality = 0.75;  ///< chosen: between 1 and a doubtful step's 0.7
 };
 
 }  // namespace hapticast::server

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The part of vision that does not need the clip's range: frame in, objects with their surface and
-// pose out. Used once to scan a clip and once to broadcast it. Who lives is decided here; what an
-// object does in a frame is Track's. Thread: vision's.
+// Multi-object tracking without the clip's mapped range: frames in, objects with surface and pose
+// out. Runs once to scan a clip and once to stream it.
+// Tracker creates and removes tracks; Track does the work of one object in a frame. Thread: the one
+// that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +16,21 @@
 
 namespace hapticast::server {
 
+/// All objects of one clip.
 class Tracker {
  public:
-  /// `next_id` is counted up; it and `lessons` must outlive the tracker. `settings` and `info` are
-  /// copied. `clock` tells how long stages take; null: nobody asks.
+  /// Copies `info` and `settings`. Increments `next_id` for each new object. `next_id` and
+  /// `annotations` must outlive the tracker. `clock` measures durations of stages; null: no
+  /// measurement.
   Tracker(const SourceInfo& info, const VisionSettings& settings, const Clock* clock,
           std::uint32_t& next_id, ClipAnnotations& annotations);
 
-  /// The objects of the next frame, also those just lost (for Track::kKeepLost frames, quality
-  /// falling to 0). Throws SourceError (a frame that does not fit the announcement, an object point
-  /// on nothing).
+  /// Returns the objects of the next frame, at most kMaxObjects. Lost objects remain for
+  /// Track::kKeepLost frames, with quality falling to 0. `time_s`: media time.
+  /// Throws SourceError (a frame does not match `info`, an object point lies on no object).
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
   [[nodiscard]] const DepthNoise& noise() const { return frames_.noise(); }
-  /// Whether the last frame shows another scene than those before: its objects are all new.
+  /// Returns whether the last frame starts another scene; then all objects are new.
   [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
  private:
@@ -38,11 +41,11 @@ class Tracker {
 
   TrackSettings settings_;
   std::uint32_t& next_id_;
-  ClipAnnotations* annotations_;  // null: a live source
+  ClipAnnotations* annotations_;  // null for a live source
   FramePairs frames_;
   BackgroundMotion background_;
   std::unique_ptr<Segmenter> segmenter_;
-  std::vector<Segment> segments_;  // of the last frame
+  std::vector<Segment> segments_;  // segments of the last frame
   std::vector<Track> tracks_;
   bool scene_cut_ = false;
 };

@@ -15,10 +15,11 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen, frames: of a longer clip only its beginning is scanned, which takes some seconds.
+// Chosen, frames: of a longer clip only the beginning is scanned, which lasts some seconds.
 constexpr std::uint64_t kLongestScan = 600;
-constexpr double kClipMargin = 0.05;  // chosen, of the objects' span in depth, on either side
-constexpr double kLiveMargin = 0.5;   // chosen: there is more to come than the first frame shows
+// Chosen: margin on either side, as a share of the objects' depth span.
+constexpr double kClipMargin = 0.05;
+constexpr double kLiveMargin = 0.5;  // chosen: later frames reach farther than the first
 
 void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points, const char* flag) {
   for (const auto& [point, time_s] : points) {
@@ -40,8 +41,8 @@ double lastTime_s(const std::vector<AuthorPoint>& points) {
   return last_s;
 }
 
-// The depths that become heights, where somebody says so. --depth-range tells it of metric depth,
-// of 8-bit depth only what its levels mean; the thesis takes all of these for heights.
+// Returns the stated mapped range, if any. --depth-range is the mapped range of metric depth. Of
+// 8-bit depth it states the depth of the levels; the thesis's method uses them as heights.
 std::optional<DepthRange> givenRange(const SourceInfo& info, const VisionSettings& settings) {
   if (settings.map_range) return settings.map_range;
   const bool levels = info.depth_kind == DepthKind::kHeight;
@@ -51,7 +52,7 @@ std::optional<DepthRange> givenRange(const SourceInfo& info, const VisionSetting
   return levels ? std::nullopt : settings.depth_range;
 }
 
-// Whether a frame with one more object is still one that a client takes.
+// Returns whether a client accepts the frame with one more object.
 bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
   std::size_t sum = object.relief->rect.pixels();
   for (const HapticObject& other : frame.objects) sum += other.relief->rect.pixels();
@@ -86,7 +87,7 @@ class Vision::Impl {
     const bool nothing_to_find =
         mapped_ && !settings_.moves() && !info_.key_masks && lastWord_s() == 0.0;
     if (info_.live || nothing_to_find) return true;
-    // What is not the object is known to the second look from its first frame on.
+    // The second pass has the author's non-objects from its first frame on.
     const int needs_scan = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
     for (int look = 0; look < needs_scan; ++look) {
       annotations_.start = nullptr;
@@ -165,7 +166,7 @@ class Vision::Impl {
     return true;
   }
 
-  // What the scan of a clip has collected: its range, motion and largest acceleration.
+  // Adopts the results of a clip's scan: range, motion and largest acceleration.
   void setClip(ClipMotion clip, const RangeFinder& finder, bool ended) {
     if (!mapped_) mapped_ = finder.range(kClipMargin);
     if (!mapped_) return;  // no object in the clip
@@ -175,7 +176,7 @@ class Vision::Impl {
     if (settings_.method != Method::kThesis) motion_.setClip(std::move(clip));
   }
 
-  // Into the frame go the reliefs of the objects, as many as a client takes.
+  // Adds the reliefs of the objects to the frame, as many as a client accepts.
   void fillObjects(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
     for (const TrackedObject& object : objects) {
       for (HapticObject& layer :
@@ -195,8 +196,8 @@ class Vision::Impl {
     return {description_.workspace, mapped_ ? mapped_->range : kHeightRange};
   }
 
-  // The objects of the next frame. A clip that begins again where it ended goes on: nothing has
-  // moved, so nothing of it is to be felt.
+  // Returns the objects of the next frame. A looped clip whose objects have not moved at the seam
+  // continues without a new epoch.
   const std::vector<TrackedObject>& track(const RgbdFrame& frame, double time_s) {
     const bool wraps = tracker_ && frame.epoch != source_epoch_;
     if (wraps && haveSameObjects(tracked_, began_)) {
@@ -213,7 +214,7 @@ class Vision::Impl {
     return tracked_;
   }
 
-  // What is inside is completed with shortened windows; nothing of it reaches into the new epoch.
+  // Completes pending frames with shortened windows; no window reaches into the new epoch.
   void startEpoch() {
     while (!pending_.empty()) complete();
     motion_.forget();
@@ -236,7 +237,7 @@ class Vision::Impl {
     mapped_ = finder.range(kLiveMargin);
   }
 
-  // The oldest pending frame gets its motion from the window around it.
+  // Adds the motion of the window around it to the oldest pending frame.
   void complete() {
     Pending pending = std::move(pending_.front());
     pending_.pop_front();
@@ -267,10 +268,10 @@ class Vision::Impl {
   std::uint64_t next_frame_id_ = 1;
   std::uint32_t epoch_ = 0;
   std::uint32_t source_epoch_ = 0;
-  ClipAnnotations annotations_;  // of a clip that is looped, or was scanned
+  ClipAnnotations annotations_;  // of a looped or scanned clip
   std::unique_ptr<Tracker> tracker_;
-  std::vector<TrackedObject> tracked_;  // in the last frame
-  std::vector<TrackedObject> began_;    // in the tracker's first frame
+  std::vector<TrackedObject> tracked_;  // objects of the last frame
+  std::vector<TrackedObject> began_;    // objects of the tracker's first frame
   FrameMotion motion_;
   std::map<std::uint32_t, LayerCutter> cutters_;  // by object id
   std::vector<HapticObject> last_objects_;

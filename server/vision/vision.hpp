@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The way of a frame through vision: segment -> enhance -> motion -> describe. Images and times in,
-// structs out; no threads, clocks or sockets.
+// Vision pipeline of a frame: segment -> enhance -> motion -> describe. Images and times in,
+// structs out. It has no threads, clocks or sockets. Thread: one at a time, the one that runs
+// Vision.
 #pragma once
 
 #include <cstdint>
@@ -19,41 +20,45 @@
 
 namespace hapticast::server {
 
-/// One frame out of vision, `lookahead` frames after it went in.
+/// A complete frame, `lookahead` frames after its push.
 struct VisionResult {
-  HapticFrame frame;  ///< every present object carries its relief
-  cv::Mat color;      ///< the picture of the same instant, CV_8UC3
+  HapticFrame frame;  ///< with the reliefs of all its objects
+  cv::Mat color;      ///< picture of the same instant, CV_8UC3, BGR
 };
 
+/// Vision of one source.
 class Vision {
  public:
-  /// Throws SourceError (an object point outside the picture, ...). `clock` tells how long stages
-  /// take, for plan(), and must outlive vision; null: nobody asks.
+  /// Throws SourceError (for example, an object point outside the picture). `clock` measures
+  /// durations of stages for plan() and must outlive Vision; null: no measurement.
   Vision(const SourceInfo& info, VisionSettings settings, const Clock* clock = nullptr);
   ~Vision();
 
-  /// Told after each frame of a scan; returns whether to go on.
+  /// Called after each frame of a scan, with counts of frames. Returns whether to continue.
   using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
-  /// Goes through a recorded clip once for its clip-wide depth range and largest acceleration, then
-  /// rewinds it; does nothing with a live source, or where the range is given and no motion asked
-  /// for. False where `progress` (may be null) broke it off: nothing is known then.
+  /// Scans a recorded clip for its mapped range, motion and largest acceleration, then rewinds it.
+  /// Does nothing for a live source, or if the range is stated and no motion is measured.
+  /// Returns false if `progress` (may be null) ended the scan; then it has no results. Throws
+  /// SourceError.
   bool scan(RgbdSource& source, const Progress& progress);
 
-  /// Takes the next frame in; returns the frame that is complete now, if any. `media_time`
-  /// increases by frames. A frame of a new source epoch in which something has moved, a cut to
-  /// another scene or a change of range starts a new stream epoch.
+  /// Adds the next frame; returns the frame that is complete now, if any. `media_time` increases
+  /// with each frame.
+  /// A new epoch starts at a scene cut, and at a new source epoch in which an object moved. Throws
+  /// SourceError.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
-  /// What is still inside at the end of the stream, oldest first.
+  /// Returns the remaining frames at the end of the stream, oldest first.
   [[nodiscard]] std::vector<VisionResult> flush();
 
-  /// What is left out of each object of the last frame taken in, by object id.
+  /// Returns the plan of each object of the last added frame, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
-  /// The depths that become heights; nullopt while no object was seen. Found by scan() (recorded)
-  /// or in the first frame with an object (live), if the author does not say.
+  /// Returns the depths that become heights; nullopt before the first object was seen. The author
+  /// sets them, or scan() (recorded) or the first frame with an object (live) finds them.
   [[nodiscard]] const std::optional<MappedRange>& mapped() const;
 
-  /// What to announce; complete after scan() (recorded) or the first frame (live).
+  /// Returns the description to announce; complete after scan() (recorded) or the first frame
+  /// (live).
   [[nodiscard]] const StreamDescription& description() const;
 
  private:

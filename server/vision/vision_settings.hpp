@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the author of a stream may decide about vision. Plain values without OpenCV, so that the
-// command line needs none. Thread: any.
+// Settings of vision that the author of a stream chooses. Plain values without OpenCV, so that the
+// command line does not need it. Thread: any.
 #pragma once
 
 #include <array>
@@ -15,40 +15,42 @@
 
 namespace hapticast::server {
 
-/// How objects are found in a frame; what each kind does is told in segment/segment.hpp.
+/// Method of segmentation; segment/segmenter.hpp describes each.
 enum class SegmentMode : std::uint8_t { kAuto, kBand, kEdges, kSource };
-/// How their motion is measured; see motion/pose_tracker.hpp.
+/// Method of motion measurement; motion/pose_tracker.hpp describes each.
 enum class MotionMode : std::uint8_t { kAuto, kRgbd, kLk, kDepth, kNone };
 
-/// The parts of a frame's way that may be left out; see scene_plan.hpp.
+/// Stages that a scene plan can switch off (scene_plan.hpp).
 enum class Stage : std::uint8_t {
-  kSegment,  ///< which pixels are the object's
-  kClean,    ///< background depth rejected at the rim, holes filled
+  kSegment,  ///< assigns pixels to the object
+  kClean,    ///< rejects background depth at the rim, fills holes
   kSmooth,   ///< local quadratic fit of the heights
-  kMotion,   ///< alignment with the last frame
-  kGrid,     ///< motion in cells of what the alignment leaves over
-  kHeights,  ///< heights sent (when off: only once a second, and to who joins)
+  kMotion,   ///< aligns with the last frame
+  kGrid,     ///< measures the residual motion in cells
+  kHeights,  ///< sends heights (when off: once a second, and to new clients)
 };
 inline constexpr std::array<std::string_view, 6> kStageNames{"segment", "clean", "smooth",
                                                              "motion",  "grid",  "heights"};
 inline constexpr std::size_t kStages = kStageNames.size();
 
+/// Settings of the scene plan.
 struct PlanSettings {
-  bool everything = false;                            ///< nothing is left out
-  std::array<std::optional<bool>, kStages> forced{};  ///< the author's word, by stage
-  /// A tenth of what a hand can tell apart: 7 % (Pang, Tan and Durlach 1991, discrimination of
-  /// force by the fingers) of a touch of 1 N.
+  bool everything = false;  ///< all stages stay on
+  /// The author's choice by stage; nullopt: the plan decides.
+  std::array<std::optional<bool>, kStages> forced{};
+  /// Error budget, N: a tenth of the smallest difference that a hand perceives. That is 7 % (Pang,
+  /// Tan and Durlach 1991, discrimination of force by the fingers) of a touch of 1 N.
   double error_budget_N = 0.007;
 };
 
-/// What the author points at, and when.
+/// A point of the author on the picture, at one time of the clip.
 struct AuthorPoint {
   Vec2 at_px = Vec2::Zero();
-  double time_s = 0.0;  ///< in the clip; 0: its first frame. Not negative
+  double time_s = 0.0;  ///< in the clip, 0 or more; 0: its first frame
   bool operator==(const AuthorPoint&) const = default;
 };
 
-/// The places of those that speak of the first frame.
+/// Returns the points of the first frame, px.
 inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points) {
   std::vector<Vec2> out;
   out.reserve(points.size());
@@ -58,31 +60,32 @@ inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points
   return out;
 }
 
-inline constexpr double kUsualStiffness_N_mm = 0.5;  ///< of an Omni, the default of the viewers
+inline constexpr double kUsualStiffness_N_mm = 0.5;  ///< of an Omni; viewers' default
 
+/// Settings of vision, with the flags that set them.
 struct VisionSettings {
   Method method = Method::kHapticast;
   SegmentMode segment = SegmentMode::kAuto;
   MotionMode motion = MotionMode::kAuto;
   std::vector<AuthorPoint> object_points;  ///< --object; empty: the nearest compact object
   std::vector<AuthorPoint> not_points;     ///< --not
-  std::optional<DepthRange> depth_range;   ///< --depth-range: what levels of 8-bit depth mean
+  std::optional<DepthRange> depth_range;   ///< --depth-range: depths of the levels of 8-bit depth
   std::optional<DepthRange> map_range;     ///< --map-range: the depths that become heights
-  std::optional<double> fov_deg;           ///< --fov, 10..170; overrules the source's camera
-  bool stretch = false;
-  Material material;              ///< --stiffness, --friction
-  std::optional<double> mass_kg;  ///< --mass
-  PlanSettings plan;              ///< --plan, --error-budget
-  /// --low-latency: one frame of lookahead; impacts only in a clip that was scanned.
+  std::optional<double> fov_deg;           ///< --fov, 10..170; overrides the source's camera
+  bool stretch = false;                    ///< --stretch: each axis has its own scale
+  Material material;                       ///< --stiffness, --friction
+  std::optional<double> mass_kg;           ///< --mass
+  PlanSettings plan;                       ///< --plan, --error-budget
+  /// --low-latency: one frame of lookahead; impacts only in a scanned clip.
   bool low_latency = false;
-  /// --compensate-pan: accelerations and impacts against the background instead of the picture.
+  /// --compensate-pan: accelerations and impacts relative to the background instead of the picture.
   bool compensate_pan = false;
 
-  /// What a touch is reckoned with: the author's, else the usual one.
+  /// Returns the stiffness for estimates of force, N/mm: the author's, else the usual stiffness.
   [[nodiscard]] double stiffness_N_mm() const {
     return material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
   }
-  /// Whether motion is measured at all: --motion, --plan.
+  /// Returns whether motion is measured at all (--motion, --plan).
   [[nodiscard]] bool moves() const {
     return motion != MotionMode::kNone &&
            plan.forced[static_cast<std::size_t>(Stage::kMotion)].value_or(true);

@@ -10,10 +10,10 @@ namespace hapticast::codec {
 
 namespace {
 
-constexpr int kReach_px = 8;  // how far a node outside the mask looks for pixels
-constexpr int kAcross = 20;   // 2 kReach_px + 1 and what fills up the vectors
+constexpr int kReach_px = 8;  // search range of a node outside the mask
+constexpr int kAcross = 20;   // 2 kReach_px + 1, padded for vectorisation
 
-/// Weights 1/(1 + r²)² of the pixels around a node, and their products with the place.
+/// Weights 1/(1 + r²)² of the pixels around a node, and their products with x and x².
 struct Weights {
   using Row = std::array<float, kAcross>;
   std::array<Row, kReach_px + 1> one{}, x{}, xx{};
@@ -33,12 +33,12 @@ struct Weights {
   }
 };
 
-/// Sums over the pixels around a node: of the weights, places, heights and their products.
+/// Sums over the pixels around a node: weights, positions, heights and their products.
 struct Moments {
   double one = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, h = 0, xh = 0, yh = 0;
 };
 
-/// The sums of one row of pixels.
+/// Sums of one row of pixels.
 struct RowMoments {
   float one = 0, x = 0, xx = 0, h = 0, xh = 0;
 };
@@ -64,7 +64,8 @@ RowMoments momentsOfRow(const Weights& weights, std::size_t row, const std::uint
   return {sum[0], sum[1], sum[2], sum[3], sum[4]};
 }
 
-/// The height at a place outside the mask by a plane through the pixels around it.
+/// Returns the height outside the mask from a weighted plane through the pixels around the
+/// position.
 std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int v) {
   static const Weights kWeights;
   Moments sum;
@@ -86,7 +87,7 @@ std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int 
     sum.yh += row.h * static_cast<float>(y);
   }
   if (sum.one <= 0.0) return 0;
-  constexpr double kBlur_px2 = 0.3;  // few pixels make no slope
+  constexpr double kBlur_px2 = 0.3;  // regularises the slope of few pixels
   const double x = sum.x / sum.one;
   const double y = sum.y / sum.one;
   const double h = sum.h / sum.one;
@@ -101,7 +102,7 @@ std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int 
       std::lround(std::clamp(plane, -10.0 * kUnitsPerMm, double{kHighest})));
 }
 
-/// The nearest number of steps, and never farther off than half a step.
+/// Returns `rest` in steps, rounded; the error is at most half a step.
 std::int32_t countSteps(std::int32_t rest, std::int32_t step, float per_step) {
   const float exact = static_cast<float>(rest) * per_step;
   auto out = static_cast<std::int32_t>(exact + (rest < 0 ? -0.499F : 0.499F));
@@ -118,7 +119,7 @@ void analyseBase(Field& field, const Surroundings& object, const Steps& steps) {
       if (field.needed[at] == 0) continue;
       const std::ptrdiff_t px =
           std::ptrdiff_t{y} * kCell_px * mask.stride + std::ptrdiff_t{x} * kCell_px;
-      const bool inside = mask.data[px] != 0;  // the next slice's too
+      const bool inside = mask.data[px] != 0;  // also inside the next slice
       const std::int32_t height =
           inside ? object.target[px] : continued(mask, object.target, x * kCell_px, y * kCell_px);
       field.base[at] = countSteps(height, steps.base, 1.0F / static_cast<float>(steps.base));
@@ -133,7 +134,7 @@ struct Row {
   const std::uint8_t* mask;
 };
 
-/// Points first, first + Every, ... below `count`, whose pixels are Px apart.
+/// Corrects the points first, first + Every, ... below `count`; their pixels are Px apart.
 template <int Every, int Px>
 void correct(const Row& row, int first, int count, std::int32_t step) {
   const float per_step = 1.0F / static_cast<float>(step);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The encoder's half of a slice: which base values and details give its heights. Thread: any.
+// Encoder side of smooth mode: computes the base values and details (interpolation residuals) of a
+// slice. Thread: any.
 #pragma once
 
 #include "common/codec/slice/field.hpp"
@@ -7,12 +8,11 @@
 
 namespace hapticast::codec {
 
-/// Fills base, nodes, details and flags of a field that was reset for an encoder. Then every pixel
-/// inside is off by at most half of steps.px.
+/// Computes base, nodes, details and flags of a field that was reset for an encoder. Every pixel
+/// inside then has an error of at most half of steps.px.
 void analyse(Field& field, const Surroundings& object, const Steps& steps);
 
-/// What a cell costs, roughly, in bits; of a field that was analysed, or of numbers that were
-/// coded.
+/// Returns the estimated cost of a cell in bits, of an analysed field or of coded numbers.
 float estimateCost(const Field& field, int cell_x, int cell_y);
 float estimateCost(const Numbers& numbers, const Field& field, int cell_x, int cell_y);
 

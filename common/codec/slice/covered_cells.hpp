@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The cells of a relief that slices have claimed so far: no two slices may cover the same one.
-// Thread: any, one per object.
+// Set of a relief's cells that slices cover; no two slices may cover the same cell. Thread: any,
+// one for each object.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 namespace hapticast::codec {
 
+/// Covered cells of one relief.
 class CoveredCells {
  public:
   explicit CoveredCells(const PixelRect& rect)
@@ -18,7 +19,8 @@ class CoveredCells {
         covered_(static_cast<std::size_t>(columns_) *
                  static_cast<std::size_t>(cellsOver(rect.height))) {}
 
-  /// False where one of them was claimed before. Requires a slice of this rectangle.
+  /// Marks the slice's cells as covered. Returns false if one of them was covered before. Requires
+  /// a slice of this rectangle.
   bool claim(const Header& slice) {
     bool free = true;
     for (int y = slice.y; y < slice.y + slice.rows; ++y) {

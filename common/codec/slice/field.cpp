@@ -11,12 +11,12 @@ std::size_t area(std::ptrdiff_t stride, int rows) {
   return static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows);
 }
 
-/// Continues a, whose neighbour on the near side is b, over the end.
+/// Interpolates next to an end, from the end (`near`) and the two points beyond.
 std::int32_t beyond(std::int32_t near, std::int32_t far, std::int32_t third) {
   return (3 * near + 6 * far - third + 4) >> 3;
 }
 
-/// Between the points of a row, by four of them.
+/// Interpolates between the points of a row by four-point (cubic) interpolation.
 void widen(const std::int32_t* in, std::ptrdiff_t count, std::int32_t* out) {
   if (count == 2) {
     out[0] = in[0];
@@ -123,7 +123,7 @@ void Field::interpolateEven(std::size_t level) {
 
 void Field::interpolateOdd(std::size_t level) {
   Level& fine = levels[level];
-  const std::ptrdiff_t two = std::ptrdiff_t{2} * fine.columns;  // to the next even row
+  const std::ptrdiff_t two = std::ptrdiff_t{2} * fine.columns;  // offset to the next even row
   for (int y = 1; y < fine.rows; y += 2) {
     std::int32_t* out = fine.height.data() + std::ptrdiff_t{y} * fine.columns;
     const std::int32_t* up = out - fine.columns;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A mask as the places where it changes along each row, told against the row above
-// (proto/README.md). Written once for both directions (range_coder.hpp). Thread: any.
+// Mask coder: codes each row's changes between inside and outside relative to the row above, as the
+// two-dimensional fax code does (ITU-T T.6; format: proto/README.md). One template serves both
+// directions (range_coder.hpp). Thread: any.
 #pragma once
 
 #include <algorithm>
@@ -15,19 +16,20 @@
 
 namespace hapticast::codec {
 
-/// Where a row changes between outside and inside, and how far that has moved since the row above.
+/// A change between outside and inside in a row, and its shift since the row above.
 struct Edge {
   int at = 0;
   int shift = 0;
 };
-/// The edges of a row, from outside on; the last one is always at the row's width.
+/// The edges of a row, beginning outside; the last one is at the row's width.
 using EdgeRow = std::vector<Edge>;
 
+/// Writes the edges of a row to `out`.
 inline void findEdges(const std::uint8_t* row, int width, EdgeRow& out) {
   out.clear();
   std::uint8_t inside = 0;
   for (int i = 0; i < width;) {
-    std::uint64_t eight = 0;  // most pixels are as their neighbours
+    std::uint64_t eight = 0;  // most pixels equal their neighbours
     if (i + 8 <= width) {
       std::memcpy(&eight, row + i, sizeof eight);
       if (eight == inside * 0x0101010101010101U) {
@@ -44,19 +46,21 @@ inline void findEdges(const std::uint8_t* row, int width, EdgeRow& out) {
   out.push_back({width, 0});
 }
 
+/// Coder of one slice's mask, row by row.
 class MaskCoder {
  public:
   explicit MaskCoder(int width) : width_(width), above_{{width, 0}} {}
 
-  /// Codes a row; `wanted` are its edges (an encoder's; a decoder's stay unread). Returns them.
+  /// Codes a row. `wanted`: its edges for an encoder, ignored by a decoder. Returns the row's
+  /// edges.
   template <class Coder>
   const EdgeRow& row(Coder& coder, const EdgeRow& wanted) {
     row_.clear();
     int at = -1;
     std::size_t above = 0;
-    std::size_t next = 0;  // of the wanted edges
+    std::size_t next = 0;  // index into `wanted`
     bool inside = false;
-    bool lost = false;  // the edge before was no neighbour of one above
+    bool lost = false;  // the last edge had no counterpart in the row above
     while (at < width_) {
       while (above > 0 && above_[above - 1].at > at) --above;
       while (above < above_.size() &&
@@ -80,7 +84,7 @@ class MaskCoder {
 
  private:
   static constexpr int kFarthest = 7;
-  static constexpr int kPassed = 99;  ///< no edge: one above was left out
+  static constexpr int kPassed = 99;  ///< no edge: a counterpart above was skipped
 
   template <class Coder>
   Edge edge(Coder& coder, int at, Edge first, int second, int target, bool inside, bool& lost) {

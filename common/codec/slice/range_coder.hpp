@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// An adaptive binary range coder. Encoder and decoder have the same two operations, so that what
-// is coded is written down once, as a template over the coder: `bit(model, value)` and `raw(value)`
-// return the bit; a decoder ignores the value that it is given. Thread: any.
+// Adaptive binary range coder (Martin 1979) with probability models for bits and integers.
+// Encoder and decoder have the same two operations, so one template over the coder serves both
+// directions: `bit(model, value)` and `raw(value)` return the bit. A decoder ignores `value`.
+// Thread: any.
 #pragma once
 
 #include <array>
@@ -14,14 +15,14 @@
 
 namespace hapticast::codec {
 
-/// How often a bit was 0, and how well that is known: the first bits seen count most.
+/// Adaptive probability of a bit; early bits have more weight.
 struct BitModel {
   std::uint16_t zero = 32768;  ///< probability of 0, in 1/65536
-  std::uint8_t seen = 0;       ///< bits seen, at most kMostSeen
+  std::uint8_t seen = 0;       ///< number of coded bits, at most kMostSeen
 };
 
 inline constexpr unsigned kMostSeen = 32;
-/// Share of the difference, in 1/65536, by which a model moves that has seen so many bits.
+/// Adaptation rate after each number of coded bits, in 1/65536 of the difference.
 inline constexpr auto kRates = [] {
   std::array<std::uint16_t, kMostSeen + 1> rates{};
   for (unsigned n = 0; n <= kMostSeen; ++n)
@@ -29,7 +30,7 @@ inline constexpr auto kRates = [] {
   return rates;
 }();
 
-/// Moves the model towards the bit. A probability stays away from 0 and 1.
+/// Moves the model's probability towards the bit, within limits away from 0 and 1.
 inline void update(BitModel& model, bool one) noexcept {
   constexpr unsigned kLeast = 96;
   constexpr unsigned kMost = 65440;
@@ -42,9 +43,10 @@ inline void update(BitModel& model, bool one) noexcept {
 }
 
 inline constexpr std::uint32_t kLeastRange = 1U << 24U;
-/// An encoder leaves out at most so many zeros at the end: who reads on beyond them is misled.
+/// Limit of trailing zeros that an encoder omits. A decoder that reads further has invalid bytes.
 inline constexpr std::size_t kMostZerosDropped = 16;
 
+/// Decoder of one slice's bytes.
 class RangeDecoder {
  public:
   static constexpr bool kDecodes = true;
@@ -54,13 +56,14 @@ class RangeDecoder {
     for (int i = 0; i < 4; ++i) code_ = code_ << 8U | byte();
   }
 
+  /// Decodes a bit with its model.
   bool bit(BitModel& model, bool /*value*/ = false) noexcept {
     const bool one = decide(model.zero >> 1U);
     update(model, one);
     return one;
   }
 
-  /// A bit that two models know something of: their mean.
+  /// Decodes a bit with the mean probability of two models.
   bool bit(BitModel& model, BitModel& other, bool /*value*/ = false) noexcept {
     const bool one = decide((std::uint32_t{model.zero} + other.zero) >> 2U);
     update(model, one);
@@ -68,6 +71,7 @@ class RangeDecoder {
     return one;
   }
 
+  /// Decodes a bit of probability 1/2, without a model.
   bool raw(bool /*value*/ = false) noexcept {
     range_ >>= 1U;
     const bool one = code_ >= range_;
@@ -76,11 +80,12 @@ class RangeDecoder {
     return one;
   }
 
-  /// More was read than an encoder leaves out: the bytes are not a whole slice.
+  /// Returns whether the decoder read beyond the zeros that an encoder omits: the slice is
+  /// incomplete.
   [[nodiscard]] bool misled() const noexcept { return beyond_ > kMostZerosDropped + 4; }
 
  private:
-  /// Whether a bit is 1 that is 0 with this probability, in 1/32768.
+  /// Decodes a bit that is 0 with the probability `zero`, in 1/32768.
   bool decide(std::uint32_t zero) noexcept {
     const std::uint32_t bound = (range_ >> 15U) * zero;
     const bool one = code_ >= bound;
@@ -112,19 +117,22 @@ class RangeDecoder {
   std::uint32_t code_ = 0;
 };
 
+/// Encoder of one slice's bytes.
 class RangeEncoder {
  public:
   static constexpr bool kDecodes = false;
 
-  /// Appends to `out` until finish().
+  /// Appends to `out` until finish(). `out` must outlive the encoder.
   explicit RangeEncoder(std::vector<std::uint8_t>& out) noexcept : out_(out) {}
 
+  /// Encodes a bit with its model.
   bool bit(BitModel& model, bool one) {
     write(model.zero >> 1U, one);
     update(model, one);
     return one;
   }
 
+  /// Encodes a bit with the mean probability of two models.
   bool bit(BitModel& model, BitModel& other, bool one) {
     write((std::uint32_t{model.zero} + other.zero) >> 2U, one);
     update(model, one);
@@ -132,6 +140,7 @@ class RangeEncoder {
     return one;
   }
 
+  /// Encodes a bit of probability 1/2, without a model.
   bool raw(bool one) {
     range_ >>= 1U;
     if (one) low_ += range_;
@@ -139,7 +148,7 @@ class RangeEncoder {
     return one;
   }
 
-  /// Writes the shortest number inside the range, without zeros at its end.
+  /// Writes the shortest number inside the range, without trailing zeros. Call once, at the end.
   void finish() {
     const std::size_t begin = out_.size();
     for (unsigned bits = 32; bits > 0; --bits) {
@@ -174,7 +183,8 @@ class RangeEncoder {
       shift();
     }
   }
-  /// Moves the top byte out; one that a carry may still change waits, with the 0xFF behind it.
+  /// Outputs the top byte. A byte that a carry may still change waits, with the 0xFF bytes after
+  /// it.
   void shift() {
     constexpr std::uint64_t kCarry = std::uint64_t{1} << 32U;
     if (low_ < 0xFF000000U || low_ >= kCarry) {
@@ -194,26 +204,26 @@ class RangeEncoder {
   std::uint32_t range_ = 0xFFFFFFFFU;
   std::size_t pending_ = 0;
   std::uint8_t waiting_ = 0;
-  bool first_ = true;  ///< before the first byte stands a carry that never comes
+  bool first_ = true;  ///< the first byte's carry does not exist
 };
 
 inline constexpr int kMostExponent = 22;
 inline constexpr int kPlaceExponents = 8;
 
-/// Bits of a whole number: zero or not, sign, bits of the magnitude, its second highest bit.
+/// Models of an integer: zero or not, sign, exponent (unary), highest mantissa bit.
 struct NumberModel {
   BitModel zero, sign;
   std::array<BitModel, kMostExponent + 1> exponent, mantissa;
 };
 
-/// A second opinion on a number: whether it is zero, and the first bits of its exponent.
+/// Second context for an integer: zero or not, and the first bits of its exponent.
 struct PlaceModel {
   BitModel zero;
   std::array<BitModel, kPlaceExponents> exponent;
 };
 
-/// A number from 1 on; one of more than kMostExponent + 1 bits cannot be coded. `place` may be
-/// null.
+/// Codes a number >= 1 (Elias gamma code with models). The limit is kMostExponent + 1 bits. `place`
+/// may be null.
 template <class Coder>
 int codeMagnitude(Coder& coder, NumberModel& model, PlaceModel* place, int value) {
   const int wanted = Coder::kDecodes ? 0 : std::bit_width(static_cast<unsigned>(value)) - 1;
@@ -235,7 +245,7 @@ int codeMagnitude(Coder& coder, NumberModel& model, PlaceModel* place, int value
   return static_cast<int>(out);
 }
 
-/// A number of any sign.
+/// Codes a number of either sign.
 template <class Coder>
 int codeNumber(Coder& coder, NumberModel& model, int value) {
   if (!coder.bit(model.zero, value != 0)) return 0;

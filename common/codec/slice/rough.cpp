@@ -7,7 +7,7 @@ namespace hapticast::codec {
 
 namespace {
 
-/// Calls with the height and place of each pixel inside.
+/// Calls `call`(height, x, y) for each pixel inside.
 template <class Call>
 void forPixels(const Shape& shape, const Surroundings& object, const Call& call) {
   for (int y = 0; y < shape.height; ++y) {
@@ -18,8 +18,9 @@ void forPixels(const Shape& shape, const Surroundings& object, const Call& call)
   }
 }
 
-/// So few levels that no height is farther from one than `farthest`, whose distances repeat where
-/// they can. `table`: 1 for the heights that occur, from `lowest` on; then the number of the level.
+/// Returns few levels such that every height is within `farthest` of its level, with repeated
+/// distances where possible. `table`: on entry 1 for occurring heights, from `lowest` on; on return
+/// the index of each height's level.
 Levels buildLevels(std::vector<std::int32_t>& table, std::int32_t lowest, std::int32_t farthest) {
   Levels out;
   std::int32_t gap = 2 * farthest + 1;
@@ -29,7 +30,7 @@ Levels buildLevels(std::vector<std::int32_t>& table, std::int32_t lowest, std::i
       ++next;
       continue;
     }
-    // What one level can stand for; the distance of before if that will do.
+    // The heights that one level can represent; the previous distance if it suffices.
     std::int32_t last = std::min(size - 1, next + 2 * farthest);
     while (table[static_cast<std::size_t>(last)] == 0) --last;
     std::int32_t level = lowest + next + (last - next) / 2;
@@ -55,7 +56,7 @@ Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t f
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);
   });
-  // First which heights occur, then the number of each one's level.
+  // First the occurring heights, then the index of each height's level.
   std::vector<std::int32_t> table(static_cast<std::size_t>(highest - lowest) + 1, 0);
   forPixels(shape, object, [&](std::int32_t height, int, int) {
     table[static_cast<std::size_t>(height - lowest)] = 1;

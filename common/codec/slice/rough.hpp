@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Heights that are not smooth (a sensor's own steps and noise): every pixel by itself, as the
-// number of a level. Which heights are levels is told first: evenly spaced ones, or those that
-// occur. Written once for both directions (range_coder.hpp). Thread: any.
+// Rough mode, for heights that are not smooth (a sensor's steps and noise). Codes each pixel's
+// level index by prediction with the median edge detector (LOCO-I, Weinberger et al. 2000). A slice
+// begins with its levels: evenly spaced heights, or the heights that occur. One template serves
+// both directions (range_coder.hpp). Thread: any.
 #pragma once
 
 #include <array>
@@ -14,12 +15,12 @@
 
 namespace hapticast::codec {
 
-/// Heights in units, rising.
+/// Heights of the levels in units, ascending.
 using Levels = std::vector<std::int32_t>;
 
 inline constexpr std::size_t kMostLevels = 65536;
 
-/// Codes the levels; false: they are more than are allowed, or leave the heights that are.
+/// Codes the levels. Returns false if there are too many, or if they exceed the height range.
 template <class Coder>
 bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
   NumberModel first;
@@ -42,38 +43,44 @@ bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
   return true;
 }
 
+/// Probability models of rough mode.
 struct RoughModels {
-  std::array<std::array<NumberModel, 3>, 7> rest;  ///< by what the neighbours differ, and missed by
-  std::array<BitModel, 9> sign;                    ///< by which way they fall
+  /// By local activity and recent prediction errors.
+  std::array<std::array<NumberModel, 3>, 7> rest;
+  std::array<BitModel, 9> sign;  ///< by the signs of the local gradients
 };
 
-/// Numbers of the levels around a pixel.
+/// Level indices of the pixels around a pixel.
 struct Around {
   std::int32_t left, up, up_left, up_right;
 
+  /// Returns the prediction: the median of left, up and left + up - up_left.
   [[nodiscard]] std::int32_t guess() const {
     if (up_left >= std::max(left, up)) return std::min(left, up);
     if (up_left <= std::min(left, up)) return std::max(left, up);
     return left + up - up_left;
   }
+  /// Returns the class of local activity, 0..6.
   [[nodiscard]] std::size_t unrest() const {
     const int sum = std::abs(up_right - up) + std::abs(up - up_left) + std::abs(up_left - left);
     if (sum < 3) return static_cast<std::size_t>(sum);
     return sum < 5 ? 3 : sum < 9 ? 4 : sum < 17 ? 5 : 6;
   }
+  /// Returns the class of the gradients' signs, 0..8.
   [[nodiscard]] std::size_t fall() const {
     const auto sign = [](int value) { return (value > 0 ? 2 : 0) + (value == 0 ? 1 : 0); };
     return static_cast<std::size_t>(3 * sign(up - up_left) + sign(left - up_left));
   }
 };
 
-/// The level of each pixel, and by how much its guess was off. There is one more to the left and
-/// right of each row, and a row above.
+/// Level index of each pixel, and the size of its prediction error. Margin: one pixel to the left
+/// and right of each row, and one row above.
 struct Numbers {
   std::ptrdiff_t stride = 0;
   std::vector<std::int32_t> level;
   std::vector<std::uint8_t> rest;
 
+  /// Prepares a slice of this shape, all zero.
   void reset(const Shape& shape) {
     stride = shape.width + 2;
     level.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(shape.height + 1), 0);
@@ -82,10 +89,12 @@ struct Numbers {
   [[nodiscard]] std::ptrdiff_t at(int x, int y) const { return (y + 1) * stride + x + 1; }
 };
 
-/// So few levels that no pixel inside is farther from one than `farthest`, and the pixels' numbers.
+/// Computes few levels such that every pixel inside is within `farthest` of its level, and the
+/// pixels' level indices.
 Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
                   Numbers& numbers);
 
+/// Returns the neighbours' level indices, with replacements outside the mask.
 inline Around loadNeighbours(const std::int32_t* level, std::ptrdiff_t stride,
                              const std::uint8_t* inside, std::ptrdiff_t mask_stride, bool top,
                              bool at_left, bool at_right, std::int32_t last) {
@@ -101,7 +110,7 @@ inline Around loadNeighbours(const std::int32_t* level, std::ptrdiff_t stride,
   return out;
 }
 
-/// Codes the numbers of all pixels inside, 0..most.
+/// Codes the level indices of all pixels inside, 0..most.
 template <class Coder>
 void codeNumbers(Coder& coder, RoughModels& models, Numbers& numbers, const Shape& shape,
                  const Mask& mask, std::int32_t most) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The order and the models of a slice's numbers, written once for both directions
-// (range_coder.hpp): base nodes, then the details of the levels. Thread: any.
+// Entropy coding of smooth mode: order and context models of a slice's numbers, base nodes first,
+// then the details of each level. One template serves both directions (range_coder.hpp). Thread:
+// any.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@
 
 namespace hapticast::codec {
 
-/// Which of five models a point has, by the sum of the sizes around it.
+/// Model class of a point (0..4), by the sum of the detail sizes around it.
 inline constexpr auto kDetailClass = [] {
   std::array<std::uint8_t, 6 * kMostSize + 1> out{};
   for (std::size_t i = 0; i < out.size(); ++i)
@@ -19,18 +20,20 @@ inline constexpr auto kDetailClass = [] {
   return out;
 }();
 
+/// Probability models of smooth mode.
 struct SymbolModels {
   std::array<NumberModel, 4> base;
-  /// Of a level, by odd or even row.
+  /// Models of a level, by even or odd row.
   struct Details {
     std::array<std::array<NumberModel, 5>, 2> number;  ///< by class
-    std::array<std::array<PlaceModel, 12>, 2> place;   ///< by placeOf()
+    std::array<std::array<PlaceModel, 12>, 2> place;   ///< by pixelIndex()
     std::array<std::array<BitModel, 9>, 2> sign;       ///< by the signs to the left and above
   };
   std::array<Details, 3> detail;
   std::array<std::array<std::array<BitModel, 3>, 2>, 3> flag;
 };
 
+/// Codes the base values by prediction from the nodes to the left and above.
 template <class Coder>
 void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
   constexpr int kMostResidual = 64;
@@ -62,8 +65,8 @@ void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& ste
   }
 }
 
-/// What stands around a point of level I: the mask's edge, a corner of the coarser points' square,
-/// details of the coarser level.
+/// Returns the context of a point of level I: mask edge nearby, corner of the coarser points'
+/// square, details of the coarser level.
 template <std::size_t I>
 std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int y) {
   constexpr std::ptrdiff_t kPx = 4 >> I;
@@ -79,14 +82,14 @@ std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int 
   return (inner ? 0U : 6U) + ((x & y & 1) != 0 ? 3U : 0U) + busy;
 }
 
-/// Which of nine models a sign has: those of the nearest details to the left and above.
+/// Returns the class of a sign (0..8): signs of the nearest details to the left and above.
 inline std::size_t signClass(const std::uint8_t* sign, std::ptrdiff_t stride) {
   const unsigned left = sign[-1] != 0 ? sign[-1] : sign[-2];
   const unsigned up = sign[-stride] != 0 ? sign[-stride] : sign[-2 * stride];
   return left * 3 + up;
 }
 
-/// A point of level I, whose pixel `mask` is.
+/// Codes the detail of a point of level I; `mask` points to its pixel.
 template <std::size_t I, class Coder>
 void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const std::uint8_t* mask,
                int x, int y, int step) {
@@ -114,7 +117,8 @@ void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const 
   }
 }
 
-/// The points of a cell inside the mask, but for the coarser level's, in even rows and columns.
+/// Codes the points of a cell inside the mask, except those of the coarser level (even rows and
+/// columns).
 template <std::size_t I, class Coder>
 void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int cell_y, int step) {
   constexpr int kPx = 4 >> I;
@@ -133,6 +137,7 @@ void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int 
   }
 }
 
+/// Codes the details of a level, cell by cell.
 template <std::size_t I, class Coder>
 void codeLevel(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
   Level& level = field.levels[I];
@@ -153,6 +158,7 @@ void codeLevel(Coder& coder, SymbolModels& models, Field& field, const Steps& st
   }
 }
 
+/// Codes all numbers of a slice.
 template <class Coder>
 void codeHeights(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
   codeBase(coder, models, field, steps);

@@ -13,23 +13,24 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kClean_mm = 0.1;  // chosen: at 0.5 N/mm and a usual range a few mN
-// Chosen: four times what rounding to float leaves at 10 m, a fifth of what a sensor's noise
-// correlated over 2 px reads at 0.6 m.
+constexpr double kClean_mm = 0.1;  // Chosen: at 0.5 N/mm and a usual range a force of a few mN.
+// Chosen: four times the rounding error of float at 10 m. A fifth of the value that a sensor's
+// noise, correlated over 2 px, yields at 0.6 m.
 constexpr double kExact_mm = 0.002;
 constexpr double kUnknown_mm = 0.5;  // chosen: between a clean and a usual sensor
-// What rounding alone reads as noise on a slope: second differences of one quantum, 1.48 / sqrt(6).
-// Finer quanta read the same when a sensor's correlated noise is on them.
+// Apparent noise that rounding alone causes on a slope: second differences of one quantum, 1.48 /
+// sqrt(6). Finer quanta yield the same value under a sensor's correlated noise.
 constexpr double kRounding = 0.61;
 constexpr double kLargestDifference_mm = 100.0;  // chosen: beyond, it is an edge
-constexpr std::size_t kLargestNoiseBins = 400;   // 100 m, the largest depth that counts
-constexpr std::size_t kFewestInBin = 200;        // chosen: a median of so many is good to a tenth
-constexpr std::size_t kMostValues = 4000;        // more of them tell no better quantum
-constexpr std::size_t kFewestGaps = 8;           // between a few flat things gaps are no step
-constexpr double kOffLattice = 0.1;  // chosen, of a step, and of the gaps: so many may be off it
+constexpr std::size_t kLargestNoiseBins = 400;   // 100 m, the largest valid depth
+constexpr std::size_t kFewestInBin = 200;        // chosen: such a median is exact to a tenth
+constexpr std::size_t kMostValues = 4000;        // more values do not improve the quantum
+constexpr std::size_t kFewestGaps = 8;           // fewer gaps are of flat surfaces, not from a step
+// Chosen: share of a step, and largest share of gaps off the lattice.
+constexpr double kOffLattice = 0.1;
 constexpr double kLargestQuantum_mm = 20.0;  // chosen: coarser than 8 bits over 5 m
 
-// Absolute second and fourth differences along the rows, per bin of range, and the values that
+// Absolute second and fourth differences along the rows for each bin of range, and all values that
 // occur.
 struct DepthStatistics {
   std::vector<std::vector<double>> differences{1};
@@ -75,13 +76,13 @@ double findQuantum(const std::set<float>& values) {
   const auto between = std::count_if(gaps.begin(), gaps.end(), [least](double gap) {
     return std::abs(gap / least - std::round(gap / least)) > kOffLattice;
   });
-  // A clean depth takes any value: what lies between two is no step.
+  // A clean depth has any value: then the smallest gap is not a step.
   if (static_cast<double>(between) > kOffLattice * static_cast<double>(gaps.size())) return 0.0;
   return std::min(kLargestQuantum_mm, computeMedian(gaps));
 }
 
-// The bend of a clean surface is no noise: it is in the second differences, hardly in the fourth.
-// Of correlated noise these read too little, so they count only where there is none at all.
+// The curvature of a clean surface is in the second differences, hardly in the fourth. The fourth
+// differences underestimate correlated noise, so they count only where they show no noise at all.
 double estimateSigma(std::vector<double>& seconds, std::vector<double>& fourths) {
   const double sigma = sigmaByMedian(seconds) / std::sqrt(6.0);
   if (fourths.size() < kFewestInBin) return sigma;
@@ -112,7 +113,7 @@ DepthNoise measureNoise(const cv::Mat& depth) {
     const bool known = statistics.differences[i].size() >= kFewestInBin;
     const bool nearest = !last && known;
     if (known) last = estimateSigma(statistics.differences[i], statistics.fourths[i]);
-    // What comes nearer than anything was is not noisier.
+    // Ranges nearer than the nearest measured bin are not noisier than that bin.
     if (nearest) std::fill(noise.sigma_mm.begin(), noise.sigma_mm.end(), *last);
     noise.sigma_mm.push_back(last.value_or(kUnknown_mm));
   }

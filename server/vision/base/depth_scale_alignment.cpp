@@ -13,23 +13,24 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kEvery_px = 4;               // chosen: 19200 places of a usual picture are plenty
+constexpr int kEvery_px = 4;               // chosen: 19200 samples of a usual picture suffice
 constexpr float kSameGray = 9.0F;          // chosen, levels: above a camera's noise over 4 x 4 px
-constexpr double kRestingShare = 0.7;      // chosen, of the places: with less the camera moves
+constexpr double kRestingShare = 0.7;      // chosen, of the samples: with less the camera moves
 constexpr std::size_t kFewestPairs = 300;  // chosen
-constexpr int kAsWide_px = 12;             // chosen: around objects depth is mixed
-// Chosen: an estimator's scale trembles by 1 to 5 %, a sensor's not by a thousandth.
+constexpr int kAsWide_px = 12;             // chosen: depth is mixed around objects
+// Chosen: an estimator's scale varies by 1 to 5 %, a sensor's by less than a thousandth.
 constexpr double kHop = 0.004;
-constexpr double kLargeHop = 0.015;  // of all at once, while the picture rests: nothing else does
-constexpr int kEnoughHops = 3;       // to and fro
-constexpr double kExplains = 0.5;    // chosen: so much of what is off has to go
-constexpr float kLongest = 16.0F;    // frames that what rests is averaged over
-constexpr int kFirstLook = 25;       // frames in which all are looked at, and then every eighth
+// A hop of the whole picture at rest: only an estimator causes it.
+constexpr double kLargeHop = 0.015;
+constexpr int kEnoughHops = 3;     // in alternating directions
+constexpr double kExplains = 0.5;  // chosen: a hop has to remove this share of the deviation
+constexpr float kLongest = 16.0F;  // frames of the average over resting samples
+constexpr int kFirstLook = 25;     // frames that are all examined; after them every eighth
 constexpr int kLookEvery = 8;
-constexpr int kTries = 60;            // of two places each: 1e-4 that none is of the background
-constexpr std::size_t kJudges = 400;  // places that judge a try
-constexpr int kRounds = 5;            // of reweighting; measured: it rests by then
-constexpr double kNearlyNone = 0.05;  // of 1/z: what would lie behind the farthest
+constexpr int kTries = 60;            // of two samples each: 1e-4 that no try is of the background
+constexpr std::size_t kJudges = 400;  // samples that judge a try
+constexpr int kRounds = 5;            // of reweighting; measured: converged by then
+constexpr double kNearlyNone = 0.05;  // of 1/z: smaller values lie behind the farthest depth
 constexpr double kTukey = 4.685;      // Beaton and Tukey 1974
 
 ScaleShift through(const auto& a, const auto& b) {
@@ -47,7 +48,7 @@ double medianOff(const auto& pairs, std::size_t step, const ScaleShift& hop) {
   return computeMedian(offs);
 }
 
-// Weighted least squares; what is far off counts nothing.
+// Iteratively reweighted least squares with Tukey's biweight: outliers have weight 0.
 ScaleShift refined(const auto& pairs, ScaleShift hop) {
   for (int round = 0; round < kRounds; ++round) {
     const double limit = kTukey * 1.48 * medianOff(pairs, 1, hop) + 1e-9;
@@ -63,7 +64,7 @@ ScaleShift refined(const auto& pairs, ScaleShift hop) {
       xy += weight * pair.now * pair.before;
     }
     const double spread = w * xx - x * x;
-    // Where all is as deep only a shift can be told.
+    // At equal depths only a shift can be estimated.
     if (w <= 0) return hop;
     hop.scale = spread > 1e-6 * xx * w ? (w * xy - x * y) / spread : 1.0;
     hop.shift = (y - hop.scale * x) / w;
@@ -71,7 +72,7 @@ ScaleShift refined(const auto& pairs, ScaleShift hop) {
   return hop;
 }
 
-// The hop that most agree on (least median of squares, Rousseeuw 1984), then refined.
+// Least median of squares (Rousseeuw 1984), then refined.
 ScaleShift estimateShift(const auto& pairs) {
   const std::size_t step = pairs.size() / kJudges + 1;
   ScaleShift best;
@@ -88,7 +89,7 @@ ScaleShift estimateShift(const auto& pairs) {
   return refined(pairs, best);
 }
 
-// Every kEvery_px: brightness over the places, depth in their middle.
+// Samples the brightness as means of kEvery_px x kEvery_px, and the depth in their middle.
 cv::Mat sparseGray(const cv::Mat& gray) {
   cv::Mat out;
   cv::resize(gray, out, {gray.cols / kEvery_px, gray.rows / kEvery_px}, 0, 0, cv::INTER_AREA);
@@ -102,7 +103,7 @@ cv::Mat sparse(const cv::Mat& image) {
   return out;
 }
 
-// A change of exposure, as most places show it.
+// Estimates a change of exposure as the median gain of all samples.
 float estimateGain(const cv::Mat& now, const cv::Mat& before) {
   std::vector<float> gains;
   gains.reserve(now.total());
@@ -117,7 +118,7 @@ float estimateGain(const cv::Mat& now, const cv::Mat& before) {
 
 }  // namespace
 
-// Places of the background that look as they did: their depth now and as it was.
+// Returns the depths, now and before, of background samples with unchanged brightness.
 std::vector<DepthScaleAlignment::Pair> DepthScaleAlignment::restingPairs(const cv::Mat& depth,
                                                                          const cv::Mat& gray,
                                                                          const cv::Mat& objects) {
@@ -145,7 +146,7 @@ std::vector<DepthScaleAlignment::Pair> DepthScaleAlignment::restingPairs(const c
   return pairs;
 }
 
-// Whether the source hops: all that rests to and fro, or far at once.
+// Decides whether the source hops: all resting samples alternate, or jump far at once.
 void DepthScaleAlignment::judge(const std::vector<Pair>& pairs, const ScaleShift& hop) {
   std::vector<double> values;
   values.reserve(pairs.size());
@@ -159,7 +160,7 @@ void DepthScaleAlignment::judge(const std::vector<Pair>& pairs, const ScaleShift
   shown_ = shown_ || hops_ >= kEnoughHops || (hops && std::abs(by) > kLargeHop);
 }
 
-// What rests is averaged, what has changed begins anew.
+// Averages resting samples; restarts changed samples.
 void DepthScaleAlignment::remember(const cv::Mat& depth, const cv::Mat& gray,
                                    const ScaleShift& hop) {
   for (int v = 0; v < depth.rows; ++v) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Who estimates depth from single pictures finds its scale and shift anew in each: all of a scene
-// hops. What rests in the background tells by how much. Thread: the one that runs Vision.
+// Scale-and-shift alignment of monocular depth: an estimator that works on single pictures scales
+// and shifts each frame differently, so the whole scene hops.
+// Resting background samples measure the hop by least median of squares (Rousseeuw 1984) and
+// reweighted least squares with Tukey's biweight (Beaton and Tukey 1974). The hop is then undone.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,23 +13,24 @@
 
 namespace hapticast::server {
 
-/// The scale and shift that carry a frame's depth back to what it was: in 1/z of metric depth, in
-/// working depth of 8-bit levels.
+/// Scale and shift that map a frame's depth onto the depth before: of 1/z for metric depth, of
+/// working depth for 8-bit levels.
 struct ScaleShift {
   double scale = 1.0;
   double shift = 0.0;
   [[nodiscard]] bool none() const { return scale == 1.0 && shift == 0.0; }
 };
 
+/// Aligns the depth of successive frames of one scene.
 class DepthScaleAlignment {
  public:
   explicit DepthScaleAlignment(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
 
-  /// Working depth as it would be if its scale and shift had stayed; `depth` itself unless the
-  /// source has shown that it hops, or while the camera moves. `gray`: CV_8UC1. `objects`: 0 / 255,
-  /// what is no background; may be empty.
+  /// Returns working depth (CV_32FC1, mm) with the scale and shift of the frames before.
+  /// Returns `depth` itself before the source has shown hops, and while the camera moves. `gray`:
+  /// CV_8UC1. `objects`: CV_8UC1, 0/255, non-background, may be empty. All have one size.
   cv::Mat steady(const cv::Mat& depth, const cv::Mat& gray, const cv::Mat& objects);
-  /// Whether the source's depth hops.
+  /// Returns whether the source has shown hops.
   [[nodiscard]] bool shown() const { return shown_; }
 
  private:
@@ -44,12 +48,12 @@ class DepthScaleAlignment {
   bool inverse_;
   bool shown_ = false;
   bool camera_rests_ = false;
-  int hops_ = 0;         // to and fro
-  double last_hop_ = 0;  // of all that rests, share
+  int hops_ = 0;         // alternating
+  double last_hop_ = 0;  // of all resting samples, as a share of the depth
   int frame_ = 0;
-  cv::Mat depth_;  // CV_32FC1, every kEvery_px: what rests is as deep as this; 0: not known
-  cv::Mat gray_;   // CV_32FC1, likewise: as bright
-  cv::Mat age_;    // CV_32FC1, frames
+  cv::Mat depth_;  // CV_32FC1, every kEvery_px: mean depth of resting samples, mm; 0: not measured
+  cv::Mat gray_;   // CV_32FC1, every kEvery_px: mean brightness of resting samples
+  cv::Mat age_;    // CV_32FC1, frames at rest
 };
 
 }  // namespace hapticast::server

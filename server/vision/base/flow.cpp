@@ -14,14 +14,14 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kCorners = 120;             // chosen: a prototype's 90 and some to lose
+constexpr int kCorners = 120;             // chosen: a prototype's 90 and some spare ones
 constexpr int kFewestTracks = 5;          // chosen: two and a half times what a similarity needs
 constexpr int kFewestForRotation = 12;    // chosen: three times what a similarity needs
 constexpr int kWindow_px = 15;            // chosen, of Lucas-Kanade
 constexpr double kThereAndBack_px = 1.0;  // chosen, these three, with a prototype on real clips
 constexpr double kInlier_px = 2.0;
 constexpr std::size_t kRansacRounds = 500;
-// Chosen: what scales by more from one frame to the next has slipped.
+// Chosen: a larger change of scale between frames means that the tracks slipped.
 constexpr double kSmallestScale = 0.85;
 constexpr double kLargestScale = 1.18;
 
@@ -82,7 +82,7 @@ std::vector<cv::Point2f> findCorners(const cv::Mat& gray, const cv::Mat& mask) {
   }
   std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(picture, corners, kCorners, 0.01, 4.0 / double(scale), inner);
-  const float middle = 0.5F * (scale - 1.0F);  // of the pixels that became one
+  const float middle = 0.5F * (scale - 1.0F);  // centre of the pixels that were merged
   for (cv::Point2f& corner : corners) corner = scale * corner + cv::Point2f(middle, middle);
   return corners;
 }
@@ -139,7 +139,7 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
   const cv::Point2f guess(static_cast<float>(guess_px[0]), static_cast<float>(guess_px[1]));
   flow.tracks = trackPoints(last, now, corners, translate(corners, guess));
   if (2 * flow.tracks.from.size() < corners.size() && cv::norm(guess_px) > 1.0) {
-    // A bounce turns the guess into the wrong one.
+    // After a bounce the guess points in the wrong direction.
     const PointTracks still = trackPoints(last, now, corners, corners);
     if (still.from.size() > flow.tracks.from.size()) {
       flow.similarity = {1, 0, 0, 0, 1, 0};

@@ -10,7 +10,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr float kLargestDepth_mm = 1e5F;  // chosen: no depth camera sees 100 m
+constexpr float kLargestDepth_mm = 1e5F;  // chosen: beyond the reach of depth cameras
 
 cv::Mat workingDepth(const cv::Mat& depth, const SourceInfo& info) {
   cv::Mat out(depth.size(), CV_32FC1);

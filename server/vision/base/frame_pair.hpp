@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What all objects of a frame share, derived from it once: its working images beside those of the
-// frame before, the noise of its depth, whether it cuts to another scene or repeats the last frame.
-// Thread: the one that runs Vision.
+// Pairs each frame with the frame before it, and computes once the data that all objects share:
+// working images, depth noise, scene cut, identical repeat. Thread: the one that runs Vision.
 #pragma once
 
 #include "server/vision/base/depth_noise.hpp"
@@ -11,31 +10,32 @@
 
 namespace hapticast::server {
 
-/// A frame and the one before it.
+/// A frame, the frame before it, and the shared results of both.
 struct FramePair {
   FrameImages now;
-  FrameImages last;         ///< empty in the first frame of a scene
-  std::uint64_t index = 0;  ///< of `now` in the clip
-  double clip_time_s = 0.0;
-  double frame_s = 0.0;            ///< one over the clip's announced rate
-  double last_clip_time_s = -1.0;  ///< of `last`; below 0 in the first frame of a clip
-  bool has_key_masks = false;      ///< the author drew some frames of the clip
-  DepthNoise noise;                ///< of the scene's depth, measured in its first frame
+  FrameImages last;                ///< empty in the first frame of a scene
+  std::uint64_t index = 0;         ///< index of `now` in the clip
+  double clip_time_s = 0.0;        ///< of `now` in the clip, s
+  double frame_s = 0.0;            ///< one over the clip's announced rate, s
+  double last_clip_time_s = -1.0;  ///< of `last`, s; below 0 in the first frame of a clip
+  bool has_key_masks = false;      ///< the author drew key masks for some frames of the clip
+  DepthNoise noise;                ///< of the scene's depth, measured in the scene's first frame
   bool cut = false;                ///< `now` is the first frame of another scene
-  bool identical = false;          ///< `now` shows what `last` showed, and it matters
-  double interval_s = 0.0;         ///< between the two
+  bool identical = false;          ///< `now` equals `last`; false if the comparison is off
+  double interval_s = 0.0;         ///< between `last` and `now`, s
 };
 
-/// Takes the frames of a clip in and pairs each with the one before.
+/// Pairs the frames of one clip.
 class FramePairs {
  public:
-  /// `info` is copied. `compare`: whether frames that repeat the last one are to be told.
+  /// Copies `info`. `compare`: whether to detect frames that repeat the last frame.
   FramePairs(const SourceInfo& info, bool compare)
       : info_(info), compare_(compare), flicker_(info.depth_kind) {}
 
-  /// The next frame in order of time. Throws SourceError where it does not fit the announcement.
-  /// `objects`: where objects were, 0 / 255, size of the picture, or empty: what of the depth is
-  /// the background's, by which it is kept from flickering.
+  /// Adds the next frame in order of time and returns it with the frame before. `objects`: last
+  /// masks of the objects (CV_8UC1, 0/255, image size), or empty.
+  /// The pixels outside `objects` are the background that aligns the depth. Throws SourceError if
+  /// the frame does not match `info`.
   FramePair push(const RgbdFrame& frame, double time_s, const cv::Mat& objects = {});
   [[nodiscard]] const DepthNoise& noise() const { return pair_.noise; }
 
@@ -44,7 +44,7 @@ class FramePairs {
   bool compare_;
   SceneCuts cuts_;
   DepthScaleAlignment flicker_;
-  FrameImages raw_;  // the last frame as the source gave it
+  FrameImages raw_;  // last frame from the source, before alignment
   FramePair pair_;
   double time_s_ = 0.0;
 };

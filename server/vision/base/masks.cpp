@@ -8,9 +8,9 @@ namespace hapticast::server {
 
 namespace {
 
-// A disc is taken apart: a square and crosses one after the other make an octagon of this radius,
-// in a tenth of the time (measured). Large discs go by distance transform, which is linear whatever
-// the radius. Both limits were chosen where the next way becomes the faster one.
+// A disc is decomposed into a square and successive crosses, which form an octagon of this radius
+// in a tenth of the time (measured). Larger discs use a distance transform, whose time does not
+// depend on the radius. Chosen: each limit is where the next method becomes faster.
 constexpr int kLargestKernel_px = 2;
 constexpr int kLargestOctagon_px = 8;
 

@@ -11,11 +11,11 @@ namespace {
 // Chosen: a cut changes most of the picture in brightness and in depth (bad_input_test).
 constexpr int kCompared_px = 16;
 constexpr double kAlike = 0.3;         // correlation of brightness
-constexpr double kAlikeAlone = 0.1;    // where there is no depth to ask
-constexpr double kChanged_mm = 50.0;   // of depth, or its twentieth
+constexpr double kAlikeAlone = 0.1;    // limit for pictures without enough depth
+constexpr double kChanged_mm = 50.0;   // change of depth, mm, or a twentieth of the depth
 constexpr double kChangedShare = 0.3;  // of the cells that have depth in both frames
 constexpr double kFewestCells = 0.1;
-constexpr double kFlat = 3.0;  // levels: a picture without contrast is like any other
+constexpr double kFlat = 3.0;  // levels: a picture without contrast correlates with any other
 
 double correlation(const cv::Mat& a, const cv::Mat& b) {
   cv::Scalar mean_a, mean_b, spread_a, spread_b;
@@ -26,7 +26,7 @@ double correlation(const cv::Mat& a, const cv::Mat& b) {
   return together / (spread_a[0] * spread_b[0]);
 }
 
-// Share of the cells that are at another depth; < 0: too few to tell.
+// Returns the share of cells whose depth changed; below 0 if too few cells have depth.
 double changedDepth(const cv::Mat& a, const cv::Mat& b) {
   int both = 0;
   int changed = 0;

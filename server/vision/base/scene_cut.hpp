@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Where a clip cuts from one scene to another: nothing of what was known holds on.
+// Shot boundary detection: finds the frames at which a clip cuts to another scene, by correlation
+// of brightness and change of depth. State of the old scene is invalid after a cut.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,11 +10,12 @@
 
 namespace hapticast::server {
 
-/// Compares frames in order, at some 40 x 30 px. A cut is where neither brightness nor depth is
-/// like the last frame's: what moves, pans or gets brighter changes one of them, or both a little.
+/// Compares successive frames at 1/16 of their size. A cut is where both brightness and depth
+/// differ from the last frame. Motion, pans and changes of light change only one of them, or both a
+/// little.
 class SceneCuts {
  public:
-  /// Whether there is a cut just before this frame; never before the first.
+  /// Returns whether a cut lies directly before this frame; false for the first frame.
   bool next(const FrameImages& images);
 
  private:

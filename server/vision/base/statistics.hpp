@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Statistics that a few wild values cannot spoil. Thread: any.
+// Robust statistics: median, median absolute deviation (Rousseeuw and Croux 1993) and midmean,
+// which outliers hardly change. Thread: any.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +10,8 @@
 
 namespace hapticast::server {
 
-/// Median of `values`, the upper one of an even number; reorders them. 0 when there are none.
+/// Returns the median of `values`, the upper one of an even count; 0 for no values. Reorders
+/// `values`.
 template <class Value>
 double computeMedian(std::vector<Value>& values) {
   if (values.empty()) return 0.0;
@@ -18,15 +20,16 @@ double computeMedian(std::vector<Value>& values) {
   return static_cast<double>(*middle);
 }
 
-/// The standard deviation that normal noise of these absolute deviations has: 1.48 times their
-/// median (the MAD; 1 / 0.6745, Rousseeuw and Croux 1993). Reorders them. 0 when there are none.
+/// Returns the standard deviation of normal noise with these absolute deviations: 1.48 times their
+/// median (the MAD; 1 / 0.6745, Rousseeuw and Croux 1993). Reorders them. 0 for no values.
 template <class Value>
 double sigmaByMedian(std::vector<Value>& absolute_deviations) {
   return 1.48 * computeMedian(absolute_deviations);
 }
 
-/// The mean of the middle half of `values`: a quarter of them may be anything, and steps of rounded
-/// values, by which a median would jump, do not show. Reorders them. 0 when there are none.
+/// Returns the mean of the middle half of `values` (midmean); 0 for no values. Up to a quarter of
+/// the values at each end may be outliers. Unlike a median, it does not jump between rounded
+/// values. Reorders `values`.
 template <class Value>
 double middleMean(std::vector<Value>& values) {
   if (values.empty()) return 0.0;

@@ -11,8 +11,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kBesideObjects_px = 4;   // chosen, at half size: rims of objects are no background
-constexpr double kStanding_px = 0.03;  // measured of a camera at rest: a step of less is noise
+constexpr int kBesideObjects_px = 4;   // chosen, at half size: mixed pixels at the rims of objects
+constexpr double kStanding_px = 0.03;  // measured on a camera at rest: smaller steps are noise
 
 }  // namespace
 

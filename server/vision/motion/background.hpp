@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How far the background moves behind the objects, for those who feel a panning camera's motion
-// taken off. Thread: vision's.
+// Pan compensation: measures the motion of the background behind the objects by optical flow, so
+// that a panning camera's motion can be subtracted. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,18 +8,19 @@
 
 namespace hapticast::server {
 
-/// The background's own flow at half size: a pan is the same everywhere, and corners of half size
-/// are as good (measured: an acceleration that a pan puts off by 26 % is off by 2.3 % then).
+/// Background flow at half size. A pan is the same everywhere, and corners of half size are as
+/// exact. Measured: a pan distorts an acceleration by 26 % without compensation, by 2.3 % with it.
 class BackgroundMotion {
  public:
-  /// What stands before the background: a mask (0 / 255) and a place in it, px.
+  /// An object in front of the background: its mask (CV_8UC1, 0/255, image size) and a point in it,
+  /// px.
   struct Object {
     cv::Mat mask;
     cv::Point2d at_px;
   };
 
-  /// The next picture (CV_8UC1) with the objects as they were in the last one. Returns how far the
-  /// background has moved since then at each object's place, px; 0 where it stands or is not known.
+  /// Adds the next picture (CV_8UC1) with the objects of the last picture. Returns the motion of
+  /// the background since then at each object's point, px; 0 if it rests or was not measured.
   std::vector<cv::Vec2d> next(const cv::Mat& gray, const std::vector<Object>& objects);
 
  private:

@@ -12,29 +12,29 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::size_t kFewest = 8;          // samples: of a shorter track the window is as good
-constexpr double kSameOne_mm = 0.25;        // chosen: poses of one frame in two runs are the same
+constexpr std::size_t kFewest = 8;          // samples: a shorter track uses the window
+constexpr double kSameOne_mm = 0.25;        // chosen: tolerance for poses of one frame in two runs
 constexpr double kAlways_s = 1e9;           // longer than any clip
-constexpr double kLeastSquare_mm2 = 1e-12;  // what rounding leaves
-// log10 of process over measurement noise, time in frames. Chosen: from a polynomial to every
-// wiggle.
+constexpr double kLeastSquare_mm2 = 1e-12;  // residue of rounding
+// log10 of process noise over measurement noise, time in frames. Chosen: from a plain polynomial to
+// a curve through every sample.
 constexpr double kSmoothest = -9.0;
 constexpr double kRoughest = 4.0;
-constexpr double kRatioStep = 0.25;  // chosen: the likelihood is flat over so much
+constexpr double kRatioStep = 0.25;  // chosen: the likelihood is flat over this step
 
-constexpr double kUnknown =
-    1e10;                      // chosen: variance of a first state, and of what an impact changes,
-constexpr double kKick = 1e8;  // in those of a measurement
+// Chosen: variances in units of a measurement's variance.
+constexpr double kUnknown = 1e10;  // of the first state
+constexpr double kKick = 1e8;      // of the velocity's change at an impact
 
 constexpr int kStates = 5;  // p, v, a, jerk, snap in mm and frames
 using State = Eigen::Matrix<double, kStates, 1>;
 using Square = Eigen::Matrix<double, kStates, kStates>;
 
-/// From one sample to the next.
+/// The way from one sample to the next.
 struct Interval {
   Square transition = Square::Identity();
   Square noise = Square::Zero();  ///< covariance, per unit of process noise
-  Square kick = Square::Zero();   ///< covariance of an impact on the way
+  Square kick = Square::Zero();   ///< covariance of an impact within the interval
 };
 
 Square transitionOver(double frames) {
@@ -49,7 +49,7 @@ Square transitionOver(double frames) {
   return out;
 }
 
-// The integral of F g gᵀ Fᵀ for white noise on the derivative of the last state.
+// Returns the integral of F g gᵀ Fᵀ for white noise on the derivative of the last state.
 Square noiseOver(double frames) {
   Square out;
   constexpr double kFactorial[] = {1, 1, 2, 6, 24};
@@ -65,20 +65,20 @@ Square noiseOver(double frames) {
 
 /// One coordinate of a track.
 struct Series {
-  std::vector<double> value;   // about the first
+  std::vector<double> value;   // relative to the first
   std::vector<bool> measured;  // same length
 };
 
-/// What the filter leaves behind of a sample.
+/// Result of the forward filter for one sample.
 struct Filtered {
   State state;        // predicted
-  Square covariance;  // of it
-  Square carry;       // of an error in it to the next sample
+  Square covariance;  // of the state
+  Square carry;       // transition of an error in the state to the next sample
   double surprise = 0.0;
   double variance = 1.0;
 };
 
-// What the filter makes of a series, and how likely that is.
+// Result of the forward filter for a series, with its log likelihood.
 struct Forward {
   std::vector<Filtered> filtered;
   double log_likelihood = 0.0;
@@ -101,7 +101,7 @@ Forward filtered(double ratio, const Series& series, const std::vector<Interval>
     if (series.measured[i]) {
       now.surprise = series.value[i] - state[0];
       gain = covariance.col(0) / now.variance;
-      // The first measurements only tell where it is.
+      // The first measurements only determine the initial state.
       if (++measurements > kStates) {
         log_variances += std::log(now.variance);
         squares += now.surprise * now.surprise / now.variance;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Motion of a recorded clip, from all of it: what was looked through once may be smoothed with the
-// whole clip as the window (fixed-interval smoothing). Thread: vision's.
+// Fixed-interval smoothing: Kalman filter and Rauch-Tung-Striebel smoother over the whole track of
+// a recorded clip, whose window is the clip itself. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -13,40 +13,43 @@
 
 namespace hapticast::server {
 
-/// Motion at every sample of a track: per coordinate the states {p, v, a, jerk, snap} that are
-/// likeliest for white noise on the derivative of snap and on the measurements (what a Kalman
-/// filter and Rauch-Tung-Striebel smoother find, in de Jong's form of it); the ratio of the two
-/// noises is the likeliest for this track. At an impact the velocity is set free. What stands still
-/// over a window of `lookahead` samples on either side comes out as exactly that. `samples` in
-/// order of time. Only position, velocity, acceleration (against the background) and angles are
-/// set.
+/// Returns the motion at every sample of a track. The states of each coordinate are {p, v, a, jerk,
+/// snap}; white noise drives the derivative of snap and disturbs the measurements.
+/// Kalman filter and Rauch-Tung-Striebel smoother, in de Jong's (1989) form, yield the likeliest
+/// states. A search finds the likeliest ratio of the two noises for this track.
+/// An impact resets the variance of the velocity. Samples at rest over `lookahead` samples on
+/// either side have exactly zero motion.
+/// `samples`: in order of time. Sets position, velocity, acceleration (relative to the background)
+/// and angles only.
 std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
                                   const std::vector<Impact>& impacts, int lookahead);
 
-/// What a scan of the clip saw of each object (by id), and its motion from all of that.
+/// Motion of a clip's objects, by id, from all frames of its scan.
 class ClipMotion {
+  /// Motion of an object at one frame.
  public:
   struct Moment {
     Motion motion;
-    Vec3 measured_mm = Vec3::Zero();  ///< the pose that went into it
-    double time_s = 0.0;              ///< in the clip
+    Vec3 measured_mm = Vec3::Zero();  ///< pose that was smoothed
+    double time_s = 0.0;              ///< in the clip, s
   };
 
-  /// Where an object was in one frame of the clip, in order. `well`: it was seen and followed well
-  /// enough to tell its motion.
+  /// Adds the pose of an object in one frame of the clip; frames in order. `well`: seen and tracked
+  /// well enough to measure motion.
   void add(std::uint32_t id, std::uint64_t frame, double time_s, const ObjectPose& pose, bool well);
-  /// When all have been added. `ended`: that was all of the clip; else the last `lookahead` frames
-  /// stay unknown, because what follows them would tell more.
+  /// Smooths all tracks; call once after the last add(). `ended`: the clip ended there; else the
+  /// last `lookahead` frames have no result, because later frames would change it.
   void smooth(const NominalFrame& nominal, int lookahead, bool ended);
 
-  /// Null where the scan did not see the object well, or saw it elsewhere (0.25 mm and more from
-  /// `measured_mm`): then it was not this one.
+  /// Returns the motion of `object` at `frame` of the clip. Null if the scan did not track it well,
+  /// or saw it 0.25 mm or more from `measured_mm`: then it was another object.
   [[nodiscard]] const Moment* at(std::uint32_t object, std::uint64_t frame,
                                  const Vec3& measured_mm) const;
-  /// Impacts at most `reach_s` before or after `time_s` in the clip, oldest first.
+  /// Returns the impacts at most `reach_s` before or after `time_s` in the clip, oldest first.
   [[nodiscard]] std::vector<Impact> impactsAround(std::uint32_t object, double time_s,
                                                   double reach_s) const;
-  /// Sizes of the accelerations where it was seen well, more than `reach_s` from an impact.
+  /// Returns the magnitudes of well tracked accelerations, mm/s², more than `reach_s` from an
+  /// impact.
   [[nodiscard]] std::vector<double> accelerations_mm_s2(double reach_s) const;
 
  private:

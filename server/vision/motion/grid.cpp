@@ -13,14 +13,14 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSampleStep_px = 8;     // chosen: four points a cell
-constexpr int kWindowMargin_px = 16;  // chosen: of the windows that points are followed with
+constexpr int kSampleStep_px = 8;     // chosen: four points for each cell
+constexpr int kWindowMargin_px = 16;  // chosen: margin for the tracking windows
 
 struct Cell {
   std::array<std::vector<double>, 3> steps;
 };
 
-// The places of `mask` that are followed.
+// Returns the points of `mask` to track.
 std::vector<cv::Point> latticeOver(const cv::Mat& mask) {
   std::vector<cv::Point> out;
   for (int v = kSampleStep_px / 2; v < mask.rows; v += kSampleStep_px) {
@@ -31,7 +31,7 @@ std::vector<cv::Point> latticeOver(const cv::Mat& mask) {
   return out;
 }
 
-// The cell that holds a pixel of the box.
+// Returns the index of the cell that contains a pixel of the box.
 std::size_t cellIndex(const cv::Point& in_box, const CellFlow& flow) {
   return static_cast<std::size_t>(in_box.y / kGridCell_px * flow.columns + in_box.x / kGridCell_px);
 }
@@ -53,7 +53,7 @@ void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& las
   }
 }
 
-// Depth differences at the same pixel: the thesis's z-only case has no motion in the plane.
+// Depth differences at one pixel: the thesis's z-only case ignores motion in the plane.
 void addDepths(const Surface& before, const Surface& now, const CellFlow& flow,
                std::vector<Cell>& cells) {
   const cv::Rect common = before.box & now.box;
@@ -77,7 +77,7 @@ CellFlow cellsOver(const cv::Rect& box) {
   return out;
 }
 
-// A cell without a measurement gets 0 where that is what is `known` of it, else the median of all.
+// A cell without a measurement is 0 if `known` (no residual), else the median of all cells.
 cv::Mat computeMedians(std::vector<Cell>& cells, const CellFlow& size, bool known) {
   std::array<cv::Mat, 3> axes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -105,7 +105,7 @@ cv::Vec3f sampled(const CellFlow& flow, double x, double y) {
   return flow.step.at<cv::Vec3f>(row, column);
 }
 
-// Mean velocity, per second, over flows first .. last at a place in the box.
+// Returns the mean velocity, per second, over flows first .. last at a place (0..1) in the box.
 cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t first,
                        std::size_t last, double x, double y) {
   cv::Vec3d sum(0, 0, 0);
@@ -123,7 +123,7 @@ cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t fi
 CellFlow CellFlow::atRest() const {
   CellFlow out = *this;
   if (step.empty()) return out;
-  // An expression assigned to a Mat of the same size is written into it, so this is a new one.
+  // Assigning an expression to a Mat of equal size would write into shared data; hence a new Mat.
   const cv::Mat none = cv::Mat::zeros(step.size(), step.type());
   out.step = none;
   return out;

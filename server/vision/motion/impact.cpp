@@ -13,22 +13,22 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::size_t kRemembered = 50;  // chosen: two seconds of frames tell what is usual
-constexpr double kAboveUsual = 6.0;  // of the median jump; measured: nothing false on smooth clips
-constexpr double kSmallest_mm_s = 60.0;  // chosen: of less no pulse is felt
-// The rest was set with bounces at any instant between frames, with and without noise
-// (impact_test).
-constexpr double kBend = 0.3;    // change of acceleration over a frame, of the jump
-constexpr double kMiss = 0.2;    // what the parabolas miss each other by, of the jump over a frame
-constexpr double kBeside = 0.1;  // frames an impact may lie outside its interval, by noise
-constexpr double kLate = 0.85;   // from here on the next interval may know better
-constexpr double kUneven = 2.5;  // longest over shortest interval that parabolas are laid through
+constexpr std::size_t kRemembered = 50;  // chosen: two seconds of frames show the usual jump
+// Of the median jump; measured: no false impacts on smooth clips.
+constexpr double kAboveUsual = 6.0;
+constexpr double kSmallest_mm_s = 60.0;  // chosen: a weaker pulse is not perceptible
+// Tuned with bounces at any instant between frames, with and without noise (impact_test).
+constexpr double kBend = 0.3;    // change of acceleration over a frame, relative to the jump
+constexpr double kMiss = 0.2;    // gap between the parabolas, relative to the jump over a frame
+constexpr double kBeside = 0.1;  // frames that noise may shift an impact beyond its interval
+constexpr double kLate = 0.85;   // from this place on, the next interval may be the true one
+constexpr double kUneven = 2.5;  // longest over shortest interval that a parabola may span
 
-struct Parabola {  // of the time since some instant
+struct Parabola {  // polynomial of the time since an instant
   Vec3 c0, c1, c2;
 };
 
-// Through three samples: Newton's divided differences.
+// Interpolates three samples by Newton's divided differences.
 Parabola through(const Sample* s, double from_s) {
   const std::array<double, 3> t{s[0].time_s - from_s, s[1].time_s - from_s, s[2].time_s - from_s};
   const std::array<Vec3, 3> p{s[0].panCompensated_mm(), s[1].panCompensated_mm(),
@@ -38,7 +38,7 @@ Parabola through(const Sample* s, double from_s) {
   return {p[0] - first * t[0] + second * (t[0] * t[1]), first - second * (t[0] + t[1]), second};
 }
 
-// The root of a + b t + c t² nearest to `near`; nullopt without one.
+// Returns the root of a + b t + c t² nearest to `near`; nullopt if there is none.
 std::optional<double> rootNear(double a, double b, double c, double near) {
   const double square = b * b - 4 * a * c;
   if (square < 0) return std::nullopt;
@@ -85,7 +85,7 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
       rootNear(along.dot(off.c0), along.dot(off.c1), along.dot(off.c2), 0.5 * step_s);
   if (!meet_s) return out;
   out.place = *meet_s / step_s;
-  // Strictly between the two frames: there the viewer's interpolation looks for it.
+  // Strictly between the two frames, where the client's interpolation searches for it.
   const double inside_s = std::clamp(out.place, 1e-3, 1 - 1e-3) * step_s;
   out.time_s = from_s + inside_s;
   out.delta_mm_s = off.c1 + 2 * off.c2 * inside_s;
@@ -107,10 +107,9 @@ void ImpactFinder::accept(const Jump& jump) {
   if (found_.size() > kMaxImpacts) found_.pop_front();
 }
 
-// A bounce shows in the intervals beside its own too, with parabolas that run across it: they bend
-// and meet just at the frame between. So one that lies late in its interval waits for the next
-// one's word, the straighter of the two is taken, and what comes right after an impact is the same
-// again.
+// A bounce also disturbs the neighbour intervals: their parabolas cross it, bend, and meet at the
+// frame between. So an impact late in its interval waits for the next interval. The straighter of
+// the two wins, and an impact right after another one is a duplicate.
 void ImpactFinder::test(const std::vector<Sample>& samples, std::size_t at) {
   const std::optional<Jump> jump = jumpAfter(samples, at);
   const std::optional<Jump> waiting = std::exchange(waiting_, std::nullopt);

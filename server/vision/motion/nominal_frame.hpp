@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From poses in the picture to nominal units. Thread: any; values.
+// Conversion of poses in the picture to nominal units. Thread: any.
 #pragma once
 
 #include "common/geometry.hpp"
@@ -9,13 +9,14 @@
 
 namespace hapticast::server {
 
-/// The workspace that is announced and the range of working depth that becomes its heights.
+/// The announced workspace, and the range of working depth that becomes its heights.
 struct NominalFrame {
   Workspace workspace;
   DepthRange range;
 
+  /// Converts `pose` to nominal mm. `time_s`: time of its frame.
   [[nodiscard]] Sample sample(const ObjectPose& pose, double time_s) const;
-  /// Nominal mm per px right, px down and mm of working depth.
+  /// Returns nominal mm per px right, px down and mm of working depth.
   [[nodiscard]] Vec3 mmPerStep() const;
 };
 

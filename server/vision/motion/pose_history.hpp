@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What was measured of all objects over the frames around the one that is described. Thread:
-// vision's.
+// History of all objects' poses and cells over the frames around the described frame. Thread: the
+// one that runs Vision.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,17 @@
 
 namespace hapticast::server {
 
-/// The poses of an object over the frames around one, in order of time.
+/// Poses of an object over the frames around one frame, in order of time.
 struct MotionWindow {
   std::vector<Sample> samples;
-  std::optional<std::size_t> at;  ///< of that frame; nullopt: it was lost there
+  std::optional<std::size_t> at;  ///< index of that frame; nullopt: the object was lost there
   ReferencePoint point = ReferencePoint::kVisibleCentroid;  ///< in that frame
 };
 
+/// Poses and cells of all objects, by object id.
 class MotionHistory {
  public:
+  /// One object in one frame.
   struct Entry {
     std::uint64_t frame = 0;
     double time_s = 0.0;
@@ -32,27 +34,29 @@ class MotionHistory {
     CellFlow cells;
   };
 
-  /// Frames come in order; an object has no entry in a frame that it is lost in.
+  /// Adds an entry; frames in order. A lost object has no entry in that frame.
   void add(std::uint32_t id, Entry entry) { entries_[id].push_back(std::move(entry)); }
-  /// Forgets what no window of a frame from this one on reaches; an object's last entry stays for
-  /// `keep_lost` frames, because a lost object rests there.
+  /// Drops entries that no window of `frame` or a later frame reaches. The last entry of a lost
+  /// object stays for `keep_lost` frames, because the object rests there.
   void dropBefore(std::uint64_t frame, std::uint64_t keep_lost);
 
+  /// Returns the samples of object `id` at most `lookahead` frames away from `frame`, in nominal
+  /// mm.
   [[nodiscard]] MotionWindow window(std::uint32_t id, std::uint64_t frame, int lookahead,
                                     const NominalFrame& nominal) const;
-  /// Motion of object `id` at the frame that `around` is the window of. Without an entry there
-  /// (lost) it rests at its last known pose.
+  /// Returns the motion of object `id` at the frame of the window `around`. Without an entry there
+  /// (lost object) it rests at its last pose.
   [[nodiscard]] Motion motion(std::uint32_t id, const MotionWindow& around, int lookahead,
                               const NominalFrame& nominal) const;
-  /// Whether cells were measured in all frames of the window around one.
+  /// Returns whether all frames of the window around `frame` have measured cells.
   [[nodiscard]] bool hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const;
-  /// The grid of that frame; null where no cells were measured.
+  /// Returns the grid of `frame`; null if no cells were measured.
   [[nodiscard]] std::shared_ptr<const MotionGrid> grid(std::uint32_t id, std::uint64_t frame,
                                                        int lookahead,
                                                        const NominalFrame& nominal) const;
 
  private:
-  /// Entries at most `lookahead` frames away from one, in order.
+  /// Returns the entries at most `lookahead` frames away from `frame`, in order.
   [[nodiscard]] std::vector<const Entry*> around(std::uint32_t id, std::uint64_t frame,
                                                  int lookahead) const;
 

@@ -14,23 +14,24 @@ namespace hapticast::server {
 
 namespace {
 
-// Of the way from the carried point to where outline and depth say it is, a frame. Tuned on scenes
-// with exact truth (evaluate: motion): more lets the outline's noise in, less leaves drift.
+// Share of the way from the predicted point to the point of outline and depth, for each frame.
+// Tuned on scenes with exact truth (evaluate: motion): a larger share adds noise of the outline, a
+// smaller one leaves drift.
 constexpr double kPull = 0.035;
-constexpr double kSpherePull = 0.03;  // likewise; a sphere's centre is known well
-// The strongest pull in a frame, px and share of the motion: an outline that changes is no motion,
-// but a centre that is off its true place has an error that grows with the motion. Tuned likewise.
+constexpr double kSpherePull = 0.03;  // tuned likewise; a sphere's centre is exact
+// Limit of the pull in a frame, px and share of the motion. A changing outline is no motion, but
+// the error of a wrong centre grows with the motion. Tuned likewise.
 constexpr double kStrongestPull_px = 0.1;
 constexpr double kStrongestShare = 0.07;
-// Measured: below these a step is what alignment reads of a scene at rest, and is not followed.
+// Measured: alignment errors of a scene at rest; smaller steps count as none.
 constexpr double kStill_px = 0.03;
 constexpr double kStill_rad = 0.0015;
 constexpr double kStill_mm = 0.05;
 constexpr double kTrimFloor_mm = 3.0;   // at least an 8-bit level: MAD is 0 on whole numbers
-constexpr double kInnerMask = 0.15;     // chosen: of the largest distance to the rim
-constexpr double kWhole = 0.93;         // visible fraction below which the outline misleads; chosen
-constexpr double kVisibleEnough = 0.5;  // measured: with less the alignment is off by 4 to 15 px
-constexpr std::size_t kFewestInCommon = 20;  // chosen, pixels of two surfaces
+constexpr double kInnerMask = 0.15;     // chosen: share of the largest distance to the rim
+constexpr double kWhole = 0.93;         // chosen: visible fraction below which the outline misleads
+constexpr double kVisibleEnough = 0.5;  // measured: with less, alignment errs by 4 to 15 px
+constexpr std::size_t kFewestInCommon = 20;  // chosen, common pixels of two surfaces
 const cv::Point2d kHalfPixel(0.5, 0.5);      // from centres at whole numbers to centres at +0.5
 
 double trimmedMean(std::vector<double>& values, double floor_mm) {
@@ -49,13 +50,13 @@ double trimmedMean(std::vector<double>& values, double floor_mm) {
   return count > 0 ? sum / count : median;
 }
 
-// Means over large objects are as good from every second pixel and row.
+// Means over large objects are as exact from every second pixel and row.
 int latticeStep(const cv::Size& size) { return size.area() > kDense_px ? 2 : 1; }
 
-// Neither of the thesis's special cases alone.
+// Returns whether the mode is neither of the thesis's special cases.
 bool bothWays(MotionMode mode) { return mode == MotionMode::kAuto || mode == MotionMode::kRgbd; }
 
-// Mean working depth of the inner mask: its rim is the sensor's worst.
+// Returns the mean working depth of the inner mask; the rim has the sensor's largest errors.
 double depthOf_mm(const Surface& surface) {
   cv::Mat mask = surface.mask;
   cv::Mat depth = surface.depth;
@@ -204,7 +205,7 @@ void PoseTracker::advanceInDepth(const Observation& seen, bool trusted) {
         depthDifference_mm(fresh_, seen.surface, carry, kTrimFloor_mm).value_or(0.0);
     if (std::abs(step) >= kStill_mm) {
       pose_.depth_mm += step;
-      // Of an aligned body the middle is followed, not what is seen of it.
+      // An aligned body follows its centre, not its visible surface.
       if (trusted && !settings_.rigid)
         pose_.depth_mm += kPull * (depthOf_mm(seen.surface) - pose_.depth_mm);
     }
@@ -216,7 +217,7 @@ void PoseTracker::advanceInDepth(const Observation& seen, bool trusted) {
 ObjectPose PoseTracker::advance(const Observation& seen) {
   pose_.depth_seen = pose_.seen = pose_.confident = true;
   aligned_ = false;
-  // What is compared with stays, too: what has crept on at rest is caught up with afterwards.
+  // The references stay too, so that a slow drift at rest is corrected afterwards.
   if (settings_.mode == MotionMode::kNone || seen.at_rest) {
     step_ = last_step_ = {};
     return pose_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Where an object is: a body-fixed reference point followed from frame to frame, by rigid alignment
-// of colour and depth, or by the thesis's two special cases: Lucas-Kanade in x-y, depth differences
-// in z. README.md of server/vision compares them.
+// Pose tracking: follows a body-fixed reference point from frame to frame by rigid alignment of
+// colour and depth (direct RGB-D alignment).
+// The thesis's special cases are available too: Lucas-Kanade in x-y, depth differences in z.
+// README.md of server/vision compares them. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -15,47 +16,49 @@
 
 namespace hapticast::server {
 
-/// What is new of one object in a frame.
+/// Observation of one object in a frame.
 struct Observation {
-  const ObjectFlow& flow;  ///< from the last frame
-  const cv::Mat& gray;     ///< of the whole picture, CV_8UC1
-  const Surface& surface;
-  bool repeated = false;          ///< its depth is the last frame's, its colour is not
-  bool at_rest = false;           ///< all of the surface is held: the pose stays exactly as it is
+  const ObjectFlow& flow;         ///< from the last frame
+  const cv::Mat& gray;            ///< whole picture, CV_8UC1
+  const Surface& surface;         ///< of the object in this frame
+  bool repeated = false;          ///< the depth repeats the last frame, the colour does not
+  bool at_rest = false;           ///< all of the surface is held: the pose remains exactly the same
   double visible_fraction = 1.0;  ///< of the whole object, 0..1
 };
 
-/// What stays the same over a track.
+/// Settings of a whole track.
 struct PoseSettings {
   MotionMode mode = MotionMode::kAuto;
-  bool rigid = true;         ///< auto and rgbd align; the thesis's method never does
-  bool exact_masks = false;  ///< the source's own
+  bool rigid = true;         ///< auto and rgbd align; the thesis's method does not
+  bool exact_masks = false;  ///< the source's own masks
   CameraModel camera;
-  cv::Size picture;
+  cv::Size picture;  ///< size of the picture, px
 };
 
-/// Follows one object. `rgbd` (and auto): a point in the middle of the body, carried by the rigid
-/// alignment and pulled slowly (3.5 % a frame) to where outline and depth say it is. Where that
-/// fails, and with `lk` and `depth`: carried by the robust flow and pulled to the mask's centroid
-/// (auto, with the source's own exact masks: the centroid itself), in depth by the mean difference
-/// over the carried, eroded mask.
+/// Pose of one object. In modes `auto` and `rgbd` the rigid alignment moves a point in the middle
+/// of the body. Outline and depth pull this point slowly (3.5 % a frame) to their centre.
+/// If alignment fails, and in modes `lk` and `depth`, the robust flow moves the point and the
+/// mask's centroid pulls it. In mode `auto` with exact masks the point follows the centroid itself.
+/// Depth then changes by the mean difference over the warped, eroded mask.
 class PoseTracker {
  public:
+  /// Starts at the surface `first`. `gray`: the whole picture, CV_8UC1.
   PoseTracker(const PoseSettings& settings, const cv::Mat& gray, const Surface& first);
 
-  /// Where the object went since the last frame, before its mask in this one is known; nullopt: not
-  /// found. To be called at most once before advance().
+  /// Aligns the object's template with this frame, whose mask is unknown yet. Returns its flow;
+  /// nullopt if not found. Call at most once before advance().
   std::optional<ObjectFlow> find(const FrameImages& images);
-  /// The pose in the next frame.
+  /// Adds the next frame and returns its pose.
   ObjectPose advance(const Observation& seen);
   [[nodiscard]] const ObjectPose& pose() const { return pose_; }
-  /// Whether the last advance() was a rigid alignment; then where it says that a point of the last
-  /// frame's surface went: px, px (centres at whole numbers) and mm.
+  /// Returns whether the last advance() was a rigid alignment.
   [[nodiscard]] bool aligned() const { return aligned_; }
+  /// Returns the displacement of a point of the last frame's surface by that alignment: px, px and
+  /// mm. `at_px`: centres at whole numbers.
   [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
 
  private:
-  struct Shape {  // of one frame
+  struct Shape {  // outline in one frame
     cv::Point2d centroid;
     double area_px = 0.0;
     bool entire = false;  // does not touch the picture's border
@@ -66,23 +69,23 @@ class PoseTracker {
   void advanceRigidly(const Observation& seen, bool trusted);
   void advanceInPlane(const Observation& seen, const Shape& now, bool trusted);
   void advanceInDepth(const Observation& seen, bool trusted);
-  /// Makes the template that the next frame is searched for.
+  /// Makes the template for the search in the next frame.
   void remember(const cv::Mat& gray, const Surface& surface);
 
   PoseSettings settings_;
   ObjectPose pose_;
   Shape last_;
-  Surface fresh_;                                 // the last one whose depth was no repeat
-  cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // its px -> the last frame's
+  Surface fresh_;                                 // last surface whose depth was no repeat
+  cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // maps its px to the last frame's px
   RigidTemplate template_;                        // the object in the last frame
-  RigidStep step_;                                // from that one to this, since find()
+  RigidStep step_;                                // from the template to this frame, since find()
   RigidStep last_step_;
   bool aligned_ = false;
-  Vec3 aligned_about_mm_ = Vec3::Zero();  // the pivot of last_step_
+  Vec3 aligned_about_mm_ = Vec3::Zero();  // pivot of last_step_
 };
 
-/// Mean of now - before over the carried, eroded overlap of two surfaces, trimmed at 3 MAD (at
-/// least `floor_mm`); nullopt with fewer than 20 pixels in common.
+/// Returns the mean of now - before, mm, over the warped, eroded overlap of two surfaces. Values
+/// beyond 3 MAD (at least `floor_mm`) do not count. nullopt with fewer than 20 common pixels.
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
                                          const cv::Matx23d& similarity, double floor_mm);
 

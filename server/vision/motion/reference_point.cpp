@@ -17,18 +17,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The gate of the sphere. Measured on a ball and a tumbling ellipsoid, which it tells apart with
-// room to spare: residuals of 0.002 to 0.007 against 0.06.
-constexpr double kRoundest = 0.93;        // shorter over longer axis of the outline, at least
+// Gate of the sphere model. Measured on a ball and a tumbling ellipsoid: residuals of 0.002 to
+// 0.007 against 0.06.
+constexpr double kRoundest = 0.93;        // shorter over longer axis of the outline, lower limit
 constexpr double kFitResidual = 0.03;     // of the radius
-constexpr double kRadiusAgrees = 0.08;    // fitted against that of the outline
-constexpr std::size_t kFitPoints = 1000;  // chosen: more cost time and change nothing
+constexpr double kRadiusAgrees = 0.08;    // fitted radius against the outline's radius
+constexpr std::size_t kFitPoints = 1000;  // chosen: more points change nothing
 constexpr std::size_t kFewestForSphere = 40;
 constexpr std::size_t kFewestSurfacePoints = 8;
 constexpr double kInnerMargin = 0.12;   // chosen, of the outline's radius
-constexpr double kDomeResidual = 0.03;  // of an ellipsoid's depth; chosen as the sphere's
-// Chosen, of what is neither ball nor ellipsoid: from the mean depth to the centre,
-// against the spread (5 to 95 %) of the depths. A box has 0.6 edge on, 1.1 corner on.
+constexpr double kDomeResidual = 0.03;  // of an ellipsoid's depth; chosen equal to the sphere's
+// Chosen, for bodies that are neither ball nor ellipsoid: distance from the mean depth to the
+// centre, relative to the spread (5 to 95 %) of the depths. A box has 0.6 edge on, 1.1 corner on.
 constexpr double kBehindPerSpread = 0.89;
 
 struct Outline {
@@ -55,12 +55,12 @@ Outline traceOutline(const Surface& surface) {
   return out;
 }
 
-// The inner part of the surface: its rim is the sensor's worst.
+// Returns the inner points of the surface; the rim has the sensor's largest errors.
 std::vector<Vector3d> innerPoints(const Surface& surface, const CameraModel& camera,
                                   double radius_px) {
   const int margin = std::clamp(static_cast<int>(kInnerMargin * radius_px), 1, 12);
   const cv::Mat inner = erodedBy(surface.mask, margin) & (surface.depth > 0);
-  cv::Mat smooth;  // a sensor's noise is no sign of another shape
+  cv::Mat smooth;  // a sensor's noise must not resemble another shape
   const int window = 2 * (2 * margin / 3) + 1;
   cv::blur(surface.depth, smooth, {window, window});
   const double count = cv::countNonZero(inner);
@@ -76,7 +76,7 @@ std::vector<Vector3d> innerPoints(const Surface& surface, const CameraModel& cam
   return out;
 }
 
-// |X|² = 2 X.C + k, least squares; then how far the points are off it.
+// Fits |X|² = 2 X.C + k by least squares; the residual is the rms distance to the sphere.
 struct SphereFit {
   Vector3d centre;
   double radius_mm = 0;
@@ -104,11 +104,12 @@ SphereFit fitSphere(const std::vector<Vector3d>& points) {
   return out;
 }
 
-// Of an ellipsoid, however it is turned. It touches the cone over its outline M, X.MX = 0, along a
-// plane m.X = w, so that X.MX + (m.X - w)² = 0 on it: the inverse depth is linear in the picture
-// and in a dome over the outline, 1 / z = p.(x, y, 1) + d sqrt(1 - x.shape.x). The centre solves
-// (d² M + p p^T) C = p. nullopt where that does not fit. x: from the outline's middle, in its
-// radii.
+// Returns the centre of an ellipsoid in any orientation; nullopt if the fit is poor. The ellipsoid
+// touches the cone over its outline M, X.MX = 0, along a plane m.X = w, so X.MX + (m.X - w)² = 0 on
+// it.
+// Hence the inverse depth is linear in the picture and in a dome over the outline, 1 / z = p.(x, y,
+// 1) + d sqrt(1 - x.shape.x). The centre solves (d² M + p p^T) C = p.
+// x: position relative to the outline's centroid, in radii of the outline.
 std::optional<Vector3d> ellipsoidCentre_mm(const std::vector<Vector3d>& points,
                                            const Outline& outline, const CameraModel& camera) {
   const Eigen::Matrix2d shape = outline.shape * outline.radius_px * outline.radius_px;

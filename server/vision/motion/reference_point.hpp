@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Where the middle of a body is, from what is seen of its surface: the point that its motion is
-// told of, because the visible surface of a body that turns or nears moves otherwise than the body
-// does. Thread: any.
+// Reference point: estimates the centre of a body from its visible surface by a sphere fit, an
+// ellipsoid fit or a heuristic.
+// Motion refers to this centre, because the visible surface of a turning or approaching body moves
+// differently from the body. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +12,18 @@
 
 namespace hapticast::server {
 
+/// Estimated centre of a body.
 struct BodyCentre {
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();  ///< camera frame
-  bool sphere = false;  ///< the centre of a sphere that fits; else of an ellipsoid or blob
+  bool sphere = false;  ///< centre of a fitted sphere; false: of an ellipsoid or another body
 };
 
-/// A sphere only where outline, fit and radius all say so; else the centre of the ellipsoid that
-/// fits outline and depths, or the outline's centroid as far behind the visible surface as its
-/// depth range tells (a flat thing: on it). `surface.depth` in mm; without any depth in it the
-/// position is 0.
+/// Returns the centre of the body behind `surface` (depth in mm); position 0 if it has too little
+/// depth.
+/// A sphere needs a round outline, a good fit and a matching radius. Otherwise it is the centre of
+/// the ellipsoid that fits outline and depths.
+/// If that fit fails too, it is the outline's centroid, set behind the mean depth in proportion to
+/// the spread of the depths (0 for a flat object).
 BodyCentre computeCentre(const Surface& surface, const CameraModel& camera);
 
 }  // namespace hapticast::server

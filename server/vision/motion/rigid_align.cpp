@@ -16,22 +16,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kFinestSide_px = 220;   // chosen for time: larger objects are aligned in fewer pixels
-constexpr int kCoarsestSide_px = 24;  // chosen: the search by places costs its fourth power
-constexpr std::size_t kTemplatePoints = 1500;  // chosen: prototypes took 1000 to 2500
-constexpr std::size_t kFewestPoints = 40;  // chosen, these three: a fit of so few is no measurement
+constexpr int kFinestSide_px = 220;   // chosen for time: larger objects use fewer pixels
+constexpr int kCoarsestSide_px = 24;  // chosen: the exhaustive search costs its fourth power
+constexpr std::size_t kTemplatePoints = 1500;  // chosen: prototypes used 1000 to 2500
+// Chosen, as the next two: a fit of fewer is no measurement.
+constexpr std::size_t kFewestPoints = 40;
 constexpr std::size_t kOutlinePoints = 100;
 constexpr std::size_t kFewestOutline = 8;
-// Chosen: there depth can just be read, and there it bends no more.
+// Chosen: depth is just valid at the first, and flat at the second.
 constexpr float kNearEdge_px = 2.0F;
 constexpr float kDeeper_px = 8.0F;
 constexpr double kOnward = 1.2;     // of the step between these two, measured on a ball
-constexpr double kWellFound = 0.6;  // share of inliers: no search needed; chosen
-constexpr double kFound = 0.5;      // measured: with fewer it may be off by several px
-// Of the coarse comparison, chosen: what is off by as much is as unlike as anything.
+constexpr double kWellFound = 0.6;  // chosen: share of inliers that makes a search unnecessary
+constexpr double kFound = 0.5;      // measured: with fewer the error may be several px
+// Of the coarse comparison, chosen: larger differences count as completely different.
 constexpr double kUnlikeLevels = 40.0;
 constexpr float kUnlike_mm = 60.0F;
-constexpr int kCoveredLevel = 200;  // of 255: a coarse pixel that is mostly the object's
+constexpr int kCoveredLevel = 200;  // of 255: coarse pixels mostly covered by the object
 
 }  // namespace
 
@@ -92,8 +93,8 @@ Vector3d RigidTemplate::unproject(int u, int v, double depth_mm, int factor) con
   return depth_mm * camera_.ray(box_.x + factor * (u + 0.5), box_.y + factor * (v + 0.5));
 }
 
-// A body curves away towards its outline, where depth cannot be read any more: it goes on as the
-// square root of the distance to the outline, as a ball's does.
+// Depth is not valid close to the outline, where a body curves away. It is extrapolated as the
+// square root of the distance to the outline, as on a ball.
 void RigidTemplate::addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor) {
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(inside, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
@@ -169,7 +170,7 @@ double RigidTemplate::Coarse::likeness(const cv::Mat& other_gray, const cv::Mat&
       const int off = std::abs(other_gray.at<uchar>(at.y + j, at.x + i) - gray.at<uchar>(j, i));
       const float z = other_depth.at<float>(at.y + j, at.x + i);
       const float off_depth = z > 0 ? std::abs(z - depth.at<float>(j, i)) : kUnlike_mm;
-      // What is alike counts for it; what is not counts nothing.
+      // Only similar pixels count; different pixels count nothing.
       sum += std::max(0.0, 1.0 - off / kUnlikeLevels) *
              std::max(0.0, 1.0 - double(off_depth) / double(kUnlike_mm));
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How a rigid object moved in space from one frame to the next: direct alignment of its colour and
-// depth by Gauss-Newton, robust, on two levels. Thread: any; values.
+// Direct rigid alignment of colour and depth from one frame to the next: robust Gauss-Newton on two
+// levels, with an exhaustive coarse search if the prediction fails. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,30 +14,34 @@
 
 namespace hapticast::server {
 
-/// One object as it looks in a frame: the points that are looked for in the next one.
+/// Template of one object in a frame: the points to find in the next frame.
 class RigidTemplate {
  public:
   RigidTemplate() = default;
-  /// Costs one blur of the object's box. `surface` is the object's, cleaned.
+  /// Costs one blur of the object's box. `gray`: the whole picture, CV_8UC1. `surface`: the
+  /// object's cleaned surface.
   RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
 
+  /// Returns whether the object has too few points for an alignment.
   [[nodiscard]] bool empty() const { return levels_.empty(); }
-  /// Finds the object again in `images`, near where `guess` says, else within about its own size.
-  /// Not reliable: fewer than half of the points agree, or there were too few.
+  /// Finds the object in `images`: near the prediction `guess`, else within about its own size.
+  /// `pivot_mm`: centre of the rotation, camera frame.
+  /// The result is not reliable if there were too few points, or fewer than half of them agree.
   [[nodiscard]] RigidStep find(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                const RigidStep& guess) const;
 
  private:
   struct Level {
-    int factor = 1;  // px of the picture per px of this level, each way
+    int factor = 1;  // px of the picture for each px of this level, each way
     std::vector<RigidPoint> points;
   };
-  struct Coarse {  // for the search where the guess is of no use
+  struct Coarse {  // for the search if the prediction fails
     int factor = 1;
-    cv::Rect box_px;  // whole pixels of the coarse picture
-    cv::Mat gray, depth, mask;
+    cv::Rect box_px;            // whole pixels of the coarse picture
+    cv::Mat gray, depth, mask;  ///< of one size; mask 0..255
 
-    /// How alike a place (its first pixel) of another picture of this scale is: more is better.
+    /// Returns the similarity of the template to another picture of this scale, with the template's
+    /// first pixel at `at`. Larger is better.
     [[nodiscard]] double likeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
                                   const cv::Point& at) const;
   };
@@ -46,20 +50,22 @@ class RigidTemplate {
   [[nodiscard]] Eigen::Vector3d unproject(int u, int v, double depth_mm, int factor) const;
   [[nodiscard]] RigidStep align(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                 const RigidStep& guess) const;
-  /// A first guess by comparing the coarse picture place by place within about the object's size.
+  /// Returns a first guess: an exhaustive comparison of the coarse picture within about the
+  /// object's size.
   [[nodiscard]] RigidStep searched(const FrameImages& images,
                                    const Eigen::Vector3d& pivot_mm) const;
-  /// The similarity nearest to what the outline does in a step.
+  /// Returns the similarity nearest to the motion of the outline in `step`.
   [[nodiscard]] cv::Matx23d computeSimilarity(const Eigen::Vector3d& pivot_mm,
                                               const RigidStep& step) const;
+  /// Returns the part of the picture to search after `step`.
   [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
                                    const cv::Size& picture) const;
 
   CameraModel camera_;
   cv::Rect box_;
-  DepthRange depth_;                         // of the points
+  DepthRange depth_;                         // depths of the points
   std::vector<Level> levels_;                // fine, coarse
-  std::vector<Eigen::Vector3d> outline_mm_;  // of the surface just inside the mask's edge
+  std::vector<Eigen::Vector3d> outline_mm_;  // surface just inside the mask's edge
   Coarse coarse_;
 };
 

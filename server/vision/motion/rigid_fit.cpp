@@ -17,17 +17,18 @@ using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kRounds = 8;          // chosen: five are the usual number
-constexpr double kDone_px = 0.002;  // a step of less changes no velocity that can be felt
-constexpr double kGrayFloor =
-    1.5;  // chosen, grey levels: what agrees as well as that is not told apart
-constexpr double kDepthFloor_mm = 0.7;  // chosen, likewise
-constexpr double kTukey =
-    4.6;  // standard deviations: 95 % efficient (4.685; Huber, Robust Statistics)
-// Chosen: off by more, a point counts as not found again.
+constexpr int kRounds = 8;          // chosen: usually five suffice
+constexpr double kDone_px = 0.002;  // a smaller step changes no perceptible velocity
+// Chosen: lower limits of the standard deviations; smaller residuals are equally good.
+constexpr double kGrayFloor = 1.5;  // grey levels
+constexpr double kDepthFloor_mm = 0.7;
+// Standard deviations: 95 % efficient (4.685; Huber, Robust Statistics).
+constexpr double kTukey = 4.6;
+// Chosen: points with larger residuals count as not found.
 constexpr double kGrayInlier = 30.0;  // grey levels
 constexpr double kDepthInlier_mm = 25.0;
-constexpr double kSpinPrior_rad = 0.05;  // chosen: weak, it only decides where nothing else does
+// Chosen: weak, so that it decides only without other evidence.
+constexpr double kSpinPrior_rad = 0.05;
 
 double tukey(double residual, double sigma) {
   const double x = residual / (kTukey * sigma);
@@ -81,7 +82,7 @@ void RigidFit::computeResiduals(const RigidStep& step) {
   }
 }
 
-// The light may have changed.
+// Removes a change of light.
 void RigidFit::removeBias() {
   double sum = 0.0;
   std::size_t count = 0;
@@ -103,7 +104,7 @@ double RigidFit::inliers() const {
          double(std::max<std::size_t>(1, residuals_.size()));
 }
 
-// Rows of the two residuals with respect to (shift, turn about the pivot).
+// Adds the rows of the two residuals with respect to (shift, rotation about the pivot).
 void RigidFit::addPoint(const Residual& at, const Vector3d& pivot, double gray_sigma,
                         double depth_sigma, Normal& normal) const {
   const Vector3d& x = at.position_mm;

@@ -9,7 +9,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kDepthReach_mm = 80.0;  // chosen: further than a body moves in a frame
+constexpr double kDepthReach_mm = 80.0;  // chosen: more than a body moves in a frame
 
 }  // namespace
 

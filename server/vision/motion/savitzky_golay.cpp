@@ -13,8 +13,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kLookahead_s = 0.085;  // measured: 80 to 120 ms are enough; 3 frames at 25 fps
-constexpr double kCurvature = 0.02;     // weight of a part's curvature beside its misfit; chosen
+constexpr double kLookahead_s = 0.085;  // measured: 80 to 120 ms suffice; 3 frames at 25 fps
+constexpr double kCurvature = 0.02;  // chosen: weight of a part's curvature relative to its misfit
 constexpr double kMisfit_mm =
     0.12;  // chosen: a window that fits no better than this has a bounce in it
 
@@ -38,8 +38,7 @@ Polynomial fit(const std::vector<Sample>& samples, std::size_t first, std::size_
     return out;
   }
   order = std::min(order, count - 1);
-  const double base =
-      value(*used.front());  // about it, so that what stands still comes out as exactly 0
+  const double base = value(*used.front());  // offset, so that samples at rest yield exactly 0
   Eigen::MatrixXd powers(count, order + 1);
   Eigen::VectorXd right(count);
   for (int i = 0; i < count; ++i) {
@@ -67,7 +66,7 @@ struct WindowFit {
     }
     return freedom > 0 ? std::sqrt(sum / freedom) : std::numeric_limits<double>::infinity();
   }
-  // Change of the step between samples.
+  // Returns the change of the step between samples.
   [[nodiscard]] double curvature_mm() const {
     double square = 0;
     for (std::size_t i = 0; i < 3; ++i)
@@ -76,7 +75,7 @@ struct WindowFit {
   }
 };
 
-// What a window of this many samples bears.
+// Returns the polynomial order that `count` samples support.
 int orderFor(std::size_t count, bool centred) {
   if (count >= 7 && centred) return 4;
   if (count >= 4 || (count == 3 && centred)) return 2;
@@ -131,8 +130,8 @@ Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookah
     for (std::size_t from = first; from <= at; ++from) {
       for (std::size_t to = std::max(at, from + 3); to <= last; ++to) {
         const WindowFit part = fitWindow(samples, from, to, at, h_s, 2);
-        // Longer windows win unless a shorter one fits far better; and four samples across a bounce
-        // may fit a parabola by chance, but a much more curved one than those beside it.
+        // Longer windows win unless a shorter one fits far better. Four samples across a bounce may
+        // fit a parabola by chance, but with far more curvature than their neighbours.
         const double misfit = part.misfit_mm() * (1 + 0.5 * double(count - (to - from + 1))) +
                               kCurvature * part.curvature_mm();
         if (misfit < least) {

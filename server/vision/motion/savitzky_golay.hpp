@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Velocity and acceleration as the change of position over a short centred window (Savitzky-Golay).
-// One window gives p, v and a, so that they agree with each other. Thread: any; values.
+// Savitzky-Golay filter: position, velocity and acceleration as coefficients of a polynomial over a
+// short centred window, so that the three agree with each other. Thread: any.
 #pragma once
 
 #include <vector>
@@ -15,28 +15,29 @@ struct Sample {
   double time_s = 0.0;
   Vec3 position_mm = Vec3::Zero();
   double angle_rad = 0.0;
-  bool depth_seen = true;  ///< false: position_mm.z() is no measurement
-  bool seen = true;        ///< false: none of it is
-  bool confident = true;   ///< false: a jump to here may not be the object's
-  /// How far the background has moved where the object is, since some instant; zero unless the
-  /// camera's pan is to be compensated.
+  bool depth_seen = true;  ///< false: position_mm.z() is not a measurement
+  bool seen = true;        ///< false: no value is a measurement
+  bool confident = true;   ///< false: a jump to this sample may not be the object's
+  /// Motion of the background at the object, accumulated; zero without pan compensation, mm.
   Vec3 background_mm = Vec3::Zero();
 
-  /// Where it would be seen by a camera that does not pan.
+  /// Returns the position relative to the background.
   [[nodiscard]] Vec3 panCompensated_mm() const { return position_mm - background_mm; }
 };
 
-/// The samples as a camera that does not pan would have seen them; empty where it did not.
+/// Returns the samples relative to the background; empty if the background did not move.
 std::vector<Sample> panCompensated(const std::vector<Sample>& samples);
 
-/// Frames of lookahead: a window constant in time (7 frames at 25-30 fps, 11 at 60).
+/// Returns the lookahead in frames, for a window of constant duration (7 frames at 25-30 fps, 11 at
+/// 60).
 int lookaheadFrames(double fps);
 
-/// Position, velocity, acceleration, angle and angular velocity at samples[at]. `samples`: up to
-/// the lookahead on either side, in order of time, without gaps. Order 4 over the whole window; at
-/// the ends of a track a shorter window of lower order. Where the whole window does not fit (a
-/// bounce in it) the best of the windows on one side or shortened ones is taken. The acceleration
-/// is that against the background. Other fields of the result keep their defaults.
+/// Returns position, velocity, acceleration, angle and angular velocity at samples[at]; other
+/// fields of the result have their defaults. `samples`: up to `lookahead` samples on either side,
+/// in order of time, without gaps.
+/// The polynomial has order 4 over the whole window, and a lower order at the ends of a track. If
+/// the whole window does not fit (it contains a bounce), the best shorter window is used.
+/// The acceleration is relative to the background.
 Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookahead);
 
 }  // namespace hapticast::server

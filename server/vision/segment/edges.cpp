@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The thesis's segmentation: Canny edges of colour and depth fused, closed, and the region they
-// enclose. It is kept as the thesis's own row of the evaluation: real scenes need the band
-// (band.hpp).
+// Edge-based segmentation of the thesis: fuses Canny edges (Canny 1986) of colour and depth, closes
+// them, and labels the enclosed regions.
+// It serves as the thesis's own row of the evaluation. Real scenes need the narrow-band tracker
+// (follow/narrow_band_tracker.hpp). Thread: the one that runs Vision.
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <set>
@@ -14,12 +15,12 @@ namespace hapticast::server {
 
 namespace {
 
-// One setting for all scenes, chosen: the thesis gives none.
+// One setting for all scenes. Chosen: the thesis states none.
 constexpr double kDepthNear_mm = 300.0;
 constexpr double kDepthFar_mm = 2500.0;
 constexpr int kEdge_px = 2;  // half the width of a closed edge
 
-// 1 where no edge runs: the picture falls apart into regions.
+// Returns 1 where there is no edge, so that the picture splits into regions.
 cv::Mat labelRegions(const FrameImages& images) {
   cv::Mat smooth;
   cv::GaussianBlur(images.gray, smooth, {}, 1.2);
@@ -74,7 +75,7 @@ class EdgeSegmenter final : public Segmenter {
     for (const Vec2& point : points_) {
       const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
       if (label == 0) throwNoObject(point, "only edges there");
-      if (!started.insert(label).second) continue;  // two points on one body name one object
+      if (!started.insert(label).second) continue;  // two points on one body mark one object
       objects_.push_back({next_id_++, selectRegion(label), 1.0});
     }
     if (points_.empty()) {
@@ -86,7 +87,7 @@ class EdgeSegmenter final : public Segmenter {
     started_ = !objects_.empty();
   }
 
-  // No pixel belongs to two objects: where they touch, the first has it.
+  // No pixel belongs to two objects: the first object owns a shared pixel.
   void shareOut() {
     for (std::size_t later = 1; later < objects_.size(); ++later) {
       Segment& object = objects_[later];
@@ -118,7 +119,7 @@ class EdgeSegmenter final : public Segmenter {
     return static_cast<int>(largest);
   }
 
-  // The region that shares most pixels with the carried mask.
+  // Selects the region that shares most pixels with the warped mask.
   void update(Segment& segment, const Flows& flows, int count) {
     cv::Mat carried = segment.mask;
     if (const auto flow = flows.find(segment.id); flow != flows.end()) {

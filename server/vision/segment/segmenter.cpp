@@ -12,8 +12,8 @@ namespace hapticast::server {
 
 namespace {
 
-// Pixels of each value. Four counts side by side: neighbours are alike, and one counter would wait
-// for itself.
+// Counts the pixels of each value. Neighbours often have equal values, so four counters avoid a
+// dependency between successive increments.
 std::array<int, 256> countLabelPixels(const cv::Mat& mask) {
   std::array<std::array<int, 256>, 4> counts{};
   for (int v = 0; v < mask.rows; ++v) {
@@ -25,7 +25,7 @@ std::array<int, 256> countLabelPixels(const cv::Mat& mask) {
   return counts[0];
 }
 
-// The source's masks, taken as they are: all objects, or those under the author's points in the
+// Uses the source's masks unchanged: all objects, or the objects under the author's points of the
 // first frame.
 class SourceSegmenter final : public Segmenter {
  public:
@@ -65,10 +65,10 @@ class SourceSegmenter final : public Segmenter {
     points_.clear();
   }
 
-  std::vector<Vec2> points_;      // until the first frame has been seen
+  std::vector<Vec2> points_;      // cleared in the first frame
   std::set<std::size_t> chosen_;  // values of the mask; empty: all
   std::uint32_t& next_id_;
-  std::map<std::size_t, std::uint32_t> ids_;  // of the objects present
+  std::map<std::size_t, std::uint32_t> ids_;  // of the present objects
 };
 
 }  // namespace

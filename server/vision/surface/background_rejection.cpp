@@ -14,17 +14,20 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kRim_px = 5;         // measured: sensors mix object and background so far in
+// Measured: depth of sensors mixes object and background up to this distance.
+constexpr int kRim_px = 5;
 constexpr double kMixed = 0.1;     // chosen, of the pixels at an edge
-constexpr double kStrange = 0.02;  // chosen, of the pixels at a rim: the corners of a body
-constexpr int kFewestBeside = 20;  // chosen: pixels that tell what is inside and what around
-constexpr double kBend = 1.5;  // chosen: a ball's rim steepens by up to 1.4 times its slope a pixel
+constexpr double kStrange = 0.02;  // chosen, of the pixels at a rim: share of a body's corners
+constexpr int kFewestBeside = 20;  // chosen: pixels that determine the inside and the surroundings
+// Chosen: a ball's rim steepens by up to 1.4 times its slope for each pixel.
+constexpr double kBend = 1.5;
 const std::array<cv::Point, 8> kAround{
     {{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
 
-// Fewer than `wanted` of the eight neighbours are known and hang together with this pixel: they are
-// as deep, or, with `slopes`, it goes on from them as they do from the ones behind them: not to be
-// asked for where mixed pixels make slopes of their own.
+// Returns whether fewer than `wanted` of the eight neighbours are known and connected to this
+// pixel.
+// A neighbour is connected if its depth is similar or, with `slopes`, if the slope from the pixel
+// behind it continues. Do not use `slopes` where mixed pixels have slopes of their own.
 bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, double sigma,
             int wanted, bool slopes) {
   const cv::Rect whole({0, 0}, depth.size());
@@ -45,13 +48,13 @@ bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, dou
   return true;
 }
 
-// The depths around a pixel of the rim: the object's core and what is behind it, carried on to it.
+// Depths of the object's core and of the background, extrapolated to the rim.
 struct Sides {
-  cv::Mat object;  // CV_32FC1 at half size; both empty where one of them is not known
+  cv::Mat object;  // CV_32FC1 at half size; both empty if one of them is unknown
   cv::Mat behind;
-  bool clean = false;  // the object's depth
-  bool sharp = false;  // it is clean and jumps from one to the other
-  double sigma = 0.0;  // of the object's depth
+  bool clean = false;  // the object's depth has no noise
+  bool sharp = false;  // it is clean, and no pixel mixes object and background
+  double sigma = 0.0;  // noise of the object's depth, mm
 
   [[nodiscard]] double objectDepth(int u, int v) const {
     return double(object.at<float>(v / 2, u / 2));
@@ -63,18 +66,18 @@ struct Sides {
 
 bool background(double z, double object, double behind, double sigma, bool sharp) {
   const double gap = behind - object;
-  if (std::abs(gap) <= 15 + 6 * sigma) return false;  // contact: nothing to tell them apart by
+  if (std::abs(gap) <= 15 + 6 * sigma) return false;  // contact: depth cannot separate them
   const double off = z - object;
   const double near_behind = std::abs(z - behind);
-  // A steep rim, as of a ball, goes far off the core; where no pixel is mixed it is all the
-  // object's.
+  // The depth of a steep rim, as of a ball, differs far from the core. If no pixel is mixed, all of
+  // the rim is the object's.
   if (sharp) return near_behind < std::min(std::abs(off), 3 + 4 * sigma);
   const bool same_side = off * gap > 0;
   if (same_side) return near_behind < std::abs(off) && std::abs(off) > 12 + 4 * sigma;
   return std::abs(off) > 60 + 6 * sigma;
 }
 
-// The way inwards at the contour of a mask, to one of the eight neighbours.
+// Direction inwards at the contour of a mask, as a step to one of the eight neighbours.
 class Inwards {
  public:
   explicit Inwards(const cv::Mat& mask) {
@@ -94,9 +97,8 @@ class Inwards {
   cv::Mat along_v_;
 };
 
-// Whether the depth at a place at the contour of a mask is its surface carried on: along the way
-// inwards it and the next pixel go on as those behind them do, be it steeply. A mixed pixel does
-// not.
+// Returns whether the depth at the contour of a mask continues its surface: inwards, two successive
+// slopes change little, even if they are steep. A mixed pixel does not continue it.
 bool continuesBeyond(const cv::Mat& depth, const cv::Point& at, const cv::Point& inwards,
                      double tolerance_mm) {
   const cv::Rect whole({0, 0}, depth.size());
@@ -113,7 +115,7 @@ bool continuesBeyond(const cv::Mat& depth, const cv::Point& at, const cv::Point&
   return goesOn(0) && goesOn(1);
 }
 
-// Whether hardly a pixel at the mask's contour lies between object and background.
+// Returns whether hardly any pixel at the contour lies between object and background in depth.
 bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
   const cv::Mat ring = dilatedBy(mask, 3) & (erodedBy(mask, 2) == 0) & (depth > 0);
   const double tolerance = 12 + 4 * sides.sigma;
@@ -175,7 +177,7 @@ cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Ma
     for (int u = 0; u < depth.cols; ++u) {
       if (is_known[u] == 0) continue;
       const auto z = double(depth.at<float>(v, u));
-      // Where depth is clean, what a steep rim reads as noise is its bend.
+      // On clean depth the apparent noise of a steep rim is its curvature.
       const double sigma = sides.sharp ? sides.sigma : noise.at(z);
       const bool rim = is_core[u] == 0;
       const bool drop = (rim && !sides.object.empty() &&

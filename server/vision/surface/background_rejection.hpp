@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which measured depth inside a mask is the object's, and which the background's. Thread: any;
-// values.
+// Background rejection: separates the object's depth pixels inside a mask from background, mixed
+// (flying) and isolated pixels. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,15 +9,16 @@
 
 namespace hapticast::server {
 
-inline constexpr int kGateReach_px = 15;  ///< so far around a mask is looked
+inline constexpr int kGateReach_px = 15;  ///< required depth around a mask
 
-/// Of the pixels `known` (measured, inside `mask`): those that are the object's. `depth` is working
-/// depth and reaches kGateReach_px beyond the mask.
+/// Returns those pixels of `known` that belong to the object. `known`: measured pixels inside
+/// `mask` (all CV_8UC1, 0/255).
+/// `depth`: working depth (CV_32FC1, mm), which extends kGateReach_px beyond the mask.
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                          const DepthNoise& noise);
 
-/// Whether mask and depth end at the same contour: hardly a pixel of the rim is not the surface
-/// carried on.
+/// Returns whether mask and depth end at the same contour: nearly all rim pixels continue the
+/// surface.
 bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                    const DepthNoise& noise);
 

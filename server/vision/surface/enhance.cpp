@@ -17,14 +17,14 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kSmooth_mm = 0.65;             // measured: 0.6 to 0.75 are equally good
-constexpr std::array kWider_mm{1.0, 1.6, 2.6};  // chosen: each about 1.6 times the one before
-constexpr double kFinest_px_mm = 12.0;   // chosen: smoothed over no more pixels in finer pictures
-constexpr double kThesisSigma_px = 2.0;  // of the thesis
-constexpr double kBeyondRange_mm = 3.0;  // chosen: a slope goes on as far as a fit of it looks
-constexpr double kFewestDepth = 0.02;    // chosen, of a mask, to make a surface of
+constexpr std::array kWider_mm{1.0, 1.6, 2.6};  // chosen: each about 1.6 times its predecessor
+constexpr double kFinest_px_mm = 12.0;          // chosen: limit of the window in fine pictures
+constexpr double kThesisSigma_px = 2.0;         // as in the thesis
+constexpr double kBeyondRange_mm = 3.0;         // chosen: range that a fit of a slope needs
+constexpr double kFewestDepth = 0.02;  // chosen, of a mask: least share with depth for a surface
 
-// Depth that is only rounded: the truth is within half a step of it. What a fit makes of a rim that
-// bends too much for it is cut to that.
+// Rounded depth: the true value lies within half a step. The fit is clamped to that where a rim is
+// curved too much for it.
 cv::Mat withoutTerraces(const cv::Mat& fitted, const cv::Mat& rounded, const Surface& surface,
                         double half_mm, double px_per_mm) {
   cv::Mat out = fitted;
@@ -40,7 +40,7 @@ cv::Mat withoutTerraces(const cv::Mat& fitted, const cv::Mat& rounded, const Sur
 cv::Mat thesisHeight(const cv::Mat& height, const Surface& surface, double depth_mm) {
   cv::Mat out = cv::max(cv::min(height, depth_mm), 0.0);
   out.setTo(0, (surface.mask == 0) | (surface.depth <= 0));
-  const int margin = 8;  // the zero outside is part of what is smoothed
+  const int margin = 8;  // the zero outside enters the smoothing
   cv::copyMakeBorder(out, out, margin, margin, margin, margin, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::GaussianBlur(out, out, {}, kThesisSigma_px);
   return out(cv::Rect({margin, margin}, surface.box.size()));
@@ -54,7 +54,7 @@ cv::Mat fittedHeight(const cv::Mat& height, const Surface& surface, double mm_pe
                          px_per_mm);
 }
 
-// Heights inside the mask, cut to 0 .. top_mm; 0 outside.
+// Returns the heights inside the mask, clamped to 0 .. top_mm; 0 outside.
 std::shared_ptr<const Relief> makeRelief(const cv::Mat& height, const Surface& surface,
                                          float top_mm) {
   auto relief = std::make_shared<Relief>();
@@ -129,7 +129,7 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
   if (method == Method::kThesis)
     return makeRelief(thesisHeight(height, surface, workspace.depth_mm), surface, top_mm);
   height.setTo(0, surface.depth <= 0);
-  // What lies far beyond the range, mostly not the object's, must not bend the fits beside it.
+  // Depths far beyond the range are mostly not the object's and must not affect fits beside them.
   height = cv::max(cv::min(height, workspace.depth_mm + kBeyondRange_mm), -kBeyondRange_mm);
   if (!smooth) return makeRelief(height, surface, top_mm);
   const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());

@@ -8,7 +8,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSweeps = 60;  // chosen: what push-pull leaves rough is no wider than a few pixels
+constexpr int kSweeps = 60;  // chosen: push-pull leaves roughness only a few pixels wide
 
 cv::Mat pushPull(const cv::Mat& weighted, const cv::Mat& weight) {
   cv::Mat mean;

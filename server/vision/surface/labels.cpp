@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kAnyStep_mm = 1e9F;
 
-// Which of the labelled neighbours of a pixel is nearest to it in depth; 0: none is labelled.
+// Returns the label of the labelled neighbour nearest in depth; 0 if no neighbour is labelled.
 uchar nearestLabel(const Surface& surface, const cv::Mat& labels, const cv::Point& at) {
   const cv::Rect whole(cv::Point(), labels.size());
   uchar nearest = 0;

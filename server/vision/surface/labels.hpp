@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pieces of a surface under labels (CV_8UC1 over its box, 0: none). Thread: any; values.
+// Labelled pieces of a surface: connected components, and region growing from seeds. Labels:
+// CV_8UC1 over the surface's box, 0: none. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,14 +10,16 @@
 
 namespace hapticast::server {
 
-/// Connected pieces of `where` that are large enough: labels 1 .. (0: none of them), and how many.
+/// Finds the connected pieces of `where` with at least `smallest_px` pixels. Writes labels 1 .. n
+/// (0: no such piece) and returns n.
 int largePieces(const cv::Mat& where, int smallest_px, cv::Mat& labels);
 
-/// Of labels 1 .. count; 0 where a label has no pixel.
+/// Returns the mean depth of each label 1 .. count, mm; 0 for a label without pixels.
 std::vector<double> meanDepths(const Surface& surface, const cv::Mat& labels, int count);
 
-/// Every pixel of the mask gets a label: from its neighbours, ring by ring; what touches none by
-/// its depth alone.
+/// Returns `seeds` (labels 1 .. count) grown over the whole mask, ring by ring. A pixel adopts the
+/// label of the neighbour nearest in depth; isolated parts adopt the label of the nearest mean
+/// depth.
 cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds);
 
 }  // namespace hapticast::server

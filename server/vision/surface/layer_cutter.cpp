@@ -12,12 +12,12 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kKeptStep = 0.7;   // chosen, of the step that made a cut: until it is given up
-constexpr int kFramesToChange = 3;  // chosen, in a row: noise makes one or two
-constexpr int kFollows_px = 2;  // chosen: an edge moves so far in a frame over what it is part of
-constexpr int kCrumb_px = 30;   // chosen: what is left of a name that has gone
+constexpr double kKeptStep = 0.7;  // chosen, of the step that caused a cut: limit to remove the cut
+constexpr int kFramesToChange = 3;  // chosen, in a row: noise lasts one or two
+constexpr int kFollows_px = 2;      // chosen: motion of an edge in a frame relative to its surface
+constexpr int kCrumb_px = 30;       // chosen: smaller rests of a name are removed
 
-// The layers of `now` under the names of those of `before` that they lie over the most.
+// Returns the layers of `now` with the names of those layers of `before` that they overlap most.
 cv::Mat named(const Layers& now, const cv::Mat& before) {
   struct Overlap {
     int pixels, layer, name;
@@ -45,7 +45,7 @@ cv::Mat named(const Layers& now, const cv::Mat& before) {
   return out;
 }
 
-// Crumbs of a name go to their neighbours.
+// Assigns small components of a name to their neighbours.
 cv::Mat withoutSmallComponents(const Surface& surface, const cv::Mat& names) {
   cv::Mat seeds = cv::Mat::zeros(names.size(), CV_8UC1);
   for (int name = 1; name <= kMaxLayers; ++name) {
@@ -71,7 +71,7 @@ int countNames(const cv::Mat& names) {
 
 }  // namespace
 
-// The last frame's image over its box, moved with the object.
+// Returns the last frame's image over its box, moved with the object.
 cv::Mat LayerCutter::warpedNames(const cv::Mat& image, const Surface& surface) const {
   const cv::Point2d moved =
       computeCentroid(cv::moments(surface.mask, true), surface.box.tl()) - last_centroid_px_;
@@ -83,8 +83,8 @@ cv::Mat LayerCutter::warpedNames(const cv::Mat& image, const Surface& surface) c
   return out;
 }
 
-// A pixel takes another name when three frames in a row say so, or where the edge between the two
-// moves on.
+// A pixel changes its name after three successive frames, or where the edge between two names moves
+// a little.
 cv::Mat LayerCutter::isSettled(const Surface& surface, const cv::Mat& now, const cv::Mat& before) {
   cv::Mat doubts = warpedNames(pending_changes_, surface);
   const cv::Mat differs = (now != before) & (before > 0);

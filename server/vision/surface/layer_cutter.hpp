@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The layers of one object from frame to frame, under names that stay. Thread: vision's.
+// Temporal consistency of an object's layers: names persist from frame to frame, with hysteresis
+// against noise. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,13 +10,15 @@
 
 namespace hapticast::server {
 
-/// Cuts one object from frame to frame. Layers keep their names while they lie over where they
-/// were, moved with the object; a pixel takes another name only when three frames in a row say so,
-/// or where an edge moves on a little; a cut is kept until its step is below 0.7 of what made it.
+/// Layers of one object over the frames. A layer has the name of the layer before that it overlaps
+/// most, after the object's motion.
+/// A pixel changes its name after three successive frames, or where an edge moves a little. A cut
+/// stays until its step is below 0.7 of the step that caused it.
 class LayerCutter {
  public:
-  /// Surfaces of the layers by name, those that have gone with an empty box; one without steps is
-  /// `surface` itself. They begin nearest first. `mapped_range` as for findLayers().
+  /// Returns the surfaces of the layers, by name; a name without pixels has an empty box. Without
+  /// steps it returns `surface` alone. The first cut orders names from near to far. `mapped_range`:
+  /// see findLayers().
   std::vector<Surface> cut(const Surface& surface, double step_mm,
                            const DepthRange& mapped_range = kAllDepths);
 
@@ -26,9 +29,9 @@ class LayerCutter {
                                   const cv::Mat& before);
   [[nodiscard]] cv::Mat warpedNames(const cv::Mat& image, const Surface& surface) const;
 
-  cv::Mat names_;            // over the last box, CV_8UC1, 1 ..; empty with one
-  cv::Mat pending_changes_;  // likewise: frames in a row in which a pixel seemed to have another
-  int count_ = 0;            // of the names; 0: there was no frame yet
+  cv::Mat names_;            // over the last box, CV_8UC1, 1 ..; empty for one layer
+  cv::Mat pending_changes_;  // over the last box: successive frames with another name
+  int count_ = 0;            // number of names; 0: no frame yet
   cv::Mat last_mask_;
   cv::Rect last_box_;
   cv::Point2d last_centroid_px_;

@@ -12,15 +12,16 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSmallest_px = 100;  // chosen: what is smaller is not felt as a thing of its own
-constexpr double kSmallestShare = 0.02;  // chosen, likewise, of the object
-constexpr int kShortestBorder_px = 8;    // chosen: a shorter border is a fold, no gap
+// Chosen: a smaller part is not perceived as an object of its own.
+constexpr int kSmallest_px = 100;
+constexpr double kSmallestShare = 0.02;  // chosen, of the object; likewise
+constexpr int kShortestBorder_px = 8;    // chosen: a shorter border is a fold and not a gap
 constexpr double kSlope =
-    0.25;  // chosen, of a step, a pixel of a gap: 60 degrees; a shadow's is more
+    0.25;  // chosen, of a step, for each pixel of a gap: 60 degrees; less than a shadow's
 constexpr float kBeyond_mm = 1e9F;
 
-// Measured pixels with a step to another one within their 3x3; empty where there is none. What was
-// filled in tells of no step.
+// Returns the measured pixels with a step to another one within their 3 x 3 window. Filled pixels
+// do not count, because filling creates no evidence of a step.
 cv::Mat steps(const Surface& surface, double step_mm) {
   cv::Mat lowest = surface.depth.clone();
   cv::Mat highest = surface.depth.clone();
@@ -33,7 +34,7 @@ cv::Mat steps(const Surface& surface, double step_mm) {
   return (highest - lowest > step_mm) & known;
 }
 
-// For every pixel the measured one that is nearest to it.
+// For each pixel, the nearest measured pixel.
 class NearestMeasured {
  public:
   NearestMeasured(const Surface& surface, const DepthRange& mapped_range)
@@ -50,8 +51,8 @@ class NearestMeasured {
       }
     }
   }
-  // How much deeper it is at one pixel than at its neighbour, less what a slope makes over the gap
-  // between the two that were measured.
+  // Returns the difference of depth between two neighbours, minus the effect of a slope over the
+  // gap between their measured pixels.
   [[nodiscard]] double step_mm(const cv::Point& p, const cv::Point& q,
                                double slope_mm_per_px) const {
     const cv::Point from = nearestMeasured(p);
@@ -71,7 +72,7 @@ class NearestMeasured {
   std::vector<cv::Point> places_;
 };
 
-// Of each pair of pieces: pixels along their border, and how many of these are a step.
+// For each pair of pieces: the pixels along their border, and the number of steps among them.
 struct Borders {
   int count = 0;
   std::vector<int> pixels;
@@ -99,7 +100,7 @@ Borders findBorders(const Surface& surface, const cv::Mat& labels, int count, do
     if (a == 0 || b == 0 || a == b) return;
     const std::size_t i = out.index(a - 1, b - 1);
     ++out.pixels[i];
-    // A step that the sensor has smeared over some pixels is less from one to the next.
+    // A step that the sensor blurred over some pixels is smaller between two neighbours.
     out.stepping[i] += nearest.step_mm(p, q, kSlope * step_mm) > 0.5 * step_mm ? 1 : 0;
   };
   for (int v = 0; v < labels.rows; ++v) {
@@ -111,8 +112,8 @@ Borders findBorders(const Surface& surface, const cv::Mat& labels, int count, do
   return out;
 }
 
-// The layer of each piece: one behind the farthest of those that it lies behind. Pieces without a
-// step to any other go with the one nearest in depth.
+// Returns the layer of each piece: one behind the farthest piece in front of it. A piece without a
+// step to any other joins the piece nearest in depth.
 std::vector<int> groupLayers(const Borders& borders, const std::vector<double>& depths_mm) {
   std::vector<int> order(depths_mm.size());
   std::iota(order.begin(), order.end(), 0);
@@ -150,7 +151,7 @@ Layers findLayers(const Surface& surface, double step_mm, const DepthRange& mapp
   const cv::Mat step = steps(surface, step_mm);
   if (cv::countNonZero(step) == 0) return {};
   const int area = cv::countNonZero(surface.mask);
-  // Their number is a byte, whatever the size.
+  // The number of pieces must fit a byte for any size.
   const int smallest_px = std::max(kSmallest_px, static_cast<int>(kSmallestShare * area));
   Layers out;
   const int pieces = largePieces(surface.mask & surface.measured & ~step, smallest_px, out.labels);

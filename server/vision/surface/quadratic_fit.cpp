@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The local quadratic fit: one fixed kernel where the whole window lies in the mask, a 6 x 6 solve
-// at the rim, both from separable Gaussian moments.
+// Local quadratic regression (Savitzky-Golay in two dimensions): one fixed kernel where the whole
+// window lies in the mask, a 6 x 6 solve at the rim. Both use separable Gaussian moments. Thread:
+// any.
 #include "server/vision/surface/quadratic_fit.hpp"
 
 #include <algorithm>
@@ -15,14 +16,14 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kFewestSigma_px = 2.0;  // chosen: smoothed over fewer pixels it would show them
-constexpr double kBeyond = 0.1;          // chosen, of half a step, that a wider fit may be off
+constexpr double kFewestSigma_px = 2.0;  // chosen: fewer pixels would be visible in the result
+constexpr double kBeyond = 0.1;          // chosen, of half a step: tolerance of a wider fit
 constexpr int kOrders = 5;               // moments x^0 .. x^4
 // Basis 1, x, y, x², xy, y² as exponents of x and y.
 constexpr std::array<std::array<int, 2>, 6> kBasis{
     {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
-// Chosen: a little pull to zero of slopes and curvatures, for slivers of mask that do not determine
-// them.
+// Chosen: ridge regression of slopes and curvatures, for narrow parts of a mask that do not
+// determine them.
 constexpr std::array<double, 6> kRidge{0, 1e-7, 1e-7, 1e-4, 1e-4, 1e-4};
 
 struct Kernels {
@@ -64,12 +65,12 @@ cv::Mat interiorFit(const cv::Mat& values, const Kernels& kernels) {
          b * (moment(values, kernels, 2, 0) + moment(values, kernels, 0, 2));
 }
 
-// What the fit needs of one row of pixels: moments along x of the mask (x^0 .. x^4) and of the
-// values (x^0 .. x^2). Eight of them, so that they are added up together.
+// Moments of one row of pixels along x: of the mask (x^0 .. x^4) and of the values (x^0 .. x^2).
+// One vector of eight, so that they are added together.
 constexpr int kAlongX = 8;
 using AlongX = cv::Vec<float, kAlongX>;
 
-// Only where `needed`.
+// Computes the moments at the pixels of `needed` only.
 cv::Mat momentsAlongX(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& needed,
                       const Kernels& kernels) {
   const int radius = kernels.radius_px;
@@ -99,7 +100,7 @@ cv::Mat momentsAlongX(const cv::Mat& values, const cv::Mat& weight, const cv::Ma
   return out;
 }
 
-// All moments at one pixel: moments[j][i] is of x^i y^j of the mask, and of the values behind them.
+// All moments at one pixel: moments[j][i] is of x^i y^j of the mask, then of the values.
 using Moments = std::array<AlongX, kOrders>;
 
 Moments computeMoments(const cv::Mat& along_x, const Kernels& kernels, int v, int u) {
@@ -115,10 +116,9 @@ Moments computeMoments(const cv::Mat& along_x, const Kernels& kernels, int v, in
   return out;
 }
 
-// The constant of the fitted quadratic by an LDL^T decomposition, and of the solution only what it
-// needs. With the basis backwards the constant is the last unknown, so nothing has to be
-// substituted back. Measured: 143 ns a pixel; Eigen's llt() and ldlt() of the same matrix take 207
-// and 242 ns.
+// Returns the constant of the fitted quadratic by an LDL^T decomposition. In reversed order of the
+// basis the constant is the last unknown, so no back substitution is needed.
+// Measured: 143 ns for each pixel; Eigen's llt() and ldlt() of the same matrix need 207 and 242 ns.
 double fitConstant(const Moments& moments) {
   constexpr std::size_t n = kBasis.size();
   std::array<std::array<double, n>, n> lower;
@@ -144,7 +144,7 @@ double fitConstant(const Moments& moments) {
   return right[n - 1] / diagonal[n - 1];
 }
 
-// The fit at the pixels of `rim`; 0 elsewhere.
+// Returns the fit at the pixels of `rim`; 0 elsewhere.
 cv::Mat rimFit(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
                const Kernels& kernels) {
   cv::Mat out = cv::Mat::zeros(values.size(), CV_32FC1);
@@ -163,7 +163,8 @@ cv::Mat rimFit(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
   return out;
 }
 
-// `weight`: 0..1, how much of a pixel is known. At the pixels of `wanted` (0 / 255), also outside.
+// Returns the fit at the pixels of `wanted` (0/255), also outside the mask. `weight`: known share
+// of each pixel, 0..1.
 cv::Mat fitAtPixels(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wanted,
                     double sigma_px) {
   const Kernels kernels = makeKernels(sigma_px);
@@ -177,7 +178,7 @@ cv::Mat fitAtPixels(const cv::Mat& values, const cv::Mat& weight, const cv::Mat&
   return out;
 }
 
-// Means of blocks of `factor` x `factor` pixels; what a block has beyond the image is zero.
+// Returns means of blocks of `factor` x `factor` pixels; pixels beyond the image count as zero.
 cv::Mat blockMeans(const cv::Mat& image, int factor) {
   const int right = (factor - image.cols % factor) % factor;
   const int below = (factor - image.rows % factor) % factor;
@@ -187,7 +188,7 @@ cv::Mat blockMeans(const cv::Mat& image, int factor) {
   return out;
 }
 
-// The largest values of the same blocks; values >= 0.
+// Returns the maxima of the same blocks. Requires values >= 0.
 cv::Mat blockMaxima(const cv::Mat& image, int factor) {
   cv::Mat out = cv::Mat::zeros((image.rows + factor - 1) / factor,
                                (image.cols + factor - 1) / factor, CV_32FC1);
@@ -205,18 +206,19 @@ cv::Mat fromBlocks(const cv::Mat& image, int factor, const cv::Size& size) {
   return out(cv::Rect({0, 0}, size));
 }
 
-// What is smoothed over many pixels is as well told by every second or third one.
+// A wide window needs only every second or third pixel.
 cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double sigma_px,
                          int factor) {
   const cv::Mat small_weight = blockMeans(weight, factor);
-  const cv::Mat wanted = dilatedBy(small_weight > 0, 2);  // cubic interpolation reads as far
+  // Cubic interpolation reads up to two pixels.
+  const cv::Mat wanted = dilatedBy(small_weight > 0, 2);
   const cv::Mat out =
       fitAtPixels(blockMeans(values, factor), small_weight, wanted, sigma_px / factor);
   return fromBlocks(out, factor, values.size());
 }
 
-// About the mean, so that float moments do not lose the small differences that matter; zero outside
-// the mask.
+// Values relative to their mean, so that float moments preserve small differences; zero outside the
+// mask.
 struct Centred {
   double mean;
   cv::Mat weight;
@@ -241,7 +243,7 @@ cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
                  const cv::Mat& measured, double half_step, double sigma_px) {
   const Centred in(rounded, mask);
   const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
-  // What a block's part inside the mask would tell does not lie at the block's centre.
+  // The mean of a block's part inside the mask does not belong to the block's centre.
   const cv::Mat whole = blockMeans(in.weight, factor) > 0.999;
   const Centred blocks(blockMeans(in.values, factor), whole);
   const cv::Mat wide =
@@ -253,7 +255,7 @@ cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
   off.setTo(0, measured == 0);
   cv::Mat share = (1 + kBeyond - blockMaxima(off, factor) / half_step) / kBeyond;
   share = cv::max(cv::min(share, 1.0), 0.0);
-  // A block is half a sigma: what is off there and in the four beside it counts.
+  // A block is half a sigma: deviations in it and in its four neighbours count.
   cv::erode(share, share, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
   cv::GaussianBlur(share, share, {}, 1.0);
   return height + fromBlocks(change.mul(share), factor, height.size());

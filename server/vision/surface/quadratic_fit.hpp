@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: MIT
-// Smoothing inside a mask without flattening what bends: local quadratic fits with Gaussian
-// weights. Thread: any.
+// Local quadratic regression with Gaussian weights inside a mask (a two-dimensional Savitzky-Golay
+// filter), which smooths without flattening curvature. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
 
 namespace hapticast::server {
 
-/// Value at each pixel of `mask` (0 / 255) of the quadratic fitted to `values` (CV_32FC1) around it
-/// with Gaussian weights inside the mask. Exact for planes, nearly so for quadratics up to the rim.
+/// Returns at each pixel of `mask` (CV_8UC1, 0/255) the value of the quadratic fitted to `values`
+/// (CV_32FC1) around it. Exact for planes, nearly exact for quadratics, up to the rim. `sigma_px`:
+/// width of the Gaussian weights.
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px);
 
-/// For values that are `rounded` to steps, of which `height` is a fit with a narrow window: a wider
-/// one sees more of the terraces, and takes its place wherever it, too, stays within `half_step` of
-/// all that was `measured` (0 / 255) around a pixel; elsewhere the surface bends more than a
-/// quadratic (Lepski's choice of a bandwidth). Reckoned in blocks of half a sigma: the mean over
-/// one is no more biased by curvature than that of `height`, and only the difference of the two is
-/// interpolated. Blocks that are not all inside the mask keep `height`.
+/// Replaces `height`, a fit with a narrow window, by a fit with a wider window that removes the
+/// terraces of `rounded` values. Lepski's choice of a bandwidth.
+/// The wider fit applies where it stays within `half_step` of all `measured` (0/255) values around
+/// a pixel. Elsewhere the surface is curved more than a quadratic.
+/// The computation uses blocks of half a sigma. A block's mean has no more curvature bias than
+/// `height`, and only the difference of the two fits is interpolated. Blocks partly outside `mask`
+/// retain `height`.
 cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
                  const cv::Mat& measured, double half_step, double sigma_px);
 

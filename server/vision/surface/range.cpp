@@ -12,21 +12,22 @@ namespace hapticast::server {
 
 namespace {
 
-// Shares of the pixels of a frame, and of the frames: measured on clips of things in hands whose
-// masks leak; all pixels together let 5 % of leaked background stretch the range 28 times.
+// Shares of the pixels of a frame, and of the frames. Measured on clips of objects in hands whose
+// masks leak. A quantile over all pixels would let 5 % of leaked background widen the range 28
+// times.
 constexpr double kFront = 0.01;
 constexpr double kBack = 0.98;
 constexpr double kFramesBeyond = 0.02;
-constexpr double kOuter = 0.1;  // chosen: leaks are rarely more of a mask
+constexpr double kOuter = 0.1;  // chosen: leaks are rarely a larger share of a mask
 constexpr double kUsualReach =
-    1.8;  // chosen, of the usual frame: of a ball the back is 1.45 times as far
-constexpr double kSlack_mm = 20;     // chosen, beyond that
+    1.8;  // chosen, relative to the usual frame: the back of a ball is 1.45 times as far
+constexpr double kSlack_mm = 20;     // chosen, added to that
 constexpr double kSlackSteps = 4;    // chosen, of rounded depth
-constexpr int kMixedRim_px = 3;      // measured: there sensors mix object and background
-constexpr std::size_t kFewest = 50;  // chosen: pixels that tell where an object ends
-constexpr double kLeast_mm = 50;     // chosen: a ball of 70 mm takes two thirds of it
-constexpr double kLeastSigmas = 60;  // chosen: a sigma of noise is half a mm of height
-constexpr double kLeastSteps = 16;   // chosen: a thing in 8 bits of a whole room has about 14
+constexpr int kMixedRim_px = 3;      // measured: sensors mix object and background there
+constexpr std::size_t kFewest = 50;  // chosen: pixels that determine an object's extent
+constexpr double kLeast_mm = 50;     // chosen: two thirds are a ball of 70 mm
+constexpr double kLeastSigmas = 60;  // chosen: one sigma of noise is half a mm of height
+constexpr double kLeastSteps = 16;  // chosen: an object in 8-bit depth of a whole room has about 14
 constexpr double kLeastSigmas8 = 20;
 constexpr double kWide = 2.5;  // chosen, times the usual depth of an object
 
@@ -76,8 +77,8 @@ void RangeFinder::add(std::uint32_t object, const Surface& surface, const DepthN
   slack_mm_ = noise.eight_bit ? kSlackSteps * noise.quantum_mm : kSlack_mm;
 }
 
-// How far from its middle an object may be in any frame: told by the middle four fifths of its
-// pixels, of which leaks are rarely a part.
+// Returns the largest plausible distance from an object's median depth, from the middle four fifths
+// of its pixels, which rarely include leaks.
 double RangeFinder::reach_mm(const std::vector<Voice>& voices) const {
   std::vector<double> halves_mm;
   halves_mm.reserve(voices.size());

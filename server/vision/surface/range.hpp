@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One range of depths for a whole clip, which becomes the heights: found from the objects' own
-// bulk. Thread: any.
+// Depth range estimation: finds one range of depths for a whole clip, from robust quantiles of the
+// objects' depths. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -12,36 +12,37 @@
 
 namespace hapticast::server {
 
-/// The depths that become heights, and what of it the objects need.
+/// Depths that become heights, with the usual extent of the objects.
 struct MappedRange {
   DepthRange range;
-  double usual_mm = 0.0;  ///< from front to back of an object, median over the frames
-  /// The objects reach over so much more than they are deep: they move in depth, or their masks
-  /// hold what is not theirs.
+  double usual_mm = 0.0;  ///< depth extent of an object, median over the frames
+  /// The range is far wider than the objects: they move in depth, or their masks include
+  /// background.
   bool wide = false;
 };
 
-/// Collects the depths of objects, a voice each frame, and gives the range that holds them.
+/// Collects quantiles of the objects' depths for each frame, and computes the range.
 class RangeFinder {
  public:
-  /// `object`: its id. Of a frame counts what was measured 3 px and more inside the mask.
+  /// Adds a frame of the object with id `object`. Uses pixels measured at least 3 px inside the
+  /// mask.
   void add(std::uint32_t object, const Surface& surface, const DepthNoise& noise);
-  /// From the nearest of the fronts to the farthest of the backs of all frames, but for 2 % of
-  /// them, widened by `margin` of it on both sides. What reaches much farther from a frame's middle
-  /// than the object does in its usual frame is not the object's. At least 50 mm or 60 sigma wide,
-  /// 16 levels of 8-bit depth: stretching less over all heights would make noise a force. nullopt
-  /// when nothing was added.
+  /// Returns the range from the nearest front to the farthest back of all frames, without 2 % of
+  /// them at each end. Both sides are widened by `margin`, a share of the range.
+  /// Depths much farther from a frame's median than usual for the object do not count.
+  /// The range is at least 50 mm or 60 sigma wide, for 8-bit depth 16 levels or 20 sigma. A
+  /// narrower range would turn noise into force. nullopt if no frame was added.
   [[nodiscard]] std::optional<MappedRange> range(double margin) const;
 
  private:
   struct Voice {
     double near_mm, middle_mm, far_mm;
-    double half_mm = 0.0;  // from the middle to where four fifths of the pixels end
+    double half_mm = 0.0;  // distance from the median to the end of the middle four fifths
   };
   [[nodiscard]] double reach_mm(const std::vector<Voice>& voices) const;
 
   std::map<std::uint32_t, std::vector<Voice>> voices_;  // by object
-  double least_mm_ = 0.0;                               // as wide as noise asks for
+  double least_mm_ = 0.0;                               // least width for the noise
   double slack_mm_ = 0.0;
 };
 

@@ -8,13 +8,13 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kMargin_px = 6;         // chosen: an outline that flickers stays within known tiles
-constexpr double kSoftness_px = 3.0;  // chosen: no edge between tiles is felt
-constexpr float kNothing = 0.02F;     // of weight: the tail of the softness
+constexpr int kMargin_px = 6;         // chosen: a flickering outline stays within the present tiles
+constexpr double kSoftness_px = 3.0;  // chosen: no perceptible edge between tiles
+constexpr float kNothing = 0.02F;     // of weight: end of the soft border
 constexpr float kMostlyHeld = 0.5F;   // of weight
-constexpr double kCleanDrift = 0.1;   // chosen: steps of rounded depth
+constexpr double kCleanDrift = 0.1;   // chosen, in steps of rounded depth
 
-// The whole tiles that hold a box and its margin, cut to the picture.
+// Returns the whole tiles that cover a box and its margin, clipped to the picture.
 cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
   if (box.empty()) return {};
   const int size = Tile::kSize_px;
@@ -25,7 +25,7 @@ cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
   return cv::Rect(from, to) & cv::Rect(cv::Point(), picture);
 }
 
-// `image` over `from` cut out or continued by zeros to `to`.
+// Returns `image` over `from`, clipped or extended by zeros to `to`.
 cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, int type) {
   cv::Mat out = cv::Mat::zeros(to.size(), type);
   const cv::Rect common = from & to;
@@ -38,7 +38,7 @@ cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, 
 StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface) {
   const double depth_mm = cv::mean(surface.depth, surface.mask)[0];
   StaticNoise out{noise.at(depth_mm)};
-  // What is left of a flicker trembles like a sensor, however clean a single frame is.
+  // The residue of a flicker trembles like a sensor, even if single frames are clean.
   out.clean = noise.clean(depth_mm) && !noise.flickers;
   if (out.clean) out.drift_mm = kCleanDrift * noise.quantum_mm;
   return out;
@@ -72,7 +72,7 @@ void StaticRegionFilter::countPixels() {
   }
 }
 
-// Tiles without the object go with the ones beside them: what moves behind it is not its motion.
+// Tiles without the object follow their neighbours: motion behind the object is not its own.
 double StaticRegionFilter::weightAround(int column, int row) const {
   double weight = 0.0;
   for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
@@ -83,7 +83,7 @@ double StaticRegionFilter::weightAround(int column, int row) const {
   return weight;
 }
 
-// How much of this frame enters each pixel: per tile, with soft borders between the tiles.
+// Returns the weight of this frame for each pixel: one for each tile, with soft borders.
 cv::Mat StaticRegionFilter::weights() const {
   cv::Mat out(area_.size(), CV_32FC1);
   double lowest = 1.0;
@@ -119,7 +119,7 @@ void StaticRegionFilter::blend(const HoldImages& now) {
     const Tile& tile = tiles_.tile(column, row);
     return !tile.mask_held || tile.weight > 0.0;
   };
-  std::vector<cv::Rect> changing;  // with the tiles beside them, whose borders are soft
+  std::vector<cv::Rect> changing;  // with their neighbours, whose borders are soft
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
       bool any = false;
@@ -154,7 +154,7 @@ void StaticRegionFilter::blendTile(const cv::Rect& rect, bool mask_held, const c
       if (inside[u] == 0 || new_inside[u] == 0) continue;
       float share = had ? w[u] : 1.0F;
       if (share < kNothing) continue;
-      // What was measured counts; what was filled in only where there is nothing better.
+      // Measured values take precedence; filled values count only without a measured one.
       if (had && measured[u] != new_measured[u] && share < kMostlyHeld)
         share = new_measured[u] != 0 ? 1.0F : 0.0F;
       depth[u] += share * (new_depth[u] - depth[u]);
@@ -208,8 +208,8 @@ StaticRegionFilter StaticRegionFilter::copy() const {
 
 bool StaticRegionFilter::isUnchanged(const FrameImages& images, const StaticNoise& noise) {
   if (share_ < 1.0) return false;
-  // As if the mask were the same and the depth needed no cleaning: where that is wrong, it is
-  // released and looked at in full.
+  // Assumes an unchanged mask and depth that needs no cleaning. If this is wrong, tiles are
+  // released and the frame is processed in full.
   const cv::Rect tight = cv::boundingRect(held_.mask);
   Surface now;
   now.box = tight + area_.tl();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Stillness: what is at rest keeps its depth and its outline, tile by tile, so that a still scene
-// feels perfectly still although the sensor is noisy. One per object. Thread: vision's.
+// Static-region filter: holds depth and outline of tiles at rest constant (temporal averaging, then
+// a freeze), so that a static scene causes no force noise. One for each object. Thread: the one
+// that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,24 +14,26 @@
 
 namespace hapticast::server {
 
-/// What the depth of `surface` reads while it is at rest.
+/// Returns the noise of the depth of `surface` at rest.
 StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface);
 
+/// Filter of one object.
 class StaticRegionFilter {
  public:
-  /// The surface of the next frame as it is to be felt: averaged over the first 16 frames and then
-  /// kept, depth and mask, in tiles at rest; `now` elsewhere. `gray`: the whole picture, CV_8UC1.
-  /// `repeated`: this depth is no new observation. Reads the object's box only.
+  /// Returns the filtered surface of the next frame: depth and mask of tiles at rest are averaged
+  /// over their first 16 frames and then constant. Other tiles are those of `now`.
+  /// `gray`: the whole picture, CV_8UC1. `repeated`: the depth is no new observation. Reads the
+  /// object's box only.
   Surface apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise, bool repeated);
 
-  /// Whether a frame shows the object as it is held, all of it at rest: then the frame is counted
-  /// as apply() would have. Else nothing is changed.
+  /// Returns whether the frame shows the held object, all of it at rest; then it counts the frame
+  /// like apply(). Otherwise the filter does not change.
   bool isUnchanged(const FrameImages& images, const StaticNoise& noise);
 
-  /// The part of the object, 0..1, that lies in tiles at rest, unchanged by this frame. 1: the
-  /// surface equals the last frame's bit by bit.
+  /// Returns the share of the object, 0..1, in tiles at rest that this frame did not change. 1: the
+  /// surface equals the last one bit by bit.
   [[nodiscard]] double share() const { return share_; }
-  /// Why the last frame released something of the object; kNone: it did not.
+  /// Returns the cause of the last frame's release; kNone: no release.
   [[nodiscard]] Cause cause() const { return tiles_.cause(); }
 
  private:
@@ -51,10 +54,10 @@ class StaticRegionFilter {
   [[nodiscard]] Surface surface(double quantum_mm) const;
 
   cv::Rect area_;    // px, corners on tiles
-  HoldImages held_;  // over area_; gray: the reference. Nobody else has these images
+  HoldImages held_;  // over area_; gray: the reference. No other object shares these images
   cv::Mat last_gray_;
   StaticTiles tiles_;
-  std::vector<int> pixels_;  // of the object, per tile
+  std::vector<int> pixels_;  // of the object, for each tile
   double share_ = 0.0;
 };
 

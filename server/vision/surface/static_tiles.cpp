@@ -12,22 +12,22 @@ namespace hapticast::server {
 
 namespace {
 
-// Tuned together on still scenes through noisy sensors and on slow motion, so that what rests is
-// held for good and what moves is released at once (hold_test).
+// Tuned together on static scenes through noisy sensors and on slow motion: static tiles stay held,
+// moving tiles are released at once (hold_test).
 constexpr int kCore_px = 3;  // inside the held mask
 constexpr double kSmallestColorNoise = 0.1;
-constexpr double kForget = 1.05;  // per frame: noise is tracked by its minimum
-constexpr float kDark = 8.0F;     // beyond these levels noise is cut off
+constexpr double kForget = 1.05;  // for each frame: the noise estimate follows the minimum
+constexpr float kDark = 8.0F;     // beyond these levels noise is clipped
 constexpr float kBright = 247.0F;
-constexpr int kFewestChanged = 64;  // pixels that tell a tile's change: a quarter of it
-constexpr int kFewestPixels = 24;   // of the object; with less the whole tile is compared
+constexpr int kFewestChanged = 64;  // pixels for a valid change of a tile: a quarter of it
+constexpr int kFewestPixels = 24;   // of the object; with fewer the whole tile is compared
 constexpr int kFewestCore = 32;     // for a mean depth
 constexpr std::size_t kFewestTiles = 4;
 constexpr std::size_t kFewestForGain = 8;
-constexpr int kGainStep_px = 4;   // every fourth pixel and row are enough for a mean
-constexpr double kTexture = 3.0;  // levels; below, colour cannot see motion
-// Evidence of another depth is (off / limit)² a frame: a little off has to last longer than what is
-// far off, but no single frame releases a tile.
+constexpr int kGainStep_px = 4;   // every fourth pixel and row suffice for a mean
+constexpr double kTexture = 3.0;  // levels; below, colour does not show motion
+// Evidence of another depth is (off / limit)² for each frame. A small deviation must last longer
+// than a large one, but no single frame releases a tile.
 constexpr double kMostEvidence = 4;
 constexpr double kEnough = 12;
 constexpr double kEnoughUntextured = 6;
@@ -40,19 +40,19 @@ double computeEvidence(double off_mm, double limit_mm) {
 
 }  // namespace
 
-// What one tile shows in this frame.
+// Measurements of one tile in this frame.
 struct StaticTiles::Reading {
-  bool known = false;        // it was there in the frame before
+  bool known = false;        // present in the frame before
   int pixels = 0;            // of the held object
-  int flipped = 0;           // of which the new mask thinks otherwise
+  int flipped = 0;           // whose label differs in the new mask
   int compared = 0;          // pixels whose colour was compared
-  double color_change = -1;  // mean since the last frame; < 0: too dark or too bright to tell
-  double color_off = 0;      // mean against the reference
+  double color_change = -1;  // mean since the last frame; < 0: too dark or too bright
+  double color_off = 0;      // mean difference to the reference
   double texture = 0;        // standard deviation of the reference
   int core = 0;              // pixels well inside the held object
-  int core_lost = 0;         // of these not in the new mask
+  int core_lost = 0;         // of these outside the new mask
   int core_measured = 0;
-  double depth_off_mm = 0;  // over core_measured, but for the farthest off
+  double depth_off_mm = 0;  // over core_measured, without outliers
 };
 
 cv::Rect StaticTiles::tileRect(int column, int row) const {
@@ -82,7 +82,7 @@ void StaticTiles::moveTo(const cv::Rect& box) {
   tiles_ = std::move(tiles);
 }
 
-// Exposure and mains flicker change all tiles alike: the median of their gains is divided out.
+// Exposure and mains flicker change all tiles equally; the median gain is divided out.
 double StaticTiles::estimateGain(const HoldImages& held, const HoldImages& now) const {
   std::vector<double> gains;
   for (int row = 0; row < rows_; ++row) {
@@ -139,7 +139,7 @@ StaticTiles::Reading StaticTiles::readTile(int column, int row, const HoldImages
   return out;
 }
 
-// The part of a reading that tells of the outline and of the depth.
+// Measures outline and depth of a tile.
 void StaticTiles::readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
                               const cv::Mat& core, Reading& out) {
   std::vector<float> offs;
@@ -205,7 +205,8 @@ Cause StaticTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bo
   return outline > depth ? Cause::kOutline : Cause::kDepth;
 }
 
-// The whole object drifts in depth: seen sooner and by less than in any one tile.
+// A drift of the whole object in depth shows sooner, and at smaller deviations, than in a single
+// tile.
 bool StaticTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
   if (repeated) return false;
   std::vector<double> offs;
@@ -231,7 +232,7 @@ void StaticTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       const auto index = static_cast<std::size_t>(row * columns_ + column);
-      // What moves in the background does not concern the object beside it.
+      // Motion in the background does not affect the object beside it.
       if (!tiles_[index].loose() || !readings[index].known) continue;
       if (readings[index].pixels == 0 && readings[index].flipped == 0) continue;
       for (int v = std::max(0, row - 1); v <= std::min(rows_ - 1, row + 1); ++v) {
@@ -249,8 +250,8 @@ void StaticTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
   }
 }
 
-// Which tiles are no longer held, and how fast each goes over into what is seen: what moves at
-// once, what merely has another depth softly.
+// Decides the released tiles and the speed of their transition to the new values: at once for
+// motion, softly for a mere change of depth.
 void StaticTiles::release(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
   const bool all = allMoved(readings, drift_mm, repeated);
   if (all) evidence_of_all_ = 0;

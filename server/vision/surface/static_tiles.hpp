@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the tiles of a picture show against what is held of them, and which are at rest. Used by
-// Hold.
+// Change detection in tiles: compares a frame with the held values, with temporal evidence, and
+// decides which tiles are at rest. Part of StaticRegionFilter.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -9,55 +10,59 @@
 
 namespace hapticast::server {
 
-/// One object over a box whose corners are corners of tiles (or of the picture): all images are of
-/// the box's size.
+/// Images of one object over a box of whole tiles (or up to the picture's border), all of the box's
+/// size.
 struct HoldImages {
-  cv::Mat gray;      ///< CV_32FC1, mean of 3x3; of the held ones the reference
+  cv::Mat gray;      ///< CV_32FC1, mean of 3x3; of the held images the reference
   cv::Mat depth;     ///< CV_32FC1, working depth in mm
-  cv::Mat mask;      ///< CV_8UC1, 0 / 255
-  cv::Mat measured;  ///< CV_8UC1, 255 where `depth` is the sensor's own
+  cv::Mat mask;      ///< CV_8UC1, 0/255
+  cv::Mat measured;  ///< CV_8UC1, 255: `depth` is the sensor's own
 };
 
-/// Why a tile is no longer held.
+/// Cause of a tile's release.
 enum class Cause : std::uint8_t { kNone, kNew, kColor, kOutline, kDepth, kAllDepth };
 
+/// State of one tile.
 struct Tile {
-  // Tried together on noisy still scenes and on slow motion; chosen where no motion was held back.
+  // Tuned on noisy static scenes and on slow motion; chosen so that no motion is suppressed.
   static constexpr int kSize_px = 16;
-  static constexpr int kFrames = 16;         ///< averaged; from then on nothing changes
-  static constexpr int kColorFrames = 3;     ///< averaged in the reference
-  static constexpr int kMaskFrames = 3;      ///< until the mask is held
-  static constexpr double kNeighbour = 0.6;  ///< weight beside a released tile, of its own
-  static constexpr int kBlend = 4;           ///< frames: nothing that rests is felt to step
+  static constexpr int kFrames = 16;      ///< frames of the average; then the value is constant
+  static constexpr int kColorFrames = 3;  ///< frames of the reference's average
+  static constexpr int kMaskFrames = 3;   ///< frames until the mask is held
+  /// Weight beside a released tile, relative to that tile's.
+  static constexpr double kNeighbour = 0.6;
+  static constexpr int kBlend = 4;  ///< frames of a soft transition, without a perceptible step
 
-  int frames = 0;              ///< held so far, at most kFrames
-  double evidence = 0;         ///< of another depth or outline, over frames in a row
-  double weight = 1.0;         ///< of this frame in what is held
-  Cause cause = Cause::kNone;  ///< of its release in this frame
-  /// Frames in which what is held goes over into what is seen, this one included: one where it
-  /// moves, more where only depth or outline are another.
+  int frames = 0;              ///< frames held so far, at most kFrames
+  double evidence = 0;         ///< of another depth or outline, over successive frames
+  double weight = 1.0;         ///< of this frame in the held value, 0..1
+  Cause cause = Cause::kNone;  ///< of a release in this frame
+  /// Remaining frames of the transition from held to new values, including this one: one after
+  /// motion, more after a change of depth or outline only.
   int blending = 0;
   bool mask_held = false;
 
   [[nodiscard]] bool loose() const { return cause != Cause::kNone || blending > 0; }
 };
 
-/// What depth reads of something at rest.
+/// Noise of depth at rest.
 struct StaticNoise {
-  double sigma_mm = 0.0;  ///< of a pixel
-  double drift_mm = 1.0;  ///< of a tile: sensors wander (1 mm is chosen); clean depth does not
-  bool clean = false;     ///< nothing trembles
+  double sigma_mm = 0.0;  ///< standard deviation of a pixel
+  double drift_mm = 1.0;  ///< drift of a tile: 1 mm for sensors (chosen), less for clean depth
+  bool clean = false;     ///< no noise at all
 };
 
-/// The tiles of one object and the noise they are judged by. Thread: vision's.
+/// The tiles of one object, with the noise estimates that judge them. Thread: the one that runs
+/// Vision.
 class StaticTiles {
  public:
-  /// Tiles over another box (px, corners on tiles); those of both boxes stay.
+  /// Moves the tiles to another box (px, corners on tiles). Tiles within both boxes retain their
+  /// state.
   void moveTo(const cv::Rect& box);
-  /// Compares a frame with what is held: `held`, `last_gray` (the frame before) and `now` over the
-  /// box. `repeated`: this depth is no new observation. Decides for every tile whether it is
-  /// released, its weight and whether its mask is held, and counts the frame. Returns the grey of
-  /// `now` with changes of exposure divided out.
+  /// Compares a frame with the held values and decides for each tile: release, weight, held mask.
+  /// Counts the frame.
+  /// `held`, `last_gray` (the frame before) and `now` cover the box. `repeated`: the depth is no
+  /// new observation. Returns the grey of `now` without changes of exposure.
   cv::Mat judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& now,
                 const StaticNoise& noise, bool repeated);
 
@@ -66,9 +71,9 @@ class StaticTiles {
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
-  /// Why most of what was released in this frame was; kNone: nothing of the object was.
+  /// Cause of most releases of the object in this frame; kNone: no release.
   [[nodiscard]] Cause cause() const { return cause_; }
-  /// Pixels of a tile within the box.
+  /// Returns the pixels of a tile within the box.
   [[nodiscard]] cv::Rect tileRect(int column, int row) const;
 
  private:
@@ -91,11 +96,11 @@ class StaticTiles {
   int rows_ = 0;
   std::vector<Tile> tiles_;
   Cause cause_ = Cause::kNone;
-  double color_noise_ = kLargestColorNoise;  // levels, from frame to frame
-  double depth_noise_mm_ = -1.0;             // of a tile; < 0: not known yet
+  double color_noise_ = kLargestColorNoise;  // levels between successive frames
+  double depth_noise_mm_ = -1.0;             // of a tile; < 0: not measured yet
   double evidence_of_all_ = 0;               // of another depth of the whole object
 
-  // A clip that starts in motion must not take its motion for noise.
+  // A clip that starts in motion must not count its motion as noise.
   static constexpr double kLargestColorNoise = 1.2;
 };
 

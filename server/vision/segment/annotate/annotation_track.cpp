@@ -11,15 +11,17 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kJoined_mm = 60;       // chosen: a hand is larger, a finger and its shadow are not
-constexpr double kLeastPatch_mm = 25;   // chosen: a rim or a shadow must not teach its colours
-constexpr float kLikeThePoint = -7.0F;  // chosen, log of a density: two spreads of the camera off
+// Chosen: smaller than a hand, larger than a finger with its shadow.
+constexpr double kJoined_mm = 60;
+constexpr double kLeastPatch_mm = 25;  // chosen: excludes the colours of rims and shadows
+// Chosen, log density: two standard deviations of camera noise.
+constexpr float kLikeThePoint = -7.0F;
 
 cv::Point toPixel(const AuthorPoint& point) {
   return {static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y())};
 }
 
-// Times up to this one speak of the frame or of an earlier one.
+// Returns the latest time of annotations that belong to the frame or an earlier one.
 double endTime(double clip_time_s, const FramePair& frames) {
   return clip_time_s < 0.0 ? -1.0 : clip_time_s + 0.5 * frames.frame_s;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the author says of which frame: points (--object and --not, with their times) and drawn
-// masks. Thread: the one that runs Vision.
+// Annotations of the author by frame: points (--object and --not, with their times) and key masks.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,40 +13,46 @@
 
 namespace hapticast::server {
 
-inline constexpr int kPoint_px = 5;  ///< radius of what a person means by a point; chosen
+inline constexpr int kPoint_px = 5;  ///< radius of the pixels that a point means; chosen
 
-/// The author's word on one frame.
+/// The author's annotation of one frame.
 struct Annotation {
-  std::vector<cv::Point> on;   ///< is the object
-  std::vector<cv::Point> off;  ///< is none
-  cv::Mat masks;               ///< empty, or CV_8UC1 with n for object n
+  std::vector<cv::Point> on;   ///< points on the object, px
+  std::vector<cv::Point> off;  ///< points on other objects, px
+  cv::Mat masks;               ///< key mask: empty, or CV_8UC1 with n for object n
 
   [[nodiscard]] bool empty() const { return on.empty() && off.empty() && masks.empty(); }
 };
 
+/// Annotations of a clip, by time.
 class AnnotationTrack {
  public:
+  /// Copies the points of `settings`.
   explicit AnnotationTrack(const VisionSettings& settings);
 
-  /// What is said of the clip's first frame, but for a drawn mask.
+  /// Returns the points of the clip's first frame, without a key mask.
   [[nodiscard]] const Annotation& atStart() const { return start_; }
-  /// What is said of this frame of `frames`: the one next in time to a point, and none before it.
+  /// Returns the annotations of the present frame of `frames`: its key mask, and the points nearest
+  /// to it in time but not nearer to the frame before.
   [[nodiscard]] Annotation annotationAt(const FramePair& frames) const;
-  /// Whether an object is pointed at after the first frame.
+  /// Returns whether the author marked an object after the first frame.
   [[nodiscard]] bool pointsLater() const { return !on_.empty(); }
-  /// Whether anything is said of a frame after this one; of drawn masks nobody knows.
+  /// Returns whether points annotate a frame after the present one. Key masks of later frames are
+  /// unknown.
   [[nodiscard]] bool hasLaterAnnotation(const FramePair& frames) const;
 
  private:
   Annotation start_;
-  std::vector<AuthorPoint> on_;  // of later frames
+  std::vector<AuthorPoint> on_;  // points of later frames
   std::vector<AuthorPoint> off_;
 };
 
-/// The pixels of the view that are joined to `at` by colours like those in a disc around it, 255.
+/// Returns the mask (0/255, size of `view`) of the pixels connected to `at` whose colours resemble
+/// those of a disc of `radius_px` around it.
 cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
 
-/// Adds the colours of what is at `point` of the picture, and joined to it in colour and space.
+/// Adds the colours of the region at `point` (px of the picture), connected in colour and space, to
+/// `colors`. Ignores a region narrower than 25 mm.
 void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is learnt of a recorded clip when it is looked through, and used whenever it is played:
-// its start, and what the author's words in later frames teach about the frames before them.
+// Results of a clip's scan that each playback uses: the initial state, and masks that later
+// annotations imply for earlier frames (backward propagation).
 // Thread: the one that runs Vision.
 #pragma once
 
@@ -14,28 +14,29 @@
 
 namespace hapticast::server {
 
-/// Colours of what the author does not mean (--not), by which every object is told from it.
+/// Colours of the author's negative points (--not), which separate objects from them.
 struct NegativeColors {
   ColorHistogram histogram;
-  cv::Mat samples;  ///< CV_32FC3, Lab (L 0..100), one column; empty: nothing was said
+  cv::Mat samples;  ///< CV_32FC3, Lab (L 0..100), one column; empty: no negative points
 };
 
-/// Where an object is in a frame by the author's word, or by one in a later frame.
+/// Mask of an object in a frame, from an annotation of this frame or of a later frame.
 struct PropagatedMask {
-  int number = 0;      ///< of the object; see TrackedMask::number()
-  cv::Rect box;        ///< of the picture; empty: it is not seen
-  cv::Mat mask;        ///< CV_8UC1, 0 / 255, over the box
-  bool given = false;  ///< drawn by the author for this very frame
+  int number = 0;      ///< number of the object; see TrackedMask::number()
+  cv::Rect box;        ///< of the picture; empty: not visible
+  cv::Mat mask;        ///< CV_8UC1, 0/255, over the box
+  bool given = false;  ///< the author's key mask of this frame
 };
 
-struct InitialState;  // band.hpp
+struct InitialState;  // follow/narrow_band_tracker.hpp
 
+/// Annotations of a clip, in a form that its playbacks share.
 struct ClipAnnotations {
-  /// The careful start, which costs as much as ten frames; null until there is one.
+  /// Initial state; its computation costs as much as ten frames. Null before.
   std::shared_ptr<const InitialState> start;
-  NegativeColors avoided;
+  NegativeColors avoided;                                      ///< of the author's negative points
   std::map<std::uint64_t, std::vector<PropagatedMask>> masks;  ///< by frame of the clip
-  /// While the clip is looked through; words of later frames are then carried back.
+  /// True during a scan; then annotations of later frames propagate backward.
   bool open = false;
 };
 

@@ -13,24 +13,24 @@ namespace hapticast::server {
 
 namespace {
 
-// Tuned on drawn scenes of things in hands, unless marked.
+// Tuned on drawn scenes of objects in hands, unless marked.
 constexpr double kCorrected_px = 20000.0;  // chosen for time
-constexpr double kSays_mm = 30.0;          // so far a point says more than its colours
-constexpr double kMeant_mm = 100.0;        // so far what is joined to a point is meant by it
-constexpr double kStays = 1.0;             // of what is farther
-constexpr double kPlace = 1.5;             // of what is nearer
+constexpr double kSays_mm = 30.0;          // up to here a point outweighs its colours
+constexpr double kMeant_mm = 100.0;        // up to here a point means the pixels connected to it
+constexpr double kStays = 1.0;             // weight of the old mask, far from points
+constexpr double kPlace = 1.5;             // weight of the position, near points
 constexpr double kFarColor = 0.5;
 constexpr float kMostRather = 4.0F;
 constexpr int kWordMargin_px = 30;
 constexpr double kCertain = 1e3;
 
-// Everything about a correction in one small view.
+// Data of a correction in one small view.
 struct Correction {
   GraphRoi view;
   cv::Mat old;                 // 255
   cv::Mat clicked_positive;    // 255: discs
-  cv::Mat connected_positive;  // 255: the discs and what is joined to them in colour and depth
-  cv::Mat connected_negative;  // 255: the discs and what is joined to them
+  cv::Mat connected_positive;  // 255: the discs and their connected regions in colour and depth
+  cv::Mat connected_negative;  // 255: the discs and their connected regions
   cv::Mat clicked_negative;    // 255
   cv::Mat nearby_positive, nearby_negative;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
 };
@@ -55,7 +55,7 @@ cv::Mat nearnessTo(const cv::Mat& clicked, double reach_px) {
   return cv::max(1.0 - distance / reach_px, 0.0);
 }
 
-// What is joined to a point of the object: of its colours, near in space, on no plane.
+// Returns the region connected to a positive point: similar in colour, near in space, on no plane.
 cv::Mat drawClickDisc(const GraphRoi& view, const cv::Point& at, double px_per_mm) {
   const int radius = discRadius(view);
   cv::Mat out = connectedTo(view, at, radius);
@@ -103,8 +103,8 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
   return out;
 }
 
-// How much more like the first colours than like the second each pixel is; 0 where either is
-// unknown.
+// Returns the log likelihood ratio of the first colours against the second colours for each pixel.
+// 0 if either set is empty.
 cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) {
   const ColorMixture a(lab, first);
   const ColorMixture b(lab, second);
@@ -138,8 +138,8 @@ cv::Mat computeEvidence(const Correction& c) {
   return out;
 }
 
-// The pieces with a point that is the object, else the largest one; and what of the others was the
-// object's before and is no crumb.
+// Returns the pieces with a positive point, and all pieces larger than a tenth of the largest
+// piece.
 cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
   cv::Mat labels;
   cv::Mat stats;

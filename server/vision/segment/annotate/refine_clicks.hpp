@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A mask corrected by the author's points: one graph cut in which what is far from the points stays
-// as it was. Thread: the one that runs Vision.
+// Interactive segmentation (Boykov and Jolly 2001): corrects a mask by the author's points with one
+// minimum cut. Pixels far from the points keep their label. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,8 +10,8 @@
 
 namespace hapticast::server {
 
-/// `mask` (0 / 255, size of the picture) with what belongs to the points of `annotation` that are
-/// the object, and without what belongs to those that are none; empty where nothing is left.
+/// Returns `mask` (CV_8UC1, 0/255, image size) with the regions of the positive points of
+/// `annotation` and without those of its negative points. Empty (all 0) if no pixel remains.
 cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
                          const Annotation& annotation);
 

@@ -8,7 +8,7 @@ namespace hapticast::server {
 
 namespace {
 
-// 1-2-1 along one colour channel, so that a little more light is not a new colour.
+// Smooths by 1-2-1 along one colour channel, so that a small change of light is no new colour.
 void smoothAlong(std::array<float, ColorHistogram::kBins>& bins, std::size_t stride) {
   for (std::size_t first = 0; first < bins.size(); ++first) {
     if (first / stride % 16 != 0) continue;

@@ -9,23 +9,27 @@ namespace hapticast::server {
 
 namespace {
 
-// Weights and limits of the sum that README.md gives: tuned on nine synthetic scenes through four
-// sensors and looked at on real captures, unless marked.
-constexpr float kMemory = 0.3F;     // of the last decision; 0 is sharper, but flickers more
-constexpr float kLimit = 3.0F;      // of the evidence
-constexpr double kMostDepth = 2.0;  // of what depth may say; more, and a touching hand is taken in
-constexpr double kCoreShare = 0.8;  // what hangs on at the rim must not teach its colours
+// Weights and limits of the sum in README.md: tuned on nine synthetic scenes through four sensors
+// and checked on real captures, unless marked.
+constexpr float kMemory = 0.3F;  // of the last decision; 0 is sharper, but flickers more
+constexpr float kLimit = 3.0F;   // of the evidence
+// Limit of the depth's evidence; a larger one includes touching hands.
+constexpr double kMostDepth = 2.0;
+// Weight of the core, so that background at the rim does not enter the colours.
+constexpr double kCoreShare = 0.8;
 constexpr int kCell_px = 4;         // chosen for time: a mean over sigma 7 px is smooth
-constexpr float kInside_px = 3.0F;  // chosen: nearer to the contour depth is not the object's own
+constexpr float kInside_px = 3.0F;  // chosen: depth nearer to the contour is not reliable
 constexpr int kLargestHole_px = 400;
-constexpr double kLeastPart = 0.03;  // of the largest: the end of a thing beyond a hand
+// Of the largest: the end of an object that sticks out of a hand.
+constexpr double kLeastPart = 0.03;
 constexpr double kColorWeight = 1.5;
-constexpr double kWholePicture = 0.3;  // of the background, where the object is unlike the rest
-constexpr double kUnlike = 0.35;  // of two histograms: from here on colour has its whole weight
+constexpr double kWholePicture = 0.3;  // of the background, if the object differs from the picture
+constexpr double kUnlike = 0.35;  // distance of two histograms at which colour has its full weight
 constexpr double kLeastColor = 0.6;
 constexpr double kGuidedEps = 2e-3;
-// Colours mixed at the contour look like never seen ones, so background: without this masks are a
-// third of a pixel too small. Only where there is evidence: a doubtful contour must not creep.
+// Mixed colours at the contour resemble unseen colours and count as background. Without this offset
+// masks are a third of a pixel too small. It needs evidence, so that a doubtful contour does not
+// creep.
 constexpr float kLean = 0.3F;
 constexpr float kClear = 2.0F;
 
@@ -52,7 +56,7 @@ struct Local {
     cv::divide(sum, weight + 1e-6, mean);
   }
   [[nodiscard]] double holes() const { return 1.0 - double(known) / std::max(1, seen); }
-  // Whether there was enough to average.
+  // Returns whether there are enough depths for a mean.
   [[nodiscard]] bool knows(int v, int u) const {
     return weight.at<float>(v / kCell_px, u / kCell_px) > 1e-3F * kCell_px * kCell_px;
   }
@@ -67,15 +71,15 @@ double depthEvidence(double z, double object, double background, double sigma) {
   const double off_object = std::min(3.0, std::abs(z - object) / object_scale);
   const double off_background = std::min(3.0, std::abs(z - background) / background_scale);
   const double gap = std::abs(object - background) / (2 * object_scale);
-  const double clear = 0.25 + 0.75 * std::min(1.0, gap);  // where depths agree, depth keeps silent
+  const double clear = 0.25 + 0.75 * std::min(1.0, gap);  // equal depths yield no evidence
   const double squares = off_background * off_background - off_object * off_object;
   return clear * std::clamp(0.5 * squares, -kMostDepth, kMostDepth);
 }
 
-// The mean depths beside a contour and what a pixel without depth tells there.
+// Mean depths beside a contour, and the evidence of a pixel without depth there.
 struct BesideContour {
   Local object, background;
-  double hole = 0.0;  // log of how much rather the object has holes than the background
+  double hole = 0.0;  // log ratio of the shares of holes, object to background
 
   explicit BesideContour(const ObjectRoi& patch)
       : object(patch.depth.size()), background(patch.depth.size()) {
@@ -101,14 +105,14 @@ struct BesideContour {
     if (!object.knows(v, u)) return 0.0;
     if (background.knows(v, u))
       return depthEvidence(z, object.at(v, u), background.at(v, u), noise.at(z));
-    // A background without depth: being near the object's depth speaks for it, by as much as holes
-    // are rare in it.
+    // The background has no depth: a depth near the object's is evidence for the object, more so if
+    // the object has few holes.
     const double off = std::abs(z - object.at(v, u)) / (12 + 3 * noise.at(z));
     return off < 2.0 ? -hole : -1.0;
   }
 };
 
-// The evidence of depth for the pixels of the band: 0 elsewhere.
+// Returns the depth's evidence for the pixels of the band; 0 elsewhere.
 cv::Mat depthTerm(const ObjectRoi& patch, const std::vector<Plane>& planes,
                   const DepthNoise& noise) {
   const BesideContour beside(patch);
@@ -132,8 +136,7 @@ cv::Mat depthTerm(const ObjectRoi& patch, const std::vector<Plane>& planes,
   return out;
 }
 
-// What was seen with what is expected: near the old contour, and like the last decision (`before`,
-// may be empty).
+// Adds the priors: distance to the old contour, and the last decision (`before`, may be empty).
 void addExpectation(const cv::Mat& distance, const cv::Mat& before, cv::Mat& evidence) {
   for (int v = 0; v < evidence.rows; ++v) {
     const auto* d = distance.ptr<float>(v);
@@ -154,8 +157,8 @@ cv::Mat boxMean(const cv::Mat& image) {
   return out;
 }
 
-// 255 where slope x grey + offset is above 0 in the band or a pixel lies deeper inside; over the
-// patch's box at full size.
+// Returns 255 where slope x grey + offset is above 0 in the band, or a pixel lies deeper inside;
+// over the patch's box at full size.
 cv::Mat thresholded(const ObjectRoi& patch, const cv::Mat& slope, const cv::Mat& offset) {
   cv::Mat out(patch.gray.size(), CV_8UC1);
   for (int v = 0; v < out.rows; ++v) {
@@ -173,9 +176,9 @@ cv::Mat thresholded(const ObjectRoi& patch, const cv::Mat& slope, const cv::Mat&
   return out;
 }
 
-// Guided filter (He, Sun and Tang 2010), which puts the zero line of the evidence on the edges of
-// the picture: its slopes and offsets are smooth and found at half size or less (boxes of 3 x 3
-// there), its guide is whole. 255 where it is above 0, over the patch's box at full size.
+// Guided filter (He, Sun and Tang 2010): aligns the zero line of the evidence with edges of the
+// picture. Slopes and offsets are computed at half size or less (boxes of 3 x 3 there); the guide
+// has full size. Returns 255 where the result is above 0, over the patch's box at full size.
 cv::Mat guided(const ObjectRoi& patch, const cv::Mat& evidence, float lean) {
   cv::Mat values = evidence + lean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
   const int factor = std::max(2, patch.factor);
@@ -198,8 +201,8 @@ cv::Mat guided(const ObjectRoi& patch, const cv::Mat& evidence, float lean) {
   return thresholded(patch, slope, offset);
 }
 
-// Keeps the largest piece, and others that are no crumbs and that the carried mask supports; fills
-// small holes.
+// Removes pieces other than the largest, unless they are large enough and lie in the expected mask.
+// Fills small holes.
 void keepMainPieces(cv::Mat& mask, const ObjectRoi& patch) {
   std::vector<std::vector<cv::Point>> contours;
   std::vector<cv::Vec4i> tree;
@@ -240,7 +243,7 @@ std::vector<float> computeColorEvidence(const ContourMemory& memory) {
   ColorHistogram background = memory.background;
   background.adapt(memory.elsewhere,
                    kWholePicture * (1.0 - computeOverlap(memory.first, memory.elsewhere)));
-  // What is like the object in colour cannot be told from it by colour.
+  // Colours that the object shares with negative samples cannot separate the two.
   const double other = 1.0 - computeOverlap(memory.first, memory.avoided);
   background.raise(memory.avoided, std::min(1.0, other / kUnlike));
   return colorEvidence(memory.first, memory.now, background);
@@ -250,13 +253,14 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory) {
   ContourResult result;
   const cv::Mat color = mapEvidence(patch.color, computeColorEvidence(memory));
-  // Where object and background look alike, depth has to decide.
+  // If object and background have similar colours, depth decides.
   const double unlike = 1.0 - computeOverlap(memory.first, memory.background);
   const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);
   cv::Mat evidence = color_weight * color + depthTerm(patch, planes, noise);
   cv::blur(evidence, evidence, {3, 3});
   addExpectation(patch.distance, memory.evidence, evidence);
-  const float lean = memory.evidence.empty() ? 0.0F : kLean;  // a start, too, must not creep
+  // The first frame must not creep either.
+  const float lean = memory.evidence.empty() ? 0.0F : kLean;
   result.mask = guided(patch, evidence, lean);
   cv::morphologyEx(result.mask, result.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Decides anew, from colour, depth, planes and the last mask, the band of pixels around an object's
-// contour; what lies deeper inside or further out stays. README.md of server/vision gives the sum.
+// Narrow-band contour decision: labels the pixels in a band around an object's contour anew, from
+// colour, depth, planes and the last mask. A guided filter (He, Sun and Tang 2010) aligns the
+// result with edges.
+// Pixels outside the band do not change. README.md of server/vision has the sum. Thread: the one
+// that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -12,35 +15,36 @@
 
 namespace hapticast::server {
 
-/// What is remembered of an object between frames.
+/// Appearance model of an object across frames.
 struct ContourMemory {
-  ColorHistogram first;       ///< of the first mask; stays for good
-  ColorHistogram now;         ///< follows slowly
+  ColorHistogram first;       ///< of the first mask; constant
+  ColorHistogram now;         ///< of recent masks, adapts slowly
   ColorHistogram background;  ///< of the ring around the object
-  ColorHistogram elsewhere;   ///< of the whole picture it began in, without it; may be empty
-  ColorHistogram avoided;     ///< of what the author does not mean; may be empty
-  cv::Mat evidence;           ///< CV_32FC1 over a patch: the last decision, > 0 object
-  cv::Matx33d to_picture;     ///< of `evidence`
+  ColorHistogram elsewhere;   ///< of the first picture without the object; may be empty
+  ColorHistogram avoided;     ///< of the author's negative points; may be empty
+  cv::Mat evidence;           ///< CV_32FC1 over a patch: the last decision, > 0: object
+  cv::Matx33d to_picture;     ///< maps px of `evidence` to px of the picture
 };
 
-/// Carries the last decision into the patch of this frame.
+/// Warps the last decision into `patch`, the region of this frame.
 void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 
-/// By colour bin, above 0 speaks for the object; see colorEvidence().
+/// Returns the evidence for each colour bin, above 0 for the object; see colorEvidence().
 std::vector<float> computeColorEvidence(const ContourMemory& memory);
 
+/// Result of a contour decision.
 struct ContourResult {
-  cv::Mat mask;               ///< CV_8UC1, 0 / 255, over the patch's box at full size
-  double inside_color = 0.0;  ///< mean colour evidence inside; below 0 it is not the object
+  cv::Mat mask;               ///< CV_8UC1, 0/255, over the patch's box at full size
+  double inside_color = 0.0;  ///< mean colour evidence inside; below 0: not the object
 };
 
-/// `memory.evidence` must be carried to the patch (or empty); it is replaced by this frame's. The
-/// histograms are not touched; see learn().
+/// Decides the contour in `patch`. Requires `memory.evidence` warped to `patch`, or empty. Replaces
+/// `memory.evidence` by this frame's decision. Leaves the histograms unchanged; see updateMemory().
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
 
-/// Takes the colours of `mask` (0 / 255, over the patch's box at full size) and of the ring around
-/// it into the memory. Its contour is at most a band away from the patch's.
+/// Adds the colours of `mask` (CV_8UC1, 0/255, over the patch's box at full size) and of the ring
+/// around it to `memory`. Requires a contour at most one band away from the patch's contour.
 void updateMemory(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
 
 }  // namespace hapticast::server

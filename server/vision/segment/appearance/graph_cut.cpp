@@ -10,11 +10,11 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kParts = 5;           // as GrabCut has
+constexpr int kParts = 5;           // as in GrabCut
 constexpr int kMostSamples = 800;   // chosen for time
-constexpr float kLeastSpread = 16;  // squared, Lab: what a camera's noise and shading spread
-// Of two neighbours of one colour that are cut apart, in nats; across a step in depth less.
-// Tuned on drawn scenes of things in hands.
+constexpr float kLeastSpread = 16;  // squared, Lab: effect of a camera's noise and shading
+// Cost of a cut between two neighbours of equal colour, in nats, and its factor across a step in
+// depth. Tuned on drawn scenes of objects in hands.
 constexpr float kTogether = 6.0F;
 constexpr float kAcrossStep = 0.25F;
 
@@ -96,7 +96,7 @@ struct Offset {
 };
 constexpr std::array kNeighbours{Offset{1, 0}, Offset{0, 1}, Offset{1, 1}, Offset{-1, 1}};
 
-/// Calls take(a, b, square of the difference in Lab) for all pairs of neighbours.
+/// Calls `take`(a, b, square of the difference in Lab) for all pairs of neighbours.
 template <class Take>
 void forNeighbours(const cv::Mat& lab, Take take) {
   for (int v = 0; v < lab.rows; ++v) {

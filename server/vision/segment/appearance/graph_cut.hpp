@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What belongs together by colour and depth: mixtures of Gaussians in Lab and the minimum cut of a
-// graph of pixels (Boykov and Jolly 2001, the rounds of Rother, Kolmogorov and Blake 2004). Thread:
-// the one that runs Vision.
+// Graph cut segmentation: Gaussian mixtures of colours in Lab and the minimum cut of a graph of
+// pixels.
+// Sources: Boykov and Jolly 2001; the mixtures are those of GrabCut (Rother, Kolmogorov and Blake
+// 2004). Thread: the one that runs Vision.
 #pragma once
 
 #include <array>
@@ -12,14 +13,15 @@
 
 namespace hapticast::server {
 
-/// Up to five Gaussians over colours in Lab.
+/// Gaussian mixture of up to five parts over colours in Lab.
 class ColorMixture {
  public:
   ColorMixture() = default;
-  /// Of the pixels of `lab` (CV_32FC3) where `where` is not 0; empty where these are too few.
+  /// Fits the pixels of `lab` (CV_32FC3) where `where` is not 0. Empty if there are fewer than
+  /// eight.
   ColorMixture(const cv::Mat& lab, const cv::Mat& where);
   [[nodiscard]] bool empty() const { return parts_.empty(); }
-  /// Log of the density, not below kLeast.
+  /// Returns the log density at `lab`, at least kLeast.
   [[nodiscard]] float logDensity(const cv::Vec3f& lab) const;
 
   static constexpr float kLeast = -30.0F;
@@ -28,16 +30,16 @@ class ColorMixture {
   struct Part {
     cv::Vec3f mean;
     cv::Matx33f inverse;
-    float log_weight = 0.0F;  // with the determinant
+    float log_weight = 0.0F;  // includes the determinant
   };
   std::vector<Part> parts_;
 };
 
-/// Logs of the densities of all pixels, CV_32FC1.
+/// Returns the log densities of all pixels of `lab`, CV_32FC1.
 cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab);
 
-/// The labelling (255 = object) of least energy: `unary` (CV_32FC1, above 0 speaks for the object),
-/// and neighbours of like colour and depth rather stay together.
+/// Returns the labelling of least energy (255: object). `unary`: CV_32FC1, above 0 for the object.
+/// Cuts between neighbours of similar colour and depth cost most.
 cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise& noise);
 
 }  // namespace hapticast::server

@@ -9,7 +9,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kUsualFocal = 0.94;  // of the width: the field of view of most cameras
+constexpr double kUsualFocal = 0.94;  // relative to the width: field of view of most cameras
 
 }  // namespace
 

@@ -13,10 +13,11 @@ namespace hapticast::server {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
-constexpr float kOwnColor = 0.002F;        // chosen, of a histogram: a colour that is seen there
-constexpr double kMostPast = 0.5;          // chosen, of the object
+// Chosen, of a histogram: the least share of an occurring colour.
+constexpr float kOwnColor = 0.002F;
+constexpr double kMostPast = 0.5;  // chosen, of the object
 
-// The box that `from` moves into.
+// Returns the bounding box of `from` after the similarity.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
   std::vector<cv::Point2f> corners;
   for (const cv::Point& at :
@@ -39,7 +40,7 @@ int factorFor(const cv::Rect& object, const cv::Size& picture) {
   return largest;
 }
 
-// Cut to multiples of the factor, from the side that is not the picture's border.
+// Clips the box to multiples of the factor, at the side that is not the picture's border.
 cv::Rect wholePixels(cv::Rect box, int factor) {
   const int extra_u = box.width % factor;
   const int extra_v = box.height % factor;
@@ -51,7 +52,7 @@ cv::Rect wholePixels(cv::Rect box, int factor) {
 }
 
 void findDistance(ObjectRoi& patch) {
-  // One transform for both sides: the distance to the outermost pixels inside.
+  // One transform serves both sides: the distance to the outermost pixels inside.
   cv::Mat inner;
   cv::erode(patch.inside, inner, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
   cv::distanceTransform((patch.inside == 0) | inner, patch.distance, cv::DIST_L2, 3);
@@ -62,7 +63,7 @@ void findDistance(ObjectRoi& patch) {
   }
 }
 
-// Where a hand's colours are seen that are not the object's own.
+// Returns 255 at hand colours that are not the object's own.
 cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
   cv::Mat out = limits.hand->in(color);
   if (limits.own == nullptr) return out;
@@ -89,7 +90,7 @@ void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
     patch.farther = patch.depth > limits.farthest_mm;
     cv::morphologyEx(patch.farther, patch.farther, cv::MORPH_OPEN, square);
     const int past = cv::countNonZero(patch.farther & patch.inside);
-    // All of it cannot have been uncovered at once: it is the depth that jumps.
+    // The whole object cannot be uncovered at once: then its depth jumped.
     if (past > kMostPast * cv::countNonZero(patch.inside)) patch.farther.setTo(0);
     patch.inside.setTo(0, patch.farther);
   }

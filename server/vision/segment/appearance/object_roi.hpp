@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The surroundings of one object as the band step sees them: at full size where the object is
-// small, at a half or a third where it is large. A band of so many pixels is wider there in the
-// scene, and the work stays the same.
+// Region of interest (ROI) of one object for the narrow-band step: full size for a small object, a
+// half or a third of it for a large one.
+// The band's width in px is constant, so it covers more of the scene there, and the cost is
+// bounded. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -15,68 +16,69 @@
 
 namespace hapticast::server {
 
-inline constexpr int kBand_px = 7;   ///< of a patch: what is decided anew, inwards and outwards
-inline constexpr int kRing_px = 20;  ///< of a patch: background beyond the band
+inline constexpr int kBand_px = 7;   ///< px of the patch: pixels decided anew, inwards and outwards
+inline constexpr int kRing_px = 20;  ///< px of the patch: background beyond the band
 
+/// The patch: images around an object. Empty if there is no object.
 struct ObjectRoi {
-  cv::Rect box;      ///< of the picture; whole multiples of `factor`. Empty: there is no object
-  int factor = 1;    ///< px of the picture per px of the patch, each way
+  cv::Rect box;      ///< of the picture; multiples of `factor`
+  int factor = 1;    ///< px of the picture for each px of the patch, each way
   cv::Mat color;     ///< CV_8UC3
-  cv::Mat depth;     ///< CV_32FC1, working depth
-  cv::Mat gray;      ///< CV_8UC1, at full size: the contour is put on its edges
-  cv::Mat inside;    ///< CV_8UC1, 0 / 255: where the object is expected and nothing hides it
-  cv::Mat hidden;    ///< CV_8UC1, 0 / 255: where it is expected, but something nearer is seen
-  cv::Mat nearer;    ///< CV_8UC1, 0 / 255: nearer than the object can be, or a hand. Empty: unknown
-  cv::Mat farther;   ///< CV_8UC1, 0 / 255: farther than the object can be. Empty: unknown
-  cv::Mat distance;  ///< CV_32FC1, px of the patch: how far inside the contour; outside below 0
+  cv::Mat depth;     ///< CV_32FC1, working depth, mm
+  cv::Mat gray;      ///< CV_8UC1, at full size: guide for the contour
+  cv::Mat inside;    ///< CV_8UC1, 0/255: the object is expected and not hidden
+  cv::Mat hidden;    ///< CV_8UC1, 0/255: the object is expected, but a nearer surface hides it
+  cv::Mat nearer;    ///< CV_8UC1, 0/255: nearer than the object can be, or a hand. Empty: unknown
+  cv::Mat farther;   ///< CV_8UC1, 0/255: farther than the object can be. Empty: unknown
+  cv::Mat distance;  ///< CV_32FC1, px of the patch: distance to the contour, inside > 0
 
   [[nodiscard]] bool empty() const { return box.empty(); }
-  /// Position in the picture of a pixel of the patch (pixel centres at whole numbers).
+  /// Returns the position in the picture of a pixel of the patch (pixel centres at whole numbers).
   [[nodiscard]] double pictureU(int u) const { return box.x + factor * (u + 0.5) - 0.5; }
   [[nodiscard]] double pictureV(int v) const { return box.y + factor * (v + 0.5) - 0.5; }
-  /// The same for all of it at once.
+  /// Returns pictureU() and pictureV() as a matrix.
   [[nodiscard]] cv::Matx33d toPicture() const;
 };
 
-/// What cannot be the object: what is nearer, or a hand, hides it; what is farther is seen past it.
+/// Limits of the object: nearer pixels and hands hide it, farther pixels are background.
 struct ObjectLimits {
-  double nearest_mm = 0.0;           ///< 0: not known
-  double farthest_mm = 0.0;          ///< 0: not known
-  const SkinColors* hand = nullptr;  ///< null: the object's own colours are like those
-  /// Colours that are the object's own, although they may be a hand's; null: none are known.
+  double nearest_mm = 0.0;           ///< 0: unknown
+  double farthest_mm = 0.0;          ///< 0: unknown
+  const SkinColors* hand = nullptr;  ///< null: the object's own colours resemble skin
+  /// Colours of the object itself, even if they resemble skin; null: unknown.
   const ColorHistogram* own = nullptr;
 };
-/// The patch around `mask` (of the last picture, 0 / 255) moved by `similarity` (last px -> this
-/// px).
+/// Returns the patch around `mask` (of the last picture, 0/255) moved by `similarity` (last px ->
+/// this px).
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
                       const ObjectLimits& limits);
-/// Of a mask in this picture.
+/// Returns the patch around `mask` (0/255) of this picture, without limits.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 
-/// `image`, given over `from` of the last picture, carried into patch `to` of this one; 0 where it
-/// was not.
+/// Warps `image`, which covers `from` of the last picture, into patch `to` of this picture. Pixels
+/// without a source are 0.
 cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
                   const cv::Matx23d& similarity);
 
-/// A mask over the patch's box at full size, and back.
+/// Converts a mask between the patch's size and the full size of the patch's box.
 cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch);
 cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch);
 
-/// A mask over the patch's box at full size, in a picture of its own.
+/// Returns a mask of image size from a mask over the patch's box at full size.
 cv::Mat wholePicture(const cv::Mat& mask, const ObjectRoi& patch, const FrameImages& images);
 
-/// 255 in the band where depth is on a plane or behind a support.
+/// Returns 255 in the band where the depth is on a plane or behind a support; size of the patch.
 cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes);
 
-/// The depths of an object in one frame: between its 10 % and 90 % quantile.
+/// Depths of an object in one frame: its 10 %, 50 % and 90 % quantiles, mm.
 struct DepthSpan {
   double near_mm = 0.0, middle_mm = 0.0, far_mm = 0.0;
 
-  /// What is nearer, or farther, than this cannot be it; 0: not known.
+  /// Return the depths, mm, beyond which a pixel cannot be the object's; 0: unknown.
   [[nodiscard]] double nearest_mm(const DepthNoise& noise) const;
   [[nodiscard]] double farthest_mm(const DepthNoise& noise) const;
 };
-/// Of the pixels `inside` (0 / 255); nullopt where too few are known.
+/// Returns the depths of the pixels of `inside` (0/255); nullopt if fewer than ten are measured.
 std::optional<DepthSpan> depthSpan(const ObjectRoi& patch, const cv::Mat& inside);
 
 }  // namespace hapticast::server

@@ -15,12 +15,12 @@ namespace hapticast::server {
 namespace {
 
 constexpr int kLattice_px =
-    4;  // chosen for time, in pictures up to kUsualWidth_px; in larger ones as many points
-constexpr int kFollowed = 2;   // times as coarse where planes are only followed (chosen for time)
-constexpr int kTriples = 250;  // chosen: finds a plane with 6 % of the picture nearly surely
-constexpr double kSmallestPlane = 0.06;   // chosen, of the picture: tables and walls have it
-constexpr double kSmallestGround = 0.02;  // the same for a plane that is surely ground
-constexpr double kGroundSlope = 1.5;      // mm of depth per px; chosen: a wall seen askew has less
+    4;  // chosen for time, for pictures up to kUsualWidth_px; larger ones have as many points
+constexpr int kFollowed = 2;   // factor of a coarser lattice for refits (chosen for time)
+constexpr int kTriples = 250;  // chosen: almost surely finds a plane with 6 % of the picture
+constexpr double kSmallestPlane = 0.06;   // chosen, of the picture: size of tables and walls
+constexpr double kSmallestGround = 0.02;  // the same limit for ground planes
+constexpr double kGroundSlope = 1.5;      // mm of depth per px; chosen: more than an oblique wall
 
 struct LatticePoint {
   double u, v, z;
@@ -28,7 +28,7 @@ struct LatticePoint {
 
 struct Lattice {
   std::vector<LatticePoint> points;
-  double whole = 1.0;  // how many there would be if all depth were known
+  double whole = 1.0;  // number of points if all depths were measured
 };
 
 Lattice makeLattice(const cv::Mat& depth, int coarser) {
@@ -56,7 +56,7 @@ bool planeThrough(const LatticePoint& p, const LatticePoint& q, const LatticePoi
   return true;
 }
 
-// One weighted fit on what lies within `width` tolerances; returns how many those are.
+// One weighted fit of the points within `width` tolerances. Returns their number.
 int fitOnce(const std::vector<LatticePoint>& points, double width, Plane& plane) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -77,8 +77,7 @@ int fitOnce(const std::vector<LatticePoint>& points, double width, Plane& plane)
   plane.b = abc[1];
   plane.c = abc[2];
   const int count = static_cast<int>(residuals.size());
-  // Never wider than what the noise allows: a fit that widens itself ends by swallowing what stands
-  // on it.
+  // Limited by the noise: a fit that widens itself would include the objects on the plane.
   plane.tolerance_mm = std::min(plane.widest_mm, 3 * sigmaByMedian(residuals) + 2.0);
   return count;
 }
@@ -106,8 +105,8 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
     Plane plane;
     if ((i % 2 == 0 && !close && random.uniform(0, 4) != 0) || !planeThrough(p, q, r, plane))
       continue;
-    plane.widest_mm =
-        8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;  // correlated noise reads 2-3 x low
+    // Correlated noise is underestimated 2 to 3 times.
+    plane.widest_mm = 8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;
     plane.tolerance_mm = plane.widest_mm;
     const int count = countInliers(points, plane, every);
     if (count <= most) continue;
@@ -117,7 +116,7 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
   return best;
 }
 
-// Seen at a grazing angle and nearer further down: a table or floor, whatever is seen of it.
+// Returns whether the plane is a table or floor: seen at a grazing angle, nearer further down.
 bool isGround(const std::vector<LatticePoint>& points, const Plane& plane) {
   std::vector<double> ranges;
   for (const LatticePoint& p : points) {

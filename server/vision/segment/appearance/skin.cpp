@@ -11,8 +11,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kLight_px = 320;  // wide: of so many the light is measured
-constexpr int kLevels = 32;     // of a colour channel
+constexpr int kLight_px = 320;  // width of the picture that measures the light
+constexpr int kLevels = 32;     // for each colour channel
 
 std::size_t skinBin(const cv::Vec3b& bgr) {
   return (std::size_t{bgr[0]} >> 3U) << 10U | (std::size_t{bgr[1]} >> 3U) << 5U |
@@ -26,8 +26,8 @@ cv::Mat toLab(const cv::Mat& color) {
   return out;
 }
 
-// The cast (a, b per L): the median of what is nearly grey and brighter than most. Chosen: a fifth
-// of the picture, so that one pink sheet of paper is not taken for white.
+// Returns the colour cast (a, b per L): the median of nearly grey pixels that are brighter than
+// most. Chosen: a fifth of the picture, so that one pink sheet of paper does not count as white.
 cv::Vec2f computeColorCast(const cv::Mat& lab) {
   std::vector<cv::Vec3f> grey;
   grey.reserve(lab.total());
@@ -52,7 +52,7 @@ cv::Vec2f computeColorCast(const cv::Mat& lab) {
   return {cast(1), cast(2)};
 }
 
-// Chosen from light and dark skin in warm and cold light: red to yellow, neither pale nor strong.
+// Chosen from light and dark skin in warm and cold light: hues from red to yellow, medium chroma.
 bool isSkin(const cv::Vec3f& lab, const cv::Vec2f& cast) {
   const float a = lab[1] - cast[0] * lab[0];
   const float b = lab[2] - cast[1] * lab[0];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the author's words in later frames do: NarrowBandTracker, continued.
+// Annotations of later frames: part of NarrowBandTracker. Applies points and key masks, and
+// propagates the corrected masks backward to earlier frames.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -12,9 +13,10 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kAsTaught = 0.97;  // chosen, IoU: what is followed anyway stays as it is at rest
-constexpr double kAnother = 0.05;   // chosen, IoU
-constexpr double kNear = 2.0;       // chosen, of an object's width: so far off a point means it
+// Chosen, IoU: above it the tracked mask remains, so that it can rest.
+constexpr double kAsTaught = 0.97;
+constexpr double kAnother = 0.05;  // chosen, IoU: below it a mask shows another object
+constexpr double kNear = 2.0;  // chosen, in object widths: reach of a point that marks the object
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
 cv::Mat inPicture(const PropagatedMask& propagated, const cv::Size& size) {
@@ -33,7 +35,7 @@ std::size_t countBytes(const FrameImages& images) {
          images.depth.total() * images.depth.elemSize();
 }
 
-// The object that the author means by `number`, or null.
+// Returns the object with the author's `number`, or null.
 template <class Objects>
 auto* numbered(Objects& objects, int number) {
   const auto found = std::find_if(objects.begin(), objects.end(),
@@ -45,7 +47,7 @@ bool contains(const cv::Mat& mask, const cv::Point& point) {
   return mask.at<unsigned char>(point) != 0;
 }
 
-// px from `point` to the nearest pixel of `mask`, in widths of the mask.
+// Returns the distance from `point` to the nearest pixel of `mask`, in widths of the mask.
 double widthsOff(const cv::Mat& mask, const cv::Point& point) {
   cv::Mat pixels;
   cv::findNonZero(mask, pixels);
@@ -93,7 +95,7 @@ void NarrowBandTracker::adoptTaught(const FrameImages& images,
   }
 }
 
-// The object of this number is where `mask` says; it may be lost, or not yet begun.
+// Sets the mask of the object with this number; the object may be lost or not exist yet.
 void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages& images,
                               bool given) {
   TrackedMask* object = numbered(objects_, number);
@@ -136,7 +138,7 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
   }
 }
 
-// The object that a point on none means: one that it is near to, else one that is lost.
+// Returns the object that a point outside all objects marks: an object nearby, else a lost object.
 TrackedMask* NarrowBandTracker::findObjectAt(const cv::Point& point) {
   TrackedMask* lost = nullptr;
   for (TrackedMask& object : objects_) {
@@ -169,7 +171,7 @@ void NarrowBandTracker::applyPoint(const cv::Point& point, const Annotation& ann
   propagate(*numbered(objects_, number), frames, false);
 }
 
-// The frames before this one, while a later word may teach something about them.
+// Stores earlier frames while later annotations may still change them.
 void NarrowBandTracker::keepHistory(const FramePair& frames) {
   const bool more = frames.has_key_masks || annotation_track_.hasLaterAnnotation(frames);
   if (annotations_ == nullptr || !annotations_->open || !more) {
@@ -199,7 +201,7 @@ void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, 
   propagateBackwards(object, frames, until, given);
 }
 
-// What is only carried on, and not seen again, is not taught: it may be hidden there.
+// Masks without a decision in their frame are not stored: the object may be hidden there.
 void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& frames,
                                            std::uint64_t until, bool given) {
   SceneContext scene = scene_;
@@ -215,7 +217,7 @@ void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& 
     const auto before = past->masks.find(object.number());
     if (before != past->masks.end()) {
       if (computeOverlap(before->second, object.mask()) >= kAsTaught)
-        return;  // the same from here on
+        return;  // the masks are equal from here on
       if (!given && object.likeness(past->images, scene, object.mask()) <
                         object.likeness(past->images, scene, before->second))
         continue;

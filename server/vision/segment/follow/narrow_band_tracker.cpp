@@ -11,13 +11,14 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kChooseEvery = 3;   // chosen, frames: choosing by itself costs as much as a frame
-constexpr int kForgetAfter = 15;  // chosen, frames lost, until an object that was chosen by itself
-                                  // is given up for another
-constexpr int kNewPlanesAfter = 5;      // chosen, frames: RANSAC costs more than a frame
-constexpr int kLightEvery = 30;         // chosen, frames: light changes slowly
-constexpr double kSameObject = 0.5;     // chosen: of what is found, that another object has already
-constexpr double kPlaneIsObject = 0.3;  // chosen: of an object's pixels that lie on a new plane
+constexpr int kChooseEvery = 3;  // chosen, frames: an automatic choice costs as much as a frame
+// Chosen, frames of loss until another object replaces an automatic choice.
+constexpr int kForgetAfter = 15;
+constexpr int kNewPlanesAfter = 5;  // chosen, frames: RANSAC costs more than a frame
+constexpr int kLightEvery = 30;     // chosen, frames: light changes slowly
+// Chosen: overlap with a present object that makes both the same.
+constexpr double kSameObject = 0.5;
+constexpr double kPlaneIsObject = 0.3;  // chosen: share of an object's pixels on a new plane
 
 }  // namespace
 
@@ -87,7 +88,7 @@ void NarrowBandTracker::remember(const FrameImages& images) {
   annotations_->avoided = scene_.avoided;
 }
 
-// The same first frame again has the same start, but for the ids.
+// An equal first frame has an equal initial state, except for the ids.
 bool NarrowBandTracker::recall(const FrameImages& images) {
   if (annotations_ == nullptr || annotations_->start == nullptr) return false;
   const InitialState& start = *annotations_->start;
@@ -109,7 +110,7 @@ void NarrowBandTracker::updatePlanes(const FrameImages& images) {
   planes_frame_ = frame_;
 }
 
-// A plane found anew may be the object itself; of the others it is found out which it stands on.
+// A new plane may be the object itself; it is removed. Marks the planes that support the object.
 void NarrowBandTracker::removePlanes(const TrackedMask& object, const FrameImages& images) {
   if (!object.present()) return;
   const double area = cv::countNonZero(object.mask() & (images.depth > 0));
@@ -160,7 +161,7 @@ void NarrowBandTracker::chooseByItself(const FrameImages& images) {
 }
 
 void NarrowBandTracker::add(TrackedMask object, int number) {
-  if (isAnother(object)) return;  // two points on one body name one object
+  if (isAnother(object)) return;  // two points on one body mark one object
   object.rename(next_id_++);
   object.setNumber(number);
   objects_.push_back(std::move(object));
@@ -172,7 +173,7 @@ bool NarrowBandTracker::isAnother(const TrackedMask& found) const {
   });
 }
 
-// No pixel belongs to two objects: where they touch, the first has it.
+// No pixel belongs to two objects: the first object owns a shared pixel.
 void NarrowBandTracker::shareOut() {
   for (std::size_t later = 1; later < objects_.size(); ++later) {
     for (std::size_t first = 0; first < later; ++first) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Segmentation of real scenes: a careful start, then the mask carried with the object and a band
-// around its contour decided anew in every frame; lost, it is looked for by its colours and found
-// again under a new id. Thread: the one that runs Vision.
+// Narrow-band tracking for real scenes: after an initial mask, each frame moves the mask with the
+// object and decides a band around its contour anew.
+// A lost object is searched by its colours (re-detection) and continues under a new id. Thread: the
+// one that runs Vision.
 #pragma once
 
 #include <deque>
@@ -14,8 +15,8 @@
 
 namespace hapticast::server {
 
-/// What a clip starts with, and the frame that it was found in. The images are shared with whoever
-/// has them: nobody writes into them.
+/// Initial state of a clip, and the frame it belongs to. Shares its images; no code writes into
+/// them.
 struct InitialState {
   cv::Mat color;
   cv::Mat depth;
@@ -23,9 +24,10 @@ struct InitialState {
   SceneContext scene;
 };
 
+/// Segmenter for clips and live sources without masks.
 class NarrowBandTracker final : public Segmenter {
  public:
-  /// `next_id` and `lessons` as in makeSegmenter().
+  /// `next_id` and `annotations`: see makeSegmenter().
   NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
                     ClipAnnotations* annotations);
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override;
@@ -41,13 +43,13 @@ class NarrowBandTracker final : public Segmenter {
   [[nodiscard]] bool choosesByItself(const FramePair& frames) const;
   void chooseByItself(const FrameImages& images);
   void add(TrackedMask object, int number);
-  /// Whether what was just found is an object that is followed already.
+  /// Returns whether `found` is an object that is tracked already.
   [[nodiscard]] bool isAnother(const TrackedMask& found) const;
   void shareOut();
   void remember(const FrameImages& images);
   bool recall(const FrameImages& images);
 
-  // The author's words (band_author.cpp).
+  // Annotations of later frames (apply_annotations.cpp).
   [[nodiscard]] const std::vector<PropagatedMask>* propagatedMasks(const FramePair& frames) const;
   void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
   void applyAnnotation(const Annotation& annotation, const FramePair& frames);
@@ -62,14 +64,14 @@ class NarrowBandTracker final : public Segmenter {
   struct Past {
     std::uint64_t index;
     FrameImages images;
-    std::map<int, cv::Mat> masks;  // as followed forwards, by object number
+    std::map<int, cv::Mat> masks;  // results of forward tracking, by object number
   };
 
   AnnotationTrack annotation_track_;
   std::uint32_t& next_id_;
   ClipAnnotations* annotations_;
-  std::deque<Past> past_;  // while the clip is looked through and more is said
-  std::map<int, std::uint64_t> last_annotation_;  // the frame of it, by object number
+  std::deque<Past> past_;  // earlier frames, during a scan with later annotations
+  std::map<int, std::uint64_t> last_annotation_;  // frame of the last annotation, by object number
   SceneContext scene_;
   std::vector<TrackedMask> objects_;
   int frame_ = 0;

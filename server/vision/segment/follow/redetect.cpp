@@ -14,20 +14,20 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kAround_px = 9000.0;  // chosen for time: a look takes 5 to 8 ms
+constexpr double kAround_px = 9000.0;  // chosen for time: a search costs 5 to 8 ms
 constexpr double kWhole_px = 20000.0;
-constexpr double kMargin = 0.4;  // chosen, of the object's width: as far as it may be off
-// Weights of the sum, tuned on drawn scenes of things in hands.
+constexpr double kMargin = 0.4;  // chosen, of the object's width: reach of the search
+// Weights of the sum, tuned on drawn scenes of objects in hands.
 constexpr double kOfColor = 1.5;
 constexpr float kBeyond = -3.0F;
 constexpr float kHand = -3.0F;
 constexpr float kPlane = -2.0F;
-constexpr float kPerPixel = 0.04F;  // inside the old contour; outside below 0
+constexpr float kPerPixel = 0.04F;  // inside the old contour; outside negative
 constexpr float kFarthest_px = 20.0F;
 constexpr double kForColors = 1.5;
 constexpr double kForArea = 0.5;
 
-// The colours' evidence, averaged down: patterns must not blur before they are looked up.
+// Returns the colours' evidence, averaged after its lookup: averaged colours would blur patterns.
 cv::Mat collectColors(const FrameContext& scene, const GraphRoi& view,
                       const ContourMemory& memory) {
   const cv::Mat full = mapEvidence(scene.images.color(view.box), computeColorEvidence(memory));
@@ -53,7 +53,7 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
   return out + kPerPixel * distance;
 }
 
-// The piece that is most of what is expected, else the largest one.
+// Returns the piece that shares most pixels with the expected mask, else the largest piece.
 cv::Mat mainPiece(const cv::Mat& cut, const cv::Mat& expected) {
   cv::Mat labels;
   cv::Mat stats;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A second look at an object that is known: one graph cut by what is remembered of it, around where
-// it should be or over the whole picture. Thread: the one that runs Vision.
+// Re-detection: searches for an object by its appearance model with one graph cut, around its
+// expected position or in the whole picture. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,17 +11,20 @@
 
 namespace hapticast::server {
 
+/// Model of the object to search for.
 struct KnownObject {
   const ContourMemory& memory;
   ObjectLimits limits;
-  double usual_px = 0.0;  ///< its area in pictures, when nothing hides it
-  cv::Mat mask;           ///< where it is expected, 0 / 255, size of the picture; empty: anywhere
+  double usual_px = 0.0;  ///< usual area in the picture without occlusion
+  cv::Mat mask;           ///< expected mask, 0/255, image size; empty: anywhere
 };
 
-/// The mask of it in this picture; empty: nothing is like it.
+/// Searches this frame for the object. Returns its mask (CV_8UC1, 0/255, image size); empty if no
+/// piece was found.
 cv::Mat redetect(const FrameContext& scene, const KnownObject& known);
 
-/// How much `mask` is like one thing, and this one: its first colours, its usual area. About 4.
+/// Returns the score of `mask` as this object: objectness, similarity to its first colours, usual
+/// area. About 4 for a good mask; higher is better.
 double reidentificationScore(const FrameContext& scene, const KnownObject& known,
                              const cv::Mat& mask);
 

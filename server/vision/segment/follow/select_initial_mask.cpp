@@ -13,18 +13,18 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSettledCuts = 3;         // chosen for time: so many of the best cuts are settled ...
-constexpr int kFewRounds = 3;           // ... by so many band steps
-constexpr double kForComponent = -0.1;  // what depth alone says has hands in it
+constexpr int kSettledCuts = 3;         // chosen for time: number of best cuts to refine ...
+constexpr int kFewRounds = 3;           // ... and their number of band steps
+constexpr double kForComponent = -0.1;  // the depth component often includes a hand
 constexpr double kForSettled = 0.03;
-constexpr double kDespiteDepth = 2.5;  // where depth says that there is nothing
+constexpr double kDespiteDepth = 2.5;  // threshold where depth shows no object
 
-// Chosen: what hands hold is less wide than the first, in space. What is wider, of something that
-// is wider than the second, is a part of a body: the whole is meant.
+// Chosen: objects in hands are narrower than the first width, in space. A wider part of an object
+// wider than the second width belongs to a body: then the whole is meant.
 constexpr double kHeld_mm = 200.0;
 constexpr double kBody_mm = 260.0;
 
-constexpr double kHand_mm = 60.0;  // chosen: a hand, its fingers alone as well, is wider
+constexpr double kHand_mm = 60.0;  // chosen: a hand, or its fingers alone, is wider
 
 struct Candidate {
   TrackedMask object;
@@ -36,7 +36,7 @@ bool isBody(const FrameContext& scene, const TrackedMask& part, const TrackedMas
          widthInSpace_mm(scene, whole.mask()) > kBody_mm;
 }
 
-// Who points at a hand means it with its arm; a skin-coloured patch of something else is small.
+// A point on a hand means the hand with its arm. A skin-coloured patch of another object is small.
 bool isHand(const FrameContext& scene, const cv::Mat& component, const cv::Point& at) {
   const cv::Rect box = boxAround(component, 0);
   if (!box.contains(at)) return false;
@@ -74,7 +74,7 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
   std::sort(scored.begin(), scored.end(),
             [](const auto& a, const auto& b) { return a.first > b.first; });
   if (scored.size() > kSettledCuts) scored.resize(kSettledCuts);
-  // A cut is coarser in a large picture.
+  // Cuts are coarser in a large picture.
   const int rounds = kFewRounds * std::max(1, images.color.cols / kUsualWidth_px);
   for (const auto& [likeness, cut] : scored) {
     take(TrackedMask(0, cut, images, own, rounds), kForSettled);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which of the masks that a click may mean is the one that a person would have meant. Done once per
-// object, some 0.3 s. Thread: the one that runs Vision.
+// Initial mask selection: scores the candidate masks of a point by objectness and selects the best.
+// Runs once for each object, about 0.3 s. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,13 +11,15 @@
 
 namespace hapticast::server {
 
+/// Result of the selection.
 struct ChosenStart {
-  std::optional<TrackedMask> object;  ///< without an id yet; none: there is nothing
-  const char* why_not = nullptr;
-  std::vector<Plane> planes;  ///< of the scene, without those that go through the object
+  std::optional<TrackedMask> object;  ///< without an id yet; nullopt: no object
+  const char* why_not = nullptr;      ///< the cause if there is no object, else null
+  std::vector<Plane> planes;          ///< planes of the scene without those through the object
 };
 
-/// `point` and `not_points`: px of the picture.
+/// Selects the mask of the object at `point`, without the objects at `not_points` (px of the
+/// picture).
 ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
                               const cv::Point& point, const std::vector<cv::Point>& not_points);
 

@@ -13,32 +13,34 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kSettled = 0.004;      // of the area: a mask that changes by less is at rest
-constexpr int kWeakFrames = 5;          // chosen, in a row: then the object is lost
-constexpr int kSearchEvery = 3;         // chosen: a search costs as much as a frame
-constexpr double kMostlySeen = 0.6;     // chosen, of the whole: what is seen less teaches nothing
-constexpr double kLeastGrowth = 0.8;    // chosen, of the area in a frame: outside of these two the
-constexpr double kMostGrowth = 1.25;    // decision is not believed
-constexpr double kWeaker = 0.7;         // chosen: quality of a frame that is not measured well
-constexpr double kOwnColors = 0.5;      // mean colour evidence of what is surely the object
-constexpr double kSurelyColor = 0.8;    // mean colour evidence of what may be uncovered again
-constexpr double kUsualFollows = 0.01;  // chosen: a size is usual after four seconds
-constexpr int kLookEvery = 15;          // chosen, frames: a look costs as much as two frames
+constexpr double kSettled = 0.004;  // of the area: a smaller change counts as rest
+constexpr int kWeakFrames = 5;      // chosen, in a row: then the object is lost
+constexpr int kSearchEvery = 3;     // chosen: a search costs as much as a frame
+// Chosen, of the whole: with less visible the model does not change.
+constexpr double kMostlySeen = 0.6;
+// Chosen, of the area in a frame: outside of these two limits the.
+constexpr double kLeastGrowth = 0.8;
+constexpr double kMostGrowth = 1.25;  // decision is rejected
+constexpr double kWeaker = 0.7;       // chosen: quality of a frame without a sure measurement
+constexpr double kOwnColors = 0.5;    // mean colour evidence of certain pixels of the object
+constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
+constexpr double kUsualFollows = 0.01;  // chosen: the usual size adapts in four seconds
+constexpr int kLookEvery = 15;  // chosen, frames: a re-detection costs as much as two frames
 constexpr double kClearlyBetter = 0.12;
-constexpr double kAsUsual = 0.1;  // chosen, ln of an area: no worse than this
+constexpr double kAsUsual = 0.1;  // chosen, ln of an area: largest loss
 constexpr int kAgainRounds = 3;
-constexpr double kNearest = 0.6;  // chosen, of its last depth: where it is looked for
+constexpr double kNearest = 0.6;  // chosen, of its last depth: range of the search
 constexpr double kFarthest = 1.6;
-constexpr double kLessLike = 0.8;         // of its resemblance to itself: what is found again ...
-constexpr double kMostUnlike = 1.2;       // ... and what is not it any more
+constexpr double kLessLike = 0.8;         // of its initial score: limit for a found object ...
+constexpr double kMostUnlike = 1.2;       // ... and limit for the tracked object
 constexpr double kMostAgain = 1.6;        // of its usual area
-constexpr double kSurelyLikeSkin = 0.05;  // where the author says that there is no hand in it
-// Measured: what was left had .55 to .59 of its colours where it was another thing, else .71 or
-// more.
+constexpr double kSurelyLikeSkin = 0.05;  // limit in an author's key mask, which has no hand
+// Measured: after a correction the rest had 0.55 to 0.59 of the object's colours if it was another
+// object, else 0.71 or more.
 constexpr double kOfOtherColors = 0.65;
-constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: hands cannot be told by their colour
+constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: then colour cannot separate hands
 
-// The colours of the picture without an object, of every second pixel and row.
+// Returns the colours of the picture without the object, of every second pixel and row.
 ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
   ColorHistogram out;
   for (int v = 0; v < mask.rows; v += 2) {
@@ -110,7 +112,7 @@ void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& ima
 
 void TrackedMask::isSeenWell(const ObjectRoi& patch) {
   const double area = cv::countNonZero(whole_(patch.box));
-  // One that leaves the picture has not become smaller.
+  // An object that leaves the picture has not shrunk.
   if (clearOfBorder(whole_) || area > area_px_) area_px_ = area;
   if (const auto depth = depthSpan(patch, patch.inside)) depth_ = *depth;
   usual_px_ = usual_px_ > 0 ? usual_px_ + kUsualFollows * (area - usual_px_) : area;
@@ -123,7 +125,7 @@ ObjectLimits TrackedMask::limits(const SceneContext& scene) const {
           like_skin_ ? nullptr : &scene.skin, own_.empty() ? nullptr : &own_};
 }
 
-// Whether what was decided is to be believed.
+// Returns whether the decision is plausible.
 bool TrackedMask::convinces(const ContourResult& now, double expected_px) const {
   const double area = cv::countNonZero(now.mask);
   const double growth = area / expected_px;
@@ -132,8 +134,8 @@ bool TrackedMask::convinces(const ContourResult& now, double expected_px) const 
   return growth >= kLeastGrowth && now.inside_color >= 0.0;
 }
 
-// The patch where the object is expected. Where most of it seems hidden or past, but has its own
-// colours, it is the depth that jumps.
+// Returns the patch at the expected position. If most of the object seems hidden or farther, but
+// has its own colours, the depth jumped; then the limits do not apply.
 ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& similarity,
                                 const SceneContext& scene) const {
   ObjectLimits within = limits(scene);
@@ -150,7 +152,7 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
                          const SceneContext& scene) {
   cv::Matx23d similarity = flow.similarity;
   ObjectRoi patch = expected(images, similarity, scene);
-  // A motion that leads to other colours was not its own.
+  // A motion that leads to other colours was not the object's.
   if (patch.empty() || meanEvidence(memory_, patch.color, patch.inside) < 0.0) {
     const ObjectRoi still = expected(images, ObjectFlow{}.similarity, scene);
     if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > kOwnColors) {
@@ -180,15 +182,15 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   if (nothing || weak_ > kWeakFrames || leaving) lose();
 }
 
-// `seen` over the patch's box is where it is seen now.
+// Sets the mask to `seen`, which covers the patch's box; adds the hidden part to the whole.
 void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images) {
   mask_ = wholePicture(seen, patch, images);
   const bool hidden = !patch.hidden.empty() && cv::countNonZero(patch.hidden) > 0;
   whole_ = hidden ? wholePicture(seen | atFullSize(patch.hidden, patch), patch, images) : mask_;
 }
 
-// One graph cut by what is known of it. True where that decides: it is better than what is carried
-// on, or neither is like the object.
+// Searches for the object by one graph cut. Returns true if that decides: the result is better than
+// the propagated mask, or neither resembles the object.
 bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& scene) {
   since_search_ = 0;
   const KnownObject known{memory_, limits(scene), usual_px_, mask_};
@@ -225,7 +227,7 @@ void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
   memory_.avoided = scene.avoided.histogram;
   const cv::Mat mask = refineWithClicks(scene.view(images), mask_, annotation);
   if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
-  // What is left of another thing, without the part pointed at, is not it either.
+  // The rest of another object, without the part at the point, is not the object either.
   if (annotation.on.empty() &&
       computeOverlap(ColorHistogram::fromImage(images.color, mask), memory_.first) < kOfOtherColors)
     return lose();
@@ -247,7 +249,7 @@ void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const Sc
 }
 
 void TrackedMask::yieldTo(const TrackedMask& other) {
-  // A new image: the old one is the whole's, too, and perhaps a remembered start's.
+  // Needs a new image: the whole and perhaps a stored initial state share the old one.
   cv::Mat rest;
   cv::bitwise_and(mask_, ~other.mask_, rest);
   mask_ = rest;
@@ -277,7 +279,7 @@ std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
   for (int round = 0; round < kAgainRounds; ++round) {
     const ObjectRoi patch = patchAround(images, again.mask_);
     if (patch.empty()) return std::nullopt;
-    again.memory_.evidence.release();  // it is another patch's
+    again.memory_.evidence.release();  // belongs to another patch
     const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
     if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
     again.mask_ = wholePicture(now.mask, patch, images);
@@ -288,7 +290,8 @@ std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
   again.whole_ = again.mask_;
   again.lost_ = 0;
   again.isSeenWell(patchAround(images, again.mask_));
-  again.area_px_ = std::max(again.area_px_, area_px_);  // what was found may be a part of it
+  // The found mask may be a part of the object.
+  again.area_px_ = std::max(again.area_px_, area_px_);
   again.usual_px_ = usual_px_;
   return again;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One object as the band step follows it: where it is, what something nearer hides of it, and what
-// is remembered of its looks. Thread: the one that runs Vision.
+// State of one object in narrow-band tracking: its mask, its part hidden by nearer surfaces, and
+// its appearance model. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace hapticast::server {
 
-/// What the objects of a frame stand in.
+/// Scene model that all objects of a frame share.
 struct SceneContext {
   DepthNoise noise;
   std::vector<Plane> planes;
@@ -30,48 +30,51 @@ struct SceneContext {
   }
 };
 
+/// One tracked object.
 class TrackedMask {
  public:
-  /// Starts with a first mask (0 / 255, size of the picture), which is settled: the band step is
-  /// repeated on this frame until it comes to rest, `most_rounds` times at most.
+  /// Starts with a first mask (CV_8UC1, 0/255, image size). Repeats the band step on this frame
+  /// until the mask converges, at most `most_rounds` times.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
   static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
 
-  /// Learns how much it looks like itself, by which it is told from others later.
+  /// Stores the score of the present mask as the reference for later comparisons.
   void rememberAppearance(const FrameImages& images, const SceneContext& scene);
-  /// How much `mask` is like one thing, and this one; see resemblance().
+  /// Returns the score of `mask` as this object; see reidentificationScore().
   [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
                                 const cv::Mat& mask) const;
-  /// Decides it anew by the author's points: what is on them is it, or none of it. Lost where
-  /// nothing is left.
+  /// Corrects the mask by the author's points: positive ones belong to the object, negative ones do
+  /// not. Loses the object if no pixel remains.
   void correct(const FrameImages& images, const SceneContext& scene, const Annotation& annotation);
-  /// From now on it is where the author's word says, and looks as it does there: its colours are
-  /// learnt anew. A mask that was `given` has no hand in it.
+  /// Adopts `mask` as the object's mask and computes the appearance model anew. `given`: a key
+  /// mask, which contains no hand.
   void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
-  /// The mask in the next frame, moved by `flow`, its band decided anew.
+  /// Updates the mask for the next frame: moves it by `flow` and decides its band anew.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
-  /// Counts a frame in which it is lost; every third one it is looked for over the whole picture,
-  /// by its first colours and near its last depth. Found again it is another object, without an id
-  /// yet.
+  /// Counts a frame of loss. Every third such frame it searches the whole picture, by the first
+  /// colours and near the last depth. Returns the object if found, without a new id yet; else
+  /// nullopt.
   [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
                                                   const SceneContext& scene);
-  /// Leaves to `other` the pixels that both have; lost when next to nothing is left.
+  /// Removes the pixels that `other` has too. Loses the object if almost none remains.
   void yieldTo(const TrackedMask& other);
+  /// Marks the object as lost.
   void lose();
-  /// The part of its pixels, 0..1, that `other` has, too.
+  /// Returns the share of its pixels, 0..1, that `other` has too.
   [[nodiscard]] double overlapShare(const TrackedMask& other) const;
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }
-  /// By what the author means it: n for the n-th point, and for n in a drawn mask. Stays for good.
+  /// The author's number of the object: n for the n-th point, and for the value n of a key mask.
+  /// Constant.
   [[nodiscard]] int number() const { return number_; }
   void setNumber(int number) { number_ = number; }
-  /// Where it is seen: 0 / 255, size of the picture.
+  /// Mask of the visible part: CV_8UC1, 0/255, image size.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
-  /// 1: decided from this frame; less: carried on.
+  /// 1: decided in this frame; less: only propagated.
   [[nodiscard]] double quality() const { return quality_; }
-  /// Whether its last frame was decided from what is seen there; else it was carried on.
+  /// Returns whether the last frame's mask was decided by its pixels; false: only propagated.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
@@ -93,18 +96,18 @@ class TrackedMask {
   std::uint32_t id_ = 0;
   int number_ = 0;
   cv::Mat mask_;
-  cv::Mat whole_;  // mask and what of the object something nearer hides
+  cv::Mat whole_;  // the mask with the part that nearer surfaces hide
   ContourMemory memory_;
   double quality_ = 1.0;
-  int weak_ = 0;        // frames in a row that did not convince
-  int lost_ = 0;        // frames since it was lost; 0: present
-  double area_px_ = 0;  // when last seen well
+  int weak_ = 0;        // successive frames without a plausible decision
+  int lost_ = 0;        // frames since the loss; 0: present
+  double area_px_ = 0;  // in its last good frame
   double usual_px_ = 0;
   int since_search_ = 0;   // frames
-  double likeness_ = 0.0;  // resemblance to itself at the start
+  double likeness_ = 0.0;  // score of its initial mask
   DepthSpan depth_;
-  ColorHistogram own_;  // of what the author added to it: no hand, although it may look like one
-  bool like_skin_ = false;  // its colours are like those of hands
+  ColorHistogram own_;      // of added pixels: no hand, even if skin-coloured
+  bool like_skin_ = false;  // its colours resemble skin
 };
 
 }  // namespace hapticast::server

@@ -15,17 +15,17 @@ namespace hapticast::server {
 
 namespace {
 
-// Tuned on drawn scenes of things in hands, unless marked.
-constexpr double kReach_mm = 300.0;   // of the view around the click: what is held is smaller
-constexpr double kView_px = 12000.0;  // chosen for time: a cut takes 5 to 10 ms
+// Tuned on drawn scenes of objects in hands, unless marked.
+constexpr double kReach_mm = 300.0;   // of the view around the click: larger than objects in hands
+constexpr double kView_px = 12000.0;  // chosen for time: a cut lasts 5 to 10 ms
 constexpr int kRoundsOfCut = 4;
 constexpr float kMostColor = 6.0F;
 constexpr float kOnPlane = -1.5F;
-constexpr float kElsewhere = -2.0F;  // measured, but not of the component
+constexpr float kElsewhere = -2.0F;  // measured, but outside the component
 constexpr float kOfComponent = 0.5F;
 constexpr float kSkin = -1.5F;
-constexpr float kHole = 2.5F;          // times how far the component around it is above ...
-constexpr float kBesideObject = 0.7F;  // ... this: a shadow has background on one side
+constexpr float kHole = 2.5F;          // factor of the surrounding share of the component above ...
+constexpr float kBesideObject = 0.7F;  // ... this share: a shadow has background on one side
 constexpr float kSure = 1e3F;
 constexpr double kSame = 0.97;  // IoU
 constexpr int kNotRadius_px = 5;
@@ -36,16 +36,16 @@ struct Reach {
 constexpr std::array kReaches{Reach{15, 60},  Reach{15, 100}, Reach{15, 160}, Reach{30, 100},
                               Reach{30, 160}, Reach{30, 250}, Reach{60, 160}, Reach{60, 250}};
 
-// Everything about the click that all cuts share.
+// Data of the click that all cuts share.
 struct Surroundings {
   GraphRoi view;
   cv::Point at;
   cv::Mat component;  // 255
   cv::Mat distance;   // CV_32FC1, mm from the click in space
-  cv::Mat unary;      // CV_32FC1: all but the colours
-  cv::Mat not_log;    // CV_32FC1: of the colours that the author does not mean; empty: none
-  cv::Mat never;      // 255: the author's discs
-  cv::Mat hand;       // 255: skin, where the click is on none
+  cv::Mat unary;      // CV_32FC1: evidence without colours
+  cv::Mat not_log;    // CV_32FC1: log density of the negative colours; empty: none
+  cv::Mat never;      // 255: discs of negative points
+  cv::Mat hand;       // 255: skin, unless the click is on skin
   double px_per_mm = 1.0;
 };
 
@@ -65,7 +65,7 @@ double sampleDepth(const cv::Mat& depth, const cv::Point& at) {
   return 0.0;
 }
 
-// In space, from the click; where nothing was measured, at the click's depth.
+// Returns the distances in space from the click. Pixels without depth have the click's depth.
 cv::Mat distances(const Surroundings& s, double depth_mm, const cv::Size& picture) {
   cv::Mat out(s.view.size(), CV_32FC1);
   const double mm_per_px_at_1mm = 1.0 / (pixelsPerMm(1.0, picture) * s.view.shrink);
@@ -81,7 +81,8 @@ cv::Mat distances(const Surroundings& s, double depth_mm, const cv::Size& pictur
   return out;
 }
 
-// Of the first measured pixels to the left, right, above and below: how many are the component's.
+// Returns the share of the component among the first measured pixels to the left, right, above and
+// below.
 float besideComponent(const Surroundings& s, int u, int v) {
   int of_it = 0;
   int met = 0;
@@ -99,7 +100,7 @@ float besideComponent(const Surroundings& s, int u, int v) {
   return met == 0 ? kBesideObject : static_cast<float>(of_it) / static_cast<float>(met);
 }
 
-// What depth, planes and skin say.
+// Returns the evidence of depth, planes and skin.
 cv::Mat placeEvidence(const Surroundings& s) {
   cv::Mat out = cv::Mat::zeros(s.view.size(), CV_32FC1);
   for (int v = 0; v < out.rows; ++v) {
@@ -153,7 +154,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
   return out;
 }
 
-// The piece with the click, and those that are one with it.
+// Returns the piece with the click, and the pieces connected to it behind an occluder.
 cv::Mat selectPieces(const Surroundings& s, const cv::Mat& mask) {
   cv::Mat labels;
   cv::connectedComponents(mask, labels, 4, CV_32S);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a click may mean: masks by graph cuts of several reaches around it, and how much a mask
-// looks like one thing. Done once per object. Thread: the one that runs Vision.
+// Candidate masks of a click: iterated graph cuts of several reaches around it (GrabCut, Rother,
+// Kolmogorov and Blake 2004), and an objectness score. Runs once for each object. Thread: the one
+// that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,22 +12,24 @@
 
 namespace hapticast::server {
 
+/// A point of the author, and the negative samples.
 struct Click {
   cv::Point at;
   const std::vector<cv::Point>& not_points;
   const NegativeColors& avoided;
-  cv::Mat component;  ///< what hangs together with it in depth, 0 / 255; empty: not known
+  cv::Mat component;  ///< its connected component in depth, 0/255; empty: unknown
 };
 
-/// Up to eight different masks (0 / 255, size of the picture) that the click is in.
+/// Returns up to eight different masks (CV_8UC1, 0/255, image size) that contain the click.
 std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click);
 
-/// How much `mask` looks like one thing that a person would mean, and nothing of its surroundings:
-/// colours unlike the ring's, a contour on edges of colour and depth, solid, of a size that is
-/// held in hands, measured, no skin. About 3 for a good one; of two masks the higher one is it.
+/// Returns the objectness of `mask`: high if it covers one object and nothing else. About 3 for a
+/// good mask; the higher of two is better.
+/// Criteria: colours unlike the ring's, a contour on edges of colour and depth, a solid shape, a
+/// size that fits a hand, measured depth, no skin.
 double objectness(const FrameContext& scene, const cv::Mat& mask);
 
-/// How wide a disc of the mask's area would be at its depth, mm.
+/// Returns the diameter of a disc with the mask's area at the mask's depth, mm.
 double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask);
 
 }  // namespace hapticast::server

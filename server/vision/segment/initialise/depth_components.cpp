@@ -13,11 +13,11 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kHidden_mm = 90.0;   // chosen: a hand
+constexpr double kHidden_mm = 90.0;   // chosen: width of a hand
 constexpr float kBehind_mm = 20.0F;   // chosen
-constexpr double kLeastPiece = 0.02;  // chosen, of the main one
+constexpr double kLeastPiece = 0.02;  // chosen, of the main piece
 constexpr double kMostPiece = 2.0;    // likewise
-constexpr int kSmallestHole = 80;     // chosen: holes of a part so small of the view are filled
+constexpr int kSmallestHole = 80;     // chosen: fills holes smaller than this part of the view
 
 std::vector<cv::Point> traceRim(const cv::Mat& piece) {
   cv::Mat inner;
@@ -27,8 +27,8 @@ std::vector<cv::Point> traceRim(const cv::Mat& piece) {
   return out;
 }
 
-// Whether what lies between the piece and the mask may hide their joint: it is near, and nothing
-// that is seen between them lies behind both.
+// Returns whether an occluder may hide the joint of piece and mask: they are near each other, and
+// no pixel between them lies behind both.
 bool connectedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& piece,
                      double px_per_mm) {
   cv::Point from;

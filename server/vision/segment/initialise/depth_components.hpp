@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A thing behind fingers is seen in pieces. Thread: the one that runs Vision.
+// Merges the visible parts of an object that an occluder (for example, fingers) splits into pieces.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,9 +9,10 @@
 
 namespace hapticast::server {
 
-/// Of `mask` (0 / 255, of `view`) the piece `main` and those that are one with it behind what
-/// passes in front of them: nothing that is seen between them lies behind both, and none of them
-/// reaches the view's border. Small holes are filled. `px_per_mm`: of the view.
+/// Returns the piece `main` with the pieces of `mask` (0/255, size of `view`) that connect to it
+/// behind an occluder. Fills small holes. `px_per_mm`: px of the view.
+/// A piece connects if no pixel between both lies behind both, and if it does not reach the view's
+/// border.
 cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
                            double px_per_mm);
 

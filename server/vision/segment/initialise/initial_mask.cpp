@@ -16,10 +16,10 @@ namespace {
 
 constexpr int kLongestHole_px = 24;      // chosen: the sensors' shadows are narrower
 constexpr double kSurelyGround = 0.2;    // chosen, of the picture
-constexpr int kNear_px = 12;             // chosen: as far from the point a component may lie
-constexpr double kLargestCut_px = 25e3;  // GrabCut takes some 0.1 s for this many
+constexpr int kNear_px = 12;             // chosen: largest distance of a component from the point
+constexpr double kLargestCut_px = 25e3;  // GrabCut needs some 0.1 s for this many
 
-// Holes in one line of pixels (stride apart) are bridged linearly where both sides agree.
+// Interpolates holes in one line of pixels (stride apart) linearly if both sides agree.
 void bridgeLine(float* line, std::ptrdiff_t stride, int count, const DepthNoise& noise) {
   int last = -1;
   for (int i = 0; i < count; ++i) {
@@ -47,7 +47,7 @@ int findRoot(std::vector<int>& parent, int i) {
   return i;
 }
 
-// Corners that are well exposed: what can be followed from frame to frame.
+// Returns whether there are enough well exposed corners to track.
 bool hasTexture(const FrameImages& images, const cv::Mat& mask) {
   std::vector<cv::Point2f> corners;
   const cv::Rect box = boxAround(mask, 0);
@@ -67,8 +67,8 @@ cv::Mat tidy(const cv::Mat& component) {
   return withoutHoles(mask, mask.rows * mask.cols / 100);
 }
 
-// Into the marks for GrabCut (whose corner is at `origin`): what the author does not mean. It may
-// be one with the object in depth, so none of it may pass for surely the object.
+// Marks the negative points for GrabCut (its corner is at `origin`). Their object may be connected
+// to the object in depth, so it must not count as certain foreground.
 void markNot(const cv::Point& object, const std::vector<cv::Point>& not_points,
              const cv::Point& origin, cv::Mat& marks) {
   const auto square = [](const cv::Point& p) { return p.dot(p); };
@@ -202,7 +202,7 @@ ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const Depth
     std::erase_if(planes, through);
   }
   cv::Mat mask;
-  for (int round = 0; round < 2; ++round) {  // the second knows the supports
+  for (int round = 0; round < 2; ++round) {  // the second round has the supports
     const cv::Mat labels = depthComponents(depth, onPlanes(depth, whole, planes), noise);
     const int label = labelNear(labels, point);
     if (label == 0) return {{}, "there is no depth", {}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The careful start of an object: what hangs together in depth, without the planes things stand on,
-// then GrabCut by colour (Rother, Kolmogorov and Blake 2004). Done once per object, up to 0.3 s.
+// Initial mask of an object: connected components in depth without supporting planes, then GrabCut
+// by colour (Rother, Kolmogorov and Blake 2004).
+// Runs once for each object, up to 0.3 s. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,39 +12,39 @@
 
 namespace hapticast::server {
 
-/// Labels (CV_32S, 0 = none) of what hangs together in depth: 4-neighbours within
-/// DepthNoise::step_mm, holes up to 24 px bridged where both sides agree, pixels of `excluded` (0 /
-/// 255) left out.
+/// Returns labels (CV_32S, 0: none) of connected components in depth. 4-neighbours connect if their
+/// step is at most DepthNoise::step_mm.
+/// Holes up to 24 px are interpolated if both sides agree. Pixels of `excluded` (0/255) have no
+/// label.
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise);
 
-/// Median of the known depths where `mask` is not 0, of every `step`-th pixel and row; 0: nothing
-/// is known there.
+/// Returns the median of the measured depths where `mask` is not 0, of every `step`-th pixel and
+/// row, mm. 0 if none is measured.
 double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step);
 
-/// Whether hardly any of `mask` lies on the picture's border.
+/// Returns whether `mask` hardly touches the picture's border.
 bool clearOfBorder(const cv::Mat& mask);
 
-/// The nearest component that is compact: 0.6 to 30 % of the picture, at least 35 % of its box,
-/// clear of the picture's border, with texture enough to be followed. 0 / 255; empty when there is
-/// none.
+/// Returns the nearest compact component (0/255), empty if there is none. Compact: 0.6 to 30 % of
+/// the picture, at least 35 % of its box, clear of the picture's border, enough texture to track.
 cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels);
 
-/// What is under a point: an object's first mask (0 / 255), or why there is none; and the planes of
-/// the scene without those that go through the point, supports marked.
+/// Object at a point: its first mask (0/255), or the cause if there is none. `planes`: planes of
+/// the scene without those through the point, supports marked.
 struct ObjectStart {
   cv::Mat mask;
   const char* why_not = nullptr;
   std::vector<Plane> planes;
 };
-/// A plane through the point is not taken for an object's side where it is a fifth of the picture:
-/// then the point is on nothing.
+/// Finds the object at `point`. A plane through the point may be a side of the object, unless it
+/// covers a fifth of the picture: then there is no object.
 ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
                        std::vector<Plane> planes);
 
-/// `mask` settled by colour: GrabCut at half size or less; the mask itself where that changes its
-/// area to outside 0.4 .. 2.5 times. `object_point` is on it; around each of `not_points` a disc of
-/// 10 px surely is not, and what is nearer to one of them than to the object's point (then down to
-/// 0.1 times the area may be left) is rather not.
+/// Refines `mask` by GrabCut at half size or less. Returns `mask` itself if the result has less
+/// than 0.4 or more than 2.5 times its area (0.1 with `not_points`).
+/// `object_point` lies on the object. A disc of 10 px around each of `not_points` is certain
+/// background. Pixels nearer to one of them than to `object_point` are probable background.
 cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,
                    const cv::Point& object_point, const std::vector<cv::Point>& not_points);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How much a mask looks like one thing; see candidates.hpp.
+// Objectness score of a mask, in the spirit of Alexe, Deselaers and Ferrari 2010; see
+// candidates.hpp. Thread: the one that runs Vision.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -13,8 +14,9 @@ namespace hapticast::server {
 
 namespace {
 
-// Weights and limits tuned on drawn scenes of things in hands, and checked on bare ones.
-constexpr double kObject_px = 2500.0;  // of the view: enough to see a contour, few enough for time
+// Weights and limits tuned on drawn scenes of objects in hands, and checked on scenes without
+// hands.
+constexpr double kObject_px = 2500.0;  // of the view: enough for a contour, few enough for time
 constexpr int kRingMargin_px = 16;
 constexpr float kFirstOfRing_px = 1.5F;
 constexpr float kLastOfRing_px = 12.0F;
@@ -47,12 +49,13 @@ MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
   return out;
 }
 
-// What is found along the contour, as means over it.
+// Properties of the contour, as means along it.
 struct Contour {
   double edge = 0.0, weak = 0.0, contact = 0.0, border = 0.0;
 };
 
-// How clearly depth ends between a place inside and one outside, and whether that can be told.
+// Returns the strength of the depth edge between a place inside and one outside, 0..1; constants
+// where depth is missing.
 double depthEdge(const MaskView& m, const cv::Point& in, const cv::Point& out,
                  const DepthNoise& noise) {
   const float inside = m.view.depth.at<float>(in);
@@ -106,8 +109,9 @@ Contour alongContour(const MaskView& m, const DepthNoise& noise) {
 }
 
 struct Colors {
-  double apart = 0.0;    // of inside and ring, 0 .. 1
-  double missing = 0.0;  // in the ring, share of the area: looks like it and like nothing beyond
+  double apart = 0.0;  // of inside and ring, 0 .. 1
+  // In the ring, share of the area: similar to the object and unlike the rest.
+  double missing = 0.0;
 };
 
 Colors collectColors(const MaskView& m) {
@@ -139,9 +143,9 @@ Colors collectColors(const MaskView& m) {
 
 struct Body {
   double known = 0.0;  // share with depth
-  double stray = 0.0;  // share off the median depth by more than it is wide
+  double stray = 0.0;  // share whose distance from the median depth exceeds the width
   double diameter_mm = 0.0;
-  double solid = 0.0;  // area over what is seen of the convex hull
+  double solid = 0.0;  // area over the visible convex hull
   double skin = 0.0;
 };
 
@@ -170,7 +174,7 @@ Body fitBody(const MaskView& m, const cv::Size& picture) {
   cv::convexHull(points, hull);
   cv::Mat within = cv::Mat::zeros(m.mask.size(), CV_8UC1);
   cv::fillConvexPoly(within, hull, cv::Scalar(255));
-  // What passes in front says nothing of the shape behind it.
+  // Occluders in front do not count against the shape behind them.
   const double front_mm = middle_mm - 0.5 * out.diameter_mm - 20.0;
   within.setTo(0, (m.mask == 0) & (m.view.skin | ((m.view.depth > 0) & (m.view.depth < front_mm))));
   out.solid = m.area / std::max(double(cv::countNonZero(within)), m.area);
