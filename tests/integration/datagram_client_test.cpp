@@ -28,7 +28,7 @@ class DatagramClientTest : public StreamTest {
     });
   }
   static bool byUdp(const TestClient& client) {
-    return client.connection.delivery().way == Transport::kDatagrams;
+    return client.connection.delivery().transport == Transport::kDatagrams;
   }
   static void expectRisingIds(const TestClient& client) {
     for (std::size_t i = 1; i < client.frames.size(); ++i)
@@ -52,7 +52,7 @@ class DatagramClientTest : public StreamTest {
   /// Until frames come by the group, or the client says why not.
   bool streamToGroup(DatagramServer& server, TestClient& client) {
     return streamUntil(server, client, [&] {
-      return client.connection.delivery().way == Transport::kGroup || !client.news.empty();
+      return client.connection.delivery().transport == Transport::kGroup || !client.news.empty();
     });
   }
 
@@ -87,7 +87,7 @@ TEST_F(DatagramClientTest, AClientThatWantsTcpGetsNoDatagram) {
   TestClient client(io, clock, server.port(), with({.best = Transport::kTcp}));
   ASSERT_TRUE(streamOn(server, client, 20));
   EXPECT_EQ(server.sender->counts().viewers.sent, 0U);
-  EXPECT_EQ(client.connection.delivery().way, Transport::kTcp);
+  EXPECT_EQ(client.connection.delivery().transport, Transport::kTcp);
 }
 
 TEST_F(DatagramClientTest, CopiesMendANetworkThatLoses) {
