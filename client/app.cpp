@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "client/device/open_device.hpp"
-#include "client/haptics/loop_thread.hpp"
+#include "client/haptics/loop.hpp"
 #include "client/report/reporter.hpp"
 #include "client/session.hpp"
 #include "client/user_interface.hpp"

@@ -7,11 +7,8 @@
 
 #include "client/device/open_device.hpp"
 #include "common/build_options.hpp"
-#include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
-#include "common/cli/service_name.hpp"
-#include "common/cli/version.hpp"
 #include "common/text.hpp"
 #include "common/wire_limits.hpp"
 

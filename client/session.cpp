@@ -12,7 +12,7 @@
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
 #include "client/report/connection_log.hpp"
-#include "common/cli/signals.hpp"
+#include "common/cli/run_program.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "client/device/falcon_settings.hpp"
+#include "client/device/open_device.hpp"
 #include "client/haptics/contact/surface_model.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "common/endpoint.hpp"

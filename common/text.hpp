@@ -51,4 +51,12 @@ struct KeyValue {
 /// `name`: "NAME:LINE: ...".
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
+// Spelling correction by the Damerau-Levenshtein distance (optimal string alignment). Thread: any.
+
+/// Returns "; did you mean X?" with the nearest of `words`; empty if none is near. Near: one edit
+/// for every three letters of the word (at least one), where an edit replaces, omits, adds or swaps
+/// a letter.
+[[nodiscard]] std::string spellingHint(std::string_view typed,
+                                       const std::vector<std::string>& words);
+
 }  // namespace hapticast

@@ -12,20 +12,15 @@
 #include <thread>
 #include <utility>
 
-#include "common/cli/signals.hpp"
+#include "common/cli/run_program.hpp"
 #include "common/transport/asio.hpp"
-#include "server/pipeline/check_points.hpp"
 #include "server/pipeline/clip_scan.hpp"
-#include "server/pipeline/depth_range_log.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/plan_log.hpp"
 #include "server/source/pacer.hpp"
-#include "server/source/playback.hpp"
 #include "server/stream/announce.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/datagram_sender.hpp"
-#include "server/stream/datagram_signer.hpp"
-#include "server/stream/file_limit.hpp"
 #include "server/stream/listener.hpp"
 #include "server/stream/multicast_group.hpp"
 #include "server/vision/vision.hpp"

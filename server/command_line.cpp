@@ -7,11 +7,8 @@
 #include <vector>
 
 #include "common/build_options.hpp"
-#include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
-#include "common/cli/service_name.hpp"
-#include "common/cli/version.hpp"
 #include "common/codec/height_codec.hpp"
 #include "common/wire_limits.hpp"
 

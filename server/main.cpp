@@ -10,7 +10,7 @@
 #include "server/command_line.hpp"
 #include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
-#include "server/stream/address_error.hpp"
+#include "server/stream/stream_settings.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/endpoint.hpp"
-#include "server/stream/multicast_choice.hpp"
+#include "server/stream/multicast_group.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {

@@ -10,7 +10,7 @@
 
 #include "client/haptics/tick_report.hpp"
 #include "common/text.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

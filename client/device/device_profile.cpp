@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "common/spelling.hpp"
 #include "common/text.hpp"
 
 namespace hapticast::client {

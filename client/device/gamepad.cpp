@@ -11,7 +11,7 @@
 
 #include "client/device/open_device.hpp"
 #include "client/device/pointed_hand.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

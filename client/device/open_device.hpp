@@ -12,12 +12,25 @@
 #include <vector>
 
 #include "client/device/device_profile.hpp"
-#include "client/device/falcon_settings.hpp"
 #include "client/haptics/haptic_device.hpp"
-#include "client/haptics/pointer.hpp"
+#include "client/haptics/user_controls.hpp"
 #include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
+
+// Settings of a Falcon (--falcon-...).
+// Thread: any.
+
+/// Default gain in counts/(N m) at the arm. Measured: the frames of a stock driver correspond to
+/// 3500. Other drivers send three times as much, and devices differ slightly.
+inline constexpr double kFalconGain = 3500.0;
+
+struct FalconSettings {
+  std::string firmware_file = {};  ///< empty: the default file, or firmware that already runs
+  std::string serial = {};         ///< empty: the first device
+  double gain = kFalconGain;       ///< counts/(N m) at the arm
+  bool event_character = true;     ///< off: only to measure its effect
+};
 
 /// Arguments of a device. All references must outlive the device.
 struct DeviceRequest {

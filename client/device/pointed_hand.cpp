@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/discovery/server_list.hpp"
+#include "client/discovery/find_server.hpp"
 
 namespace hapticast::client {
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/playback/playout.hpp"
 #include "client/haptics/playback/scene.hpp"
-#include "client/haptics/stream_timing.hpp"
 
 namespace hapticast::client {
 

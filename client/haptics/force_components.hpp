@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "client/haptics/tick_report.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 
@@ -61,6 +61,18 @@ void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
     if (end >= deadline) deadline += ((end - deadline) / kTickPeriod + 1) * kTickPeriod;
   }
   (void)device.exchange(Vec3::Zero(), renderer.report());
+}
+
+LoopThread::LoopThread(HapticDevice& device, HapticRenderer& renderer, const Clock& clock)
+    : thread_([this, &device, &renderer, &clock] {
+        realtime_ = requestRealtime();
+        flushDenormals();
+        runLoop(device, renderer, clock, stop_, stats_);
+      }) {}
+
+void LoopThread::stop() noexcept {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
 }
 
 }  // namespace hapticast::client

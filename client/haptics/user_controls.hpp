@@ -6,10 +6,18 @@
 #include <cstdint>
 #include <optional>
 
-#include "client/haptics/contact/surface_kind.hpp"
+#include "common/geometry.hpp"
 #include "common/haptic_frame.hpp"
 
 namespace hapticast::client {
+
+// The surface models by name (--surface). client/haptics/README.md, section 2, compares them.
+
+enum class SurfaceKind : std::uint8_t {
+  kPerturbed,  ///< Eq. 3 divided by k, as printed
+  kNormal,     ///< distance to the tangent plane, d / (1 + |g|²) along M
+  kProxy,      ///< god-object proxy (proxy_surface.hpp); the only model with a state
+};
 
 /// Requests of the user, without ownership. Whatever the values, the force changes without a step
 /// and stays within the limits of the safety chain.
@@ -30,6 +38,16 @@ struct UserControls {
   std::optional<double> friction = std::nullopt;  ///< 0..1; overrides the author's friction
   std::optional<Method> method = std::nullopt;    ///< overrides the method of the start
   std::optional<SurfaceKind> surface = std::nullopt;
+};
+
+// Target of a pointing device. The window writes it, a device that follows the pointer (mouse)
+// reads it.
+// Thread: any; LatestValue carries it between threads.
+
+/// A target for the HIP, without ownership.
+struct PointerTarget {
+  bool known = false;               ///< false until the pointer was over the picture
+  Vec3 position_mm = Vec3::Zero();  ///< nominal frame
 };
 
 }  // namespace hapticast::client

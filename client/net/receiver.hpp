@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "client/haptics/stream_timing.hpp"
+#include "client/haptics/playback/playout.hpp"
 #include "client/net/decode_thread.hpp"
 #include "client/net/frame_assembler.hpp"
 #include "client/net/jitter_estimator.hpp"

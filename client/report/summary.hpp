@@ -10,8 +10,8 @@
 #include "client/haptics/loop.hpp"
 #include "client/haptics/realtime_thread.hpp"
 #include "client/net/receiver.hpp"
-#include "client/net/udp/datagram_verifier.hpp"
 #include "client/net/udp/transport_selector.hpp"
+#include "client/net/udp/udp_socket.hpp"
 
 namespace hapticast::client {
 

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "client/view/force_history.hpp"
+#include "client/view/force_plot.hpp"
 
 namespace hapticast::client {
 

@@ -2,8 +2,9 @@
 #include "client/view/picture.hpp"
 
 #include <turbojpeg.h>
-
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 namespace hapticast::client {
 
@@ -33,6 +34,33 @@ cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected) {
       tjDecompress2(decompressor.get(), jpeg.data(), jpeg.size(), picture.data, expected.width,
                     static_cast<int>(picture.step), expected.height, TJPF_BGR, kFlags);
   return failed == 0 ? picture : cv::Mat();
+}
+
+void PictureBuffer::add(VideoFrame video, const Workspace& workspace) {
+  const std::size_t size = video.jpeg.size();
+  auto picture = std::make_shared<const StreamPicture>(StreamPicture{std::move(video), workspace});
+  const std::lock_guard lock(mutex_);
+  if (!pictures_.empty() && picture->video.media_time < pictures_.back()->video.media_time) {
+    pictures_.clear();
+    bytes_ = 0;
+  }
+  pictures_.push_back(std::move(picture));
+  bytes_ += size;
+  while (pictures_.size() > kMaxPictures || (bytes_ > kMaxBytes && pictures_.size() > 1)) {
+    bytes_ -= pictures_.front()->video.jpeg.size();
+    pictures_.pop_front();
+  }
+}
+
+std::shared_ptr<const StreamPicture> PictureBuffer::nearest(MediaTime time) const {
+  const auto distance = [time](const auto& picture) {
+    return std::abs((picture->video.media_time - time).count());
+  };
+  const std::lock_guard lock(mutex_);
+  const auto found =
+      std::min_element(pictures_.begin(), pictures_.end(),
+                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  return found == pictures_.end() ? nullptr : *found;
 }
 
 }  // namespace hapticast::client

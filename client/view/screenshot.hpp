@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "client/view/force_history.hpp"
-#include "client/view/picture_buffer.hpp"
+#include "client/view/force_plot.hpp"
+#include "client/view/picture.hpp"
 #include "client/view/view.hpp"
 
 namespace hapticast::client {

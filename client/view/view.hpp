@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "client/haptics/playback/playable_reliefs.hpp"
-#include "client/haptics/pointer.hpp"
+#include "client/haptics/playback/frame_pool.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "client/haptics/user_controls.hpp"
 #include "common/haptic_frame.hpp"

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "common/cli/cli11.hpp"
 #include "common/endpoint.hpp"
 #include "common/geometry.hpp"
-#include "common/spelling.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
@@ -94,5 +94,24 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
   };
   return app.add_option_function<std::string>(name, set, help)->type_name(names);
 }
+
+// Version text of a program, with its optional packages. Thread: any.
+
+/// Adds --version and appends the same text to --help: "PROGRAM VERSION (`built_in`)", then a line
+/// with the optional packages of this build.
+void addVersion(CLI::App& app, const std::string& built_in);
+
+// Config file (--config FILE): lines `key = value` (readKeyValues()). Every flag is a key of the
+// same name; a list repeats its key. Thread: main, at start-up.
+
+/// An error inside a config file. The message needs only the file's name in front.
+class ConfigFileError : public CLI::ParseError {
+ public:
+  explicit ConfigFileError(const std::string& what)
+      : CLI::ParseError("ConfigFileError", what, CLI::ExitCodes::ConfigError) {}
+};
+
+/// Adds `--config FILE`, which accepts every flag of `app`. Unknown keys cause a ConfigFileError.
+void addConfigFile(CLI::App& app);
 
 }  // namespace hapticast

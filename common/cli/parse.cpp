@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "common/cli/parse.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <vector>
 
-#include "common/cli/config_file.hpp"
-#include "common/spelling.hpp"
+#include "common/build_options.hpp"
+#include "common/cli/options.hpp"
+#include "common/mdns.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
@@ -99,6 +101,21 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     return 2;
   }
   return std::nullopt;
+}
+
+void requireDiscovery(const std::string& flag) {
+  if (!kHasDiscovery)
+    throw CLI::ValidationError(flag, "this build announces and finds no servers (Avahi)");
+}
+
+std::string serviceName(const std::string& flag, const std::string& text) {
+  requireDiscovery(flag);
+  if (!isServiceName(text)) {
+    throw CLI::ValidationError(flag, quote(sanitizeUtf8(text)) +
+                                         " is not a name of 1 to 63 bytes of UTF-8 without control "
+                                         "characters");
+  }
+  return text;
 }
 
 }  // namespace hapticast

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/codec/height_codec.hpp"
-#include "common/codec/slice/analysis.hpp"
+#include "common/codec/slice/covered_cells.hpp"
 #include "common/codec/slice/header.hpp"
 #include "common/codec/slice/mask_coder.hpp"
 #include "common/codec/slice/symbols.hpp"

@@ -8,6 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
+#include <utility>
+
+#include "common/relief/distance_transform.hpp"
+#include "common/relief/rim_fit.hpp"
 
 namespace hapticast {
 
@@ -138,6 +143,156 @@ EdgeSample HeightField::edge(const Vec2& image_px) const noexcept {
   const Four value = cell.down(v.value);
   const Four sample = sums(u.value * value, u.slope * value, u.value * cell.down(v.slope), Four{});
   return {static_cast<double>(sample[0]), computeGradient(sample, px_per_mm_)};
+}
+
+namespace {
+
+constexpr int kSeamPasses = 2;  // chosen
+
+/// Smoothed signed distance to the mask's edge in mm, positive inside.
+std::vector<float> edgeDistance(const std::vector<std::uint8_t>& mask, int width, int height,
+                                const std::vector<float>& to_inside_mm,
+                                std::vector<float> to_outside_mm, const Vec2& mm_per_px) {
+  // The edge runs between pixel centres.
+  const auto half = static_cast<float>(0.5 * mm_per_px.mean());
+  const auto limit = static_cast<float>(HeightField::kMargin_px * mm_per_px.mean());
+  std::vector<float> edge = std::move(to_outside_mm);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const float signed_mm = mask[i] != 0 ? edge[i] - half : half - to_inside_mm[i];
+    edge[i] = std::clamp(signed_mm, -limit, limit);
+  }
+  smoothEdgeDistance(edge, width, height, mm_per_px);
+  return edge;
+}
+
+/// Smooths the seams between the fits of two rim pixels. Averaging of neighbours does not change
+/// planes. Uses only pixels whose neighbours are all within the fits' reach.
+void smoothSeams(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask, int width,
+                 int height, const NearestPixel& to_inside, double mm_per_px) {
+  const auto columns = static_cast<std::size_t>(width);
+  const auto limit = static_cast<float>((HeightField::kMargin_px - 1) * mm_per_px);
+  std::vector<std::size_t> seam;
+  for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height); ++v) {
+    for (std::size_t i = v * columns + 1; i + 1 < (v + 1) * columns; ++i) {
+      if (mask[i] == 0 && to_inside.distance_mm[i] <= limit) seam.push_back(i);
+    }
+  }
+  std::vector<float> smooth(seam.size());
+  for (int pass = 0; pass < kSeamPasses; ++pass) {
+    const float* const from = height_mm.data();
+    for (std::size_t k = 0; k < seam.size(); ++k) {
+      const float* const at = from + seam[k];
+      smooth[k] = 0.5F * *at + 0.125F * (*(at - 1) + *(at + 1) + *(at - columns) + *(at + columns));
+    }
+    for (std::size_t k = 0; k < seam.size(); ++k) height_mm[seam[k]] = smooth[k];
+  }
+}
+
+/// Returns the largest value. Requires values without NaN, at least one. Vectorised: eight maxima
+/// in parallel.
+float largest(const std::vector<float>& values) {
+  constexpr std::size_t kSideBySide = 8;
+  std::array<float, kSideBySide> most;
+  most.fill(values.front());
+  std::size_t i = 0;
+  for (; i + kSideBySide <= values.size(); i += kSideBySide) {
+    for (std::size_t k = 0; k < kSideBySide; ++k) most[k] = std::max(most[k], values[i + k]);
+  }
+  for (; i < values.size(); ++i) most[0] = std::max(most[0], values[i]);
+  return *std::max_element(most.begin(), most.end());
+}
+
+/// Fills the pixels outside the mask from the fit of their nearest mask pixel.
+void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask,
+                     int width, int height, const NearestPixel& to_inside, const Vec2& mm_per_px) {
+  std::vector<RimFit> fits;
+  std::vector<std::int32_t> fit_of(mask.size(), -1);  // index into fits, by rim pixel
+  const auto farthest = static_cast<float>((HeightField::kMargin_px + 2) * mm_per_px.maxCoeff());
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const std::int32_t rim = to_inside.nearest[i];
+    if (mask[i] != 0 || rim < 0) continue;
+    if (to_inside.distance_mm[i] > farthest) {  // beyond the reach of contact
+      height_mm[i] = height_mm[static_cast<std::size_t>(rim)];
+      continue;
+    }
+    const int u = rim % width;
+    const int v = rim / width;
+    std::int32_t& fit = fit_of[static_cast<std::size_t>(rim)];
+    if (fit < 0) {
+      fit = static_cast<std::int32_t>(fits.size());
+      fits.emplace_back(height_mm, mask, width, height, u, v);
+    }
+    const auto here = static_cast<int>(i);
+    const int row = here / width;
+    height_mm[i] =
+        static_cast<float>(fits[static_cast<std::size_t>(fit)].at(here % width - u, row - v));
+  }
+  smoothSeams(height_mm, mask, width, height, to_inside, mm_per_px.minCoeff());
+}
+
+}  // namespace
+
+HeightField HeightField::padded(const Relief& relief, const Workspace& workspace) {
+  HeightField field;
+  field.rect_ = relief.rect;
+  field.mm_per_px_ = workspace.mmPerPixel();
+  field.px_per_mm_ = field.mm_per_px_.cwiseInverse();
+  const PixelRect& rect = field.rect_;
+  const auto columns = static_cast<std::size_t>(std::max(rect.width, 0));
+  const auto rows = static_cast<std::size_t>(std::max(rect.height, 0));
+  if (rect.empty() || relief.height_mm.size() != columns * rows ||
+      relief.mask.size() != columns * rows) {
+    return field;
+  }
+  field.prepared_ = {rect.u - kMargin_px, rect.v - kMargin_px, rect.width + 2 * kMargin_px,
+                     rect.height + 2 * kMargin_px};
+  field.first_px_ = Vec2(field.prepared_.u, field.prepared_.v) + Vec2::Constant(0.5);
+  field.size_px_ = Vec2(field.prepared_.width, field.prepared_.height);
+  constexpr double kJustBefore_px = 1e-9;  // excludes the point exactly on the next pixel
+  field.last_cell_ = field.size_px_ - Vec2::Constant(2.0 + kJustBefore_px);
+  const auto width = static_cast<std::size_t>(field.prepared_.width);
+  const auto height = static_cast<std::size_t>(field.prepared_.height);
+  field.height_mm_.assign(width * height, 0.0F);
+  field.mask_.assign(width * height, 0);
+  for (std::size_t v = 0; v < rows; ++v) {
+    for (std::size_t u = 0; u < columns; ++u) {
+      if (relief.mask[v * columns + u] == 0) continue;
+      const std::size_t to = (v + kMargin_px) * width + u + kMargin_px;
+      field.mask_[to] = 1;
+      field.height_mm_[to] = relief.height_mm[v * columns + u];
+    }
+  }
+  return field;
+}
+
+void HeightField::complete(bool continued) {
+  if (empty()) return;
+  const int width = prepared_.width;
+  const int height = prepared_.height;
+  const NearestPixel to_inside = nearestPixel(mask_, width, height, 1, mm_per_px_);
+  std::vector<float> to_outside_mm = distanceTo(mask_, width, height, 0, mm_per_px_);
+  const auto deepest = static_cast<int>(
+      std::distance(to_outside_mm.begin(),
+                    std::find(to_outside_mm.begin(), to_outside_mm.end(), largest(to_outside_mm))));
+  deepest_height_mm_ = static_cast<double>(height_mm_[static_cast<std::size_t>(deepest)]);
+  const int row = deepest / width;
+  deepest_px_ = {prepared_.u + deepest % width + 0.5, prepared_.v + row + 0.5};
+  edge_mm_ = edgeDistance(mask_, width, height, to_inside.distance_mm, std::move(to_outside_mm),
+                          mm_per_px_);
+  if (continued) continueHeights(height_mm_, mask_, width, height, to_inside, mm_per_px_);
+  highest_mm_ = static_cast<double>(largest(height_mm_));
+}
+
+HeightField HeightField::prepare(const Relief& relief, const Workspace& workspace) {
+  HeightField field = padded(relief, workspace);
+  field.complete(true);
+  return field;
+}
+
+HeightField HeightField::prepareThesis(const Relief& relief, const Workspace& workspace) {
+  HeightField field = padded(relief, workspace);
+  field.complete(false);
+  return field;
 }
 
 }  // namespace hapticast

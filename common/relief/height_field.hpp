@@ -37,7 +37,7 @@ class HeightField {
 
   /// Prepares `relief`: continues its heights kMargin_px beyond the mask by local fits
   /// (rim_fit.hpp), so that nothing beside the object affects samples near the rim.
-  /// Computes the smoothed signed distance to the mask's edge (edge_distance.hpp), which the proxy
+  /// Computes the smoothed signed distance to the mask's edge (distance_transform.hpp), which the proxy
   /// contacts as a wall. Time is linear in the rectangle.
   /// Requires a validated relief (matching sizes, finite heights). May allocate; not for the haptic
   /// loop.

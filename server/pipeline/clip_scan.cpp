@@ -2,8 +2,46 @@
 #include "server/pipeline/clip_scan.hpp"
 
 #include <spdlog/spdlog.h>
+#include <vector>
 
 namespace hapticast::server {
+
+namespace {
+
+constexpr double kOnePlace_px = 3.0;  // chosen: precision of a pointing person
+
+void removeContradictions(VisionSettings& settings) {
+  std::erase_if(settings.object_points, [&settings](const AuthorPoint& on) {
+    const auto there = [&on](const AuthorPoint& off) {
+      return off.time_s == on.time_s && (off.at_px - on.at_px).norm() < kOnePlace_px;
+    };
+    if (std::erase_if(settings.not_points, there) == 0) return false;
+    spdlog::warn("--object {:g},{:g}@{:g} and --not contradict each other there; both are left out",
+                 on.at_px.x(), on.at_px.y(), on.time_s);
+    return true;
+  });
+}
+
+}  // namespace
+
+VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info) {
+  removeContradictions(settings);
+  if (info.live || !info.frame_count) return settings;
+  const double end_s = static_cast<double>(*info.frame_count) / info.fps;
+  const auto check = [end_s](const char* flag, std::vector<AuthorPoint>& points) {
+    std::erase_if(points, [&](const AuthorPoint& point) {
+      if (point.time_s < end_s) return false;
+      spdlog::warn(
+          "{} {:g},{:g}@{:g}: after the end of the clip, which lasts {:.4g} s; it is left "
+          "out",
+          flag, point.at_px.x(), point.at_px.y(), point.time_s, end_s);
+      return true;
+    });
+  };
+  check("--object", settings.object_points);
+  check("--not", settings.not_points);
+  return settings;
+}
 
 namespace {
 constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: a comfortable interval

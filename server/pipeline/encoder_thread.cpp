@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/vision/picture.hpp"
+#include "server/vision/describe.hpp"
 
 namespace hapticast::server {
 

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/stream/datagram_signer.hpp"
+#include "server/stream/datagram_sender.hpp"
 #include "server/stream/stream_sink.hpp"
 #include "server/vision/vision.hpp"
 

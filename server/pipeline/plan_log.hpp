@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "common/time.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/scene_plan.hpp"
+#include "server/vision/surface/range.hpp"
 
 namespace hapticast::server {
 
@@ -41,6 +43,19 @@ class PlanLog {
 
   std::map<std::uint32_t, LoggedPlan> logged_;  // by object id
   std::deque<Lines> retired_;                   // plans of vanished objects, oldest first
+};
+
+// Logs once the mapped range, with a warning if the object covers little of it. Thread: the
+// pipeline's.
+
+/// Logger of one stream.
+class DepthRangeLog {
+ public:
+  /// Logs the range at the first call with a value. `mapped`: nullopt if unknown.
+  void log(const std::optional<MappedRange>& mapped);
+
+ private:
+  bool logged_ = false;
 };
 
 }  // namespace hapticast::server

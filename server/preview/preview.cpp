@@ -12,7 +12,6 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "server/pipeline/check_points.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/preview/contact_sheet.hpp"
 #include "server/preview/correction_hint.hpp"

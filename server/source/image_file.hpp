@@ -6,12 +6,27 @@
 #include <cstdint>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
+
+// JPEG header parser: reads the size of a picture before a decoder allocates memory for it. Thread:
+// any.
+
+/// Size of a picture.
+struct PictureSize {
+  std::uint32_t width_px = 0;
+  std::uint32_t height_px = 0;
+  bool operator==(const PictureSize&) const = default;
+};
+
+/// Returns the size in the frame header (ITU T.81 annex B) without decoding; nullopt if there is
+/// none.
+[[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
 /// An image, or its problem ("is 4000x3000, larger than 1920x1080").
 struct ImageResult {

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/spelling.hpp"
 #include "common/text.hpp"
 #include "server/source/camera.hpp"
 #include "server/source/image_sequence.hpp"

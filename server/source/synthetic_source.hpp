@@ -4,7 +4,6 @@
 #pragma once
 
 #include "server/source/rgbd_source.hpp"
-#include "server/source/solid_noise.hpp"
 #include "server/source/synthetic_scene.hpp"
 
 namespace hapticast::server {

@@ -16,7 +16,7 @@
 #include "common/protocol/messages.hpp"
 #include "common/transport/mdns_session.hpp"
 #include "common/transport/network_interfaces.hpp"
-#include "server/stream/address_error.hpp"
+#include "server/stream/stream_settings.hpp"
 
 namespace hapticast::server {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "server/stream/datagram_signer.hpp"
+#include "server/stream/datagram_sender.hpp"
 
 namespace hapticast::server {
 

@@ -2,15 +2,23 @@
 // TCP acceptor on ADDR:PORT: passes new connections to the broadcaster. Thread: io.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "common/endpoint.hpp"
 #include "common/transport/asio.hpp"
-#include "server/stream/address_error.hpp"
 #include "server/stream/broadcaster.hpp"
+#include "server/stream/stream_settings.hpp"
 
 namespace hapticast::server {
+
+// Limit of open files (RLIMIT_NOFILE): each connection is an open file. Thread: main.
+
+/// Raises this process's limit of open files if `viewers` need it, as far as the system allows.
+/// Returns how many viewers fit: `viewers`, or fewer after one log line. Thread: main, before the
+/// first connection.
+std::size_t raiseFileLimit(std::size_t viewers);
 
 /// Accepts viewers.
 class Listener {

@@ -10,7 +10,7 @@
 
 #include "common/text.hpp"
 #include "common/transport/network_interfaces.hpp"
-#include "server/stream/address_error.hpp"
+#include "server/stream/stream_settings.hpp"
 
 namespace hapticast::server {
 

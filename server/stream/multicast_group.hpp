@@ -3,10 +3,22 @@
 // at start-up.
 #pragma once
 
+#include <string>
+
+#include "common/endpoint.hpp"
 #include "common/transport/asio.hpp"
-#include "server/stream/multicast_choice.hpp"
 
 namespace hapticast::server {
+
+// The multicast group of the command line, without sockets. Thread: any.
+
+/// A requested multicast group: GROUP:PORT[@INTERFACE].
+struct MulticastChoice {
+  Endpoint group;
+  std::string interface;  ///< name or address; empty: the first suitable one
+
+  bool operator==(const MulticastChoice&) const = default;
+};
 
 /// Socket that sends to one group.
 class MulticastGroup {

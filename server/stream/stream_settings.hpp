@@ -4,11 +4,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 #include "common/time.hpp"
 #include "server/stream/send_queue.hpp"
 
 namespace hapticast::server {
+
+// Error of a listen or multicast address from the command line. Thread: any.
+
+/// An address that is invalid or does not belong to this machine: a user error, unlike other
+/// failures to listen. The message is one line. It begins with the flag, except for --listen.
+class AddressError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Limits and deadlines of connections.
 struct StreamSettings {

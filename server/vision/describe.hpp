@@ -4,11 +4,12 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <vector>
 
-#include "server/vision/motion/nominal_frame.hpp"
-#include "server/vision/surface/layer_cutter.hpp"
-#include "server/vision/tracked_object.hpp"
+#include "server/vision/motion/object_pose.hpp"
+#include "server/vision/surface/layers.hpp"
+#include "server/vision/track.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -29,5 +30,11 @@ std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint6
                                          const DepthNoise& noise, const NominalFrame& nominal,
                                          const VisionSettings& settings, const Clock* clock,
                                          LayerCutter& cutter);
+
+// JPEG encoding of the picture for the viewer's window. Thread: any.
+
+/// Encodes `color` (CV_8UC3, BGR) as a JPEG. `quality` is clamped to 1..100. Returns an empty
+/// vector if `color` is empty or cannot be encoded.
+std::vector<std::uint8_t> encodePicture(const cv::Mat& color, int quality);
 
 }  // namespace hapticast::server

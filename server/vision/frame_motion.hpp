@@ -12,10 +12,23 @@
 #include "server/source/rgbd_source.hpp"
 #include "server/vision/motion/clip_smoother.hpp"
 #include "server/vision/motion/impact.hpp"
+#include "server/vision/motion/object_pose.hpp"
 #include "server/vision/motion/pose_history.hpp"
-#include "server/vision/tracked_object.hpp"
+#include "server/vision/track.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
+
+// Loop seam test: decides whether objects continue where a looped clip begins again, or a new epoch
+// has to start. Thread: any.
+
+/// Returns whether both frames show the same objects by id, all of them seen.
+bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
+
+/// Returns whether the same objects are unchanged since the frame before. Pose and relief together
+/// may change the force by at most the error budget.
+bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
+                  const NominalFrame& nominal, const VisionSettings& settings);
 
 /// Returns the 0.99 quantile of the values, the largest acceleration that a stream announces,
 /// mm/s². The maximum of hundreds of measured values would be the worst of their noise. 0 when

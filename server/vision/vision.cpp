@@ -8,7 +8,6 @@
 
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
-#include "server/vision/loop_seam.hpp"
 #include "server/vision/tracker.hpp"
 
 namespace hapticast::server {

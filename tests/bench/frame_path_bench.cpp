@@ -5,9 +5,9 @@
 
 #include "common/protocol/messages.hpp"
 #include "server/source/synthetic_source.hpp"
-#include "server/stream/datagram_signer.hpp"
+#include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
-#include "server/vision/picture.hpp"
+#include "server/vision/describe.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/support/coded.hpp"
 

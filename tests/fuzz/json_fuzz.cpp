@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "server/source/clip_meta.hpp"
+#include "server/source/clip_files.hpp"
 #include "server/source/rgbd_source.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "client/command_line.hpp"
-#include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 #include "common/wire_limits.hpp"

@@ -2,7 +2,7 @@
 // The stream by UDP, over loopback: who gets it, what arrives, and who gets nothing.
 #include <set>
 
-#include "server/stream/address_error.hpp"
+#include "server/stream/stream_settings.hpp"
 #include "tests/integration/datagram_fixture.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/datagram_viewer.hpp"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "common/build_options.hpp"
-#include "common/cli/service_name.hpp"
+#include "common/cli/parse.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/two_hosts.hpp"
 

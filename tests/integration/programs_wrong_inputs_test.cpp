@@ -3,7 +3,7 @@
 #include <regex>
 
 #include "common/build_options.hpp"
-#include "common/cli/service_name.hpp"
+#include "common/cli/parse.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "common/transport/tcp_channel.hpp"
-#include "server/stream/file_limit.hpp"
+#include "server/stream/listener.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/log_lines.hpp"
 #include "tests/support/manual_clock.hpp"

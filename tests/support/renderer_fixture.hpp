@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/haptics/renderer.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {

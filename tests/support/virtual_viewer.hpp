@@ -17,9 +17,9 @@
 
 #include "client/haptics/renderer.hpp"
 #include "client/net/receiver.hpp"
-#include "client/net/udp/datagram_verifier.hpp"
+#include "client/net/udp/udp_socket.hpp"
 #include "common/protocol/messages.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -18,7 +18,7 @@
 
 #include "client/device/falcon/protocol.hpp"
 #include "client/device/falcon/usb.hpp"
-#include "client/device/falcon_settings.hpp"
+#include "client/device/open_device.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "common/sync/spsc_ring.hpp"
 #include "common/time.hpp"

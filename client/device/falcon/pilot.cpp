@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "client/device/falcon/kinematics.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

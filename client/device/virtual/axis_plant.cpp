@@ -4,7 +4,7 @@
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

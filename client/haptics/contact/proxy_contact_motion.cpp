@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "client/haptics/contact/proxy.hpp"
-#include "client/haptics/contact/proxy_steps.hpp"
 
 namespace hapticast::client {
 

@@ -5,8 +5,8 @@
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
-#include "client/haptics/contact/surface_kind.hpp"
 #include "client/haptics/playback/scene.hpp"
+#include "client/haptics/user_controls.hpp"
 
 namespace hapticast::client {
 

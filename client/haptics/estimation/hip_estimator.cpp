@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "client/haptics/safety/wall_law.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

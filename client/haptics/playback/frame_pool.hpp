@@ -12,12 +12,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "common/haptic_frame.hpp"
 #include "common/relief/height_field.hpp"
 #include "common/sync/spsc_ring.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
+
+// The reliefs of a frame that the loop can touch, for the views.
+// Thread: any.
+
+/// Weak references: a relief exists as long as the loop may play its frame.
+struct PlayableReliefs {
+  MediaTime media_time;
+  std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< one for each object
+};
 
 /// One object of a frame for the loop, without vectors and without ownership.
 struct PlayObject {

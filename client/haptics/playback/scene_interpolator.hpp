@@ -9,9 +9,9 @@
 #include <cstdint>
 
 #include "client/haptics/playback/frame_pool.hpp"
+#include "client/haptics/playback/playout.hpp"
 #include "client/haptics/playback/pose.hpp"
 #include "client/haptics/playback/scene.hpp"
-#include "client/haptics/stream_timing.hpp"
 #include "client/haptics/user_controls.hpp"
 
 namespace hapticast::client {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "client/haptics/safety/wall_law.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

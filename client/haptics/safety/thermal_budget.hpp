@@ -5,7 +5,7 @@
 #pragma once
 
 #include "client/haptics/haptic_device.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

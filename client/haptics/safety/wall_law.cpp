@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 

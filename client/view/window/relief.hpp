@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/haptics/playback/playable_reliefs.hpp"
+#include "client/haptics/playback/frame_pool.hpp"
 #include "client/view/relief_shape.hpp"
 #include "client/view/window/scene.hpp"
 

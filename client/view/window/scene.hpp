@@ -5,8 +5,8 @@
 
 #include <imgui.h>
 
-#include "client/haptics/pointer.hpp"
 #include "client/haptics/tick_report.hpp"
+#include "client/haptics/user_controls.hpp"
 
 namespace hapticast::client {
 

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "client/view/picture_buffer.hpp"
+#include "client/view/picture.hpp"
 #include "client/view/window/painter.hpp"
 #include "client/view/window/panel.hpp"
 #include "client/view/window/relief.hpp"

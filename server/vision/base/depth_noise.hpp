@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Noise estimation of a depth image: standard deviation over range, from the median of absolute
 // second differences (median absolute deviation), and the quantum of the depth values.
-// The input is working depth (frame_images.hpp). Thread: any.
+// The input is working depth (frame_pair.hpp). Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>

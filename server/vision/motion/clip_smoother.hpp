@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
-#include "server/vision/motion/nominal_frame.hpp"
+#include "server/vision/motion/object_pose.hpp"
 #include "server/vision/motion/savitzky_golay.hpp"
 
 namespace hapticast::server {

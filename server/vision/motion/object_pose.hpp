@@ -4,9 +4,25 @@
 
 #include <opencv2/core.hpp>
 
+#include "common/geometry.hpp"
 #include "common/haptic_frame.hpp"
+#include "server/source/camera_model.hpp"
+#include "server/vision/motion/savitzky_golay.hpp"
 
 namespace hapticast::server {
+
+// Conversion of poses in the picture to nominal units. Thread: any.
+
+/// The announced workspace, and the range of working depth that becomes its heights.
+struct NominalFrame {
+  Workspace workspace;
+  DepthRange range;
+
+  /// Converts `pose` to nominal mm. `time_s`: time of its frame.
+  [[nodiscard]] Sample sample(const ObjectPose& pose, double time_s) const;
+  /// Returns nominal mm per px right, px down and mm of working depth.
+  [[nodiscard]] Vec3 mmPerStep() const;
+};
 
 /// Reference point in the picture (px, pixel centres at +0.5) and in depth, and the rotation about
 /// the viewing axis.

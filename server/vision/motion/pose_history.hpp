@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "server/vision/motion/grid.hpp"
-#include "server/vision/motion/nominal_frame.hpp"
+#include "server/vision/motion/object_pose.hpp"
 
 namespace hapticast::server {
 

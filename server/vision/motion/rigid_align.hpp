@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/source/camera_model.hpp"
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/motion/rigid_fit.hpp"
 #include "server/vision/surface/enhance.hpp"
 

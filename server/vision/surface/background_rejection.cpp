@@ -8,7 +8,7 @@
 
 #include "common/geometry.hpp"
 #include "server/vision/base/masks.hpp"
-#include "server/vision/surface/fill.hpp"
+#include "server/vision/surface/quadratic_fit.hpp"
 
 namespace hapticast::server {
 

@@ -9,7 +9,6 @@
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/background_rejection.hpp"
-#include "server/vision/surface/fill.hpp"
 #include "server/vision/surface/quadratic_fit.hpp"
 
 namespace hapticast::server {

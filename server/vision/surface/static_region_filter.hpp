@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/vision/base/depth_noise.hpp"
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/surface/enhance.hpp"
 #include "server/vision/surface/static_tiles.hpp"
 

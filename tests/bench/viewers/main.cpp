@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/cli/options.hpp"
-#include "server/stream/file_limit.hpp"
+#include "server/stream/listener.hpp"
 #include "tests/bench/viewers/contest.hpp"
 #include "tests/bench/viewers/trials.hpp"
 #include "tests/support/program.hpp"

@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "server/stream/datagram_sender.hpp"
-#include "server/stream/file_limit.hpp"
 #include "server/stream/listener.hpp"
 #include "tests/support/framed.hpp"
 

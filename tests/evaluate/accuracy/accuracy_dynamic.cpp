@@ -8,7 +8,7 @@
 #include "client/device/device_profile.hpp"
 #include "client/haptics/dynamic_force.hpp"
 #include "client/haptics/estimation/hip_estimator.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "tests/evaluate/accuracy/accuracy_parts.hpp"
 #include "tests/evaluate/thread_time.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/vision/motion/clip_smoother.hpp"
-#include "server/vision/motion/nominal_frame.hpp"
+#include "server/vision/motion/object_pose.hpp"
 #include "server/vision/motion/savitzky_golay.hpp"
 #include "server/vision/tracker.hpp"
 #include "tests/evaluate/thread_time.hpp"

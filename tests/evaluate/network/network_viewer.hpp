@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "client/net/udp/loss_estimator.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "common/transport/clock_sync.hpp"
 #include "tests/evaluate/network/network_wire.hpp"
 #include "tests/evaluate/touch/touch_player.hpp"

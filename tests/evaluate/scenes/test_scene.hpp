@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "server/source/rgbd_source.hpp"
-#include "server/source/solid_noise.hpp"
 #include "server/source/synthetic_scene.hpp"
 
 namespace hapticast::evaluate {

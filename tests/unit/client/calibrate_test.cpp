@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace hapticast::client {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/udp/datagram_verifier.hpp"
+#include "client/net/udp/udp_socket.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "client/device/falcon/kinematics.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/view/force_history.hpp"
+#include "client/view/force_plot.hpp"
 
 #include <gtest/gtest.h>
 

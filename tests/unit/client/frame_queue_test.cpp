@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/frame_queue.hpp"
+#include "client/net/decode_thread.hpp"
 
 #include <gtest/gtest.h>
 

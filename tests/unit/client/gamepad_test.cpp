@@ -6,7 +6,7 @@
 
 #include "client/device/open_device.hpp"
 #include "client/haptics/tick_report.hpp"
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/virtual_pad.hpp"
 

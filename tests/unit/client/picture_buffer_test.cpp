@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/view/picture_buffer.hpp"
+#include "client/view/picture.hpp"
 
 #include <gtest/gtest.h>
 

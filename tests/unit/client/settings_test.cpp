@@ -8,7 +8,7 @@
 
 #include "client/device/open_device.hpp"
 #include "common/build_options.hpp"
-#include "common/cli/service_name.hpp"
+#include "common/cli/parse.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::client {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "common/cli/config_file.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where the proxy feels the edge of a mask, against the shape the mask was drawn from.
-#include "common/relief/edge_distance.hpp"
+#include "common/relief/distance_transform.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/tick.hpp"
+#include "common/time.hpp"
 #include "tests/support/renderer_fixture.hpp"
 #include "tests/support/scripted_device.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/loop_thread.hpp"
+#include "client/haptics/loop.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/source/synthetic_scene.hpp"
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "server/source/clip_files.hpp"
-#include "server/source/clip_meta.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {

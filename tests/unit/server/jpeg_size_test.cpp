@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/source/jpeg_size.hpp"
+#include "server/source/image_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/source/image_sequence.hpp"
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "server/source/image_sequence.hpp"
-#include "server/source/playback.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "tests/unit/server/source_files.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "server/pipeline/check_points.hpp"
+#include "server/pipeline/clip_scan.hpp"
 #include "server/preview/correction_hint.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/vision/base/masks.hpp"

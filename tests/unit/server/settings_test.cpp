@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/build_options.hpp"
-#include "common/cli/service_name.hpp"
+#include "common/cli/parse.hpp"
 #include "common/codec/height_codec.hpp"
 #include "tests/unit/command_line_probe.hpp"
 

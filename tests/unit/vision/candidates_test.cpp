@@ -12,7 +12,6 @@
 #include "server/vision/segment/appearance/graph_cut.hpp"
 #include "server/vision/segment/appearance/skin.hpp"
 #include "server/vision/segment/follow/select_initial_mask.hpp"
-#include "server/vision/segment/initialise/depth_components.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
 
 namespace hapticast::server {

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/quadratic_fit.hpp"
 #include "server/vision/surface/range.hpp"

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "common/wire_limits.hpp"
-#include "server/vision/surface/layer_cutter.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 

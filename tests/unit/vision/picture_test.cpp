@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/picture.hpp"
+#include "server/vision/describe.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/pipeline/depth_range_log.hpp"
+#include "server/pipeline/plan_log.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/support/log_lines.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"

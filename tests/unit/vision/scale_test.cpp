@@ -2,7 +2,7 @@
 // Clean bodies near and far: no scale of a clip may cost them their rim.
 #include <gtest/gtest.h>
 
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/enhance.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"

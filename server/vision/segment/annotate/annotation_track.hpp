@@ -8,7 +8,7 @@
 
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/annotate/clip_annotations.hpp"
-#include "server/vision/segment/appearance/graph_roi.hpp"
+#include "server/vision/segment/appearance/object_roi.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "server/vision/segment/annotate/annotation_track.hpp"
-#include "server/vision/segment/appearance/graph_roi.hpp"
+#include "server/vision/segment/appearance/object_roi.hpp"
 
 namespace hapticast::server {
 

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "server/vision/segment/appearance/graph_roi.hpp"
+#include "server/vision/segment/appearance/object_roi.hpp"
 
 namespace hapticast::server {
 

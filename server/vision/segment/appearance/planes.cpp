@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/least_squares.hpp"
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
 

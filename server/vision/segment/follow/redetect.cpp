@@ -8,7 +8,6 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/appearance/graph_cut.hpp"
 #include "server/vision/segment/initialise/candidates.hpp"
-#include "server/vision/segment/initialise/depth_components.hpp"
 
 namespace hapticast::server {
 

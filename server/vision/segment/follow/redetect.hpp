@@ -6,7 +6,6 @@
 #include <opencv2/core.hpp>
 
 #include "server/vision/segment/appearance/contour.hpp"
-#include "server/vision/segment/appearance/graph_roi.hpp"
 #include "server/vision/segment/appearance/object_roi.hpp"
 
 namespace hapticast::server {

@@ -10,10 +10,10 @@
 
 #include "server/vision/base/depth_noise.hpp"
 #include "server/vision/base/flow.hpp"
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/annotate/annotation_track.hpp"
 #include "server/vision/segment/appearance/contour.hpp"
-#include "server/vision/segment/appearance/graph_roi.hpp"
+#include "server/vision/segment/appearance/object_roi.hpp"
 #include "server/vision/segment/appearance/planes.hpp"
 
 namespace hapticast::server {

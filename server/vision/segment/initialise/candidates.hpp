@@ -8,9 +8,19 @@
 #include <vector>
 
 #include "server/vision/segment/annotate/clip_annotations.hpp"
-#include "server/vision/segment/appearance/graph_roi.hpp"
+#include "server/vision/segment/appearance/object_roi.hpp"
 
 namespace hapticast::server {
+
+// Merges the visible parts of an object that an occluder (for example, fingers) splits into pieces.
+// Thread: the one that runs Vision.
+
+/// Returns the piece `main` with the pieces of `mask` (0/255, size of `view`) that connect to it
+/// behind an occluder. Fills small holes. `px_per_mm`: px of the view.
+/// A piece connects if no pixel between both lies behind both, and if it does not reach the view's
+/// border.
+cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
+                           double px_per_mm);
 
 /// A point of the author, and the negative samples.
 struct Click {

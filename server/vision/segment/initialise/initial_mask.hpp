@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "server/vision/base/frame_images.hpp"
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/appearance/planes.hpp"
 
 namespace hapticast::server {

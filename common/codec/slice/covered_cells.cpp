@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "common/codec/slice/analysis.hpp"
+#include "common/codec/slice/covered_cells.hpp"
 
 #include <bit>
 #include <cmath>

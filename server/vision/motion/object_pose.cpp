@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/motion/nominal_frame.hpp"
+#include "server/vision/motion/object_pose.hpp"
 
 namespace hapticast::server {
 
