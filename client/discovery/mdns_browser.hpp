@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/discovery/find_server.hpp"
+#include "client/discovery/server_list.hpp"
 
 namespace hapticast::client {
 

@@ -35,6 +35,23 @@ struct FrameImages {
   cv::Mat key_mask;
 };
 
+// Shot boundary detection: finds the frames at which a clip cuts to another scene, by correlation
+// of brightness and change of depth. State of the old scene is invalid after a cut.
+// Thread: the one that runs Vision.
+
+/// Compares successive frames at 1/16 of their size. A cut is where both brightness and depth
+/// differ from the last frame. Motion, pans and changes of light change only one of them, or both a
+/// little.
+class SceneCuts {
+ public:
+  /// Returns whether a cut lies directly before this frame; false for the first frame.
+  bool next(const FrameImages& images);
+
+ private:
+  cv::Mat gray_;   // CV_32FC1, small
+  cv::Mat depth_;  // CV_32FC1, small, mm; 0: not measured
+};
+
 /// Converts `frame` to working images. Depths that are not finite, not positive or beyond 100 m
 /// count as not measured. Throws SourceError if a type or a size differs from `info`.
 FrameImages makeFrameImages(const RgbdFrame& frame, const SourceInfo& info);
@@ -81,23 +98,6 @@ class FramePairs {
   FrameImages raw_;  // last frame from the source, before alignment
   FramePair pair_;
   double time_s_ = 0.0;
-};
-
-// Shot boundary detection: finds the frames at which a clip cuts to another scene, by correlation
-// of brightness and change of depth. State of the old scene is invalid after a cut.
-// Thread: the one that runs Vision.
-
-/// Compares successive frames at 1/16 of their size. A cut is where both brightness and depth
-/// differ from the last frame. Motion, pans and changes of light change only one of them, or both a
-/// little.
-class SceneCuts {
- public:
-  /// Returns whether a cut lies directly before this frame; false for the first frame.
-  bool next(const FrameImages& images);
-
- private:
-  cv::Mat gray_;   // CV_32FC1, small
-  cv::Mat depth_;  // CV_32FC1, small, mm; 0: not measured
 };
 
 }  // namespace hapticast::server

@@ -11,19 +11,6 @@
 
 namespace hapticast::server {
 
-// Conversion of poses in the picture to nominal units. Thread: any.
-
-/// The announced workspace, and the range of working depth that becomes its heights.
-struct NominalFrame {
-  Workspace workspace;
-  DepthRange range;
-
-  /// Converts `pose` to nominal mm. `time_s`: time of its frame.
-  [[nodiscard]] Sample sample(const ObjectPose& pose, double time_s) const;
-  /// Returns nominal mm per px right, px down and mm of working depth.
-  [[nodiscard]] Vec3 mmPerStep() const;
-};
-
 /// Reference point in the picture (px, pixel centres at +0.5) and in depth, and the rotation about
 /// the viewing axis.
 struct ObjectPose {
@@ -38,6 +25,19 @@ struct ObjectPose {
   ReferencePoint point = ReferencePoint::kVisibleCentroid;
   /// Motion of the background here since the track began; 0 without pan compensation.
   cv::Vec2d background_px{0, 0};
+};
+
+// Conversion of poses in the picture to nominal units. Thread: any.
+
+/// The announced workspace, and the range of working depth that becomes its heights.
+struct NominalFrame {
+  Workspace workspace;
+  DepthRange range;
+
+  /// Converts `pose` to nominal mm. `time_s`: time of its frame.
+  [[nodiscard]] Sample sample(const ObjectPose& pose, double time_s) const;
+  /// Returns nominal mm per px right, px down and mm of working depth.
+  [[nodiscard]] Vec3 mmPerStep() const;
 };
 
 }  // namespace hapticast::server

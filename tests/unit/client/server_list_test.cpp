@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/discovery/find_server.hpp"
+#include "client/discovery/server_list.hpp"
 
 #include <gtest/gtest.h>
 
