@@ -27,11 +27,11 @@ class RecordingView final : public client::View {
  public:
   RecordingView(Recorded& recorded, std::function<bool()> each_turn)
       : recorded_(recorded), each_turn_(std::move(each_turn)) {}
-  void takePicture(VideoFrame /*picture*/, const Workspace& workspace) override {
+  void onPicture(VideoFrame /*picture*/, const Workspace& workspace) override {
     recorded_.workspace = workspace;
     ++recorded_.pictures;
   }
-  void takeReport(const client::TickReport& report) override {
+  void onReport(const client::TickReport& report) override {
     if (recorded_.reports++ == 0) {
       recorded_.first_tick = report.tick;
       recorded_.begin = report.time;

@@ -28,9 +28,9 @@ class Player final : public client::View {
   };
   explicit Player(std::vector<Step> steps) : steps_(std::move(steps)) {}
 
-  void takePicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
-  void takeReport(const TickReport& report) override { last_ = report; }
-  bool turn(client::UiState& /*desk*/) override {
+  void onPicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
+  void onReport(const TickReport& report) override { last_ = report; }
+  bool update(client::UiState& /*desk*/) override {
     if (at_ == steps_.size()) return false;
     const Step& step = steps_[at_];
     if (step.comes(last_)) {

@@ -23,14 +23,14 @@ class Watched final : public client::View {
  public:
   using EachTurn = std::function<void(ViewerWindow& window, const TickReport& report)>;
   Watched(EachTurn each_turn, TickReport& last) : each_turn_(std::move(each_turn)), last_(last) {}
-  void takePicture(VideoFrame picture, const Workspace& workspace) override {
+  void onPicture(VideoFrame picture, const Workspace& workspace) override {
     window_.onPicture(std::move(picture), workspace);
   }
-  void takeReport(const TickReport& report) override {
+  void onReport(const TickReport& report) override {
     last_ = report;
     window_.onReport(report);
   }
-  bool turn(client::UiState& ui_state) override {
+  bool update(client::UiState& ui_state) override {
     each_turn_(window_, last_);
     return window_.update(ui_state);
   }
