@@ -39,7 +39,7 @@ class RecordingView final : public client::View {
     recorded_.in_order = recorded_.in_order && report.tick >= recorded_.last_tick;
     recorded_.last_tick = report.tick;
   }
-  bool turn(client::UiState& /*desk*/) override { return each_turn_(); }
+  bool update(client::UiState& /*ui_state*/) override { return each_turn_(); }
   void finish() override { ++recorded_.finished; }
 
  private:
