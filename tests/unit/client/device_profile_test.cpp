@@ -91,7 +91,7 @@ TEST(DeviceProfileFile, ComplaintsNameLineKeyAndWhatIsAllowed) {
   EXPECT_EQ(profileComplaint("workspace_mm = 100 90 80 70"),
             ":1: workspace_mm: '80 70' is not a number from 10 to 2000");
   EXPECT_EQ(profileComplaint("mass"), ":1: 'mass' is not a `key = value` line");
-  EXPECT_EQ(profileComplaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: stands twice");
+  EXPECT_EQ(profileComplaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: this key appears twice");
   EXPECT_EQ(profileComplaint("name ="), ":1: name: the value must have 1 to 64 characters");
   EXPECT_EQ(profileComplaint("continuous_N = 5"), ": continuous_N is larger than peak_N");
   EXPECT_EQ(profileComplaint("weight = 3").find(":1: weight: unknown key, allowed are name, "), 0u);
