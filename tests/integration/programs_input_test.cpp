@@ -318,7 +318,7 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
   EXPECT_FALSE(viewer.closed);
   const std::string text = server->output();
   EXPECT_EQ(countOf("closing 127.0.0.1", text), 6U) << text;
-  for (const char* reason : {"protocol version", "are allowed here", "no hello came in time"})
+  for (const char* reason : {"protocol version", "are allowed here", "no hello arrived in time"})
     EXPECT_NE(text.find(reason), std::string::npos) << text;
   interrupt(*server);
 }
