@@ -124,10 +124,10 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
 }
 
 bool App::Impl::run() {
-  spdlog::info("connecting to {} with a {}. Ctrl-C ends it.", session_.serverName(),
+  spdlog::info("connecting to {} with a {}. Ctrl-C ends the client.", session_.serverName(),
                device().description());
   if (settings_.forces != Forces::kBoth)
-    spdlog::info("rendered: the {} force only (--forces)",
+    spdlog::info("the client renders only the {} force (--forces)",
                  settings_.forces == Forces::kStatic ? "static" : "dynamic");
   session_.start();
   LoopThread loop(device(), *local_.renderer, clock_);
@@ -172,8 +172,8 @@ bool App::Impl::finish(const LoopThread& loop) {
   reporter_.writeFaults(local_.renderer->recorder());
   bool ok = !session_.failed();
   if (const auto reason = session_.neverConnected(); ok && time_is_over_ && reason) {
-    spdlog::error("no server came to {} in {:g} s ({})", session_.serverName(), settings_.seconds,
-                  *reason);
+    spdlog::error("no server answered at {} within {:g} s ({})", session_.serverName(),
+                  settings_.seconds, *reason);
     ok = false;
   }
   logRealtime(loop.realtime());

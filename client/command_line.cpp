@@ -43,8 +43,8 @@ const std::map<std::string, std::string>& devices() {
 
 std::string deviceHelp() {
   std::string help =
-      "The haptic device; auto (default): a real one that is plugged in, else the mouse where "
-      "there is a window, else virtual";
+      "The haptic device; auto (default): a connected device, else the mouse if there is a window, "
+      "else virtual";
   for (const DeviceKind& kind : deviceKinds()) {
     help += std::string("; ") + kind.name + ": " + kind.description;
   }
@@ -75,36 +75,35 @@ void addServer(CLI::App& app, Settings& settings) {
   };
   app.add_option_function<std::string>(
          "server", set,
-         "Where hapticast-server listens, or mdns:NAME: the one that is announced by NAME. "
-         "Default: localhost:7447; while no server answers there, the log lists those on the LAN. "
-         "The client waits for a server that does not answer")
+         "The address of hapticast-server, or mdns:NAME for the server announced as NAME. Default: "
+         "localhost:7447; while no server answers there, the log lists the servers on the LAN. The "
+         "client waits until the server answers")
       ->type_name("HOST[:PORT]|mdns:NAME");
   app.add_flag("--list", settings.list_servers,
-               "Say which servers are announced on the LAN, and end: with exit code 0, or 1 where "
-               "none was found")
+               "List the servers that are announced on the LAN, and end: with exit code 0, or 1 if "
+               "there is none")
       ->each([](const std::string& /*value*/) { requireDiscovery("--list"); });
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--device", settings.device, devices(), deviceHelp());
   app.add_option("--profile", settings.profile,
-                 "What the device can stand: omni (default; of a Falcon falcon), falcon, or a file "
+                 "The limits of the device: omni (default; for a Falcon falcon), falcon, or a file "
                  "of KEY = VALUE lines (keys: client/README.md, Profiles)")
       ->type_name("NAME|FILE");
-  app.add_option(
-         "--hand", settings.hand,
-         "What the virtual hand does: press (default; push 1 N, hold, release, again), slide (over "
-         "the object, 1 mm "
-         "deep), follow (stay with it), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
+  app.add_option("--hand", settings.hand,
+                 "The motion of the virtual hand: press (default; push with 1 N, hold, release, "
+                 "repeat), slide (over the object, 1 mm deep), follow (move with the object), or a "
+                 "CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
       ->each([&settings](const std::string& /*name*/) { settings.hand_given = true; })
       ->type_name("press|slide|follow|FILE.csv");
   addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
-            "The stiffest wall that an author may ask for; default: three times the profile's "
+            "The largest stiffness that an author may request; default: three times the profile's "
             "stiffness");
-  app.add_flag(
-      "--rearm", settings.rearm,
-      "After a lost device has come back, or 5 s after the trust in a stream was lost (three times "
-      "at most), the force returns by itself, faded in; without it, only at the next start");
+  app.add_flag("--rearm", settings.rearm,
+               "The force fades in automatically after a lost device answers again, or 5 s after "
+               "the trust in a stream was lost (three times at most); without this flag, only R in "
+               "the window or the next start restores it");
 }
 
 bool hasDevice(std::string_view name) {
@@ -115,7 +114,7 @@ bool hasDevice(std::string_view name) {
 
 void addFalconOptions(CLI::App& app, Settings& settings) {
   app.add_flag("--list-devices", settings.list_devices,
-               "Say which kinds of devices there are and what was found of them, and end");
+               "List the kinds of devices and the connected devices, and end");
   if (!hasDevice("falcon")) return;
   app.add_option("--falcon-firmware", settings.falcon.firmware_file,
                  "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
@@ -125,45 +124,43 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
                  "Which Falcon, by its serial number (--list-devices); default: the first")
       ->type_name("S");
   addNumber(app, "--falcon-gain", settings.falcon.gain, 100.0, 20000.0, "COUNTS_PER_NM",
-            "What its motors are sent for a torque of 1 N m at an arm; default: 3500");
-  addNumber(
-      app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
-      "Find the gain with a known weight, step by step, and store it in the file of --config, "
-      "else say it; then end");
+            "Motor counts for a torque of 1 N m at an arm of the Falcon; default: 3500");
+  addNumber(app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
+            "Measure the gain with a known weight, step by step, and end; the file of --config "
+            "stores the gain, else the log shows it");
 }
 
 void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
-  addChoice(
-      app, "--transport", delivery.best, kTransports,
-      "How frames travel: udp (default), tcp, or multicast where the server sends to a group. "
-      "What does not get through falls back, multicast to udp and udp to tcp, and is tried "
-      "again every 30 s");
+  addChoice(app, "--transport", delivery.best, kTransports,
+            "The transport of the frames: udp (default), tcp, or multicast if the server sends to "
+            "a group. If a transport fails, the client falls back from multicast to udp and from "
+            "udp to tcp, and tries again every 30 s");
   const auto set = [&delivery](const std::string& text) {
     const auto copies = parseNumberInRange<std::uint64_t>(text, 1, limits::kMostCopies);
     if (text != "auto" && !copies)
       throw CLI::ValidationError("--redundancy", quote(text) + " is not auto or 1..4");
     delivery.copies = static_cast<std::uint32_t>(copies.value_or(0));
   };
-  app.add_option_function<std::string>(
-         "--redundancy", set,
-         "How often each datagram is sent, a frame apart: auto (default; as often as the network "
-         "loses some), or 1..4")
+  app.add_option_function<std::string>("--redundancy", set,
+                                       "The number of sends of each datagram, one frame apart: "
+                                       "auto (default; follows the network's loss), or 1..4")
       ->type_name("auto|N");
   app.add_option("--interface", delivery.interface_name,
-                 "The network that joins a multicast group, by name or address; default: the one "
-                 "that leads to the server")
+                 "The network interface that joins a multicast group, by name or address; default: "
+                 "the interface of the route to the server")
       ->type_name("NAME|ADDRESS");
 }
 
 void addViewOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--view", settings.view, kViews,
-            "The window: auto (default; where there is a display and none of --hand, --seconds, "
-            "--screenshot is given), on, or off. F1 in it lists the keys");
+            "The window: auto (default; on if there is a display and none of --hand, --seconds, "
+            "--screenshot is set), on, or off. F1 in the window lists the keys");
   addChoice(app, "--forces", settings.forces, kForces,
-            "Which forces are felt: both (default), static or dynamic; S and D in the window");
+            "The rendered forces: both (default), static or dynamic; S and D in the window");
   if (kHasSound) {
-    app.add_flag("--sound", settings.sound,
-                 "Let the force be heard: a hum as loud as it is, a tick where it is sudden");
+    app.add_flag(
+        "--sound", settings.sound,
+        "Play the force as sound: a hum as loud as the force is strong, a tick at a sudden change");
   }
 }
 
@@ -185,8 +182,8 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                  "Write counters, tick times and extremes at the end")
       ->type_name("FILE.json");
   app.add_option("--fault-dir", settings.fault_folder,
-                 "Where the ticks before a fault are written; default: hapticast in "
-                 "$XDG_STATE_HOME, else in ~/.local/state")
+                 "The folder for the ticks before a fault; default: hapticast in $XDG_STATE_HOME, "
+                 "else in ~/.local/state")
       ->type_name("DIR");
   addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
             "Stop after S seconds; default: at Ctrl-C");
@@ -197,18 +194,17 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
-      "Lets a haptic device touch what hapticast-server streams. Ctrl-C ends it with the force at "
-      "zero.",
+      "Lets a haptic device touch the objects that hapticast-server streams. Ctrl-C ends the "
+      "client with the force at zero.",
       "hapticast-client");
   addVersion(*app, listOptionalParts());
   addServer(*app, settings);
   addDeviceOptions(*app, settings);
   addFalconOptions(*app, settings);
   addDeliveryOptions(*app, settings.delivery);
-  addChoice(
-      *app, "--surface", settings.surface, kSurfaceKinds,
-      "proxy (default): the surface point the tip is tied to, with walls and friction; normal: "
-      "distance to the tangent plane; perturbed: the thesis's Eq. 3");
+  addChoice(*app, "--surface", settings.surface, kSurfaceKinds,
+            "proxy (default): a surface point that a spring ties to the tip, with walls and "
+            "friction; normal: distance to the tangent plane; perturbed: the thesis's Eq. 3");
   addChoice(*app, "--method", settings.method, kMethods,
             "hapticast, or as in the thesis: perturbed surface, zero outside the mask, forces "
             "interpolated by cubics");

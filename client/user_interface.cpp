@@ -50,7 +50,7 @@ std::unique_ptr<View> openWindow(const Settings& settings) {
   } catch (const std::runtime_error& error) {
     if (settings.view == ViewChoice::kOn)
       throw std::runtime_error(std::string("--view on: ") + error.what());
-    spdlog::warn("going on without a window: {}", error.what());
+    spdlog::warn("the client continues without a window: {}", error.what());
     return nullptr;
   }
 #else
@@ -91,7 +91,7 @@ Views openViews(const Settings& settings) {
       views.push_back(std::make_unique<SoundView>(
           [](const std::string& line) { spdlog::warn("--sound: {}", line); }));
     } catch (const std::runtime_error& error) {
-      spdlog::warn("--sound: going on without: {}", error.what());
+      spdlog::warn("--sound: the client continues without sound: {}", error.what());
     }
   }
 #endif

@@ -137,7 +137,8 @@ void App::Impl::run() {
   try {
     browse();
     const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
-    if (settings_.explain) spdlog::info("heights travel within {:.3g} mm", slices.error_mm);
+    if (settings_.explain)
+      spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
     EncoderThread encoder({&broadcaster_},  // add further sinks here
                           datagrams_ ? &datagrams_->signer : nullptr, slices);
     if (!stop_) play(encoder);
@@ -152,7 +153,7 @@ void App::Impl::run() {
 void App::Impl::browse() {
   const SourceInfo& info = source_->info();
   if (settings_.vision.fov_deg && info.camera) {
-    spdlog::info("--fov {:g}: overrules what the source says of its camera ({:.1f} degrees)",
+    spdlog::info("--fov {:g}: replaces the source's own field of view ({:.1f} degrees)",
                  *settings_.vision.fov_deg, info.camera->degreesAcross(info.width_px));
   }
   MediaTime told{};
@@ -171,7 +172,7 @@ void App::Impl::browse() {
 void App::Impl::open() {
   if (open_) return;
   open_ = true;
-  spdlog::info("listening on {}; Ctrl-C ends it", toString(listener_.address()));
+  spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
   listener_.start();
   if (!settings_.announce.empty())
     announcer_.emplace(settings_.announce, listener_.endpoint(), vision_.description().name);
@@ -225,8 +226,8 @@ void App::Impl::logSkippedFrames(const Pacer& pacer) {
   // First after a second, then once a minute with the sum.
   const Duration pause = logged_skipped_ == 0 ? std::chrono::seconds(1) : std::chrono::minutes(1);
   if (pacer.skipped() == logged_skipped_ || now - last_logged_ < pause) return;
-  spdlog::warn("too slow for {:g} frames/s: {} frames skipped so far", source_->info().fps,
-               pacer.skipped());
+  spdlog::warn("the server is too slow for {:g} frames/s: {} frames skipped so far",
+               source_->info().fps, pacer.skipped());
   logged_skipped_ = pacer.skipped();
   last_logged_ = now;
 }

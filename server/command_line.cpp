@@ -45,8 +45,9 @@ void addRange(CLI::App& app, const char* flag, std::optional<DepthRange>& range,
 }
 
 void addRanges(CLI::App& app, VisionSettings& vision) {
-  addRange(app, "--depth-range", vision.depth_range,
-           "What the levels 255 and 0 of 8-bit depth mean; of depth in mm the same as --map-range");
+  addRange(
+      app, "--depth-range", vision.depth_range,
+      "The depths of the levels 255 and 0 of 8-bit depth; for depth in mm the same as --map-range");
   addRange(
       app, "--map-range", vision.map_range,
       "Depths that become the nearest and farthest height; default: the object's, from the clip");
@@ -104,17 +105,17 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
   };
   app.add_option_function<std::string>(
          "--plan", set,
-         "What a scene does not need is left out (auto), or nothing (everything), or as you say: "
-         "segment, clean, smooth, motion, grid, heights =on|off")
+         "The stages of the scene plan: auto leaves out the stages that a scene does not need, "
+         "everything keeps every stage, and STAGE=on|off sets segment, clean, smooth, motion, grid "
+         "or heights")
       ->type_name("auto|everything|STAGE=on|off,...");
 }
 
 void addSourceOptions(CLI::App& app, Settings& settings) {
   app.add_option("--source", settings.source,
-                 "What to show: synthetic:bounce|approach|tumble|still, a folder of RGB-D images "
-                 "(rgb/ and depth/, "
-                 "or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video files, 8-bit depth), or "
-                 "camera:N,M (colour camera, depth camera)")
+                 "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
+                 "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
+                 "files, 8-bit depth), or camera:N,M (colour camera, depth camera)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
@@ -142,37 +143,35 @@ void addPoints(CLI::App& app, VisionSettings& vision) {
           "several. Default: the nearest compact object",
           "U,V[@SECONDS] in px, for example 505,330 or 505,330@1.5");
   addList(app, "--not", vision.not_points, parsePoint,
-          "A pixel on what does not belong to the object, in the first frame or SECONDS after it; "
-          "may be repeated",
+          "A pixel that does not belong to the object, in the first frame or SECONDS after it; "
+          "repeat for several",
           "U,V[@SECONDS] in px, for example 300,400 or 300,400@1.5");
 }
 
 void addVisionOptions(CLI::App& app, VisionSettings& vision) {
   addPoints(app, vision);
   addChoice(app, "--segment", vision.segment, kSegmentModes,
-            "How the object is found: the source's mask, followed from frame to frame in a band "
-            "around its contour, or "
-            "closed Canny edges. auto: the source's mask if there is one, else band");
+            "The segmentation: the source's mask (source), a mask tracked from frame to frame in a "
+            "band around its contour (band), or closed Canny edges (edges). auto: the source's "
+            "mask if there is one, else band");
   addRanges(app, vision);
   addNumber(
       app, "--fov", vision.fov_deg, 10.0, 170.0, "DEG 10..170",
-      "How wide the colour camera sees, left to right; default: the clip's intrinsics, else 56");
+      "The horizontal field of view of the colour camera; default: the clip's intrinsics, else 56");
   app.add_flag("--stretch", vision.stretch,
                "Stretch the picture over the whole 160 x 120 mm (the thesis's two scales)");
   addChoice(app, "--motion", vision.motion, kMotionModes,
             "Velocity from rigid alignment of colour and depth (rgbd), Lucas-Kanade (x, y), depth "
             "differences (z), or none. auto: rgbd");
   app.add_flag("--low-latency", vision.low_latency,
-               "One frame of lookahead instead of 80 to 120 ms; of a live source noisier "
+               "One frame of lookahead instead of 80 to 120 ms; a live source then has noisier "
                "accelerations and no impacts");
-  app.add_flag(
-      "--compensate-pan", vision.compensate_pan,
-      "The camera pans: feel accelerations and impacts against the background, not against "
-      "the picture's frame");
-  addNumber(
-      app, "--error-budget", vision.plan.error_budget_N, 0.0, 1.0, "N 0..1",
-      "Force that leaving stages out, and rounding heights on the wire, may cost; default: 0.007, "
-      "a tenth of what a hand can tell apart at 1 N");
+  app.add_flag("--compensate-pan", vision.compensate_pan,
+               "The camera pans: measure accelerations and impacts against the background, not "
+               "against the picture's frame");
+  addNumber(app, "--error-budget", vision.plan.error_budget_N, 0.0, 1.0, "N 0..1",
+            "The force error that left-out stages and rounded heights on the wire may cause; "
+            "default: 0.007, a tenth of the smallest difference that a hand perceives at 1 N");
   addPlan(app, vision.plan);
   addChoice(app, "--method", vision.method, kMethods,
             "hapticast, or every stage as in the thesis: edges, Gaussian, zero outside the mask, "
@@ -189,7 +188,8 @@ void addName(CLI::App& app, std::string& name) {
     name = text;
   };
   app.add_option_function<std::string>(
-         "--name", set, "What viewers see as the stream's name; default: the folder's or file's")
+         "--name", set,
+         "The stream's name for the viewers; default: the name of the folder or file")
       ->type_name("TEXT");
 }
 
@@ -207,7 +207,7 @@ void addPreview(CLI::App& app, std::string& preview) {
   };
   app.add_option_function<std::string>(
          "--preview", set,
-         "Stream nothing: write what the server takes (outline, relief, advice) to a picture, or "
+         "Stream nothing: write the server's result (outline, relief, advice) to a picture, or "
          "with the whole clip's outlines into a folder")
       ->type_name("FILE.png|FOLDER");
 }
@@ -224,23 +224,24 @@ void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
   };
   app.add_option_function<std::string>(
          "--multicast", set,
-         "Send each datagram once for all viewers of a network who take it from this group; "
+         "Send each datagram once to this group, for all viewers of a network that join it; "
          "INTERFACE is a name or an address of this machine")
       ->type_name("GROUP:PORT[@INTERFACE]");
 }
 
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   addEndpoint(app, "--listen", settings.listen, 0, "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
-              "Where clients connect: an IP address of this machine and a port; default: "
-              "0.0.0.0:7447 (all addresses); port 0: any free one");
+              "The address for clients: an IP address of this machine and a port; default: "
+              "0.0.0.0:7447 (all addresses); port 0: any free port");
   addChoice(app, "--transport", settings.datagrams, kTransports,
-            "udp: frames go by UDP to viewers who can take them, else by TCP; tcp: all by TCP. "
-            "Default: udp");
+            "udp: the server sends frames by UDP to viewers that can receive them, else by TCP; "
+            "tcp: all frames by TCP. Default: udp");
   addMulticast(app, settings.multicast);
   addNumber(app, "--multicast-ttl", settings.multicast_hops, std::uint64_t{1}, std::uint64_t{255},
             "N 1..255", "How many networks multicast may cross; default: 1, this one");
   addNumber(app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
-            "N", "More are turned away with a message; default: 64");
+            "N",
+            "The largest number of viewers; the server rejects more with a message; default: 64");
   const auto announce = [&settings](const std::string& text) {
     settings.announce = serviceName("--announce", text);
   };
@@ -257,7 +258,8 @@ void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
             "The surface's stiffness; default: each viewer's own");
   addFriction(app, vision.material);
   addNumber(app, "--damping", vision.material.damping_Ns_m, 0.0, 1000.0, "NS/M 0..1000",
-            "Damping beside what keeps the surface stable; each viewer's device bounds it");
+            "Damping in addition to the damping that keeps the surface stable; each viewer's "
+            "device limits it");
   addNumber(app, "--texture-depth", vision.material.texture_K_mm, 0.0, 1000.0, "MM 0..1000",
             "K of the thesis's Eq. 3 (viewers with --surface perturbed); default: 30");
   addNumber(app, "--mass", vision.mass_kg, 0.001, 100.0, "KG 0.001..100",
@@ -268,7 +270,8 @@ void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
-      "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends it.",
+      "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends the "
+      "server.",
       "hapticast-server");
   addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
                                "multicast, tcp; discovery: ") +
@@ -279,8 +282,9 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
   addPreview(*app, settings.preview);
-  app->add_flag("--explain", settings.explain,
-                "Say what is left out of each object, why, what it saves and costs");
+  app->add_flag(
+      "--explain", settings.explain,
+      "Log the stages that the server leaves out for each object, with reason, saving and cost");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   return app;

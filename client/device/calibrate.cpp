@@ -53,7 +53,9 @@ struct Hold {
     while (!stop && clock.now() < until) {
       const DeviceState state = poll();
       if (state.status == DeviceStatus::kLost)
-        throw std::runtime_error("--falcon-calibrate: the device was lost");
+        throw std::runtime_error(
+            "--falcon-calibrate: the device stopped answering; check its cable and power supply, "
+            "and start again");
       if (state.status != DeviceStatus::kOk) continue;
       force_N = holder.hold(state.position_mm);
       device.sendForceEarly(force_N);
@@ -62,7 +64,9 @@ struct Hold {
       if (good(*rest_N)) return rest_N;
       holder.begin();
     }
-    if (!stop) throw std::runtime_error("--falcon-calibrate: the grip did not come to rest");
+    if (!stop)
+      throw std::runtime_error(
+          "--falcon-calibrate: the grip did not rest in the middle in time; start again");
     return std::nullopt;
   }
   /// Ramps the force down. A weight without a hand falls then and may cause an implausible
@@ -108,15 +112,16 @@ std::optional<double> calibrate(HapticDevice& device, const Clock& clock, double
   Hold hold{device, clock, stop, log_line};
   hold.deadline = clock.now() + kTickPeriod;
   log_line(
-      "calibration: 1. home it, bring the grip to the middle and let go; it holds itself there");
+      "calibration: 1. home the device, move the grip to the middle and release it; the motors "
+      "hold it there");
   const auto empty_N = hold.rest([](const Vec3&) { return true; });
   std::optional<Vec3> loaded_N;
   if (empty_N) {
-    log_line(fmt::format("calibration: 2. hang {:g} g on the grip and let go", weight_g));
+    log_line(fmt::format("calibration: 2. hang {:g} g on the grip and release it", weight_g));
     loaded_N = hold.rest(
         [&](const Vec3& force_N) { return (force_N - *empty_N).norm() > kNoticed * weight_N; });
   }
-  if (loaded_N) log_line("calibration: 3. take the weight in your hand: the force goes now");
+  if (loaded_N) log_line("calibration: 3. hold the weight with your hand: the force ends now");
   hold.release();
   if (!loaded_N) return std::nullopt;
   return gain * (*loaded_N - *empty_N).norm() / weight_N;
@@ -138,7 +143,9 @@ void storeGain(const std::string& file, double gain) {
   std::ofstream out(file);
   for (const std::string& line : lines) out << line << '\n';
   out.close();
-  if (!out) throw std::runtime_error("--config " + file + ": cannot be written");
+  if (!out)
+    throw std::runtime_error("--config " + file +
+                             ": cannot be written; is its folder there and writable?");
 }
 
 }  // namespace hapticast::client

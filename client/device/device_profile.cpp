@@ -106,7 +106,7 @@ Vec3 workspace(std::string_view text, const Place& place) {
   for (int i = 0; i < 3; ++i) {
     const auto end = text.find_first_of(" \t");
     if (text.empty() || (i < 2 && end == std::string_view::npos)) {
-      place.fail("three numbers are wanted: width height depth");
+      place.fail("the value must be three numbers: width height depth");
     }
     const std::string_view word = i < 2 ? text.substr(0, end) : text;
     size_mm[i] = number(word, kLeastWorkspace_mm, kMostWorkspace_mm, place);
@@ -123,7 +123,8 @@ std::string allowedKeys() {
 
 void assign(PlantProfile& profile, std::string_view value, const Place& place) {
   if (place.key == "name") {
-    if (value.empty() || value.size() > kLongestName) place.fail("1 to 64 characters are wanted");
+    if (value.empty() || value.size() > kLongestName)
+      place.fail("the value must have 1 to 64 characters");
     profile.name = value;
   } else if (place.key == "delay_ticks") {
     profile.delay_ticks = wholeNumber(value, kMostDelay_ticks, place);
@@ -150,7 +151,7 @@ PlantProfile readDeviceProfile(std::istream& in, const std::string& file) {
   std::set<std::string> seen;
   for (const KeyValue& pair : pairs.value()) {
     const Place place{file, pair.line, pair.key};
-    if (!seen.insert(pair.key).second) place.fail("stands twice");
+    if (!seen.insert(pair.key).second) place.fail("this key appears twice");
     assign(profile, pair.value, place);
   }
   if (profile.continuous_N > profile.peak_N) {

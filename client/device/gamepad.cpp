@@ -124,7 +124,7 @@ class Gamepad final : public HapticDevice {
       pad_ = openPad();
       if (pad_) {
         message_.push_back("gamepad: " + formatName(pad_) +
-                           " is there again; A brings the force back");
+                           " is connected again; A restores the force");
         driveMotors();
       }
     }
@@ -155,7 +155,7 @@ class Gamepad final : public HapticDevice {
 
   void driveMotors() {
     if (SDL_GameControllerHasRumble(pad_.get()) != SDL_TRUE)
-      message_.emplace_back("gamepad: this one cannot rumble: the force is not felt in it");
+      message_.emplace_back("gamepad: this device cannot rumble and renders no force");
   }
 
   [[nodiscard]] Held held() const {
@@ -236,9 +236,9 @@ std::vector<std::string> listGamepads() {
   std::vector<std::string> lines;
   for (int i = 0; i < SDL_NumJoysticks(); ++i) {
     const char* const name = SDL_JoystickNameForIndex(i);
-    std::string& line = lines.emplace_back(name == nullptr ? "one without a name" : name);
+    std::string& line = lines.emplace_back(name == nullptr ? "a gamepad without a name" : name);
     if (SDL_IsGameController(i) != SDL_TRUE)
-      line.append(", but what its buttons are is not known (SDL_GAMECONTROLLERCONFIG)");
+      line.append(", but SDL has no map of its buttons (set SDL_GAMECONTROLLERCONFIG)");
   }
   return lines;
 }

@@ -17,7 +17,7 @@ std::vector<std::string> listGamepads();
 
 std::span<const DeviceKind> deviceKinds() noexcept {
   static constexpr std::array kKinds = {
-    DeviceKind{"virtual", "a simulated one in a simulated hand", openVirtual},
+    DeviceKind{"virtual", "a simulated device in a simulated hand", openVirtual},
     DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
 #if HAPTICAST_LIBUSB
     DeviceKind{"falcon", "a Novint Falcon on USB", openFalcon, listFalcons},
@@ -57,7 +57,7 @@ std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
     try {
       if (!kind.list().empty()) return kind.open(request);
     } catch (const DeviceAbsent& error) {
-      request.log(std::string("going on without it: ") + error.what());
+      request.log(std::string("the client continues without this device: ") + error.what());
     } catch (const std::runtime_error&) {
       // Without access nothing counts as plugged in; --list-devices shows the reason.
     }

@@ -120,7 +120,7 @@ asio::awaitable<Connection::CloseReason> Connection::runSession() {
     co_return CloseReason{dialled.error().message, {}, dialled.error().no_such_server};
   auto session = session_ = std::make_shared<Session>(io_, std::move(dialled).value());
   session->deadline = clock_.now() + settings_.connect_deadline;
-  session->overdue = "no welcome came; is it a hapticast server?";
+  session->overdue = "no welcome arrived; is it a hapticast server?";
   asio::co_spawn(
       io_, [this, session] { return startTimer(session); }, asio::detached);
   const Hello hello{kProtocolVersion, settings_.client_name, settings_.wants_video, true};
@@ -134,7 +134,7 @@ asio::awaitable<void> Connection::startTimer(ConversationPtr session) {
   while (clock_.now() < session->deadline) {
     if (session->unanswered_since &&
         clock_.now() - *session->unanswered_since >= settings_.pong_limit) {
-      session->overdue = "the server answers no pings, so that its clock is not known";
+      session->overdue = "the server answers no pings, so the client cannot synchronize the clocks";
       break;
     }
     boost::system::error_code ec;
@@ -198,7 +198,7 @@ asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr ses
 std::optional<WireError> Connection::handleWelcome(Session& session, const Message& message) {
   const auto* const welcome = std::get_if<Welcome>(&message);
   if (welcome == nullptr)
-    return WireError{ErrorCode::kUnexpected, "the first message is no welcome"};
+    return WireError{ErrorCode::kUnexpected, "the first message is not a welcome"};
   if (welcome->protocol_version != kProtocolVersion) {
     return WireError{ErrorCode::kVersion, "the server has protocol version " +
                                               std::to_string(welcome->protocol_version) +
@@ -249,10 +249,10 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
   } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
     receiver_.describe(*description, now);
   } else {
-    failure = WireError{ErrorCode::kUnexpected, "the server sent what only clients send"};
+    failure = WireError{ErrorCode::kUnexpected, "the server sent a message that only clients send"};
   }
   session.deadline = now + settings_.silence_limit;
-  session.overdue = "the server has gone silent";
+  session.overdue = "the server stopped sending";
   return failure;
 }
 

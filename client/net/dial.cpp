@@ -37,14 +37,14 @@ asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const
   co_await race->timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   stop.onStop({});
   if (stop.stopped()) co_return kStopped;
-  if (!race->ec) co_return DialError{"the name look-up takes too long"};
+  if (!race->ec) co_return DialError{"the name resolution timed out"};
   // A small system may have no resolver; "localhost" is the same everywhere (RFC 6761).
   if (*race->ec && server.host == "localhost") {
     co_return Addresses::create({asio::ip::address_v4::loopback(), server.port}, server.host, "");
   }
   if (*race->ec == asio::error::host_not_found)
     co_return DialError{"there is no host of this name", true};
-  if (*race->ec) co_return DialError{"the name cannot be looked up: " + race->ec->message()};
+  if (*race->ec) co_return DialError{"the name cannot be resolved: " + race->ec->message()};
   co_return race->addresses;
 }
 

@@ -12,8 +12,8 @@ std::string greeting(const StreamDescription& stream, Method method) {
                                  stream.workspace.width_px, stream.workspace.height_px, stream.fps);
   if (method == Method::kThesis && stream.method != Method::kThesis) {
     text +=
-        "; --method thesis here, but not on the server: segmentation, smoothing, motion and "
-        "workspace stay its own";
+        "; the client uses --method thesis, but the server does not: the server keeps its own "
+        "segmentation, smoothing, motion and workspace";
   }
   return text;
 }
@@ -28,9 +28,9 @@ std::optional<std::string> ConnectionLog::connected(const std::string& greeting,
 std::optional<std::string> ConnectionLog::preparing(double share, LocalTime now) {
   if (share >= 1.0 || (logged_share_ && share < *logged_share_ + 0.25)) return std::nullopt;
   logged_share_ = share;
-  return limit_.admit("the server looks through its clip first: " +
-                          std::to_string(std::lround(100.0 * share)) + " % done",
-                      now);
+  return limit_.admit(
+      "the server scans its clip first: " + std::to_string(std::lround(100.0 * share)) + " % done",
+      now);
 }
 
 std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime now) {
@@ -52,11 +52,11 @@ std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts
   add(counts.reliefs_rejected, logged_.reliefs_rejected,
       "reliefs outside the announced picture or too high, whose objects are not shown: ");
   add(counts.slices_refused, logged_.slices_refused, "slices of heights that cannot be decoded: ");
-  add(counts.resyncs, logged_.resyncs, "jumps of the frames' ids, after which touch begins anew: ");
+  add(counts.resyncs, logged_.resyncs, "jumps of the frame ids (each restarts the contact): ");
   add(counts.reliefs_missing, logged_.reliefs_missing,
       "objects without a shape, which are not shown: ");
   add(counts.overrun + counts.no_slot, logged_.overrun + logged_.no_slot,
-      "frames that came faster than they can be felt and were dropped: ");
+      "frames that arrived faster than the client renders them and were dropped: ");
   if (text.empty()) return std::nullopt;
   logged_ = counts;
   interval_.onLogged(now);
@@ -71,18 +71,20 @@ bool acted(const TickReport& report, SafetyAction which) {
 
 std::string comesBack(const RearmPolicy& rearm) {
   if (rearm.left() > 0)
-    return fmt::format("for 5 s, which is forgiven {} more {}", rearm.left(),
+    return fmt::format("for 5 s; the client re-arms it automatically {} more {}", rearm.left(),
                        rearm.left() == 1 ? "time" : "times");
-  if (rearm.manual()) return "until R is pressed in the window";
-  return rearm.automatic() ? "from now on; start again to touch it"
-                           : "from now on; start again, or with --rearm, to touch it";
+  if (rearm.manual()) return "until you press R in the window";
+  return rearm.automatic() ? "from now on; restart the client to touch this stream"
+                           : "from now on; restart the client to touch this stream (--rearm "
+                             "restores the force automatically)";
 }
 
 std::string halted(const TickReport& report, const RearmPolicy& rearm) {
   if (report.halt == Halt::kDeviceLost) {
-    const char* const until = rearm.automatic() ? "until it is back"
-                              : rearm.manual()  ? "until it is back and R is pressed in the window"
-                                                : "from now on (--rearm brings it back)";
+    const char* const until = rearm.automatic() ? "until it answers again"
+                              : rearm.manual()
+                                  ? "until it answers again and you press R in the window"
+                                  : "from now on (--rearm restores the force automatically)";
     return fmt::format("the device does not answer: no force {}", until);
   }
   if (report.halt == Halt::kUnconfirmed)
@@ -91,8 +93,8 @@ std::string halted(const TickReport& report, const RearmPolicy& rearm) {
         "button is pressed; --rearm or --device confirm it as well",
         rearm.manual() ? "R in the window or " : "");
   return fmt::format(
-      "the stream is not trusted any more, too much of it had to be held back (mostly: {}): no "
-      "force {}",
+      "the client does not trust the stream any more, because the safety chain acted too often "
+      "(mostly: {}): no force {}",
       toText(report.trust_loss_cause), comesBack(rearm));
 }
 
@@ -104,8 +106,7 @@ std::optional<std::string> HapticStatusLog::onReport(const TickReport& report,
     halt_ = report.halt;
     if (halt_ == Halt::kStopped) return std::nullopt;
     return halt_limit_.admit(
-        halt_ == Halt::kNone ? "re-armed: the force comes back" : halted(report, rearm),
-        report.time);
+        halt_ == Halt::kNone ? "re-armed: the force returns" : halted(report, rearm), report.time);
   }
   std::string line = describeStatus(report);
   if (line.empty()) return std::nullopt;
@@ -115,23 +116,23 @@ std::optional<std::string> HapticStatusLog::onReport(const TickReport& report,
 std::string HapticStatusLog::describeStatus(const TickReport& report) {
   if (!report.enabled && !logged_enable_) {
     logged_enable_ = true;
-    return "the device's enabling button is not held: no force until it is, and whenever it is let "
-           "go";
+    return "the device's enabling button is not pressed: the client renders force only while you "
+           "hold it";
   }
   const bool stale = report.lookup == Lookup::kStale;
   const bool fresh = report.lookup == Lookup::kInterpolated;
   if (stale && !stale_) {
     stale_ = true;
-    return "no new frames come: the force has faded";
+    return "no new frames arrive: the force has faded";
   }
   if (fresh && stale_) {
     stale_ = false;
-    return "frames come again";
+    return "frames arrive again";
   }
   if (acted(report, SafetyAction::kStiffness) && softer_.allow(report.time))
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
   if (acted(report, SafetyAction::kLatency) && later_.allow(report.time))
-    return "the device answers later than its profile says: walls are softer";
+    return "the device answers later than its profile declares: walls are softer";
   return "";
 }
 

@@ -43,7 +43,7 @@ FaultLogWriter::FaultLogWriter(const std::string& folder)
     : folder_(folder.empty() ? stateFolder() : std::filesystem::path(folder)) {
   if (folder.empty() || makeFolder(folder_)) return;
   throw std::runtime_error("--fault-dir " + folder +
-                           ": is no folder that can be made and written to");
+                           ": is not a writable folder and cannot be created; name another folder");
 }
 
 std::filesystem::path FaultLogWriter::nextFile() {

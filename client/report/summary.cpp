@@ -42,7 +42,7 @@ std::string chainInWords(const LoopStats& loop) {
     text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
                         ticks == 1 ? "tick" : "ticks");
   }
-  return text.empty() ? text : "The safety chain worked: " + text + ".\n";
+  return text.empty() ? text : "The safety chain acted: " + text + ".\n";
 }
 
 /// Returns the names of the faults of the run.
@@ -143,7 +143,7 @@ std::string toText(const RunResult& result) {
     return static_cast<double>(loop.tick_ns.quantile_ns(quantile)) * 1e-3;
   };
   std::string text = fmt::format(
-      "{:.1f} s at 1 kHz, {} ticks late; a tick takes {:.1f} us (median), {:.1f} us (99.9 %).\n",
+      "{:.1f} s at 1 kHz, {} ticks late; a tick lasts {:.1f} us (median), {:.1f} us (99.9 %).\n",
       static_cast<double>(loop.ticks) * 1e-3, loop.late_ticks, microseconds(0.5),
       microseconds(0.999));
   if (loop.contact_ticks == 0) {
@@ -156,20 +156,20 @@ std::string toText(const RunResult& result) {
         100.0 * share(loop.contact_ticks, loop.ticks),
         100.0 * share(interpolated, loop.contact_ticks), loop.max_force_N);
   }
-  text += fmt::format(
-      "{} frames received by {} ({} lost, {} late), played {:.0f} ms behind their arrival's "
-      "clock.\n",
-      result.frames.received, transportName(result.delivery.transport), result.frames.lost,
-      result.frames.late, result.playout_delay_ms);
+  text += fmt::format("{} frames received by {} ({} lost, {} late), playout delay {:.0f} ms.\n",
+                      result.frames.received, transportName(result.delivery.transport),
+                      result.frames.lost, result.frames.late, result.playout_delay_ms);
   if (result.device)
-    text += fmt::format("The device answered {} times; {} ticks began without, {} damaged.\n",
-                        result.device->round_trips, result.device->misses, result.device->resyncs);
+    text += fmt::format(
+        "The device answered {} times; {} ticks began without an answer, {} answers were "
+        "damaged.\n",
+        result.device->round_trips, result.device->misses, result.device->resyncs);
   const std::string chain = chainInWords(loop);
   if (loop.step_excess_max_N != 0.0) {
     text += fmt::format("WARNING: a force step exceeded its limit by {:.3f} N.\n",
                         loop.step_excess_max_N);
   } else if (chain.empty()) {
-    text += "No force step that the hand's own motion does not explain.\n";
+    text += "The hand's own motion explains every force step.\n";
   }
   text += chain;
   const Json faults = faultNames(loop.faults);

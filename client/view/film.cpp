@@ -33,7 +33,7 @@ cv::Size even(cv::Size size) { return {size.width & ~1, size.height & ~1}; }
 
 FilmView::FilmView(std::string file) : file_(std::move(file)) {
   if (std::filesystem::path(file_).extension() != ".mp4")
-    throw std::runtime_error("--film " + file_ + ": is no film's name; give FILE.mp4");
+    throw std::runtime_error("--film " + file_ + ": is not the name of a film; use FILE.mp4");
   thread_ = std::thread([this] { run(); });
 }
 
@@ -79,7 +79,7 @@ void FilmView::finish() {
   stop();
   if (failed_) std::rethrow_exception(failed_);
   if (size_.empty())
-    throw std::runtime_error("--film " + file_ + ": no picture came that could be filmed");
+    throw std::runtime_error("--film " + file_ + ": no picture arrived, so the film is empty");
 }
 
 void FilmView::stop() {

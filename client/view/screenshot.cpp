@@ -21,7 +21,8 @@ double worth(const TickReport& report) {
 
 Screenshot::Screenshot(std::string file) : file_(std::move(file)) {
   if (!cv::haveImageWriter(file_))
-    throw std::runtime_error("--screenshot " + file_ + ": is no picture's name; give FILE.png");
+    throw std::runtime_error("--screenshot " + file_ +
+                             ": is not the name of a picture; use FILE.png");
 }
 
 void Screenshot::onPicture(VideoFrame picture, const Workspace& workspace) {

@@ -50,7 +50,7 @@ void SoundView::onReport(const TickReport& report) {
 
 bool SoundView::update(UiState& /*desk*/) {
   const bool lost = SDL_GetAudioDeviceStatus(device_) == SDL_AUDIO_STOPPED;
-  if (lost && log_) std::exchange(log_, nullptr)("the sound device is gone: going on without");
+  if (lost && log_) std::exchange(log_, nullptr)("sound device disconnected: no sound from now on");
   return true;
 }
 

@@ -112,7 +112,7 @@ class KeyValueConfig : public CLI::ConfigBase {
       keys.push_back(option->get_lnames().empty() ? option->get_name()
                                                   : option->get_lnames().front());
     }
-    complain(quote(pair.key) + " is no flag's name" + spellingHint(pair.key, keys));
+    complain(quote(pair.key) + " is not the name of a flag" + spellingHint(pair.key, keys));
   }
 
   const CLI::App& app_;

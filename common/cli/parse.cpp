@@ -43,7 +43,7 @@ std::string countComplaint(const CLI::App& app, const std::string& what) {
   const std::string flag = what.substr(0, what.find(':'));
   const CLI::Option* const option = app.get_option_no_throw(flag);
   const bool many = option != nullptr && option->count() > 1;
-  return flag + (many ? ": may be given only once" : ": its value is missing");
+  return flag + (many ? ": this flag may appear only once" : ": its value is missing");
 }
 
 /// Returns the message for CLI11's error, with the flag and the cause.
@@ -97,7 +97,7 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     return 0;
   } catch (const CLI::ParseError& error) {
     std::cerr << app.get_name() << ": " << sanitizeUtf8(complaint(app, error, argc, argv))
-              << " (--help lists what is allowed)\n";
+              << " (--help lists the flags and their values)\n";
     return 2;
   }
   return std::nullopt;
@@ -105,7 +105,8 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
 
 void requireDiscovery(const std::string& flag) {
   if (!kHasDiscovery)
-    throw CLI::ValidationError(flag, "this build announces and finds no servers (Avahi)");
+    throw CLI::ValidationError(flag,
+                               "this build has no Avahi, so it cannot announce or find servers");
 }
 
 std::string serviceName(const std::string& flag, const std::string& text) {

@@ -140,7 +140,7 @@ bool Reassembly::lacks(const DatagramHeader& part) const {
 
 std::optional<WireError> Reassembly::add(const DatagramHeader& part,
                                          std::span<const std::uint8_t> payload) {
-  if (!lacks(part)) return malformed("a part that was had before, or of another frame");
+  if (!lacks(part)) return malformed("a part that arrived before, or a part of another frame");
   if (bytes_ + payload.size() > kMaxMessageBytes)
     return WireError{ErrorCode::kTooLarge, "a frame of more than 8 MiB"};
   auto piece = readPiece(payload, header_.frame);

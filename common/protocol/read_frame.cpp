@@ -164,7 +164,7 @@ ObjectPiece read(const proto::Object& from, std::uint64_t frame_id, bool in_piec
   to.object.id = from.id();
   to.object.layer = from.layer();
   check.require(from.layer() < kMaxObjects, "a layer is not 0..15");
-  check.require(in_pieces || !from.rest(), "an object in parts where it has to be whole");
+  check.require(in_pieces || !from.rest(), "an object in parts in a message for whole objects");
   to.head = !from.rest();
   if (to.head) readHead(from, frame_id, to.object, check);
   if (from.motion().has_grid() && !check.error()) {
@@ -190,7 +190,7 @@ std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64
 
 void checkRelief(const CodedRelief& relief, Check& check) {
   check.require(relief.slice_count == 0 || relief.slices.size() <= relief.slice_count,
-                "a relief has more slices than it says");
+                "a relief has more slices than it announces");
   codec::CoveredCells covered(relief.rect);
   for (const SliceBytes& slice : relief.slices) {
     const auto header = codec::Header::read(slice, relief.rect);

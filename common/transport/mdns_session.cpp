@@ -19,7 +19,7 @@ constexpr const char* kNoDaemon = "avahi-daemon does not run";
 
 AvahiSession::AvahiSession(Events events)
     : events_(std::move(events)), poll_(avahi_threaded_poll_new()) {
-  if (poll_ == nullptr) throw std::runtime_error("Avahi's client library cannot begin");
+  if (poll_ == nullptr) throw std::runtime_error("Avahi's client library cannot start");
   api_ = avahi_threaded_poll_get(poll_);
   connect();
   avahi_threaded_poll_start(poll_);

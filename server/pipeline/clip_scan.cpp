@@ -16,7 +16,7 @@ void removeContradictions(VisionSettings& settings) {
       return off.time_s == on.time_s && (off.at_px - on.at_px).norm() < kOnePlace_px;
     };
     if (std::erase_if(settings.not_points, there) == 0) return false;
-    spdlog::warn("--object {:g},{:g}@{:g} and --not contradict each other there; both are left out",
+    spdlog::warn("--object {:g},{:g}@{:g} and --not contradict each other; the server ignores both",
                  on.at_px.x(), on.at_px.y(), on.time_s);
     return true;
   });
@@ -55,7 +55,7 @@ bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
     if (progress) progress(share);
     if (stop || clock.now() - logged < kTellEvery) return !stop;
     logged = clock.now();
-    spdlog::info("looking through the clip: {:.0f} %", 100.0 * share);
+    spdlog::info("scanning the clip: {:.0f} %", 100.0 * share);
     return true;
   });
 }

@@ -31,7 +31,7 @@ bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& 
 void logLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
   const std::string_view stage = kStageNames[static_cast<std::size_t>(line.stage)];
   if (line.on) {
-    spdlog::info("object {}: {:<8} on   {}; takes {:.1f} ms a frame", id, stage, line.why,
+    spdlog::info("object {}: {:<8} on   {}; needs {:.1f} ms a frame", id, stage, line.why,
                  line.saves_ms);
   } else {
     const std::size_t bytes = line.stage == Stage::kHeights ? relief_bytes : 0;
@@ -89,19 +89,18 @@ void DepthRangeLog::log(const std::optional<MappedRange>& mapped) {
   logged_ = true;
   const DepthRange& range = mapped->range;
   if (mapped->usual_mm <= 0) {
-    spdlog::info("depths of {:.0f} to {:.0f} mm become heights, as given", range.near_mm,
+    spdlog::info("depths of {:.0f} to {:.0f} mm become heights, as specified", range.near_mm,
                  range.far_mm);
     return;
   }
   spdlog::info(
-      "depths of {:.0f} to {:.0f} mm become heights; in a usual frame the object takes "
-      "{:.0f} mm",
+      "depths of {:.0f} to {:.0f} mm become heights; in a usual frame the object covers {:.0f} mm",
       range.near_mm, range.far_mm, mapped->usual_mm);
   if (!mapped->wide) return;
   spdlog::warn(
-      "the object takes {:.0f} % of the heights: it moves in depth, or its mask holds what "
-      "is not its own; --not U,V on what does not belong to it, or --map-range NEAR,FAR, "
-      "makes it taller",
+      "the object covers {:.0f} % of the heights: it moves in depth, or its mask includes other "
+      "things; --not U,V on a pixel of the other things, or --map-range NEAR,FAR, makes the object "
+      "taller",
       100.0 * mapped->usual_mm / (range.far_mm - range.near_mm));
 }
 

@@ -47,12 +47,13 @@ void checkPlace(const fs::path& place) {
   if (!isPicture(place)) {
     fs::create_directory(place, error);
     if (!fs::is_directory(place, error))
-      throwCannotWrite(place.string(), "is no folder and none can be made there");
+      throwCannotWrite(place.string(),
+                       "is not a folder and cannot be created; name a path in a folder of yours");
   }
   const fs::path probe = isPicture(place) ? place : place / "first.png";
   const bool is_new = !fs::exists(probe, error);
   if (!std::ofstream(probe, std::ios::app))
-    throwCannotWrite(place.string(), "cannot be written; give a file in a folder of yours");
+    throwCannotWrite(place.string(), "cannot be written; use a file in a folder of yours");
   if (is_new) fs::remove(probe, error);
 }
 
@@ -137,17 +138,19 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched)
   for (const std::uint32_t id : ids) {
     const cv::Size size = first.color.size();
     if (const auto hint = suggestCorrection(first.color, renderMask(first.haptic, id, size))) {
-      return fmt::format("if object {} should not hold what is at {},{}, try --not {},{}: {}", id,
+      return fmt::format("if object {} should not include the pixel {},{}, try --not {},{}: {}", id,
                          hint->at_px.x, hint->at_px.y, hint->at_px.x, hint->at_px.y, hint->why);
     }
   }
   if (double(watched.lost) > kFewLost * double(watched.frames)) {
-    return fmt::format("it is lost at {:.2f} s: look there, and try --object U,V@{:.2f}",
-                       *watched.first_lost_s, *watched.first_lost_s);
+    return fmt::format(
+        "the server loses the object at {:.2f} s: check that frame, and try --object U,V@{:.2f}",
+        *watched.first_lost_s, *watched.first_lost_s);
   }
   if (settings.vision.object_points.empty())
-    return "chosen without a click; where it should be something else, give --object U,V";
-  return "nothing looks wrong; a pixel on what should not be in the outline goes to --not U,V";
+    return "the server chose this object automatically; to choose another one, add --object U,V";
+  return "the outline has no visible error; to remove a part of it, add --not U,V with a pixel on "
+         "that part";
 }
 
 std::vector<std::string> formatLines(const Settings& settings, const Watched& watched,
@@ -156,7 +159,7 @@ std::vector<std::string> formatLines(const Settings& settings, const Watched& wa
   std::vector<std::string> lines;
   for (const std::uint32_t id : listIds(first.haptic))
     lines.push_back(toText(objectStats(first, id, workspace), info.depth_kind));
-  lines.push_back(fmt::format("nothing seen in {} of {} frames ({:.1f} %)", watched.lost,
+  lines.push_back(fmt::format("no object found in {} of {} frames ({:.1f} %)", watched.lost,
                               watched.frames,
                               100.0 * double(watched.lost) / double(watched.frames)));
   lines.push_back(suggestCorrections(settings, watched));

@@ -125,7 +125,7 @@ std::string toText(const ObjectFacts& facts, DepthKind kind) {
     text.append(fmt::format("; {:.0f} to {:.0f}{} become 30 to 0 mm", facts.mapped->near_mm,
                             facts.mapped->far_mm, unit));
   }
-  text.append(fmt::format(", felt {:.1f} mm tall", facts.high_mm - facts.low_mm));
+  text.append(fmt::format(", {:.1f} mm tall", facts.high_mm - facts.low_mm));
   return text;
 }
 

@@ -19,7 +19,7 @@ std::unique_ptr<cv::VideoCapture> openDevice(int number, double fps) {
   const std::string name = deviceName(number);
   std::error_code error;
   if (!std::filesystem::exists(name, error)) {
-    throw SourceError(name + ": no such camera; see /dev/video* for those there are");
+    throw SourceError(name + ": no such camera; the cameras of this machine are /dev/video*");
   }
   auto capture = std::make_unique<cv::VideoCapture>();
   if (!capture->open(number, cv::CAP_V4L2)) {
@@ -33,10 +33,10 @@ std::unique_ptr<cv::VideoCapture> openDevice(int number, double fps) {
 cv::Mat firstPicture(cv::VideoCapture& capture, const std::string& name) {
   cv::Mat frame;
   if (!capture.read(frame) || frame.empty()) {
-    throw SourceError(name + ": gives no picture; is it a camera that captures?");
+    throw SourceError(name + ": delivers no picture; is it a camera that captures?");
   }
   if (!sizeAllowed(frame.cols, frame.rows)) {
-    throw SourceError(name + ": gives " + sizeText(frame.cols, frame.rows) +
+    throw SourceError(name + ": delivers " + sizeText(frame.cols, frame.rows) +
                       "; allowed is up to 1920x1080, so set a smaller format");
   }
   return frame;
@@ -47,8 +47,8 @@ DepthKind detectDepthKind(const cv::Mat& raw, const std::string& name) {
   if (raw.type() == CV_8UC1 || (raw.type() == CV_8UC3 && !isColorCoded(raw))) {
     return DepthKind::kHeight;
   }
-  throw SourceError(name +
-                    ": gives no depth (neither 16-bit nor grey pictures); choose the depth camera");
+  throw SourceError(
+      name + ": delivers no depth (neither 16-bit nor grey pictures); choose the depth camera");
 }
 
 }  // namespace
@@ -68,9 +68,9 @@ Camera::Camera(CameraDevice color, CameraDevice depth, double fps)
   const cv::Mat raw = firstPicture(*depth_.capture, depth_.name);
   format_.kind = detectDepthKind(raw, depth_.name);
   if (picture.type() != CV_8UC3)
-    throw SourceError(color_.name + ": gives no colour; choose another camera");
+    throw SourceError(color_.name + ": delivers no colour; choose another camera");
   if (raw.size() != picture.size()) {
-    throw SourceError(depth_.name + ": gives " + sizeText(raw.cols, raw.rows) + ", but " +
+    throw SourceError(depth_.name + ": delivers " + sizeText(raw.cols, raw.rows) + ", but " +
                       color_.name + " " + sizeText(picture.cols, picture.rows) +
                       "; set both to the same format");
   }
@@ -90,14 +90,14 @@ void Camera::grab() {
     return;
   }
   throw SourceError((color ? depth_.name : color_.name) +
-                    ": gives no more pictures; is it still plugged in?");
+                    ": delivers no more pictures; is it still plugged in?");
 }
 
 std::string Camera::retrieve(const CameraDevice& device, cv::Mat& picture) const {
   if (!device.capture->retrieve(picture) || picture.empty())
-    return device.name + ": gives pictures that cannot be decoded";
+    return device.name + ": delivers pictures that cannot be decoded";
   if (picture.size() == cv::Size(info_.width_px, info_.height_px)) return "";
-  return device.name + ": gives " + sizeText(picture.cols, picture.rows) + ", but began with " +
+  return device.name + ": delivers " + sizeText(picture.cols, picture.rows) + ", but began with " +
          sizeText(info_.width_px, info_.height_px);
 }
 

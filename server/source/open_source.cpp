@@ -38,13 +38,13 @@ std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size() || number < 0) {
       throw SourceError(spec + ": \"" + std::string(text) +
-                        "\" is no camera number; give camera:N,M with colour N and depth M");
+                        "\" is not a camera number; use camera:N,M with colour N and depth M");
     }
     return number;
   };
   const int color = parse(numbers.substr(0, comma));
   if (comma == std::string_view::npos) {
-    throw SourceError(spec + ": depth is needed too; give camera:" + std::to_string(color) +
+    throw SourceError(spec + ": depth is needed too; use camera:" + std::to_string(color) +
                       ",M where M is the depth camera's number");
   }
   return std::make_unique<Camera>(color, parse(numbers.substr(comma + 1)), fps);
@@ -64,7 +64,7 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
   const std::string color = spec.substr(0, comma);
   const std::string depth = spec.substr(comma + 1);
   if (color.empty() || depth.empty()) {
-    throw SourceError(spec + ": one of the two videos is missing; give COLOR,DEPTH");
+    throw SourceError(spec + ": one of the two videos is missing; use COLOR,DEPTH");
   }
   return std::make_unique<VideoPair>(color, depth, fps);
 }
@@ -90,12 +90,12 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps) {
   if (fs::is_directory(spec, error)) return std::make_unique<ImageSequence>(spec, fps);
   if (isFile(spec)) {
     throw SourceError(spec +
-                      ": is a single file; depth is needed too, so give COLOR,DEPTH or a folder");
+                      ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");
   }
   if (spec.find(',') != std::string::npos) return openPair(spec, fps);
   throw SourceError(
       (spec.empty() ? "(empty source)" : spec) +
-      ": no such file or folder; give synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");
+      ": no such file or folder; use synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");
 }
 
 }  // namespace hapticast::server

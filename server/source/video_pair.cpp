@@ -45,7 +45,7 @@ cv::VideoCapture openVideo(const std::string& file) {
 cv::Mat firstFrame(cv::VideoCapture& capture, const std::string& file) {
   cv::Mat frame;
   if (!capture.read(frame) || frame.type() != CV_8UC3) {
-    throw SourceError(file + ": has no frame that can be decoded; give another file");
+    throw SourceError(file + ": has no frame that can be decoded; use another file");
   }
   return frame;
 }
@@ -155,7 +155,7 @@ std::optional<RgbdFrame> VideoPair::read() {
   std::uint64_t first_bad = 0;
   const auto tell = [&] {  // once, not in every round
     if (problem.empty() || !reported_.insert(first_bad).second) return;
-    spdlog::warn("{}; it and those after it that cannot either are left out", problem);
+    spdlog::warn("{}; this frame and later frames with the same problem are left out", problem);
   };
   while (grab()) {
     RgbdFrame frame;

@@ -94,7 +94,7 @@ struct Announcer::Service {
     if (state == AVAHI_ENTRY_GROUP_ESTABLISHED) {
       if (!limit.allow(SteadyClock().now())) return;
       spdlog::info("announced on the LAN as {}{}", name,
-                   name == wanted ? "" : " (another one has the name " + wanted + ")");
+                   name == wanted ? "" : " (another server has the name " + wanted + ")");
     } else if (state == AVAHI_ENTRY_GROUP_COLLISION && group != nullptr) {
       rename();
       avahi_entry_group_reset(group);
@@ -125,7 +125,8 @@ struct Announcer::Service {
        .over = [this] { withdraw(); },
        .absent =
            [](const std::string& why) {
-             spdlog::warn("not announced on the LAN: {}; it will be as soon as it can", why);
+             spdlog::warn("not announced on the LAN: {}; the server tries again automatically",
+                          why);
            }}};
 };
 

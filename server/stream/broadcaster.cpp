@@ -133,7 +133,7 @@ void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
   if (pending_sessions_.size() <= kMaxPending || stopped_) return;
   const std::shared_ptr<Session> peer = evictionCandidate();
   ++counts_.refused;
-  log(spdlog::level::warn, "too many connections beside the viewers': closing " + peer->label());
+  log(spdlog::level::warn, "too many connections that are not viewers: closing " + peer->label());
   peer->abort();
 }
 
@@ -256,7 +256,7 @@ void Broadcaster::logHidden() {
     (void)limit->allow(clock_.now());
     spdlog::info(
         "not shown: {} more about {}", hidden,
-        limit == &problems_ ? "connections that were closed" : "viewers that came and went");
+        limit == &problems_ ? "connections that were closed" : "viewers that joined and left");
   }
 }
 
@@ -264,13 +264,13 @@ void Broadcaster::logSlowViewers(LocalTime now) {
   if (!slow_interval_.isDue(now)) return;
   const StreamCounts all = counts();
   if (all.sent.dropped() == logged_.dropped()) return;
-  const bool logged = log(
-      spdlog::level::warn,
-      fmt::format("slow viewers: dropped {} frames (newer ones came), {} (too old), {} pictures; "
-                  "{} viewers",
-                  all.sent.frames_dropped_full - logged_.frames_dropped_full,
-                  all.sent.frames_dropped_old - logged_.frames_dropped_old,
-                  all.sent.videos_dropped - logged_.videos_dropped, all.clients));
+  const bool logged =
+      log(spdlog::level::warn,
+          fmt::format("slow viewers: dropped {} frames (newer frames arrived), {} (too old), {} "
+                      "pictures; {} viewers",
+                      all.sent.frames_dropped_full - logged_.frames_dropped_full,
+                      all.sent.frames_dropped_old - logged_.frames_dropped_old,
+                      all.sent.videos_dropped - logged_.videos_dropped, all.clients));
   if (!logged) return;
   logged_ = all.sent;
   slow_interval_.onLogged(now);
@@ -283,10 +283,9 @@ void Broadcaster::logDatagrams(LocalTime now) {
   const std::uint64_t wrong = all.notBelieved() - logged_datagrams_.notBelieved();
   if (lost + wrong == 0) return;
   const bool logged =
-      log(spdlog::level::warn,
-          fmt::format("datagrams: {} were not sent, as the network took too few; {} echoes were "
-                      "not a viewer's own",
-                      lost, wrong));
+      log(spdlog::level::warn, fmt::format("datagrams: {} were not sent, because the network "
+                                           "accepted too few; {} echoes did not match their viewer",
+                                           lost, wrong));
   if (!logged) return;
   logged_datagrams_ = all;
   datagrams_interval_.onLogged(now);
@@ -298,8 +297,8 @@ bool Broadcaster::tooLarge(const EncodedFrame& frame) {
   if ((too_large || frame.too_many_datagrams) && large_interval_.isDue(now) &&
       log(spdlog::level::warn,
           fmt::format("a frame of {} kB, more than {}", frame.delta->size() / 1000,
-                      too_large ? "viewers take: it is left out"
-                                : "datagrams carry: it goes by TCP only"))) {
+                      too_large ? "viewers accept: the server leaves it out"
+                                : "datagrams carry: the server sends it by TCP only"))) {
     large_interval_.onLogged(now);
   }
   return too_large;

@@ -58,7 +58,8 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
   require(socket_.non_blocking(true, ec));
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer_bytes), ec);
   if (socket_.bind(at, ec)) {
-    spdlog::info("UDP port {} is in use: datagrams come from another one", listener.port());
+    spdlog::info("UDP port {} is in use: the server sends datagrams from another port",
+                 listener.port());
     at.port(0);
     require(socket_.bind(at, ec));
   }

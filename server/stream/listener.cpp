@@ -28,15 +28,15 @@ std::size_t raiseFileLimit(std::size_t viewers) {
   if (limit.rlim_cur >= needed) return viewers;
   if (limit.rlim_cur <= kBeside) {
     spdlog::warn(
-        "this system allows {} open files, fewer than the server itself may need ({}): "
-        "one viewer is let in (ulimit -Hn {} allows {})",
+        "this system allows {} open files, fewer than the server itself may need ({}): the server "
+        "accepts one viewer (ulimit -Hn {} allows {})",
         limit.rlim_cur, kBeside, needed, viewers);
     return 1;
   }
   const rlim_t fit = limit.rlim_cur - kBeside;
   spdlog::warn(
-      "--max-clients {}: this system allows {} open files, which is enough for {} viewers; more "
-      "of them are turned away (ulimit -Hn {} allows all)",
+      "--max-clients {}: this system allows {} open files, enough for {} viewers; the server "
+      "rejects more (ulimit -Hn {} allows all)",
       viewers, limit.rlim_cur, fit, needed);
   return fit;
 }
@@ -53,7 +53,7 @@ std::string advice(const boost::system::error_code& ec) {
     return "ports below 1024 need rights; choose another port with --listen";
   }
   if (ec == boost::system::errc::address_not_available) {
-    return "this machine has no such address; 0.0.0.0 means all it has";
+    return "this machine has no such address; 0.0.0.0 means all its addresses";
   }
   return ec.message();
 }

@@ -44,13 +44,14 @@ NetworkInterface choose(const Interfaces& all, const std::string& wanted,
   if (found == all.end()) {
     std::vector<std::string> names = listNames(all, false);
     for (std::string& each : listNames(all, true)) names.push_back(std::move(each));
-    throw AddressError(complaint + (wanted.empty() ? "this machine has no network for it"
-                                                   : "no network here is " + quote(wanted) +
-                                                         "; there are " + join(names, ", ")));
+    throw AddressError(complaint + (wanted.empty()
+                                        ? "this machine has no network for it"
+                                        : "this machine has no network " + quote(wanted) +
+                                              "; its networks are " + join(names, ", ")));
   }
   const std::vector<std::string> others = listNames(all, false);
   if (wanted.empty() && others.size() > 1) {
-    spdlog::info("--multicast goes out on {}, the first of {}; @INTERFACE behind it chooses",
+    spdlog::info("--multicast sends on {}, the first of {}; append @INTERFACE to choose another",
                  found->name, join(others, ", "));
   }
   return *found;
@@ -65,7 +66,7 @@ MulticastGroup::MulticastGroup(asio::io_context& io, const MulticastChoice& choi
   const auto group = asio::ip::make_address(choice.group.host, ec);
   if (ec || !group.is_multicast()) {
     throw AddressError(complaint + quote(choice.group.host) +
-                       " is no multicast address (224.0.0.0 to 239.255.255.255, or ff00::/8)");
+                       " is not a multicast address (224.0.0.0 to 239.255.255.255, or ff00::/8)");
   }
   endpoint_ = {group, choice.group.port};
   const NetworkInterface out = choose(interfaces(group.is_v6()), choice.interface, complaint);

@@ -136,9 +136,9 @@ void Session::check(LocalTime now) {
                     WireError{ErrorCode::kTimeout, "reads nothing from its connection"});
     abort();
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
-    close({ErrorCode::kTimeout, "no hello came in time"});
+    close({ErrorCode::kTimeout, "no hello arrived in time"});
   } else if (now - received_ >= settings.idle_timeout) {
-    close({ErrorCode::kTimeout, "nothing was heard for too long"});
+    close({ErrorCode::kTimeout, "no message arrived for too long"});
   }
 }
 

@@ -36,7 +36,7 @@ std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
       }
       break;
     case Stage::kHeights:
-      if (unchanged_ && !at_rest_) return "they are as they were";
+      if (unchanged_ && !at_rest_) return "the heights did not change";
       break;
     case Stage::kGrid:
       if (cost_N && *cost_N <= settings_.error_budget_N && frame_ % kGridEvery >= kGridFrames)
@@ -119,9 +119,9 @@ std::vector<PlanLine> ScenePlan::lines() const {
     line.on = on(line.stage);
     const std::optional<std::string> why = whyOff(line.stage);
     if (settings_.forced[i]) {
-      line.why = "the author says so";
+      line.why = "the author's choice";
     } else if (settings_.everything) {
-      line.why = "nothing is to be left out";
+      line.why = "every stage is kept";
     } else {
       line.why = why.value_or(explainStage(line.stage));
     }

@@ -29,7 +29,7 @@ void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points,
     what << flag << ' ' << point.x() << ',' << point.y();
     if (time_s > 0.0) what << '@' << time_s;
     what << ": outside the picture, which is " << info.width_px << 'x' << info.height_px
-         << "; give u,v in pixels from its top-left corner";
+         << "; use u,v in pixels from its top-left corner";
     throw SourceError(what.str());
   }
 }

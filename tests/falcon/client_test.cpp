@@ -194,10 +194,10 @@ TEST_F(FalconClient, GoesOnWithoutOneThatIsPulledOutAndTakesItBack) {
   startClient({"--device", "falcon", "--rearm"});
   touch();
   port_->unplug();
-  ASSERT_TRUE(client_->says("it is gone; no force", kPatience)) << client_->output();
+  ASSERT_TRUE(client_->says("the connection is lost; no force", kPatience)) << client_->output();
   bootAndPlugIn();
   aim(0.0);
-  ASSERT_TRUE(client_->says("it is back", kPatience)) << client_->output();
+  ASSERT_TRUE(client_->says("the connection is restored", kPatience)) << client_->output();
   ASSERT_TRUE(client_->says("Falcon: ready", kPatience, 2)) << client_->output();
   touch();
   client_->signal(SIGINT);
@@ -239,7 +239,7 @@ TEST_F(FalconClient, CalibratesItsGainWithAWeight) {
     GTEST_SKIP() << "this machine is too busy to hold a grip for two seconds";
   port_->with([](FalconModel& model, BusFaults&) { model.weight_kg = 0.2; });
   const auto before = stalls(heard());
-  const bool rested = client_->says("3. take the weight", kPatience);
+  const bool rested = client_->says("3. hold the weight", kPatience);
   if (!rested && stalls(heard()) > before + 4)
     GTEST_SKIP() << "this machine is too busy to hold a grip for two seconds";
   EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();

@@ -81,11 +81,11 @@ TEST_F(FalconFaultsTest, TheEndIsZeroSeveralTimesAndAnswered) {
 TEST_F(FalconFaultsTest, APlugThatIsPulledAndPutBack) {
   push();
   port_->unplug();
-  EXPECT_TRUE(says("it is gone; no force"));
+  EXPECT_TRUE(says("the connection is lost; no force"));
   EXPECT_TRUE(waitUntil(kPatience, [&] { return turning_->lost() > 10; }));
   EXPECT_TRUE(says("none was found on USB"));
   bootAndPlugIn();
-  EXPECT_TRUE(says("it is back"));
+  EXPECT_TRUE(says("the connection is restored"));
   EXPECT_TRUE(turning_->runsAgain());
   EXPECT_TRUE(waitForForce());
   end();
@@ -96,7 +96,7 @@ TEST_F(FalconFaultsTest, OneThatComesBackWithoutItsFirmwareGetsItAgain) {
   file_ = firmwareFile();
   push();
   port_->unplug();
-  EXPECT_TRUE(says("it is gone"));
+  EXPECT_TRUE(says("the connection is lost"));
   port_->plugIn();
   EXPECT_TRUE(says("loading its firmware"));
   EXPECT_TRUE(turning_->runsAgain());
@@ -150,9 +150,9 @@ TEST_F(FalconFaultsTest, OneThatFallsSilentIsToldZeroAndTakenAgain) {
   push();
   fault([](FalconModel& model, BusFaults&) { model.faults.mute = true; });
   EXPECT_TRUE(waitForZero()) << "it hears, though it says nothing";
-  EXPECT_TRUE(says("it is gone"));
+  EXPECT_TRUE(says("the connection is lost"));
   fault([](FalconModel& model, BusFaults&) { model.faults.mute = false; });
-  EXPECT_TRUE(says("it is back"));
+  EXPECT_TRUE(says("the connection is restored"));
   EXPECT_TRUE(waitForForce());
   end();
   expectZeroAtLast();

@@ -40,7 +40,7 @@ TEST_F(FalconStart, TheFirmwareIsLoadedOverAShakyStart) {
   const auto device = openFalcon();
   EXPECT_TRUE(port_->with([](FalconModel& model, BusFaults&) { return model.runs(); }));
   EXPECT_NE(logged_.find("loading its firmware (2000 bytes)"), std::string::npos) << logged_;
-  EXPECT_NE(logged_.find("heard something else"), std::string::npos) << logged_;
+  EXPECT_NE(logged_.find("received other bytes"), std::string::npos) << logged_;
   EXPECT_NE(logged_.find("% of its firmware is loaded"), std::string::npos) << logged_;
 }
 
@@ -60,7 +60,8 @@ TEST_F(FalconStart, OneThatIsFoundByItself) {
 TEST_F(FalconStart, OneThatBelongsToAnother) {
   bootAndPlugIn();
   port_->with([](FalconModel&, BusFaults& bus) { bus.busy = true; });
-  EXPECT_EQ(complaint(), "--device falcon: another program holds it: end that one first");
+  EXPECT_EQ(complaint(),
+            "--device falcon: another program uses the device: end that program first");
   EXPECT_NE(client::listDevices().find("another program"), std::string::npos);
 }
 
@@ -82,14 +83,15 @@ TEST_F(FalconStart, AnotherSerialNumber) {
     (void)client::openDevice("falcon", {.clock = clock_, .falcon = {.serial = "FTOTHER"}});
     ADD_FAILURE();
   } catch (const client::DeviceAbsent& error) {
-    EXPECT_STREQ(error.what(),
-                 "--device falcon: there is one with the serial number FT0TEST1, but not FTOTHER");
+    EXPECT_STREQ(
+        error.what(),
+        "--device falcon: the connected device has the serial number FT0TEST1, not FTOTHER");
   }
 }
 
 TEST_F(FalconStart, FirmwareThatIsNone) {
   port_->plugIn();
-  EXPECT_NE(complaint().find("give the file with --falcon-firmware FILE"), std::string::npos);
+  EXPECT_NE(complaint().find("name the file with --falcon-firmware FILE"), std::string::npos);
   file_ = "/nowhere.bin";
   EXPECT_EQ(complaint(), "--falcon-firmware /nowhere.bin: cannot be read");
   file_ = firmwareFile({});
@@ -98,7 +100,7 @@ TEST_F(FalconStart, FirmwareThatIsNone) {
   EXPECT_NE(complaint().find("longer than 64 KiB"), std::string::npos);
   // Of the right length, but another one.
   file_ = firmwareFile(std::vector<std::uint8_t>(2000, 7));
-  EXPECT_NE(complaint().find("it does not run with this firmware: is it the right file?"),
+  EXPECT_NE(complaint().find("the device does not run with this firmware: is it the right file?"),
             std::string::npos);
 }
 

@@ -204,7 +204,7 @@ TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
     forger.send(50, client.frames.back().second);
     return !client.news.empty();
   }));
-  EXPECT_NE(client.news[0].find("somebody forges them"), std::string::npos) << client.news[0];
+  EXPECT_NE(client.news[0].find("somebody forges datagrams"), std::string::npos) << client.news[0];
   const std::uint64_t forged = client.connection.datagrams().forged;
   const std::size_t enough = client.frames.size() + 20;
   ASSERT_TRUE(streamUntil(*server, client, [&] {
@@ -242,7 +242,7 @@ TEST_F(DatagramClientTest, AFloodIsSeenThoughItsSecondEndsWithIt) {
   ASSERT_TRUE(runUntil([&] { return looked; }));
   forger.send(120, client.frames.back().second);
   ASSERT_TRUE(runUntil([&] { return !client.news.empty(); }));
-  EXPECT_NE(client.news[0].find("somebody forges them"), std::string::npos) << client.news[0];
+  EXPECT_NE(client.news[0].find("somebody forges datagrams"), std::string::npos) << client.news[0];
 }
 
 TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {

@@ -356,9 +356,10 @@ TEST_F(DatagramsTest, AGroupThatCannotBeIsToldInOneLine) {
   EXPECT_EQ(complaint({{"239.255.77.1", 7449}, "lo"}), "");
   EXPECT_EQ(complaint({{"239.255.77.1", 7449}, "127.0.0.1"}), "");
   EXPECT_NE(complaint({{"239.255.77.1", 7449}, "nosuch0"})
-                .find("--multicast 239.255.77.1:7449: no network here is 'nosuch0'; there are "),
+                .find("--multicast 239.255.77.1:7449: this machine has no network 'nosuch0'; its "
+                      "networks are "),
             std::string::npos);
-  EXPECT_NE(complaint({{"127.0.0.1", 7449}, ""}).find("is no multicast address"),
+  EXPECT_NE(complaint({{"127.0.0.1", 7449}, ""}).find("is not a multicast address"),
             std::string::npos);
 }
 

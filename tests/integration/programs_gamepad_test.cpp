@@ -196,7 +196,7 @@ TEST_F(ProgramsSoundTest, ATouchIsHeardAndNothingElse) {
 TEST_F(ProgramsSoundTest, WithoutASoundDeviceTheTouchGoesOn) {
   const auto server = startServer({"--source", "synthetic:still", "--loop"});
   const auto client = listen("nothing", addressOf(*server));
-  EXPECT_TRUE(client->says("--sound: going on without: no sound device (", kSoon))
+  EXPECT_TRUE(client->says("--sound: the client continues without sound: no sound device (", kSoon))
       << client->output();
   EXPECT_TRUE(waitUntil(kSoon, [this] { return touched(); })) << client->output();
   interrupt(*client);

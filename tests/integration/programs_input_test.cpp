@@ -182,7 +182,8 @@ TEST_F(ProgramsInputTest, ServersThatAreNotThere) {
   EXPECT_EQ(countOf("waiting for a server at 127.0.0.1:1 (connection refused)", never->output()),
             1U)
       << never->output();
-  EXPECT_EQ(countOf("no server came to 127.0.0.1:1 in 1.5 s (connection refused)", never->output()),
+  EXPECT_EQ(countOf("no server answered at 127.0.0.1:1 within 1.5 s (connection refused)",
+                    never->output()),
             1U)
       << never->output();
   EXPECT_EQ(countOf("\n", never->output()), 2U) << never->output();
@@ -317,7 +318,7 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
   EXPECT_FALSE(viewer.closed);
   const std::string text = server->output();
   EXPECT_EQ(countOf("closing 127.0.0.1", text), 6U) << text;
-  for (const char* reason : {"protocol version", "are allowed here", "no hello came in time"})
+  for (const char* reason : {"protocol version", "are allowed here", "no hello arrived in time"})
     EXPECT_NE(text.find(reason), std::string::npos) << text;
   interrupt(*server);
 }

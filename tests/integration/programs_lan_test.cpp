@@ -98,10 +98,10 @@ TEST_F(ProgramsLanTest, ATakenNameGetsANumberAndAllAreListedClean) {
   ASSERT_TRUE(first->says(std::string("announced on the LAN as ") + kName + "\n", kSoon))
       << first->output();
   const auto beside = announce(hosts_.server(), kName);
-  ASSERT_TRUE(beside->says(std::string(kName) + " #2 (another one has the name ", kSoon))
+  ASSERT_TRUE(beside->says(std::string(kName) + " #2 (another server has the name ", kSoon))
       << beside->output();
   const auto elsewhere = announce(hosts_.viewer(), kName);
-  ASSERT_TRUE(elsewhere->says(std::string(kName) + " #3 (another one has the name ", kSoon))
+  ASSERT_TRUE(elsewhere->says(std::string(kName) + " #3 (another server has the name ", kSoon))
       << elsewhere->output();
 
   const std::string all = listed({std::string(kName) + "  at ", " #2  at ", " #3  at "});

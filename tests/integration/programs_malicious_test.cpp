@@ -129,11 +129,11 @@ class ProgramsLiesTest : public ProgramsTest {
 
 TEST_F(ProgramsLiesTest, AreLimitedAndTheUserIsTold) {
   tell(std::to_array<Told>({
-      {"acceleration_1e8_described", "the stream is not trusted any more"},
-      {"acc_square_4hz_x", "no force from now on; start again, or with --rearm"},
-      {"id_max_once", "jumps of the frames' ids"},
+      {"acceleration_1e8_described", "the client does not trust the stream any more"},
+      {"acc_square_4hz_x", "no force from now on; restart the client"},
+      {"id_max_once", "jumps of the frame ids"},
       {"outside", "whose objects are not shown"},
-      {"silence", "no new frames come: the force has faded"},
+      {"silence", "no new frames arrive: the force has faded"},
       {"stiffness_1000", "a wall is softer than the stream asks for"},
       {"structure_cut", "trying again"},
   }));
@@ -144,7 +144,7 @@ TEST_F(ProgramsLiesTest, InDatagramsAreLimitedToo) {
       {"datagram_ids_max_first", "", "udp"},
       {"datagram_copies_contradict_in_turns", "", "udp"},
       {"datagram_half_sent", "", "udp"},
-      {"datagram_probes", "more of them come than can be verified", "udp"},
+      {"datagram_probes", "more datagrams arrive than the client can verify", "udp"},
       {"datagram_times_against_tcp", "", "udp"},
   }));
 }
@@ -154,7 +154,7 @@ TEST_F(ProgramsLiesTest, ToTheGroupAreLimitedToo) {
       {"datagram_honest", "", "multicast"},
       {"datagram_epoch_against_tcp", "", "multicast"},
       {"datagram_copies_contradict_in_turns", "", "multicast"},
-      {"datagram_noise", "no new frames come: the force has faded", "multicast"},
+      {"datagram_noise", "no new frames arrive: the force has faded", "multicast"},
       {"datagram_ids_race", "", "multicast"},
   }));
 }

@@ -110,8 +110,8 @@ class ProgramsTouchTest : public ProgramsTest {
                                      [](const LogRow& row) { return row.lookup == "faded"; });
     std::istringstream lines(output);
     for (std::string line; std::getline(lines, line);) {
-      const bool of_it = line.ends_with("no new frames come: the force has faded") ||
-                         line.ends_with("frames come again");
+      const bool of_it = line.ends_with("no new frames arrive: the force has faded") ||
+                         line.ends_with("frames arrive again");
       EXPECT_TRUE(held_up && of_it) << line;
     }
   }

@@ -248,7 +248,7 @@ TEST_F(ProgramsWindowTest, ADisplayThatEndsLetsTheForceDown) {
   ASSERT_TRUE(waitUntil(kSoon, feels)) << client->output();
   display.end();
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
-  EXPECT_EQ(countOf("the window is gone: its display took it away", client->output()), 1U)
+  EXPECT_EQ(countOf("the window closed: the display ended or removed it", client->output()), 1U)
       << client->output();
   const auto rows = readLog(log);
   ASSERT_FALSE(rows.empty());
@@ -265,7 +265,8 @@ TEST_F(ProgramsWindowTest, AWindowThatCannotBeOpenedIsDoneWithout) {
   const auto server = startServer({"--source", "synthetic:still", "--loop"});
   const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=:987",
                                              HAPTICAST_CLIENT_PROGRAM, addressOf(*server)});
-  EXPECT_TRUE(client->says("going on without a window: no display (", kSoon)) << client->output();
+  EXPECT_TRUE(client->says("the client continues without a window: no display (", kSoon))
+      << client->output();
   EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
   interrupt(*client);
   interrupt(*server);

@@ -219,7 +219,8 @@ TEST_F(ServerTest, FramesThatAreTooLargeAreLeftOutAndToldOnce) {
   }));
   EXPECT_EQ(std::get<CodedFrame>(peer.got.back()).id, 4U);
   EXPECT_FALSE(peer.closed);
-  EXPECT_EQ(log.text(), "warning a frame of 8388 kB, more than viewers take: it is left out\n");
+  EXPECT_EQ(log.text(),
+            "warning a frame of 8388 kB, more than viewers accept: the server leaves it out\n");
 }
 
 TEST_F(ServerTest, AFrameThatDatagramsDoNotCarryStillGoesByTcp) {
@@ -237,8 +238,9 @@ TEST_F(ServerTest, AFrameThatDatagramsDoNotCarryStillGoesByTcp) {
     peer.poll();
     return !peer.got.empty() && std::holds_alternative<CodedFrame>(peer.got.back());
   }));
-  EXPECT_EQ(log.text(),
-            "warning a frame of 0 kB, more than datagrams carry: it goes by TCP only\n");
+  EXPECT_EQ(
+      log.text(),
+      "warning a frame of 0 kB, more than datagrams carry: the server sends it by TCP only\n");
 }
 
 TEST_F(ServerTest, WhatPilesUpWhileItIsBusyIsReplacedByWhatIsNewer) {

@@ -58,13 +58,13 @@ std::unique_ptr<FalconUsb> FalconLink::open(const LogLine& log_line) {
 void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line) {
   if (settings_.firmware_file.empty())
     throw FalconError(
-        "its firmware is not loaded, as after every power-up: give the file with "
-        "--falcon-firmware FILE");
+        "its firmware is not loaded, as after every power-up: name the file with --falcon-firmware "
+        "FILE");
   const auto image = readFalconFirmware(settings_.firmware_file);
   std::string trouble;
   for (int load = 1; load <= kLoads && !stop_; ++load) {
     if (load > 1) {
-      log_line(fmt::format("Falcon: {}; try {} of {}", trouble, load, kLoads));
+      log_line(fmt::format("Falcon: {}; attempt {} of {}", trouble, load, kLoads));
       usb.reset();
       usb = std::make_unique<FalconUsb>(settings_.serial);
     }
@@ -77,7 +77,7 @@ void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_
         log_line(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
       });
       if (falconRuns(*usb, settings_.event_character)) return;
-      trouble = "it does not run with this firmware: is it the right file?";
+      trouble = "the device does not run with this firmware: is it the right file?";
     } catch (const FalconError& error) {
       trouble = error.what();
     }
@@ -91,9 +91,9 @@ void FalconLink::keepOpen(std::unique_ptr<FalconUsb> usb) {
     serve(*usb);
     usb.reset();
     if (stop_) return;
-    pushMessage("Falcon: it is gone; no force. It is taken again when it is back");
+    pushMessage("Falcon: the connection is lost; no force. The client reconnects automatically");
     usb = openAgain();
-    if (usb) pushMessage("Falcon: it is back");
+    if (usb) pushMessage("Falcon: the connection is restored");
   }
 }
 
@@ -179,7 +179,8 @@ void FalconLink::endWithZero(FalconUsb& usb) {
     }
     if (round_trips_ != before) ++answered;
   }
-  if (answered == 0) pushMessage("Falcon: it does not answer at the end: switch its power off");
+  if (answered == 0)
+    pushMessage("Falcon: the device does not confirm zero force at the end: switch its power off");
 }
 
 void FalconLink::send(const FalconRequest& request) noexcept {
@@ -230,10 +231,10 @@ constexpr Duration kPatience{500'000};
 const char* toText(FalconPilot::Phase phase) {
   switch (phase) {
     case FalconPilot::Phase::kHoming:
-      return "Falcon: pull the grip out as far as it goes, then push it in as far as it goes; its "
-             "lights are red until it knows where it is";
+      return "Falcon: pull the grip out as far as possible, then push it in as far as possible; "
+             "the lights are red until the device is homed";
     case FalconPilot::Phase::kOutside:
-      return "Falcon: it knows where it is (blue); bring the grip to the middle";
+      return "Falcon: the device is homed (blue); move the grip to the middle";
     case FalconPilot::Phase::kReady:
       return "Falcon: ready (green)";
     case FalconPilot::Phase::kAway:

@@ -86,7 +86,7 @@ void writeEchoed(FalconUsb& usb, std::span<const std::uint8_t> bytes) {
       throw FalconError("its boot loader stopped answering");
   }
   if (!std::equal(echo.begin(), echo.end(), bytes.begin(), bytes.end()))
-    throw FalconError("its boot loader heard something else than was sent");
+    throw FalconError("its boot loader received other bytes than the client sent");
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ Bytes readFalconFirmware(const std::string& file) {
     throw std::runtime_error(what + "cannot be read");
   const auto size = std::filesystem::file_size(file, error);
   if (error || size > kLongest)
-    throw std::runtime_error(what + "is no firmware of a Falcon: longer than 64 KiB");
+    throw std::runtime_error(what + "is not the firmware of a Falcon: longer than 64 KiB");
   Bytes image{std::istreambuf_iterator<char>(in), {}};
   if (image.empty()) throw std::runtime_error(what + "is empty");
   return image;

@@ -33,7 +33,7 @@ std::string errorText(int code) {
   if (code == LIBUSB_ERROR_ACCESS)
     return "no permission to open it: copy deploy/70-hapticast-falcon.rules to "
            "/etc/udev/rules.d and plug it in again";
-  if (code == LIBUSB_ERROR_BUSY) return "another program holds it: end that one first";
+  if (code == LIBUSB_ERROR_BUSY) return "another program uses the device: end that program first";
   return libusb_strerror(code);
 }
 
@@ -140,7 +140,7 @@ void FalconUsb::claim(const std::string& serial) {
     }
     const std::string its = readSerial(device, handle.get());
     if (!serial.empty() && its != serial) {
-      problem = "there is one with the serial number " + its + ", but not " + serial;
+      problem = "the connected device has the serial number " + its + ", not " + serial;
       return false;
     }
     libusb_set_auto_detach_kernel_driver(handle.get(), 1);
@@ -181,7 +181,8 @@ bool FalconUsb::read(std::vector<std::uint8_t>& bytes, Duration most) {
       libusb_bulk_transfer(handle_, kIn, packet.data(), static_cast<int>(packet.size()), &length,
                            static_cast<unsigned>(std::max<std::int64_t>(timeout_ms, 1)));
   if (code == LIBUSB_ERROR_PIPE) libusb_clear_halt(handle_, kIn);
-  if (code != LIBUSB_SUCCESS && code != LIBUSB_ERROR_TIMEOUT) fail("it cannot be read", code);
+  if (code != LIBUSB_SUCCESS && code != LIBUSB_ERROR_TIMEOUT)
+    fail("the device cannot be read", code);
   if (length > kStatusBytes)
     bytes.insert(bytes.end(), packet.begin() + kStatusBytes, packet.begin() + length);
   return length > kStatusBytes;
@@ -191,7 +192,7 @@ void FalconUsb::prepare(Transfer& transfer, bool incoming) {
   transfer.owner = this;
   transfer.incoming = incoming;
   transfer.usb = libusb_alloc_transfer(0);
-  if (transfer.usb == nullptr) fail("no transfer", LIBUSB_ERROR_NO_MEM);
+  if (transfer.usb == nullptr) fail("libusb cannot allocate a transfer", LIBUSB_ERROR_NO_MEM);
   const auto done = [](libusb_transfer* usb) {
     auto& its = *static_cast<Transfer*>(usb->user_data);
     its.owner->completed(its);
@@ -204,7 +205,7 @@ void FalconUsb::prepare(Transfer& transfer, bool incoming) {
 void FalconUsb::start(OnData on_data) {
   on_data_ = std::move(on_data);
   for (Transfer& transfer : incoming_) {
-    if (!queue(transfer)) throw FalconError("it went away");
+    if (!queue(transfer)) throw FalconError("the device was disconnected");
   }
 }
 

@@ -46,9 +46,9 @@ constexpr const char* toText(SafetyAction which) noexcept {
     case SafetyAction::kSurfaceSpeed:
       return "a surface was slowed down";
     case SafetyAction::kPassivity:
-      return "what a contact gave was damped";
+      return "a contact that generated energy was damped";
     case SafetyAction::kTank:
-      return "energy into the hand was held back";
+      return "the energy into the hand was limited";
     case SafetyAction::kSlew:
       return "a step was slowed";
     case SafetyAction::kPeak:
@@ -56,11 +56,11 @@ constexpr const char* toText(SafetyAction which) noexcept {
     case SafetyAction::kThermal:
       return "the force was cut for warm motors";
     case SafetyAction::kDisarmed:
-      return "there was no force until the hand had left";
+      return "there was no force until the hand left the object";
     case SafetyAction::kNotFinite:
-      return "a number that was none, or absurd, was left out";
+      return "an invalid number was ignored";
     case SafetyAction::kImplausible:
-      return "motion that the pictures do not bear out was not believed";
+      return "implausible motion was rejected";
     default:
       return "";
   }

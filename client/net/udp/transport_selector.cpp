@@ -41,9 +41,9 @@ void TransportSelector::markFailed(const std::string& why, LocalTime now) {
   // A repeated failure of the same transport is no news.
   if (std::find(logged_.begin(), logged_.end(), failed) != logged_.end()) return;
   logged_.push_back(failed);
-  messages_ = "no frames come " + toText(failed) + " (" + why + "): taking them " +
+  messages_ = "no frames arrive " + toText(failed) + " (" + why + "): the client receives them " +
               toText(transport()) +
-              (transport() == Transport::kTcp ? ", trying again every 30 s" : "");
+              (transport() == Transport::kTcp ? " and tries again every 30 s" : "");
 }
 
 void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
@@ -56,7 +56,7 @@ void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
   if (works_ || !probed_) return;
   works_ = true;
   if (at_ == 0 && !std::exchange(logged_, {}).empty())
-    messages_ = "frames come " + toText(transport()) + " again";
+    messages_ = "frames arrive " + toText(transport()) + " again";
 }
 
 void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
@@ -74,9 +74,9 @@ void TransportSelector::update(LocalTime now, std::uint32_t copies) {
   }
   const Duration patience = suspected_ ? kRace : kPatience;
   if (only_tcp_since_ && now - *only_tcp_since_ >= patience)
-    markFailed(probed_ ? "they are lost" : "does a firewall hold them back?", now);
+    markFailed(probed_ ? "the network loses them" : "does a firewall block them?", now);
   if (!probed_ && narrow_since_ && now - *narrow_since_ >= kProbePatience)
-    markFailed("datagrams of full size do not get through", now);
+    markFailed("datagrams of full size do not arrive", now);
   if (at_ > 0 && now - failed_at_ >= kTryAgain) begin(0);
 }
 

@@ -34,11 +34,11 @@ std::shared_ptr<UdpReceiver> UdpReceiver::open(asio::io_context& io, const Clock
                                                Events events) {
   if (settings.best == Transport::kTcp) return nullptr;
   if (welcome.datagram_token == 0 || !welcome.verifying_key) {
-    events.on_message("this server sends no datagrams: taking frames over TCP");
+    events.on_message("this server sends no datagrams: the client receives frames over TCP");
     return nullptr;
   }
   if (settings.best == Transport::kGroup && !welcome.group)
-    events.on_message("this server sends to no multicast group: taking frames by UDP");
+    events.on_message("this server sends to no multicast group: the client receives frames by UDP");
   std::shared_ptr<UdpReceiver> link(
       new UdpReceiver(io, clock, receiver, settings, welcome, server, std::move(events)));
   link->start();
@@ -90,9 +90,9 @@ asio::awaitable<void> UdpReceiver::startTimer() {
 const char* UdpReceiver::flood(LocalTime now) {
   if (!path_) return nullptr;
   const DatagramCounts& counts = path_->counts();
-  if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges them";
+  if (counts.forged - counted_.forged > kForgedFlood) return "somebody forges datagrams";
   if (counts.over_budget - counted_.over_budget > kFlood)
-    return "more of them come than can be verified";
+    return "more datagrams arrive than the client can verify";
   // The counters restart only after their check.
   if (now - counted_at_ >= std::chrono::seconds(1)) {
     counted_at_ = now;

@@ -65,7 +65,7 @@ constexpr int kMostAtOnce = 64;
 Result<udp::endpoint> resolveEndpoint(const Endpoint& endpoint) {
   boost::system::error_code ec;
   const auto address = asio::ip::make_address(endpoint.host, ec);
-  if (ec) return Error{"'" + endpoint.host + "' is no address"};
+  if (ec) return Error{"'" + endpoint.host + "' is not an IP address"};
   return udp::endpoint(address, endpoint.port);
 }
 
@@ -93,7 +93,7 @@ Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
   const auto all = networkInterfaces();
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.called(name); });
-  if (found == all.end()) return Error{"no network here is '" + name + "'"};
+  if (found == all.end()) return Error{"this machine has no network '" + name + "'"};
   return found->index;
 }
 

@@ -22,13 +22,13 @@ constexpr std::array kDepth{Curve{&ForcePoint::penetration_mm, IM_COL32(90, 255,
 
 constexpr std::array<std::pair<const char*, const char*>, 12> kKeys{
     {{"pointer", "moves the tip over the picture"},
-     {"wheel, drag", "presses it in, lets it out"},
-     {"space", "pauses time and lets it go on"},
+     {"wheel, drag", "moves the tip in and out"},
+     {"space", "pauses and resumes time"},
      {"S, D", "static, dynamic force on and off"},
      {"M", "the thesis's method, and back"},
      {"R", "re-arms the force"},
-     {"O", "outlines what can be touched"},
-     {"V", "shades its relief, then shows it from aside"},
+     {"O", "outlines the objects"},
+     {"V", "shades the relief, then shows it from the side"},
      {"L", "records a log: hapticast-1.csv ..."},
      {"P", "saves a picture: hapticast-1.png ..."},
      {"F1", "this help"},
@@ -68,7 +68,7 @@ void showNetwork(const TickWatch& ticks, const UiState& ui_state, double picture
        fmt::format(", clock ± {:.2f} ms", stream.clock_error_us * 1e-3));
   text(fmt::format("{} frames, {} lost, {} late", stream.frames_received, stream.frames_lost,
                    stream.frames_late));
-  text(fmt::format("{} parts lost; eye - hand {:.0f} ms", stream.slices_lost, picture_off_ms));
+  text(fmt::format("{} slices lost; eye - hand {:.0f} ms", stream.slices_lost, picture_off_ms));
   heading("Loop and safety");
   text(fmt::format("{} ticks, {} late; {:.0f} µs, {:.0f} at most", ticks.ticks(), ticks.lateTicks(),
                    ticks.mean_us(), ticks.longest_us()));
@@ -206,11 +206,11 @@ constexpr Duration kLate{1'500'000};
 constexpr Duration kSecond = std::chrono::seconds(1);
 
 std::string haltLine(const TickReport& report) {
-  if (report.halt == Halt::kStopped) return "ending: the force goes to zero";
-  if (deviceIsBack(report)) return "the device is back: R re-arms the force";
-  if (report.halt == Halt::kUnconfirmed) return "a device was found: R gives it the force";
+  if (report.halt == Halt::kStopped) return "ending: the force fades to zero";
+  if (deviceIsBack(report)) return "the device answers again: R re-arms the force";
+  if (report.halt == Halt::kUnconfirmed) return "the client detected this device: R arms the force";
   if (report.halt == Halt::kDeviceLost) return "the device does not answer: no force";
-  return "the stream is not trusted any more: no force (R re-arms)";
+  return "the client does not trust the stream: no force (R re-arms)";
 }
 
 }  // namespace
@@ -246,12 +246,12 @@ std::string TickWatch::chain() const {
     if (*what == '\0' || !ever_[i] || last_.time - acted_[i] > kSecond) continue;
     words.append(words.empty() ? "" : "; ").append(what);
   }
-  return words.empty() ? "nothing to do" : words;
+  return words.empty() ? "no action" : words;
 }
 
 std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (report.halt != Halt::kNone) return haltLine(report);
-  if (!ui_state.stream.connected) return "no server yet: waiting for one";
+  if (!ui_state.stream.connected) return "no server yet: the client waits";
   if (!report.enabled) return "the device's button is not held: no force";
   const std::string paused = ui_state.user.paused ? "paused; " : "";
   if (report.lookup == Lookup::kStale) return paused + "no fresh frames: the force has faded";

@@ -45,7 +45,7 @@ struct ViewerWindow::Gui {
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) failed("no display");
     if (drawsForNobody()) {
-      SDL_SetError("the one that is named cannot be opened");
+      SDL_SetError("SDL cannot open the named display");
       end("no display");
     }
     constexpr std::uint32_t kFlags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
@@ -55,7 +55,7 @@ struct ViewerWindow::Gui {
     SDL_SetWindowMinimumSize(window, 640, 480);
     renderer = SDL_CreateRenderer(window, -1, 0);
     if (renderer == nullptr) renderer = SDL_CreateRenderer(window, -1, SDL_RENDERER_SOFTWARE);
-    if (renderer == nullptr) end("nothing can be drawn");
+    if (renderer == nullptr) end("SDL cannot draw");
     surviveDisplay(*window);  // here, because SDL recreates the window for a renderer
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
@@ -110,7 +110,8 @@ void ViewerWindow::onReport(const TickReport& report) {
 }
 
 void ViewerWindow::finish() {
-  if (displayIsLost()) throw std::runtime_error("the window is gone: its display took it away");
+  if (displayIsLost())
+    throw std::runtime_error("the window closed: the display ended or removed it");
 }
 
 void ViewerWindow::draw(UiState& ui_state) {

@@ -94,7 +94,7 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
 void throwNoObject(const Vec2& point_px, const std::string& why) {
   throw SourceError("--object " + std::to_string(static_cast<int>(point_px.x())) + "," +
                     std::to_string(static_cast<int>(point_px.y())) + ": " + why +
-                    "; give a point well inside the object in the first frame");
+                    "; choose a point well inside the object in the first frame");
 }
 
 }  // namespace hapticast::server

@@ -20,7 +20,7 @@ TEST(ConnectionLog, SaysOnceWhatItWaitsForAndThenOnceAMinute) {
 TEST(ConnectionLog, SaysHowFarTheServerIsInQuarters) {
   ConnectionLog log("here:1");
   (void)log.connected("connected: x", localTime(0));
-  EXPECT_EQ(log.preparing(0.1, localTime(1)), "the server looks through its clip first: 10 % done");
+  EXPECT_EQ(log.preparing(0.1, localTime(1)), "the server scans its clip first: 10 % done");
   EXPECT_FALSE(log.preparing(0.3, localTime(2)));
   EXPECT_TRUE(log.preparing(0.4, localTime(3)));
   (void)log.connected("connected: x", localTime(4));
@@ -73,7 +73,7 @@ TEST(StreamErrorLog, SaysWhatIsNotShownOnceAMinute) {
   EXPECT_FALSE(log.onCounts(counts, localTime(60)));
   EXPECT_EQ(log.onCounts(counts, localTime(62)),
             "server error: reliefs outside the announced picture or too high, whose objects are "
-            "not shown: 1499; jumps of the frames' ids, after which touch begins anew: 2");
+            "not shown: 1499; jumps of the frame ids (each restarts the contact): 2");
   EXPECT_FALSE(log.onCounts(counts, localTime(200))) << "nothing new";
 }
 

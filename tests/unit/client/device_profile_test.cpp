@@ -87,12 +87,12 @@ TEST(DeviceProfileFile, ComplaintsNameLineKeyAndWhatIsAllowed) {
             ":1: enable_button: '32' is not a number from 0 to 31");
   EXPECT_EQ(profileComplaint("delay_ticks = 1.5"), ":1: delay_ticks: '1.5' is not a whole number");
   EXPECT_EQ(profileComplaint("workspace_mm = 100 90"),
-            ":1: workspace_mm: three numbers are wanted: width height depth");
+            ":1: workspace_mm: the value must be three numbers: width height depth");
   EXPECT_EQ(profileComplaint("workspace_mm = 100 90 80 70"),
             ":1: workspace_mm: '80 70' is not a number from 10 to 2000");
   EXPECT_EQ(profileComplaint("mass"), ":1: 'mass' is not a `key = value` line");
-  EXPECT_EQ(profileComplaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: stands twice");
-  EXPECT_EQ(profileComplaint("name ="), ":1: name: 1 to 64 characters are wanted");
+  EXPECT_EQ(profileComplaint("peak_N = 3\npeak_N = 3"), ":2: peak_N: this key appears twice");
+  EXPECT_EQ(profileComplaint("name ="), ":1: name: the value must have 1 to 64 characters");
   EXPECT_EQ(profileComplaint("continuous_N = 5"), ": continuous_N is larger than peak_N");
   EXPECT_EQ(profileComplaint("weight = 3").find(":1: weight: unknown key, allowed are name, "), 0u);
 }

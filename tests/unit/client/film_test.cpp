@@ -80,7 +80,7 @@ TEST_F(FilmTest, WithoutAPictureItSaysSo) {
     ADD_FAILURE() << "a film of nothing";
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(std::string(error.what()),
-              "--film " + file + ": no picture came that could be filmed");
+              "--film " + file + ": no picture arrived, so the film is empty");
   }
 }
 

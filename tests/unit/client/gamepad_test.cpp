@@ -169,7 +169,7 @@ TEST_F(GamepadTest, UnpluggedItSaysSoAndPluggedAgainItIsBack) {
   pad.motors = {};
   pad.plug();
   EXPECT_EQ(live(100).status, DeviceStatus::kOk);
-  EXPECT_EQ(allNews(), "gamepad: made-up pad is there again; A brings the force back\n");
+  EXPECT_EQ(allNews(), "gamepad: made-up pad is connected again; A restores the force\n");
   EXPECT_EQ(pad.motors.low, 0);
   live(20, 1.0);
   EXPECT_EQ(pad.motors.low, motorLevel(1.0));
@@ -199,7 +199,7 @@ TEST_F(GamepadTest, OneWithoutMotorsSaysSo) {
   pad.unplug();
   pad.plug(/*with_motors=*/false);
   device = open();
-  EXPECT_EQ(allNews(), "gamepad: this one cannot rumble: the force is not felt in it\n");
+  EXPECT_EQ(allNews(), "gamepad: this device cannot rumble and renders no force\n");
 }
 
 TEST_F(GamepadTest, IsListedAndTakenOnlyByWhoAsksForIt) {

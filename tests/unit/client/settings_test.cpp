@@ -160,7 +160,8 @@ TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
 TEST(ClientSettings, AServerThatIsAnnounced) {
   const Probe run({"mdns:Living room"});
   if (!kHasDiscovery) {
-    run.expectErrorWith({"server", "this build announces and finds no servers"});
+    run.expectErrorWith(
+        {"server", "this build has no Avahi, so it cannot announce or find servers"});
     return;
   }
   ASSERT_EQ(run.exit_code, std::nullopt) << run.error;

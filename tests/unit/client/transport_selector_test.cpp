@@ -145,11 +145,11 @@ TEST(TransportSelector, AGroupFallsBackToDatagramsAndTheseToTcp) {
 
 TEST(TransportSelector, AWayThatCannotBeOpenedIsLeftAtOnce) {
   Story story({Transport::kGroup, Transport::kDatagrams, Transport::kTcp});
-  story.choice.markFailed("no network here is 'x'", localTime(story.now_s));
+  story.choice.markFailed("this machine has no network 'x'", localTime(story.now_s));
   story.turn();
   EXPECT_EQ(story.choice.transport(), Transport::kDatagrams);
   ASSERT_EQ(story.news.size(), 1U);
-  EXPECT_NE(story.news[0].find("no network here is 'x'"), std::string::npos);
+  EXPECT_NE(story.news[0].find("this machine has no network 'x'"), std::string::npos);
 }
 
 }  // namespace

@@ -252,7 +252,7 @@ TEST_F(WindowTest, TheChainSpeaksInPlainWords) {
   TickWatch ticks;
   TickReport report = touch();
   ticks.add(report);
-  EXPECT_EQ(ticks.chain(), "nothing to do");
+  EXPECT_EQ(ticks.chain(), "no action");
   report.interferences = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "a step was slowed");
@@ -278,10 +278,10 @@ TEST_F(WindowTest, TheLineOfStatusSaysWhyThereIsNoForce) {
   EXPECT_EQ(statusLine(report, ui_state), "no fresh frames: the force has faded");
   report.halt = Halt::kTrustLost;
   EXPECT_EQ(statusLine(report, ui_state),
-            "the stream is not trusted any more: no force (R re-arms)");
+            "the client does not trust the stream: no force (R re-arms)");
   report.halt = Halt::kNone;
   ui_state.stream.connected = false;
-  EXPECT_EQ(statusLine(report, ui_state), "no server yet: waiting for one");
+  EXPECT_EQ(statusLine(report, ui_state), "no server yet: the client waits");
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST_F(CommandLineTest, ComplaintsNameTheCause) {
       {{"x", "--lop"}, "'x' '--lop'; did you mean --loop?"},
       {{"--colour", "gren"}, "'gren' is not one of blue|green; did you mean green?"},
       {{"--colour", "yellow"}, "'yellow' is not one of blue|green (--help"},
-      {{"--fps", "2", "--fps", "3"}, "--fps: may be given only once"},
+      {{"--fps", "2", "--fps", "3"}, "--fps: this flag may appear only once"},
       {{"--loop=maybe"}, "--loop = maybe: a flag is on or off"},
       {{"--fps"}, "--fps: its value is missing"},
       {{"word"}, "'word'; is a flag missing in front of it?"},
@@ -165,9 +165,9 @@ TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
       {"fps\n", ".conf:1: 'fps' is not a `key = value` line"},
       {"-- = 1\n", ".conf:1: '-- = 1' is not a `key = value` line"},
       {"fps = 60\nconfig = other.conf\n", ".conf:2: a config file cannot name another one"},
-      {"fsp = 60\n", ".conf:1: 'fsp' is no flag's name; did you mean fps?"},
+      {"fsp = 60\n", ".conf:1: 'fsp' is not the name of a flag; did you mean fps?"},
       {"help = true\n", "help"},
-      {"fps = 60\nfps = 50\n", ".conf: --fps: may be given only once"},
+      {"fps = 60\nfps = 50\n", ".conf: --fps: this flag may appear only once"},
       {"fps = 600\n", ".conf: --fps: '600' is not a number"},
       {"# " + std::string(70'000, 'x'), ".conf: larger than 64 KiB"}};
   for (const auto& [text, complaint] : wrong) {

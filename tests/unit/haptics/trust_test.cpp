@@ -149,14 +149,15 @@ TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
   HapticStatusLog log;
   EXPECT_FALSE(log.onReport(at(1.0, Halt::kNone), kNever));
   EXPECT_EQ(log.onReport(at(2.0, Halt::kTrustLost), kNever),
-            "the stream is not trusted any more, too much of it had to be held back (mostly: "
-            "energy into the hand was held back): no force from now on; start again, or with "
-            "--rearm, to touch it");
+            "the client does not trust the stream any more, because the safety chain acted too "
+            "often (mostly: the energy into the hand was limited): no force from now on; restart "
+            "the client to touch this stream (--rearm restores the force automatically)");
   EXPECT_FALSE(log.onReport(at(3.0, Halt::kTrustLost), kNever));
-  EXPECT_EQ(log.onReport(at(4.0, Halt::kNone), kNever), "re-armed: the force comes back");
+  EXPECT_EQ(log.onReport(at(4.0, Halt::kNone), kNever), "re-armed: the force returns");
   EXPECT_EQ(log.onReport(at(5.0, Halt::kTrustLost), rearmAfter(2)),
-            "the stream is not trusted any more, too much of it had to be held back (mostly: "
-            "energy into the hand was held back): no force for 5 s, which is forgiven 1 more time");
+            "the client does not trust the stream any more, because the safety chain acted too "
+            "often (mostly: the energy into the hand was limited): no force for 5 s; the client "
+            "re-arms it automatically 1 more time");
   EXPECT_TRUE(
       log.onReport(at(6.0, Halt::kDeviceLost), kNever)->starts_with("the device does not answer"));
   EXPECT_FALSE(log.onReport(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
@@ -169,18 +170,18 @@ TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
   report.lookup = Lookup::kHeld;
   EXPECT_FALSE(log.onReport(report, kNever));
   report.lookup = Lookup::kStale;
-  EXPECT_EQ(log.onReport(report, kNever), "no new frames come: the force has faded");
+  EXPECT_EQ(log.onReport(report, kNever), "no new frames arrive: the force has faded");
   EXPECT_FALSE(log.onReport(report, kNever));
   report.lookup = Lookup::kInterpolated;
-  EXPECT_EQ(log.onReport(report, kNever), "frames come again");
+  EXPECT_EQ(log.onReport(report, kNever), "frames arrive again");
 }
 
 TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
   HapticStatusLog log;
   EXPECT_EQ(log.onReport(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
-            "the device does not answer: no force until it is back");
+            "the device does not answer: no force until it answers again");
   EXPECT_TRUE(log.onReport(at(2.0, Halt::kTrustLost), rearmAfter(3))
-                  ->ends_with("no force from now on; start again to touch it"));
+                  ->ends_with("no force from now on; restart the client to touch this stream"));
 }
 
 TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
@@ -220,16 +221,16 @@ TEST(Trust, WhereThereIsAWindowItsKeyIsNamed) {
   EXPECT_NE(HapticStatusLog()
                 .onReport(report, RearmPolicy(false, true))
                 .value_or("")
-                .find("no force until R is pressed in the window"),
+                .find("no force until you press R in the window"),
             std::string::npos);
-  EXPECT_NE(
-      HapticStatusLog().onReport(report, RearmPolicy(false)).value_or("").find("with --rearm"),
-      std::string::npos);
+  EXPECT_NE(HapticStatusLog().onReport(report, RearmPolicy(false)).value_or("").find("--rearm"),
+            std::string::npos);
   report.halt = Halt::kDeviceLost;
-  EXPECT_EQ(HapticStatusLog().onReport(report, RearmPolicy(false, true)),
-            "the device does not answer: no force until it is back and R is pressed in the window");
+  EXPECT_EQ(
+      HapticStatusLog().onReport(report, RearmPolicy(false, true)),
+      "the device does not answer: no force until it answers again and you press R in the window");
   EXPECT_EQ(HapticStatusLog().onReport(report, RearmPolicy(true, true)),
-            "the device does not answer: no force until it is back");
+            "the device does not answer: no force until it answers again");
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
   overruled.isResting(true);
   EXPECT_TRUE(overruled.on(Stage::kMotion));
   EXPECT_FALSE(overruled.on(Stage::kSmooth));
-  EXPECT_EQ(overruled.lines()[std::size_t(Stage::kMotion)].why, "the author says so");
+  EXPECT_EQ(overruled.lines()[std::size_t(Stage::kMotion)].why, "the author's choice");
 
   PlanSettings all;
   all.everything = true;

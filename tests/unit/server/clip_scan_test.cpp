@@ -45,8 +45,7 @@ TEST_F(ClipLook, SaysHowFarItIsEveryTwoSecondsAndTellsEachFrame) {
   EXPECT_TRUE(look());
   ASSERT_EQ(shares.size(), kFrames);
   for (std::size_t i = 0; i < kFrames; ++i) EXPECT_DOUBLE_EQ(shares[i], 0.1 * double(i + 1));
-  EXPECT_EQ(log.text(),
-            "info looking through the clip: 40 %\ninfo looking through the clip: 80 %\n");
+  EXPECT_EQ(log.text(), "info scanning the clip: 40 %\ninfo scanning the clip: 80 %\n");
 }
 
 TEST_F(ClipLook, EndsAtTheFrameInWhichItIsStopped) {

@@ -47,7 +47,7 @@ struct Preview : ::testing::Test {
 
 TEST_F(Preview, ShowsTheOutlineWhereTheMaskIsAndTheReliefBesideIt) {
   const std::string said = run(settingsFor("a.png"));
-  EXPECT_THAT(said, AllOf(HasSubstr("object 1: "), HasSubstr("nothing seen in 0 of 6 frames"),
+  EXPECT_THAT(said, AllOf(HasSubstr("object 1: "), HasSubstr("no object found in 0 of 6 frames"),
                           HasSubstr("written: ")));
   const cv::Mat picture = cv::imread((folder / "a.png").string());
   const auto frame = SyntheticSource(SceneKind::kStill).read();
@@ -87,7 +87,7 @@ TEST_F(Preview, PlacesThatCannotBeWrittenToAreToldInOneLine) {
   const auto refusal = [&](const char* place) {
     return errorOf([&] { (void)run(settingsFor(place)); });
   };
-  EXPECT_THAT(refusal("file/below"), AllOf(HasSubstr("--preview "), HasSubstr("is no folder")));
+  EXPECT_THAT(refusal("file/below"), AllOf(HasSubstr("--preview "), HasSubstr("is not a folder")));
   EXPECT_THAT(refusal("none/a.png"), AllOf(HasSubstr("--preview "), HasSubstr("be written")));
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
 }

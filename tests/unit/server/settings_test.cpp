@@ -120,7 +120,8 @@ TEST(ServerSettings, ANameForTheLan) {
     return Probe({"--source", "synthetic:still", "--announce", name});
   };
   if (!kHasDiscovery) {
-    named("Ball").expectErrorWith({"--announce", "this build announces and finds no servers"});
+    named("Ball").expectErrorWith(
+        {"--announce", "this build has no Avahi, so it cannot announce or find servers"});
     return;
   }
   EXPECT_EQ(named("Küche \xF0\x9F\x8F\x80").settings.announce, "Küche \xF0\x9F\x8F\x80");

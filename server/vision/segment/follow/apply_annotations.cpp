@@ -131,7 +131,7 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
     const TrackedMask* known = numbered(objects_, number);
     if (known != nullptr && known->present() && computeOverlap(known->mask(), mask) < kAnother)
-      spdlog::warn("the mask drawn for frame {} shows something else than object {}; it is taken",
+      spdlog::warn("the mask drawn for frame {} does not match object {}; the server uses the mask",
                    frames.index, number);
     place(number, mask, images, true);
     propagate(*numbered(objects_, number), frames, true);

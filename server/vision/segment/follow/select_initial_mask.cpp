@@ -87,7 +87,7 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
       (isHand(view, start.mask, point) || isBody(view, best->object, candidates.front().object)))
     best = candidates.begin();
   if (best == candidates.end() || (start.why_not != nullptr && best->likeness < kDespiteDepth)) {
-    const char* why = start.why_not != nullptr ? start.why_not : "there is next to nothing";
+    const char* why = start.why_not != nullptr ? start.why_not : "there are too few pixels";
     return {std::nullopt, why, {}};
   }
   return {std::move(best->object), nullptr, std::move(own.planes)};

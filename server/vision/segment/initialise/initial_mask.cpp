@@ -197,7 +197,7 @@ ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const Depth
     };
     for (const Plane& plane : planes) {
       if (through(plane) && plane.share > kSurelyGround)
-        return {{}, "that is the plane things stand on", {}};
+        return {{}, "the point is on the plane that carries the objects", {}};
     }
     std::erase_if(planes, through);
   }
@@ -209,7 +209,7 @@ ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const Depth
     mask = tidy(labels == label);
     findSupports(depth, mask, planes);
   }
-  if (cv::countNonZero(mask) < kSmallestObject_px) return {{}, "there is next to nothing", {}};
+  if (cv::countNonZero(mask) < kSmallestObject_px) return {{}, "there are too few pixels", {}};
   return {mask, nullptr, std::move(planes)};
 }
 
