@@ -53,7 +53,7 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
     out.changed_in_frame = frame_id;
   }
   const bool unchanged = last != nullptr && (stays || equalReliefs(*out.relief, *last->relief));
-  object.plan->unchanged(unchanged);
+  object.plan->setUnchanged(unchanged);
   if (unchanged && (!out.relief || !object.plan->on(Stage::kHeights))) {
     out.relief = last->relief;
     out.changed_in_frame = last->changed_in_frame;

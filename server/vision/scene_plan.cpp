@@ -79,17 +79,17 @@ bool ScenePlan::on(Stage stage) const {
   return settings_.everything || !whyOff(stage);
 }
 
-void ScenePlan::isResting(bool at_rest, std::string_view why) {
+void ScenePlan::setResting(bool at_rest, std::string_view why) {
   // The cause of a release stays until the object has rested again.
   if (at_rest_ && !at_rest) released_ = why;
   at_rest_ = at_rest;
 }
 
-void ScenePlan::unchanged(bool unchanged) { unchanged_ = unchanged; }
+void ScenePlan::setUnchanged(bool unchanged) { unchanged_ = unchanged; }
 
 void ScenePlan::setForceError(Stage stage, double error_N) { cost_N_[stageIndex(stage)] = error_N; }
 
-bool ScenePlan::residual(double force_change_N) {
+bool ScenePlan::addResidual(double force_change_N) {
   std::optional<double>& cost_N = cost_N_[stageIndex(Stage::kGrid)];
   cost_N = std::max(force_change_N, kFade * cost_N.value_or(0.0));
   return settings_.everything || settings_.forced[stageIndex(Stage::kGrid)].value_or(false) ||

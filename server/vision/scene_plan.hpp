@@ -37,15 +37,15 @@ class ScenePlan {
   [[nodiscard]] bool on(Stage stage) const;
   /// Sets whether all of the object is held at rest. `why`: cause of the release in this frame,
   /// static text; empty: no release.
-  void isResting(bool at_rest, std::string_view why = {});
+  void setResting(bool at_rest, std::string_view why = {});
   /// Sets whether the heights of this frame equal those of the last frame.
-  void unchanged(bool unchanged);
+  void setUnchanged(bool unchanged);
   /// Sets the rms change of force by the stage's omission in this frame, N. Infinity: it cannot be
   /// off.
   void setForceError(Stage stage, double error_N);
   /// Adds the force that the residual motion causes in this frame, N. Returns whether the grid is
   /// worth its bytes. The last frames count too, because oscillations pass through zero.
-  bool residual(double force_change_N);
+  bool addResidual(double force_change_N);
   /// Ends a frame and begins the next frame. Stages that are off are measured again every
   /// kMeasureEvery frames.
   void nextFrame();

@@ -95,7 +95,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   lost_ = 0;
   now_.seen = true;
   if (rests_) {
-    now_.plan->isResting(true);
+    now_.plan->setResting(true);
     now_.held_share = 1.0;
     now_.cells = now_.cells.atRest();
     now_.pose.background_px = background_px_;
@@ -110,7 +110,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   now_.surface = seen;
   updatePresence(segment, blind);
   hold(frames, repeated);
-  now_.plan->isResting(now_.atRest(), toText(hold_.cause()));
+  now_.plan->setResting(now_.atRest(), toText(hold_.cause()));
   {
     const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
     // Motion is measured on this frame's surface, not on the surface held from earlier frames.

@@ -57,16 +57,16 @@ TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
   ScenePlan plan({}, true);
   EXPECT_FALSE(plan.on(Stage::kSegment));
   EXPECT_TRUE(plan.on(Stage::kMotion));
-  plan.isResting(true);
+  plan.setResting(true);
   for (const PlanLine& line : plan.lines()) EXPECT_FALSE(line.on) << line.why;
-  plan.isResting(false);
+  plan.setResting(false);
   EXPECT_TRUE(plan.on(Stage::kMotion));
 
   PlanSettings forced;
   forced.forced[std::size_t(Stage::kMotion)] = true;
   forced.forced[std::size_t(Stage::kSmooth)] = false;
   ScenePlan overruled(forced, false);
-  overruled.isResting(true);
+  overruled.setResting(true);
   EXPECT_TRUE(overruled.on(Stage::kMotion));
   EXPECT_FALSE(overruled.on(Stage::kSmooth));
   EXPECT_EQ(overruled.lines()[std::size_t(Stage::kMotion)].why, "the author's choice");
@@ -74,7 +74,7 @@ TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
   PlanSettings all;
   all.everything = true;
   ScenePlan everything(all, true);
-  everything.isResting(true);
+  everything.setResting(true);
   for (const PlanLine& line : everything.lines()) EXPECT_TRUE(line.on);
 }
 
