@@ -36,7 +36,7 @@ set(doors
   "^boost/"                          "^common/transport/asio\\.hpp$"
   "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment)\\.[ch]pp$"
-  "^google/protobuf"                 "^common/protocol/(decode|encode|read_frame)\\.cpp$"
+  "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^common/transport/signature\\.cpp$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"

@@ -1,40 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "common/protocol/read_frame.hpp"
 
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/wire_format_lite.h>
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "common/codec/slice/covered_cells.hpp"
+#include "common/protocol/scan.hpp"
 #include "common/wire_limits.hpp"
 
 namespace hapticast {
-
-using google::protobuf::internal::WireFormatLite;
-using google::protobuf::io::CodedInputStream;
-
-std::optional<std::vector<std::span<const std::uint8_t>>> submessages(
-    std::span<const std::uint8_t> message, std::uint32_t field, std::size_t limit) {
-  std::vector<std::span<const std::uint8_t>> found;
-  CodedInputStream in(message.data(), static_cast<int>(message.size()));
-  const std::uint32_t wanted =
-      WireFormatLite::MakeTag(static_cast<int>(field), WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
-  for (std::uint32_t tag = in.ReadTag(); tag != 0; tag = in.ReadTag()) {
-    if (tag != wanted) {
-      if (!WireFormatLite::SkipField(&in, tag)) break;
-      continue;
-    }
-    int length = 0;
-    if (!in.ReadVarintSizeAsInt(&length)) break;
-    const auto begin = static_cast<std::size_t>(in.CurrentPosition());
-    if (!in.Skip(length)) break;
-    if (found.size() == limit) return std::nullopt;
-    found.push_back(message.subspan(begin, static_cast<std::size_t>(length)));
-  }
-  return found;
-}
 
 namespace {
 
@@ -164,7 +139,7 @@ ObjectPiece read(const proto::Object& from, std::uint64_t frame_id, bool in_piec
   to.object.id = from.id();
   to.object.layer = from.layer();
   check.require(from.layer() < kMaxObjects, "a layer is not 0..15");
-  check.require(in_pieces || !from.rest(), "an object in parts in a message for whole objects");
+  check.require(in_pieces || !from.rest(), "an object in parts where it has to be whole");
   to.head = !from.rest();
   if (to.head) readHead(from, frame_id, to.object, check);
   if (from.motion().has_grid() && !check.error()) {
@@ -190,7 +165,7 @@ std::vector<ObjectPiece> readObjects(const proto::HapticFrame& from, std::uint64
 
 void checkRelief(const CodedRelief& relief, Check& check) {
   check.require(relief.slice_count == 0 || relief.slices.size() <= relief.slice_count,
-                "a relief has more slices than it announces");
+                "a relief has more slices than it says");
   codec::CoveredCells covered(relief.rect);
   for (const SliceBytes& slice : relief.slices) {
     const auto header = codec::Header::read(slice, relief.rect);

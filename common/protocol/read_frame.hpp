@@ -3,11 +3,8 @@
 // decode() and readPiece(). Thread: any.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "common/codec/coded_frame.hpp"
 #include "common/protocol/check.hpp"
@@ -15,17 +12,6 @@
 #include "hapticast.pb.h"
 
 namespace hapticast {
-
-// Scanner of a protobuf message without parsing: counts repeated submessages before anything is
-// allocated for them (an empty one costs 2 bytes on the wire and 150 in memory).
-// It reads tags and skips unknown fields and groups with protobuf's own code, so that it reads at
-// least as far as the parser. Thread: any.
-
-/// Returns the contents of the length-delimited fields numbered `field`; nullopt if there are more
-/// than `limit`. Stops at the first invalid byte, which the parser rejects too. Requires at most
-/// kMaxMessageBytes.
-[[nodiscard]] std::optional<std::vector<std::span<const std::uint8_t>>> submessages(
-    std::span<const std::uint8_t> message, std::uint32_t field, std::size_t limit);
 
 /// Bounds the repeated fields in a message's bytes before the parser allocates memory for them.
 void boundCounts(std::span<const std::uint8_t> message, Check& check);

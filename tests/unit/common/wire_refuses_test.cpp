@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "common/protocol/read_frame.hpp"
+#include "common/protocol/scan.hpp"
 #include "common/transport/framing.hpp"
 #include "common/wire_limits.hpp"
 #include "tests/support/golden_messages.hpp"

@@ -18,7 +18,7 @@ TEST(FramePool, HandsOutEverySlotOnceAndNoMore) {
   FramePool::Index index = 0;
   while (pool->acquire(index)) seen.insert(index);
   EXPECT_EQ(seen.size(), FramePool::kSlots);
-  EXPECT_FALSE(pool->take(index));
+  EXPECT_FALSE(pool->acquire(index));
 }
 
 TEST(FramePool, KeepsTheOrderAndGetsSlotsBack) {

@@ -113,7 +113,7 @@ TEST(AuthorWords, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
   addNegativeSample(scene.view(images), {200, 95}, avoided);
   ContourMemory memory;
   const ObjectRoi patch = patchAround(images, drawn.square);
-  update(patch, drawn.square(patch.box), memory);
+  updateMemory(patch, drawn.square(patch.box), memory);
   const auto meanOver = [&](const cv::Mat& where) {
     const std::vector<float> evidence = computeColorEvidence(memory);
     double sum = 0.0;
