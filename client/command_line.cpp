@@ -2,10 +2,13 @@
 #include "client/command_line.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <map>
+#include <stdexcept>
 #include <string_view>
 
 #include "client/device/open_device.hpp"
+#include "client/settings.hpp"
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
@@ -219,6 +222,12 @@ std::optional<int> readCommandLine(Settings& settings, int argc, const char* con
   const auto exit_code = parseCommandLine(*app, argc, argv);
   if (!exit_code) settings.config_file = app->get_config_ptr()->as<std::string>();
   return exit_code;
+}
+
+void requireWritable(const char* flag, const std::string& file) {
+  if (file.empty() || std::ofstream(file, std::ios::app)) return;
+  throw std::runtime_error(std::string(flag) + " " + file +
+                           ": cannot be written; is its folder there and writable?");
 }
 
 }  // namespace hapticast::client
