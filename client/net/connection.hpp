@@ -47,7 +47,7 @@ struct ConnectionSettings {
 
 /// Callbacks. The connection calls them in the network thread. Each may be empty.
 struct ConnectionEvents {
-  std::function<void(const StreamDescription&)> welcomed;  ///< connected
+  std::function<void(const StreamDescription&)> welcomed;  ///< the server's welcome arrived
   std::function<void(VideoFrame)> video;
   /// Share (0..1) of its clip that the server has scanned before the first frame.
   std::function<void(double)> preparing;

@@ -79,8 +79,8 @@ class FrameAssembler {
 
   /// Classes of a fragment, by the frames that arrived so far.
   enum class Want : std::uint8_t {
-    kNew,     ///< missing
-    kHad,     ///< duplicate
+    kNew,     ///< the fragment is missing, so it is needed
+    kHad,     ///< the fragment is a duplicate, or its frame is finished
     kAstray,  ///< its frame is too far from the present frames
   };
   /// Returns the class of the fragment with the header `part`. The payload is not needed.
