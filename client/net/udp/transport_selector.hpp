@@ -40,7 +40,7 @@ struct DeliverySettings {
 struct DeliveryStats {
   Transport transport = Transport::kTcp;
   double loss = 0.0;         ///< share of the datagrams that were lost, 0..1, as last measured
-  std::uint32_t copies = 1;  ///< redundancy
+  std::uint32_t copies = 1;  ///< number of times that each datagram is sent
 };
 
 /// Decides which transport to use. It opens no sockets: UdpReceiver reports events to it and
