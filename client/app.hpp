@@ -20,11 +20,12 @@ class App {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Runs the client, and waits for a server if none answers. It ends in four cases: --seconds are
-  /// over, a signal arrives (SIGINT, SIGTERM, SIGHUP), the user ends it in a view, or stop() is
-  /// called. Returns false if no server was connected within --seconds. Returns false as well if
-  /// the server cannot be used; the log then has the reason. Throws std::runtime_error if a file
-  /// cannot be written.
+  /// Runs the client. It waits for a server if none answers. The run ends when --seconds are over,
+  /// when a signal arrives (SIGINT, SIGTERM, SIGHUP), or when the user ends it in a view. It also
+  /// ends after stop(), and when the server cannot be used.
+  ///
+  /// Returns false if no server was connected within --seconds, or if the server cannot be used.
+  /// The log then has the reason. Throws std::runtime_error if a file cannot be written.
   bool run();
   /// Ends run() soon. Thread: any.
   void stop() noexcept;

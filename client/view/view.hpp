@@ -33,7 +33,7 @@ struct ConnectionStats {
 struct UiState {
   UserControls user;       ///< controls of the user; a view may change them
   PointerTarget pointer;   ///< only the view with points() writes it
-  ConnectionStats stream;  ///< read-only for views
+  ConnectionStats stream;  ///< state of the connection; views only read it
   bool record = false;     ///< a view sets it to log into a new file, as long as it is true
   std::string recording;   ///< name of that log file, or an error; empty before the first one
 };
