@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Decoder of frames: protobuf messages to domain structs, with every number checked; part of
-// decode() and readPiece(). Thread: any.
+// Decoder of frames: converts protobuf messages to the structs of haptic_frame.hpp, and checks
+// every number. decode() and readPiece() call it. Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -16,29 +16,33 @@
 
 namespace hapticast {
 
-// Scanner of a protobuf message without parsing: counts repeated submessages before anything is
-// allocated for them (an empty one costs 2 bytes on the wire and 150 in memory).
-// It reads tags and skips unknown fields and groups with protobuf's own code, so that it reads at
-// least as far as the parser. Thread: any.
+// Scanner of a protobuf message. It counts repeated submessages before the parser allocates memory
+// for them. An empty submessage needs 2 bytes in the message, but 150 in memory.
+//
+// The scanner reads tags and skips unknown fields and groups with protobuf's own code. So it reads
+// at least as far as the parser. Thread: any.
 
-/// Returns the contents of the length-delimited fields numbered `field`; nullopt if there are more
-/// than `limit`. Stops at the first invalid byte, which the parser rejects too. Requires at most
-/// kMaxMessageBytes.
+/// Returns the contents of all length-delimited fields with the number `field`. Returns nullopt if
+/// there are more than `limit`. The scan stops at the first invalid byte, which the parser rejects
+/// as well. Requires a message of at most kMaxMessageBytes.
 [[nodiscard]] std::optional<std::vector<std::span<const std::uint8_t>>> submessages(
     std::span<const std::uint8_t> message, std::uint32_t field, std::size_t limit);
 
-/// Bounds the repeated fields in a message's bytes before the parser allocates memory for them.
+/// Checks the number of repeated fields in the bytes of a message, before the parser allocates
+/// memory for them. Records an error in `check` if there are too many.
 void boundCounts(std::span<const std::uint8_t> message, Check& check);
-/// Bounds the repeated fields of a frame or a fragment.
+/// Does the same for the bytes of a frame or of a fragment.
 void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 
-/// Return undefined values after an error of the check.
+/// Return the struct of a parsed frame or fragment. They record an error in `check` for every
+/// invalid value. After an error the returned values are undefined.
 [[nodiscard]] CodedFrame readFrame(const proto::HapticFrame& from, Check& check);
 [[nodiscard]] FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id,
                                         Check& check);
 
-/// Checks the consistency of objects and fragments: no object twice, no overlap of slices, a grid
-/// that covers its relief, limits of the whole frame.
+/// Checks that the objects of a frame are consistent, and records an error in `check` if they are
+/// not. No object may occur twice, and no slices may overlap. A grid must cover its relief, and the
+/// limits of the whole frame must hold.
 void checkFrame(const CodedFrame& frame, Check& check);
 
 }  // namespace hapticast

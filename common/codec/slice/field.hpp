@@ -43,7 +43,7 @@ struct Shape {
 
 /// Mask of a slice: 1 inside, 0 outside. It has a margin of kMargin_px.
 struct Mask {
-  std::uint8_t* data = nullptr;  ///< the slice's first pixel
+  std::uint8_t* data = nullptr;  ///< first pixel of the slice
   std::ptrdiff_t stride = 0;
 };
 
