@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Calibration of a Falcon's motors (--falcon-calibrate) with a known weight. A position controller
-// keeps the grip in the middle, first without and then with the weight on it. The force of the
+// moves the grip to the middle, first without and then with the weight on it. The force of the
 // controller has to increase by exactly the weight. The ratio of the weight to the measured
 // increase corrects the gain.
 // Thread: one, which runs the ticks of the device.
@@ -15,8 +15,8 @@
 
 namespace hapticast::client {
 
-/// PID controller that keeps the grip in the middle of the workspace. It uses no device and no
-/// clock. Call hold() once a tick.
+/// PID controller that moves the grip to the middle of the workspace, and against forces back to
+/// it. It uses no device and no clock. Call hold() once a tick.
 class GripHolder {
  public:
   /// Returns the force (N) that moves the grip from `position_mm` to the middle.

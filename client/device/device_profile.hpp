@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Device profiles: the constants of a device class. They are built in, or come from a file of `key
-// = value` lines.
-// Thread: any, before the loop; may allocate and throw.
+// Device profiles: the constants of a device class. They are built in, or a file of `key = value`
+// lines has them.
+// Thread: any, before the loop; the functions may allocate and throw.
 #pragma once
 
 #include <istream>

@@ -15,7 +15,7 @@ namespace hapticast::client {
 /// into the picture (forward) and out of it.
 [[nodiscard]] Vec3 stickVelocity_mm_s(const Vec2& left, const Vec2& right) noexcept;
 
-/// Returns the motor level for a force, 0..65535 (SDL's range).
+/// Returns the level of a rumble motor for a force of `force_N`, 0..65535 (SDL's range).
 [[nodiscard]] std::uint16_t motorLevel(double force_N) noexcept;
 
 }  // namespace hapticast::client

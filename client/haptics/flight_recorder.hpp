@@ -16,7 +16,7 @@ namespace hapticast::client {
 /// Ring buffer of tick reports. A report with a fault freezes it.
 class FlightRecorder {
  public:
-  /// Length of the recording: 2 s.
+  /// Number of ticks in the recording: 2 s.
   static constexpr std::size_t kTicks = 2000;
 
   /// Stores `report`. If the report has a fault, the recorder freezes after it. A frozen recorder
@@ -27,8 +27,8 @@ class FlightRecorder {
   /// and at(). Thread: any.
   [[nodiscard]] bool frozen() const noexcept { return frozen_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
-  /// Returns report `index`: 0 is the oldest, size() - 1 the report with the fault. Requires
-  /// frozen() and index < size().
+  /// Returns the report with the index `index`. Index 0 is the oldest report, and size() - 1 is the
+  /// report with the fault. Requires frozen() and index < size().
   [[nodiscard]] const TickReport& at(std::size_t index) const noexcept {
     return reports_[(next_ + kTicks - count_ + index) % kTicks];
   }

@@ -25,14 +25,15 @@ struct LoopStats {
   /// The same, for the ticks in contact only.
   std::array<std::uint64_t, kLookupKinds> contact_lookup{};
   std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
-  std::array<std::uint64_t, kFaultKinds> faults{};  ///< index: Fault
+  /// Number of faults of each kind; the index is a Fault.
+  std::array<std::uint64_t, kFaultKinds> faults{};
   std::uint64_t contact_ticks = 0;
   /// Largest magnitude of the force, and largest change of the force from one tick to the next.
   double max_force_N = 0.0;
   double max_force_step_N = 0.0;
   /// Largest step of the force beyond the slew limit. It must be 0.
   double step_excess_max_N = 0.0;
-  PortWork work;  ///< work of the force at its ports
+  PortWork work;  ///< work of the force since the start, by its cause
 
   /// Adds one tick to the statistics. `step_N` is the magnitude of the change of the force since
   /// the tick before, N.

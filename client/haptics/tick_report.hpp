@@ -39,11 +39,11 @@ struct TickReport {
   /// Force of the surface by the wall law, before the limits of the safety chain.
   Vec3 static_force_N = Vec3::Zero();
   Vec3 dynamic_force_N = Vec3::Zero();
-  double penetration_mm = 0.0;     ///< |displacement|; 0 without contact
+  double penetration_mm = 0.0;     ///< length of the displacement; 0 without contact
   Vec3 contact_mm = Vec3::Zero();  ///< surface point that belongs to the HIP; valid only in contact
   bool contact = false;
   Lookup lookup = Lookup::kEmpty;
-  Fault fault = Fault::kNone;  ///< fault that began in this tick
+  Fault fault = Fault::kNone;  ///< fault that began in this tick, if any
   DeviceStatus device = DeviceStatus::kOk;
   std::uint32_t buttons = 0;  ///< bits as in DeviceState
   bool enabled = true;        ///< the user holds the enabling button, or the device has none

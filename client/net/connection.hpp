@@ -29,7 +29,7 @@ struct ConnectionSettings {
   bool wants_video = false;
   /// Time limit for each of three steps: the look-up of the name, the connection, and the welcome.
   Duration connect_deadline = std::chrono::seconds(5);
-  /// Longest time without a message from the server.
+  /// Longest time without a message from the server. After it the connection counts as lost.
   Duration silence_limit = std::chrono::seconds(3);
   /// First pause before a retry; each further pause is doubled, up to last_retry.
   Duration first_retry = std::chrono::milliseconds(200);
@@ -38,7 +38,8 @@ struct ConnectionSettings {
   /// pause before the next retry. The value is a choice: a server that fails after every welcome is
   /// retried once a second.
   Duration good_after = std::chrono::seconds(3);
-  /// Longest time after the welcome in which no ping is answered.
+  /// Longest time after the welcome in which no ping is answered. After it the connection counts as
+  /// lost.
   Duration pong_limit = std::chrono::seconds(5);
   Duration ping_interval = std::chrono::seconds(1);
   Duration burst_interval =

@@ -26,7 +26,7 @@ class JitterEstimator {
 
   /// Adds a frame that arrived at `arrival`. `needed` is the playout delay that the frame needs in
   /// order to be in time. It is the frame's lateness plus the media time that the interpolation
-  /// looks ahead. So a frame after missing frames needs more.
+  /// uses in advance. If frames before it are missing, that media time is longer.
   void add(LocalTime arrival, Duration needed);
   /// Adds `by` to the delays of all stored frames. Call it after a change of the clock offset.
   void shift(Duration by);

@@ -45,7 +45,7 @@ class FalconLink {
   /// progress. Throws FalconError if no device answers. Throws std::runtime_error for an invalid
   /// firmware file. `clock` must outlive this object.
   FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line);
-  /// Sets the motors to zero, waits for the reply, and closes the device.
+  /// Sets the motors to zero force, waits for the device's reply, and closes the device.
   ~FalconLink();
   FalconLink(const FalconLink&) = delete;
   FalconLink& operator=(const FalconLink&) = delete;
@@ -98,7 +98,7 @@ class FalconLink {
   std::atomic<std::uint64_t> resyncs_{0};
   std::mutex messages_mutex_;
   std::deque<std::string> messages_;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;  // last member: the thread uses all members above
 };
 
 }  // namespace hapticast::client

@@ -70,7 +70,7 @@ class FalconPilot {
   int homed_replies_ = 0;
   int rejected_ = 0;
   int forget_ = 0;  // remaining requests without the homing flag, which start a new homing
-  bool must_forget_ = false;  // replies are void until the device reports an axis as not homed
+  bool must_forget_ = false;  // replies are ignored until the device reports an axis as not homed
   FalconReply last_;
   LocalTime accepted_{};
   LocalTime ramp_begin_{};

@@ -68,7 +68,7 @@ class FalconParser {
 
   FalconFrame frame_{};
   std::size_t filled_ = 0;
-  bool astray_ = false;  // stray bytes since the last complete frame
+  bool astray_ = false;  // other bytes have arrived since the last complete frame
   std::uint64_t resyncs_ = 0;
 };
 

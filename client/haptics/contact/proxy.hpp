@@ -23,7 +23,7 @@ struct Friction {
 
 /// Input of one tick, in the object's frame.
 struct ProxyTick {
-  Vec3 hip_mm = Vec3::Zero();  ///< finite
+  Vec3 hip_mm = Vec3::Zero();  ///< position of the HIP; must be finite
   Friction friction;
   int samples = 0;      ///< number of heights that may be read; a started move may read 5 more
   bool jumped = false;  ///< the object's pose changed by more than its stated motion explains

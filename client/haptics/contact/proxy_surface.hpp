@@ -93,7 +93,8 @@ class ProxySurface {
   std::array<Candidate, kMaxObjects> near_;
   std::optional<double> friction_;  // coefficient of the user
   std::size_t near_count_ = 0;
-  std::size_t round_robin_ = 0;  // first candidate, in turn: the sample budget may run out
+  // Index of the first candidate; it changes each tick, because the sample budget may run out.
+  std::size_t round_robin_ = 0;
   std::uint64_t tick_ = 1;
   bool just_restarted_ = true;
   MediaTime play_time_{};

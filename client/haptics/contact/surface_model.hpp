@@ -22,18 +22,19 @@ inline constexpr double kDefaultTextureK_mm = 30.0;
 struct Contact {
   Vec3 displacement_mm = Vec3::Zero();        ///< vector from the HIP to its surface point
   Vec3 normal = Vec3::UnitZ();                ///< unit vector out of the surface
-  Vec3 surface_velocity_mm_s = Vec3::Zero();  ///< velocity of the surface at the contact
+  Vec3 surface_velocity_mm_s = Vec3::Zero();  ///< velocity of the surface at the contact point
   double depth_mm = 0.0;  ///< depth of the HIP along the normal: d / sqrt(1 + |g|²)
   bool contact = false;
   /// The geometry changed by more than its motion explains: the epoch is new, or the object
   /// appeared.
   bool jump = false;
-  double stiffness_factor = 1.0;  ///< |displacement| / depth along the normal (perturbed: > 1)
+  /// Length of the displacement / depth along the normal; above 1 only for `perturbed`.
+  double stiffness_factor = 1.0;
   const InterpolatedObject* object = nullptr;  ///< touched object
 };
 
-/// Transforms a point (x, y) at play time back into one frame of its object: the point of the
-/// object's surface is at `image_px` in the picture of that frame.
+/// Transforms a point (x, y) at play time back into one frame of its object. `image_px` is then
+/// where the picture of that frame shows the same point of the object.
 struct WarpedPoint {
   const PlayObject& frame;
   /// The object's angle differs from that in the frame, by an angle with cosine c and sine s.
@@ -73,7 +74,7 @@ SurfacePoint evaluateSurface(const InterpolatedObject& object, const Vec2& nomin
 Vec3 perturbedDisplacement(double depth_mm, double height_mm, const Vec2& gradient,
                            double texture_K_mm, double workspace_depth_mm) noexcept;
 
-/// Tangent plane through a surface point.
+/// Tangent plane of a surface at one of its points.
 struct TangentPlane {
   /// Vector from the HIP to the nearest point of the plane: d / (1 + |g|²) M.
   Vec3 displacement_mm;

@@ -96,7 +96,7 @@ class HipObserver {
   Vec3 hand_mm_s2_ = Vec3::Zero();  // acceleration that the hand causes
   Vec3 mean_mm_ = Vec3::Zero();     // mean of the residual
   Vec3 last_mm_ = Vec3::Zero();
-  Vec3 rest_ticks_ = Vec3::Zero();  // ticks since the last change of the count
+  Vec3 rest_ticks_ = Vec3::Zero();  // ticks since the last change of the measured position
   Vec3 pole_rad_s_ = Vec3::Zero();  // triple pole of the observer
 };
 

@@ -57,7 +57,7 @@ class Playout {
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};
-  Duration offset_{0};  // slewed target: clock offset - pipeline latency
+  Duration offset_{0};  // clock offset - pipeline latency, as it approaches its target
   MediaTime last_play_{};
 };
 

@@ -28,7 +28,7 @@ struct SafetyLinks {
   bool tank = true;
   bool thermal = true;
   bool slew = true;
-  bool fade = true;  ///< fade in, fade out, release ramp
+  bool fade = true;  ///< fade in, fade out and release ramp of the force
   bool arming = true;
   bool latency_watch = true;
   bool trust = true;
@@ -50,7 +50,7 @@ struct SafetyInput {
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
   double scene_step_s = 1e-3;     ///< change of play time since the last tick
-  double stiffness_factor = 1.0;  ///< |displacement| / depth along the normal
+  double stiffness_factor = 1.0;  ///< length of the displacement / depth along the normal
   double stiffness_N_mm = 0.5;
   double damping_Ns_m = 0.0;  ///< the author's damping, which is added to that of the wall law
   /// The scene does not continue that of the last tick: new epoch, connection or mapping.
@@ -60,20 +60,21 @@ struct SafetyInput {
   /// The part of dynamic_N that is virtual inertia. The energy meters add its work to that of the
   /// wall.
   Vec3 inertia_N = Vec3::Zero();
-  bool dynamic_valid = false;  ///< false: the dynamic force fades out
-  bool implausible = false;    ///< the plausibility bounds reduced the dynamic force
+  /// False: dynamic_N is not usable in this tick, and the dynamic force fades out.
+  bool dynamic_valid = false;
+  bool implausible = false;  ///< the plausibility bounds reduced the dynamic force
 };
 
 struct SafetyOutput {
   Vec3 force_N = Vec3::Zero();          ///< force for the device
-  Vec3 static_force_N = Vec3::Zero();   ///< force of the wall law
+  Vec3 static_force_N = Vec3::Zero();   ///< force of the wall law, before the limits
   Vec3 dynamic_force_N = Vec3::Zero();  ///< dynamic force after its fade
   double penetration_mm = 0.0;          ///< length of the displacement in use, device mm
   bool contact = false;
   /// A number was not finite or too large, so the chain used the last valid geometry.
   bool not_finite = false;
-  bool too_far = false;        ///< a finite displacement beyond the reach of any device
-  bool trust_lost = false;     ///< trust was lost in this tick
+  bool too_far = false;     ///< the displacement is finite, but longer than the reach of any device
+  bool trust_lost = false;  ///< trust was lost in this tick
   bool latency_alarm = false;  ///< the oscillation detector raised its alarm in this tick
   double step_excess_N = 0.0;  ///< step of the force beyond the slew limit; must be 0
   std::uint32_t interferences = 0;
@@ -153,7 +154,7 @@ class SafetyChain {
   int profile_delay_ticks_;
   int delay_ticks_ = 0;
   double wall_N_mm_;
-  double limit_N_;  // limit of the force in this tick: thermal budget and peak
+  double limit_N_;  // largest force in this tick, by the thermal budget and the peak
   double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   DamperLimit damper_;
   StepLimit steps_;
@@ -167,7 +168,7 @@ class SafetyChain {
   StepState last_;
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;
-  Halt halt_ = Halt::kNone;  // until rearm()
+  Halt halt_ = Halt::kNone;  // cause of the present halt, which lasts until rearm()
   double fade_ = 0.0;        // 0..1, before the smoothstep
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid dynamic force

@@ -35,7 +35,7 @@ class OscillationDetector {
   struct State {
     Point now;
     Point extreme;  // farthest point since the last reversal
-    Point before;   // the extreme before
+    Point before;   // the farthest point before the reversal before
     double direction = 1.0;
     double last_swing_mm = 0.0;
     int reversals = 0;
@@ -63,7 +63,7 @@ class BounceDetector {
     Vec3 normal;
     double stiffness_N_mm;  ///< along the normal
     bool contact;
-    bool acts;  ///< a force acts
+    bool acts;  ///< true if a force acts in this tick
     bool jump;  ///< the position does not continue that of the tick before
   };
   explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}

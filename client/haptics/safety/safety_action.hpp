@@ -74,7 +74,7 @@ enum class Halt : std::uint8_t {
   kNone = 0,
   kDeviceLost,
   kTrustLost,    ///< too many safety actions due to the stream (trust.hpp)
-  kStopped,      ///< the loop ends
+  kStopped,      ///< the loop ends, so the force ramped to zero
   kUnconfirmed,  ///< the device was detected automatically, and the user has not confirmed it
 };
 

@@ -66,7 +66,7 @@ class StepLimit {
   struct Step {
     Vec3 explained_N;
     Vec3 rest_N;
-    double allowed_N;  // limit of rest_N
+    double allowed_N;  // largest allowed length of rest_N
   };
   [[nodiscard]] Step computeStep(const Vec3& force_N, const Vec3& last_N,
                                  const MotionExplainedStep& hand) const noexcept;

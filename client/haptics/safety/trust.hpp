@@ -39,7 +39,7 @@ class Trust {
   [[nodiscard]] double score() const noexcept { return ticks_; }
   /// Returns the safety action that contributed most to the count.
   [[nodiscard]] SafetyAction mostly() const noexcept;
-  /// Restores full trust, on request of the user.
+  /// Resets the count to 0. SafetyChain::rearm() calls it after a loss of trust.
   void renew() noexcept { *this = Trust(); }
 
  private:

@@ -98,7 +98,7 @@ class TransportSelector {
   std::vector<Transport> transports_;
   std::size_t at_ = 0;
   bool works_ = false;
-  bool suspected_ = false;  // the transport worked, and was silent for a while
+  bool suspected_ = false;  // the transport has worked, and then delivered nothing for a while
   bool probed_ = false;
   std::uint64_t newest_ = 0;                 // newest complete frame by this transport
   LocalTime received_at_{};                  // arrival of that frame
