@@ -104,13 +104,14 @@ class PassivityObserver {
 /// work by the hand raises it. A content below zero is a debt. The refill first repays the debt.
 /// The debt is at most one tank, so that one broken number does not end the contact for long.
 ///
-/// Each tick refills the tank with at most the power `tank_W`. That refill is paid from a second
-/// store, the reserve. The reserve is at most 0.3 s of the power. A fifth of the power flows into
-/// the reserve all the time. Work by the hand that the full tank cannot store flows into the
+/// Each tick refills the tank with at most the power `tank_W`. A second store, the reserve,
+/// supplies this energy. The full reserve lasts 0.3 s at that power. A fifth of the power flows
+/// into the reserve all the time. Work by the hand that the full tank cannot store flows into the
 /// reserve as well.
 ///
-/// This bounds a stream. In any 10 s it transfers at most one tank, one full reserve, and the fifth
-/// of the power for 10 s. On an Omni that is 15 + 60 + 400 = 475 mJ.
+/// This bounds the energy that a stream can transfer, beyond the work of the hand itself. In any 10
+/// s it is at most one tank, one full reserve, and a fifth of the power for 10 s. On an Omni that
+/// is 15 + 60 + 400 = 475 mJ.
 class EnergyTank {
  public:
   explicit EnergyTank(const DeviceProfile& profile) noexcept;
