@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The client as wiring: loop, network and preparation have a thread each; the calling thread runs
-// the event loop of log, faults, views and the flag of contact.
+// The client: it creates all parts and connects them. The loop, the network and the preparation of
+// frames have a thread each. The thread that calls run() processes the events: log lines, faults,
+// views and the contact flag.
 #pragma once
 
 #include <memory>
@@ -12,18 +13,21 @@ namespace hapticast::client {
 
 class App {
  public:
-  /// Opens the device; `views` are shown what happens. Throws std::runtime_error, one line.
+  /// Opens the device. From run() on, `views` receive the pictures and the reports. Throws
+  /// std::runtime_error (one line).
   App(Settings settings, const Clock& clock, Views views);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Touches until --seconds are over, a signal (SIGINT, SIGTERM, SIGHUP), a view wants to end, or
-  /// stop(); waits for a server that is not there. Returns false when none came in --seconds, or
-  /// when there can be none (said in the log). Throws std::runtime_error when a file cannot be
-  /// written.
+  /// Runs the client. It waits for a server if none answers. The run ends when --seconds are over,
+  /// when a signal arrives (SIGINT, SIGTERM, SIGHUP), or when the user ends it in a view. It also
+  /// ends after stop(), and when the server cannot be used.
+  ///
+  /// Returns false if no server was connected within --seconds, or if the server cannot be used.
+  /// The log then has the reason. Throws std::runtime_error if a file cannot be written.
   bool run();
-  /// Thread: any.
+  /// Ends run() soon. Thread: any.
   void stop() noexcept;
 
  private:

@@ -11,12 +11,12 @@
 
 namespace hapticast::client {
 
-/// Returns the command line that fills `settings`, which must outlive it. Parse it with
-/// parseCommandLine().
+/// Returns the parser of the command line. Pass it to parseCommandLine(), which then fills
+/// `settings`. `settings` must outlive the parser.
 [[nodiscard]] std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
-/// Fills `settings` from the program's arguments. Returns nullopt on success, else the exit code: 2
-/// after an error (one line on stderr), 0 after the help.
+/// Fills `settings` from the program's arguments. Returns nullopt on success. Otherwise returns the
+/// exit code: 2 after an error (with one line on stderr), or 0 after the help.
 [[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
                                                  const char* const* argv);
 

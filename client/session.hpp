@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The session with one server: finds and dials the server, receives and decodes its stream, and
-// logs what happens to the connection. The network thread and the decode thread live here. The
-// thread of start() calls every function, except where another thread is named.
+// The session with one server. It finds and dials the server, receives and decodes its stream, and
+// logs the events of the connection. It owns the network thread and the decode thread. All
+// functions belong to the thread that calls start(), except where another thread is named.
 #pragma once
 
 #include <functional>
@@ -21,11 +21,12 @@ class Session {
   struct Events {
     std::function<void(const VideoFrame&, const Workspace&)> picture;  ///< thread: network
     std::function<void(const PlayableReliefs&)> frame;                 ///< thread: network
-    std::function<void()> ended;  ///< a signal, or a server that cannot be used; thread: network
+    /// The client has to end: a signal arrived, or the server cannot be used; thread: network.
+    std::function<void()> ended;
   };
 
-  /// Fills `pool` and `stream`, which outlive the session. `wants_video`: whether any view shows
-  /// pictures.
+  /// Prepares a session that writes frames to `pool` and the timing to `stream`. Both must outlive
+  /// the session. `wants_video` states whether a view needs pictures.
   Session(const Settings& settings, const Clock& clock, FramePool& pool,
           LatestValue<StreamTiming>& stream, bool wants_video, Events events);
   ~Session();
@@ -34,20 +35,22 @@ class Session {
 
   void start();
   void stop();
-  /// Returns the newest statistics. Thread: one.
+  /// Returns the newest statistics of the connection. Thread: one.
   [[nodiscard]] const ConnectionStats& stats();
-  /// Tells the server whether the hand is in contact.
+  /// Sets the contact flag that the reports to the server have: whether the HIP is in contact.
   void setInContact(bool contact);
-  /// Returns the text to log, when no server was named, none answers, and the list of those on the
-  /// LAN has changed.
+  /// Returns a text with the servers on the LAN, for the log. It does so only while three
+  /// conditions hold: the user named no server, no server answers, and the list has changed.
+  /// Otherwise returns nullopt.
   std::optional<std::string> listServers(LocalTime now);
-  /// Returns HOST:PORT, or mdns:NAME.
+  /// Returns the name of the server: HOST:PORT, or mdns:NAME.
   [[nodiscard]] std::string serverName() const;
-  /// Returns whether the server cannot be used. Thread: any.
+  /// Returns true if the server cannot be used, so that no retry follows. Thread: any.
   [[nodiscard]] bool failed() const;
-  /// Returns why no server was ever connected; nothing if one was. After stop().
+  /// Returns the reason why no server was ever connected. Returns nullopt if one was connected.
+  /// Call it after stop().
   [[nodiscard]] std::optional<std::string> neverConnected() const;
-  /// Sets what the session counted. After stop().
+  /// Writes the counters of the session to `result`. Call it after stop().
   void addTo(RunResult& result) const;
 
  private:

@@ -13,25 +13,26 @@
 
 namespace hapticast::client {
 
-/// --view. kAuto opens a window if there is a display and no flag requests an unattended run.
+/// Choice of --view. kAuto opens a window if there is a display, and if no flag requests a run
+/// without a user.
 enum class ViewChoice : std::uint8_t { kAuto, kOn, kOff };
-/// --forces: the forces that are rendered.
+/// Choice of --forces: the forces that the client renders.
 enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
-  std::string announced;      ///< mDNS name of the requested server (mdns:NAME); empty: `server`
-  bool server_given = false;  ///< `server` or `announced` was given
+  std::string announced;      ///< name of the server from mdns:NAME; empty: use `server`
+  bool server_given = false;  ///< the user named a server
   bool list_servers = false;
   std::string device = "auto";
-  std::string profile;  ///< a built-in name or a file; empty: default of the device
+  std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device
   FalconSettings falcon;
   bool list_devices = false;
-  double calibration_g = 0.0;  ///< weight in g; 0: no calibration
+  double calibration_g = 0.0;  ///< weight of --falcon-calibrate in g; 0: no calibration
   DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< name of a script, or a CSV file
-  bool hand_given = false;     ///< --hand was given
+  bool hand_given = false;     ///< the user used --hand
   ViewChoice view = ViewChoice::kAuto;
   Forces forces = Forces::kBoth;
   bool sound = false;
@@ -39,17 +40,18 @@ struct Settings {
   std::string film_file;
   std::string log_file;
   std::string summary_file;
-  std::string fault_folder;           ///< empty: the state folder
-  double stiffness_limit_N_mm = 0.0;  ///< 0: three times the profile's stiffness
-  bool rearm = false;    ///< automatic re-arming after a lost device or a loss of trust
-  double seconds = 0.0;  ///< 0: until Ctrl-C
+  std::string fault_folder;  ///< empty: the state folder
+  /// Limit of an author's stiffness; 0: three times the profile's stiffness.
+  double stiffness_limit_N_mm = 0.0;
+  bool rearm = false;    ///< re-arm automatically after a lost device or a loss of trust
+  double seconds = 0.0;  ///< duration of the run; 0: until Ctrl-C
   Method method = Method::kHapticast;
   std::string config_file;  ///< file of --config; empty: none
   bool quiet = false;
 };
 
-/// Checks before a run that `file` (empty: not requested) can be written after it. Throws
-/// std::runtime_error with one line: `flag` and `file`.
+/// Checks before a run that `file` can be written after the run. An empty name is always valid.
+/// Throws std::runtime_error with one line, which names `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);
 
 }  // namespace hapticast::client

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The user's side of the client: the views, the controls that the user changes in them or by the
-// device's buttons, and the policy that re-arms the force. Thread: main, except where named.
+// The user's side of the client. It has the views and the controls that the user changes, in the
+// views or by the device's buttons. It also has the policy that re-arms the force. Thread: main,
+// except where another one is named.
 #pragma once
 
 #include <optional>
@@ -15,34 +16,39 @@
 
 namespace hapticast::client {
 
-/// Opens the views that the command line asks for: window, screenshot, film, sound. Throws
-/// std::runtime_error, one line that names the flag.
+/// Opens the views that the command line requests: window, screenshot, film, sound. Throws
+/// std::runtime_error with one line that names the flag.
 [[nodiscard]] Views openViews(const Settings& settings);
 
 class UserInterface {
  public:
   UserInterface(const Settings& settings, Views views);
 
-  /// Returns where a view's pointer is; null if no view has one. Its one reader is the device.
+  /// Returns the target of the pointer, which a view writes. Returns null if no view has a pointer.
+  /// Only the device may read it.
   [[nodiscard]] LatestValue<PointerTarget>* pointer() { return has_pointer_ ? &pointer_ : nullptr; }
-  /// Returns the controls that the renderer reads.
+  /// Returns the controls of the user, which the renderer reads.
   [[nodiscard]] LatestValue<UserControls>& controls() { return controls_; }
-  /// Sets the buttons of the device.
+  /// Sets which buttons of the device have a function, by its profile.
   void setDevice(const DeviceProfile& profile) { buttons_.emplace(profile); }
   [[nodiscard]] bool wantsVideo() const;
   [[nodiscard]] const RearmPolicy& rearm() const { return rearm_; }
 
-  /// Passes a picture and the frame that it belongs to on to the views. Thread: network.
+  /// Pass a picture and the reliefs of a frame to all views. Thread: network.
   void onPicture(const VideoFrame& picture, const Workspace& workspace);
   void onFrame(const PlayableReliefs& frame);
-  /// Passes the report of a tick on to the views and the recording, and acts on the device's
-  /// buttons.
+  /// Passes the report of a tick to all views and to the log file that a view has requested.
+  /// Carries out the functions of the device's buttons, and re-arms the force if the policy
+  /// requires it.
   void onReport(const TickReport& report);
-  /// A turn of the event loop. Returns false when the user ends the client in a view.
+  /// Runs the views' part of the event loop, and publishes the user's controls. `stats` is the
+  /// state of the connection. Returns false if the user ends the client in a view.
   [[nodiscard]] bool update(const ConnectionStats& stats);
-  /// Returns the first view's measurement (View::eyeHand()); empty if there is none.
+  /// Returns the measurement of the view with a live picture (View::eyeHand()). It is empty if
+  /// there is no such view.
   [[nodiscard]] Histogram eyeHand() const;
-  /// Ends recording and views. Throws std::runtime_error, one line that names the file.
+  /// Closes the log file and ends the views, which write their files. Throws std::runtime_error
+  /// with one line that names the file.
   void finish();
 
  private:

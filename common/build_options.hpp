@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The optional parts of this build. CMake defines each macro as 1 where it found the package, else
-// as 0 (hapticast_optional in CMakeLists.txt). A source that needs a package stands within #if.
+// Optional parts of this build. CMake defines each macro as 1 if it found the package, else as 0
+// (hapticast_optional in CMakeLists.txt). A source that needs a package has all its code within
+// #if.
 #pragma once
 
 namespace hapticast {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Network endpoint of a server: parser and formatter. Thread: any.
+// Network endpoint of a server (host and port), as text and as a value. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,21 @@ namespace hapticast {
 
 inline constexpr std::uint16_t kDefaultPort = 7447;
 
-/// Address of a server.
+/// Host and port of a server.
 struct Endpoint {
-  std::string host;  ///< name or numeric address, IPv6 without brackets
+  std::string host;  ///< name or numeric address; an IPv6 address has no brackets here
   std::uint16_t port = kDefaultPort;
   bool operator==(const Endpoint&) const = default;
 };
 
-/// Parses HOST, HOST:PORT, PORT or :PORT; an IPv6 address as [ADDRESS], [ADDRESS]:PORT or bare.
-/// Missing parts are those of `otherwise`. nullopt for other texts.
+/// Returns the endpoint in `text`, which has the form HOST, HOST:PORT, PORT or :PORT. An IPv6
+/// address has the form [ADDRESS], [ADDRESS]:PORT, or ADDRESS alone. A missing part is that of
+/// `otherwise`. Returns nullopt for other texts.
 [[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text,
                                                     const Endpoint& otherwise);
-/// Returns whether the host is a numeric IPv6 address.
+/// Returns true if the host is a numeric IPv6 address.
 [[nodiscard]] bool isV6(const Endpoint& endpoint);
-/// Formats HOST:PORT or [V6ADDRESS]:PORT, which parseEndpoint() accepts.
+/// Returns the text HOST:PORT or [V6ADDRESS]:PORT. parseEndpoint() accepts both.
 [[nodiscard]] std::string toString(const Endpoint& endpoint);
 
 }  // namespace hapticast

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Haptic descriptor of one video frame: the touchable surfaces and their motion. Plain values,
-// validated by the decoder (common/protocol). Units: nominal mm, mm/s, mm/s², rad
+// Haptic descriptor of one video frame: the touchable surfaces and their motion. It has plain
+// values, and the decoder (common/protocol) checks them. Units: nominal mm, mm/s, mm/s², rad
 // (common/geometry.hpp). Thread: any.
 #pragma once
 
@@ -17,35 +17,39 @@
 
 namespace hapticast {
 
-inline constexpr std::size_t kMaxObjects = 16;  ///< objects and layers in one frame
-inline constexpr std::size_t kMaxImpacts = 4;   ///< impacts of an object in one frame
+/// Largest number of objects and layers in one frame.
+inline constexpr std::size_t kMaxObjects = 16;
+/// Largest number of impacts of an object in one frame.
+inline constexpr std::size_t kMaxImpacts = 4;
 inline constexpr int kMaxWidth_px = 1920;
 inline constexpr int kMaxHeight_px = 1080;
-/// Limit of the summed rectangles of all reliefs of a frame; bounds a receiver's preparation.
+/// Largest number of pixels of all reliefs of a frame, summed over their rectangles. It bounds the
+/// work of a receiver.
 inline constexpr std::size_t kMaxReliefPixels = std::size_t{2} * 1920 * 1080;
-inline constexpr int kGridCell_px = 16;  ///< cell of a MotionGrid
-/// Returns the cells of a MotionGrid along `px` pixels; the last cell may extend beyond them.
+inline constexpr int kGridCell_px = 16;  ///< side of a cell of a MotionGrid
+/// Returns the number of cells of a MotionGrid along `px` pixels. The last cell may extend beyond
+/// them.
 template <class Integer>
 constexpr Integer gridCells(Integer px) {
   return (px + Integer{kGridCell_px} - 1) / Integer{kGridCell_px};
 }
 
-/// Heights over a rectangle of the image, valid inside the mask.
+/// Heights of an object over a rectangle of the picture. They are valid inside the mask.
 struct Relief {
   PixelRect rect;                  ///< inside the picture
   std::vector<float> height_mm;    ///< row-major, rect.width * rect.height; 0..Workspace::depth_mm
   std::vector<std::uint8_t> mask;  ///< same shape; 1 inside the object, 0 outside
   bool operator==(const Relief&) const = default;
 
-  /// Returns a relief entirely outside its mask, at height 0.
+  /// Returns a relief with an empty mask and heights of 0.
   static Relief blank(const PixelRect& rect) {
     return {rect, std::vector<float>(rect.pixels()), std::vector<std::uint8_t>(rect.pixels())};
   }
 };
 
-/// Residual velocity and acceleration of the surface, relative to the object's own motion. In the
-/// thesis's method: the difference of its dense flow. Covers the relief's rectangle in cells of
-/// kGridCell_px, row by row.
+/// Motion of the surface relative to the object's own motion: velocity and acceleration of each
+/// cell. In the thesis's method it is the difference between the dense optical flow and the
+/// object's motion. The cells have kGridCell_px. They cover the relief's rectangle, row by row.
 struct MotionGrid {
   int columns = 0;
   int rows = 0;
@@ -53,7 +57,7 @@ struct MotionGrid {
   std::vector<Eigen::Vector3f> acceleration_mm_s2;
 };
 
-/// Meaning of `Motion::position_mm`.
+/// Point of the object that `Motion::position_mm` describes.
 enum class ReferencePoint : std::uint8_t {
   kUnknown = 0,
   kCentreOfMass = 1,     ///< estimated centre of the body
@@ -65,11 +69,11 @@ struct Motion {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
-  double angle_rad = 0.0;  ///< about +z through the reference point, right-handed
+  double angle_rad = 0.0;  ///< angle about +z through the reference point, right-handed
   double angular_velocity_rad_s = 0.0;
   ReferencePoint reference_point = ReferencePoint::kUnknown;
-  double quality = 1.0;           ///< 0 (lost, predicted) .. 1 (measured well)
-  double visible_fraction = 1.0;  ///< share of the object, 0..1
+  double quality = 1.0;           ///< 0 (lost, so the motion is predicted) to 1 (measured well)
+  double visible_fraction = 1.0;  ///< visible share of the object, 0..1
 };
 
 /// A bounce: the object's velocity changes by `delta_velocity_mm_s` at `time`.
@@ -78,8 +82,8 @@ struct Impact {
   Vec3 delta_velocity_mm_s = Vec3::Zero();
 };
 
-/// The author's material of the surface; no value is negative. For absent values the viewer chooses
-/// (client/haptics/contact/surface_model.hpp).
+/// The author's material of the surface. No value is negative. For absent values the viewer uses
+/// its own defaults (client/haptics/contact/surface_model.hpp).
 struct Material {
   std::optional<double> stiffness_N_mm;
   std::optional<double> damping_Ns_m;
@@ -89,31 +93,33 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// One object of a frame. Its heights are a `Shape`: Relief for production and contact, CodedRelief
-/// (common/codec/coded_frame.hpp) for transport.
+/// One object of a frame. `Shape` is the type of its heights. It is Relief for production and
+/// contact, and CodedRelief (common/codec/coded_frame.hpp) for transport.
 template <class Shape>
 struct ObjectOf {
-  std::uint32_t id = 0;                 ///< an object found again has a new one
+  std::uint32_t id = 0;                 ///< an object that was lost and found again has a new id
   std::uint32_t layer = 0;              ///< 0 = nearest
-  std::uint64_t changed_in_frame = 0;   ///< id of the frame of the last change of `relief`
-  std::shared_ptr<const Shape> relief;  ///< null: unchanged since `changed_in_frame`
+  std::uint64_t changed_in_frame = 0;   ///< id of the frame in which `relief` changed last
+  std::shared_ptr<const Shape> relief;  ///< null if it did not change since that frame
   Motion motion;
-  std::shared_ptr<const MotionGrid> grid;  ///< null: the rigid motion explains it
-  std::vector<Impact> impacts;             ///< at most kMaxImpacts, around this frame
+  /// Null if `motion` alone explains the motion of the surface.
+  std::shared_ptr<const MotionGrid> grid;
+  std::vector<Impact> impacts;  ///< at most kMaxImpacts, near the time of this frame
   Material material;
 };
 
 /// One frame with all its objects.
 template <class Shape>
 struct FrameOf {
-  /// Changes at a cut, a seek, a loop's wrap with motion, a change of range.
+  /// The epoch changes at a cut, a seek, a change of the mapped range, and when a clip with motion
+  /// starts again.
   std::uint32_t epoch = 0;
-  std::uint64_t id = 0;                  ///< increases without reuse over the server's life
-  MediaTime media_time;                  ///< capture time
+  std::uint64_t id = 0;  ///< increases during the server's run, and is never used twice
+  MediaTime media_time;  ///< capture time
   std::vector<ObjectOf<Shape>> objects;  ///< at most kMaxObjects
 };
 
-/// Key of an object across frames: its id and layer.
+/// Key that identifies an object across frames: its id and layer.
 using ObjectKey = std::pair<std::uint32_t, std::uint32_t>;
 template <class Shape>
 ObjectKey makeKey(const ObjectOf<Shape>& object) {
@@ -123,7 +129,7 @@ ObjectKey makeKey(const ObjectOf<Shape>& object) {
 using HapticObject = ObjectOf<Relief>;
 using HapticFrame = FrameOf<Relief>;
 
-/// Picture of the same instant, for the viewer's window.
+/// Picture of a frame for the viewer's window.
 struct VideoFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;  ///< id of the HapticFrame of the same instant
@@ -131,18 +137,19 @@ struct VideoFrame {
   std::vector<std::uint8_t> jpeg;
 };
 
-/// Algorithms of all stages: hapticast's or the thesis's.
+/// Method of a program: the algorithms of hapticast or those of the thesis.
 enum class Method : std::uint8_t { kHapticast = 0, kThesis = 1 };
 
-/// Announcement of a stream before its first frame.
+/// Description of a stream. A server sends it before the first frame.
 struct StreamDescription {
   std::string name;     ///< name of the source, for people
   double fps = 25.0;    ///< 1..240
   Workspace workspace;  ///< includes the picture's size in px
   Method method = Method::kHapticast;
-  Duration pipeline_latency{0};             ///< frames are complete this long after capture
-  double largest_acceleration_mm_s2 = 0.0;  ///< of the clip; live: a running bound; 0: unknown
-  std::optional<double> mass_kg;            ///< the author's mass of the object
+  Duration pipeline_latency{0};  ///< time from the capture of a frame until it is complete
+  /// Of the whole clip; of a live source so far; 0: unknown.
+  double largest_acceleration_mm_s2 = 0.0;
+  std::optional<double> mass_kg;  ///< mass of the object by its author
   bool operator==(const StreamDescription&) const = default;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Log-linear histogram of durations with 1/16-octave buckets (6 % resolution). Constant time and
-// space, no heap. Thread: one owner.
+// Histogram of durations. Each octave has 16 buckets of equal width, so the resolution is 6 %.
+// Adding a value needs constant time. The histogram has a constant size and uses no heap. Thread:
+// one owner.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace hapticast {
 /// Histogram of values in ns.
 class Histogram {
  public:
-  /// Adds a value; negative values count as 0. Thread: the owner; other threads receive copies.
+  /// Adds a value. A negative value counts as 0. Thread: the owner; other threads receive copies.
   void add(std::int64_t value_ns) noexcept {
     const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(value_ns, 0));
     ++buckets_[bucketIndex(value)];
@@ -25,8 +26,8 @@ class Histogram {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
   [[nodiscard]] std::uint64_t max_ns() const noexcept { return max_ns_; }
 
-  /// Returns the upper edge of the bucket with the q-quantile, at most max_ns(); 0 when empty.
-  /// Requires 0 <= q <= 1.
+  /// Returns the q-quantile in ns: the upper end of its bucket, but at most max_ns(). Returns 0 if
+  /// the histogram is empty. Requires 0 <= q <= 1.
   [[nodiscard]] std::uint64_t quantile_ns(double q) const noexcept {
     if (count_ == 0) return 0;
     const auto rank = static_cast<std::uint64_t>(q * static_cast<double>(count_ - 1)) + 1;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Rate limits for log lines, so that no peer can fill the log. LogRateLimiter is a token bucket: it
-// starts with kBurst tokens, a line costs one, and one comes back every kRefill. It counts the
-// lines that it drops. LogInterval limits one subject to one line in an interval. Thread: one.
+// starts with kBurst tokens, each line uses one, and a new one is added every kRefill. It counts
+// the lines that it drops. LogInterval allows one line about a subject in each interval. Thread:
+// one.
 #pragma once
 
 #include <algorithm>
@@ -15,17 +16,18 @@ namespace hapticast {
 
 class LogRateLimiter {
  public:
-  static constexpr std::int64_t kBurst = 6;  ///< chosen: with kRefill at most 10 lines a minute
+  /// A choice: with kRefill at most 10 lines in a minute.
+  static constexpr std::int64_t kBurst = 6;
   static constexpr Duration kRefill = std::chrono::seconds(15);
 
-  /// Returns whether a token is left at `now`.
+  /// Returns true if a token is available at `now`.
   [[nodiscard]] bool isReady(LocalTime now) {
     const std::int64_t tokens = (now - refilled_) / kRefill;
     refilled_ += tokens * kRefill;
     tokens_ = std::min(kBurst, tokens_ + tokens);
     return tokens_ > 0;
   }
-  /// Spends a token and returns true, or counts a dropped line.
+  /// Uses a token and returns true. If there is none, counts a dropped line and returns false.
   [[nodiscard]] bool allow(LocalTime now) {
     if (!isReady(now)) {
       ++dropped_;
@@ -34,8 +36,8 @@ class LogRateLimiter {
     --tokens_;
     return true;
   }
-  /// Returns `line`, with the number of lines that were dropped since the last one; nothing if this
-  /// line is dropped, too.
+  /// Returns `line`, with the number of lines that were dropped before it. Returns nullopt if this
+  /// line is dropped as well.
   [[nodiscard]] std::optional<std::string> admit(std::string line, LocalTime now) {
     if (!allow(now)) return std::nullopt;
     const std::uint64_t dropped = popDropped();
@@ -60,10 +62,10 @@ class LogInterval {
  public:
   explicit LogInterval(Duration interval = std::chrono::minutes(1)) : interval_(interval) {}
 
-  /// Returns whether no line was logged within the interval before `now`.
+  /// Returns true if no line was logged within the interval before `now`.
   [[nodiscard]] bool isDue(LocalTime now) const { return !last_ || now - *last_ >= interval_; }
   void onLogged(LocalTime now) { last_ = now; }
-  /// isDue(), and then onLogged().
+  /// Returns isDue(). If it is true, the call also registers a line at `now`.
   [[nodiscard]] bool allow(LocalTime now) {
     if (!isDue(now)) return false;
     onLogged(now);

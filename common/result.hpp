@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Result type: a value or an error, for code that parses data from outside without exceptions.
-// Thread: any.
+// Result of a function: a value or an error. It serves code that parses data from outside without
+// exceptions. Thread: any.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct Error {
   std::string message;
 };
 
-/// A value or an error (`Failure`: Error, or a type with a code). Requires ok() before value(),
-/// !ok() before error().
+/// A value or an error. `Failure` is Error, or a type with an error code. value() requires ok(),
+/// and error() requires !ok().
 template <class T, class Failure = Error>
 class [[nodiscard]] Result {
  public:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Time types: media time and local time do not mix, and the local clock can be replaced in tests.
+// Types for times. Media time and local time are different types, so the compiler rejects a
+// mixture. Tests can replace the local clock.
 // Thread: any.
 #pragma once
 
@@ -10,7 +11,8 @@ namespace hapticast {
 
 using Duration = std::chrono::nanoseconds;
 
-/// Time of the server's media clock: capture time of a frame, steady, 0 at the server's start.
+/// Clock type of media time: the server's steady clock, which is 0 at the server's start. A frame
+/// has the media time of its capture.
 struct MediaClockTag {
   using duration = Duration;
   using rep = duration::rep;
@@ -18,7 +20,7 @@ struct MediaClockTag {
   using time_point = std::chrono::time_point<MediaClockTag>;
   static constexpr bool is_steady = true;
 };
-/// Time on this machine's steady clock.
+/// Clock type of local time: this machine's steady clock.
 struct LocalClockTag {
   using duration = Duration;
   using rep = duration::rep;
@@ -37,14 +39,14 @@ constexpr double toSeconds(std::chrono::time_point<Clock, Duration> time) {
 constexpr double toSeconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
-/// Converts seconds. Requires |seconds| < 9e9 (the range of 64-bit nanoseconds).
+/// Returns the duration of `seconds`. Requires |seconds| < 9e9 (the range of 64-bit nanoseconds).
 constexpr Duration fromSeconds(double seconds) {
   return Duration(static_cast<std::int64_t>(seconds * 1e9));
 }
 constexpr MediaTime mediaTime(double seconds) { return MediaTime(fromSeconds(seconds)); }
 constexpr LocalTime localTime(double seconds) { return LocalTime(fromSeconds(seconds)); }
 
-/// Source of local time for the program; tests set it by hand.
+/// Source of local time. Tests replace it by a clock that they set by hand.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -61,8 +63,8 @@ class SteadyClock final : public Clock {
   }
 };
 
-/// Source of media time, for stamping frames: this machine's own, or a clock that follows an origin
-/// on another machine.
+/// Source of media time, for the times of frames. It is this machine's own clock, or a clock that
+/// follows another machine.
 class MediaClock {
  public:
   virtual ~MediaClock() = default;
@@ -73,7 +75,7 @@ class MediaClock {
 /// Media clock of this machine: local time since the construction.
 class LocalMediaClock final : public MediaClock {
  public:
-  /// `clock` must outlive it.
+  /// Starts at 0. `clock` must outlive this object.
   explicit LocalMediaClock(const Clock& clock) : clock_(clock), zero_(clock.now()) {}
   [[nodiscard]] MediaTime now() const noexcept override { return MediaTime(clock_.now() - zero_); }
   [[nodiscard]] LocalTime zero() const noexcept { return zero_; }
@@ -83,7 +85,8 @@ class LocalMediaClock final : public MediaClock {
   LocalTime zero_;
 };
 
-// Period of the haptic loop: 1 kHz, the usual rate for the haptic rendering of stiff surfaces.
+// Period of the haptic loop. Its rate is 1 kHz, which is usual for the haptic rendering of stiff
+// surfaces.
 // Thread: any.
 
 inline constexpr Duration kTickPeriod{1'000'000};

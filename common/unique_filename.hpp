@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// File names for output that the user did not name. Thread: any.
+// File names for output files that the user did not name. Thread: any.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace hapticast {
 
-/// Returns the first of hapticast-1.csv, hapticast-2.csv, ... (with `ending`) that does not exist
-/// in the working folder.
+/// Returns the first name of hapticast-1.csv, hapticast-2.csv, ... that does not exist in the
+/// working folder. `ending` is the extension, such as ".csv".
 inline std::string nextFreeFilename(const std::string& ending) {
   std::string name;
   std::error_code unknown;  // an error counts as not existing

@@ -9,11 +9,11 @@ namespace hapticast {
 
 /// Codes of the wire protocol (proto/README.md).
 enum class ErrorCode : std::uint8_t {
-  kMalformed = 1,     ///< not decodable, or a field outside its valid range
-  kTooLarge = 2,      ///< a length or count above the protocol's limit
-  kVersion = 3,       ///< the peer speaks another protocol version
+  kMalformed = 1,     ///< the message cannot be decoded, or a value is outside its range
+  kTooLarge = 2,      ///< a length or a count exceeds the protocol's limit
+  kVersion = 3,       ///< the peer uses another version of the protocol
   kUnexpected = 4,    ///< a valid message at the wrong time
-  kServerFull = 5,    ///< no more clients are accepted
+  kServerFull = 5,    ///< the server accepts no more clients
   kTimeout = 6,       ///< the peer was silent for too long
   kShuttingDown = 7,  ///< the server shuts down
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Limits of the protocol (table in proto/README.md); the decoder checks all data against them.
+// Limits of the protocol (table in proto/README.md). The decoder checks all data against them.
 // Thread: any.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace hapticast::limits {
 
-inline constexpr float kLowestHeight_mm = -1.0F;  ///< below the picture's plane only by rounding
+inline constexpr float kLowestHeight_mm = -1.0F;  ///< below 0 only because of rounding
 inline constexpr float kHighestHeight_mm = 1000.0F;
 inline constexpr double kPosition_mm = 1e4;
 inline constexpr double kVelocity_mm_s = 1e6;
@@ -17,19 +17,23 @@ inline constexpr double kAngle_rad = 1e4;
 inline constexpr double kAngularVelocity_rad_s = 1e4;
 inline constexpr double kStiffness_N_mm = 1e3;
 inline constexpr double kDamping_Ns_m = 1e3;
-inline constexpr double kFriction = 1.5;         ///< rubber on dry stone: about 1
-inline constexpr double kWorkspace_mm = 1000.0;  ///< each side, and K of Eq. 3
+inline constexpr double kFriction = 1.5;  ///< for comparison: rubber on dry stone has about 1
+/// Limit of each side of the workspace, and of K in Eq. 3.
+inline constexpr double kWorkspace_mm = 1000.0;
 inline constexpr double kMinMass_kg = 1e-6;
 inline constexpr double kMass_kg = 1000.0;
 inline constexpr double kMinFps = 1.0;
 inline constexpr double kMaxFps = 240.0;
-inline constexpr std::int64_t kTime_ns = 1'000'000'000'000'000'000;  ///< 31 years, both signs
+/// Largest magnitude of a time: 31 years.
+inline constexpr std::int64_t kTime_ns = 1'000'000'000'000'000'000;
 inline constexpr std::int64_t kLatency_ns = 10'000'000'000;
-inline constexpr std::size_t kClientName = 64;  ///< bytes of UTF-8, like all texts
+/// Largest number of bytes of UTF-8, as for all texts below.
+inline constexpr std::size_t kClientName = 64;
 inline constexpr std::size_t kStreamName = 256;
 inline constexpr std::size_t kErrorText = 512;
 inline constexpr std::size_t kGroupAddress = 64;
-inline constexpr std::uint32_t kMostCopies = 4;  ///< redundancy of a datagram
+/// Largest number of times that a datagram is sent.
+inline constexpr std::uint32_t kMostCopies = 4;
 inline constexpr std::size_t kJpeg = 4U << 20U;
 
 }  // namespace hapticast::limits

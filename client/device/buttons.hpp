@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Edge detection for the buttons of a device, except its enabling button.
+// Buttons of a device: detects which buttons the user has newly pressed. The enabling button
+// (dead-man's switch) has no action here.
 // Thread: main.
 #pragma once
 
@@ -12,14 +13,14 @@
 
 namespace hapticast::client {
 
-/// Converts button states to actions of the user.
+/// Converts the states of the buttons to actions of the user.
 class DeviceButtons {
  public:
-  /// Actions of newly pressed buttons.
+  /// Actions of the buttons that were newly pressed.
   struct ButtonActions {
     bool pause = false;
     bool rearm = false;
-    std::optional<int> other;  ///< a button without a function
+    std::optional<int> other;  ///< number of a pressed button that has no function
   };
 
   explicit DeviceButtons(const DeviceProfile& profile)
@@ -28,8 +29,9 @@ class DeviceButtons {
         enable_(profile.enable_button),
         initialised_(pause_ || rearm_) {}
 
-  /// Returns the actions of the buttons pressed since the last call. Returns no action for a
-  /// profile without pause and re-arming buttons.
+  /// Returns the actions of the buttons that were pressed since the last call. `buttons` has one
+  /// bit for each button that is down now. If the profile has neither a pause button nor a
+  /// re-arming button, the result has no action.
   [[nodiscard]] ButtonActions onButtons(std::uint32_t buttons) {
     const std::uint32_t pressed = buttons & ~std::exchange(last_, buttons);
     ButtonActions wish;

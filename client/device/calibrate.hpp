@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Calibration of a Falcon's motors (--falcon-calibrate) with a known weight. A position controller
-// holds the grip in the middle. The additional force under the weight equals the weight, so the
-// ratio of both corrects the gain.
+// moves the grip to the middle, first without and then with the weight on it. The force of the
+// controller has to increase by exactly the weight. The ratio of the weight to the measured
+// increase corrects the gain.
 // Thread: one, which runs the ticks of the device.
 #pragma once
 
@@ -14,15 +15,16 @@
 
 namespace hapticast::client {
 
-/// PID controller that holds the grip in the middle. Pure; call once a tick.
+/// PID controller that moves the grip to the middle of the workspace, and against forces back to
+/// it. It uses no device and no clock. Call hold() once a tick.
 class GripHolder {
  public:
-  /// Returns the force (N) for the grip at `position_mm`.
+  /// Returns the force (N) that moves the grip from `position_mm` to the middle.
   Vec3 hold(const Vec3& position_mm) noexcept;
-  /// Returns the mean force of the last two seconds; nullopt unless the grip was at rest in the
-  /// middle for that time.
+  /// Returns the mean force of the last two seconds. Returns nullopt if the grip was not at rest in
+  /// the middle for that time.
   [[nodiscard]] std::optional<Vec3> restForce_N() const noexcept;
-  /// Restarts the two seconds.
+  /// Starts a new measurement of two seconds.
   void begin() noexcept { rest_ticks_ = 0; }
 
  private:
@@ -34,15 +36,16 @@ class GripHolder {
   int rest_ticks_ = 0;
 };
 
-/// Guides the user through the calibration with lines to `tell`. `gain` is the present gain,
-/// `weight_g` the weight. Returns the corrected gain; nullopt after `stop`. Throws
-/// std::runtime_error (one line) if the calibration fails.
+/// Guides the user through the calibration. `log_line` receives the instructions. `gain` is the
+/// present gain in counts/(N m), and `weight_g` is the weight in g. Returns the corrected gain.
+/// Returns nullopt if `stop` becomes true meanwhile. Throws std::runtime_error (one line) if the
+/// calibration fails.
 std::optional<double> calibrate(HapticDevice& device, const Clock& clock, double gain,
                                 double weight_g, const std::atomic<bool>& stop,
                                 const std::function<void(const std::string& line)>& log_line);
 
-/// Writes `falcon-gain = gain` into the config file `file`: replaces the first such line, or
-/// appends one. Throws std::runtime_error (one line).
+/// Writes the line `falcon-gain = gain` into the config file `file`. It replaces the first such
+/// line, or appends a line if there is none. Throws std::runtime_error (one line).
 void storeGain(const std::string& file, double gain);
 
 }  // namespace hapticast::client

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Gamepad as a device: its sticks move a simulated hand, its two motors rumble with the force.
+// Gamepad as a device. Its sticks move a simulated hand, and its two motors rumble with the force.
 // Thread: any (pure functions).
 #pragma once
 
@@ -10,11 +10,12 @@
 
 namespace hapticast::client {
 
-/// Returns the velocity of the hand, nominal mm/s. Each stick is within -1..1, right and down
-/// positive. The left stick moves over the picture, the right one into it (forward) and out of it.
+/// Returns the velocity of the simulated hand, nominal mm/s. Each stick is within -1..1, and right
+/// and down are positive. The left stick moves the hand over the picture. The right stick moves it
+/// into the picture (forward) and out of it.
 [[nodiscard]] Vec3 stickVelocity_mm_s(const Vec2& left, const Vec2& right) noexcept;
 
-/// Returns the motor level for a force, 0..65535 (SDL's range).
+/// Returns the level of a rumble motor for a force of `force_N`, 0..65535 (SDL's range).
 [[nodiscard]] std::uint16_t motorLevel(double force_N) noexcept;
 
 }  // namespace hapticast::client

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A virtual device in a light hand whose target follows stepwise input (pointer, stick) with
-// critical damping.
+// A virtual device in a light hand that follows a pointer or a stick. Their positions change in
+// steps. So the hand's target follows them with critical damping.
 // Thread: loop.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace hapticast::client {
 
-/// Smooths the input and runs the virtual device.
+/// Smooths the input, and simulates the device in the hand.
 class PointedHand {
  public:
   /// `clock` must outlive this object.
@@ -20,11 +20,11 @@ class PointedHand {
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept {
     return device_.exchange(force_N, report);
   }
-  /// True position of the HIP, device frame.
+  /// Returns the simulated position of the HIP, before it is rounded to counts. Device frame.
   [[nodiscard]] Vec3 tip_mm() const noexcept { return device_.truePosition_mm(); }
 
-  /// Moves the hand's target for one tick towards `wanted_mm` (device frame, finite). Before the
-  /// first call the hand rests.
+  /// Moves the target of the hand for one tick towards `wanted_mm` (device frame, finite). Before
+  /// the first call the hand rests.
   void moveTowards(const Vec3& wanted_mm) noexcept;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Absolute sleep on the local clock (CLOCK_MONOTONIC).
+// Sleep until a time of the local clock (CLOCK_MONOTONIC).
 // Thread: any.
 #pragma once
 
@@ -10,13 +10,13 @@
 
 namespace hapticast::client {
 
-/// Converts a time for the system's calls.
+/// Returns `time` in the form that the system's functions need.
 inline timespec toTimespec(LocalTime time) noexcept {
   const auto since_ns = time.time_since_epoch().count();
   return {static_cast<time_t>(since_ns / 1'000'000'000), since_ns % 1'000'000'000};
 }
 
-/// Sleeps until `time`, also after interruptions by signals.
+/// Sleeps until `time`. If a signal interrupts the sleep, the sleep continues.
 inline void sleepUntil(LocalTime time) noexcept {
   const timespec until = toTimespec(time);
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How a client finds its server: by address, or by the name under which the server announces itself
-// on the LAN (DNS-SD). The client never connects to a server that the user did not name, because
-// any host can announce itself and the server moves a hand.
+// on the LAN (DNS-SD). The client never connects to a server that the user did not name. Any host
+// can announce itself, and the server moves the user's hand.
 #pragma once
 
 #include <memory>
@@ -13,16 +13,16 @@
 
 namespace hapticast::client {
 
-/// Returns a dial function for the only server that is announced as `name`. Each call waits up to
-/// 2 s for the announcement. Errors: no server, or more than one, announces `name`. Thread of its
-/// calls: network.
+/// Returns a dial function for the server that is announced as `name`. Each call of that function
+/// waits up to 2 s for the announcement. It returns an error if no server, or more than one,
+/// announces `name`. Thread of its calls: network.
 [[nodiscard]] Dial dialAnnounced(std::string name);
 
-/// Lists the servers on the LAN while none answers at the default address. Thread: main.
+/// Lists the servers on the LAN, as long as no server answers at the default address. Thread: main.
 class ServerHint {
  public:
-  /// Call in each turn of the event loop until the first connection. Returns the text to log, when
-  /// the list has changed.
+  /// Searches for servers. Returns the text to log if the list has changed, else nullopt. Call it
+  /// in each cycle of the event loop until the first connection.
   std::optional<std::string> update(LocalTime now);
 
  private:
@@ -31,8 +31,8 @@ class ServerHint {
   std::string logged_;
 };
 
-/// --list: searches for 2 s and prints the servers, or on stderr why there is none. Returns whether
-/// there is any.
+/// Carries out --list: searches for 2 s and prints the servers. If there is none, it prints the
+/// reason on stderr. Returns true if there is a server.
 bool listServers();
 
 }  // namespace hapticast::client

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Looks for servers that are announced on the LAN, by Avahi, as long as it lives. Thread: any; a
-// library's own does the looking.
+// Search for servers that are announced on the LAN. The object searches by Avahi during its whole
+// lifetime.
+// Thread: any; the search runs in a thread of the library.
 #pragma once
 
 #include <memory>
@@ -18,9 +19,10 @@ class Discovery {
   Discovery(const Discovery&) = delete;
   Discovery& operator=(const Discovery&) = delete;
 
-  /// Those that are there now, eachOnce().
+  /// Returns the servers that are announced at present, each once (eachOnce()).
   [[nodiscard]] std::vector<FoundServer> servers() const;
-  /// Why nothing can be looked for at present, in a few words; empty while it can.
+  /// Returns the reason why no search is possible at present, in a few words. The text is empty
+  /// while the search runs.
   [[nodiscard]] std::string absent() const;
 
  private:

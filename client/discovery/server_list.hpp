@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The servers that mDNS found on the LAN. Their names and texts come from strangers: toText()
-// bounds and cleans them. Pure functions.
+// The servers that mDNS found on the LAN. Any host can announce names and texts, so toText() limits
+// their length and replaces control characters. All functions are pure.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,31 @@
 namespace hapticast::client {
 
 struct FoundServer {
-  std::string name;  ///< as received
+  std::string name;  ///< name as received, not cleaned
   std::string host;
   Endpoint address;
   std::string interface_name;
   std::string plays;          ///< title of the content
-  std::uint32_t version = 0;  ///< of the protocol; 0: not announced
+  std::uint32_t version = 0;  ///< version of the protocol; 0: not announced
   bool operator==(const FoundServer&) const = default;
 };
 
-/// Returns each server once, with its first address: IPv4 before IPv6, then by interface.
+/// Returns each server once, with one address: IPv4 is preferred to IPv6, and then the first
+/// interface by name.
 [[nodiscard]] std::vector<FoundServer> eachOnce(std::vector<FoundServer> found);
 
-/// Returns the only server that is announced as `name`; otherwise nothing, and `why` gets the
-/// reason: no server, or which addresses announce `name`.
+/// Returns the server that is announced as `name`, if there is exactly one. Otherwise returns
+/// nullopt and writes the reason to `why`: no server, or the addresses of the servers that announce
+/// `name`.
 [[nodiscard]] std::optional<FoundServer> only(const std::vector<FoundServer>& found,
                                               const std::string& name, std::string& why);
 
-/// Lines that toText() prints at most. Chosen: what a person still reads.
+/// Largest number of lines of toText(). The value is a choice: a person still reads that many
+/// lines.
 constexpr std::size_t kMaxListedServers = 32;
 
-/// Returns one line for each server, and a last line where there are more than kMaxListedServers.
-/// The last line has no line end. Control characters of strangers are replaced.
+/// Returns one line for each server. If there are more than kMaxListedServers, the last line states
+/// that. The last line has no line end. Control characters are replaced.
 [[nodiscard]] std::string toText(const std::vector<FoundServer>& servers);
 
 }  // namespace hapticast::client

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Dynamic force (thesis, Eq. 6): F = beta m_object a_object - m_cursor a_cursor, plus the pulses of
-// impacts. The second term is virtual inertia. client/haptics/README.md, section 2, states the
-// limits of both masses.
+// Dynamic force of the touched object (thesis, Eq. 6): F = beta m_object a_object - m_cursor
+// a_cursor. The second term is virtual inertia: the HIP behaves as if it had the mass m_cursor. An
+// impact of the object adds a short pulse. client/haptics/README.md, section 2, states the limits
+// of both masses.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -13,7 +14,8 @@
 
 namespace hapticast::client {
 
-/// Upper bound of m_cursor; a lighter device lowers it. The default mass of an Omni-class device.
+/// Upper bound of m_cursor. A device with a smaller mass lowers m_cursor to its own mass. The bound
+/// is the mass of an Omni-class device.
 inline constexpr double kCursorMass_kg = 0.045;
 
 /// Computes the dynamic force of the touched object.
@@ -22,33 +24,35 @@ class DynamicForce {
   /// `profile` must outlive this object.
   explicit DynamicForce(const DeviceProfile& profile) noexcept;
 
-  /// Returns the dynamic force in N, device frame. Returns zero without an object or a contact, and
-  /// if the result is not finite.
+  /// Returns the dynamic force of this tick in N, device frame. The force is zero if `object` is
+  /// null, if there is no contact, or if the result is not finite.
   ///
-  /// `scale` converts nominal mm to device mm (beta, together with mm to m).
-  /// `cursor_acceleration_m_s2` is in device m/s². `contact_mm` (nominal) is the point where
-  /// rotation and grid are evaluated; null selects the object's reference point. The result
-  /// includes the weight min(1, penetration / 0.2 mm).
+  /// `penetration_mm` is the penetration; below 0.2 mm the force is proportional to it.
+  /// `cursor_acceleration_m_s2` is the acceleration of the HIP in device m/s². `scale` converts
+  /// nominal mm to device mm. `contact_mm` (nominal) is the point where the object's rotation and
+  /// motion grid are evaluated. If it is null, that point is the object's reference point.
   ///
-  /// The object's share is at most half of the device's peak, the sum at most the peak. An impact
-  /// pushes along its change of velocity: a half-sine of 15 ms that begins at the time of the
-  /// impact. Acceleration, turn, grid and impact of the object count up to its plausibility bounds.
+  /// The object's part of the force is at most half of the device's peak, and the whole force is at
+  /// most the peak. Impacts are no part of that half. An impact pushes along its change of
+  /// velocity, by a half-sine of 15 ms that begins at the time of the impact. Acceleration,
+  /// rotation, motion grid and impact of the object count only up to their plausibility bounds.
   Vec3 evaluate(const InterpolatedObject* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamTiming& stream, double scale,
                 const Vec3* contact_mm = nullptr) noexcept;
 
-  /// Returns true if the last evaluate() removed a part beyond the plausibility bounds that exceeds
-  /// 0.03 N.
+  /// Returns true if the last evaluate() reduced the force by more than 0.03 N because of the
+  /// plausibility bounds.
   [[nodiscard]] bool implausible() const noexcept { return implausible_; }
 
-  /// Share of -m_cursor a_cursor in the force of the last evaluate(), N. The hand causes this
-  /// share, not the stream.
+  /// Returns the part of the last result of evaluate() that is virtual inertia, N. The hand causes
+  /// this part, and the stream does not.
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
-  /// Returns m_object in kg: the author's mass (0.5 kg without one), at most 5 kg, at least 10
-  /// m_cursor. The device's continuous force / largest a bounds the result and may lower it below
-  /// 10 m_cursor. Finite, >= 0.
+  /// Returns m_object in kg, finite and at least 0. It is the author's mass, or 0.5 kg if the
+  /// author states none. It is at most 5 kg and at least 10 m_cursor. One further bound may lower
+  /// it below 10 m_cursor: the continuous force of the device, divided by the largest acceleration
+  /// of the stream.
   [[nodiscard]] double objectMass_kg(const StreamTiming& stream, double scale) const noexcept;
 
  private:
@@ -57,8 +61,8 @@ class DynamicForce {
                              double kg_m_per_mm) noexcept;
 
   const DeviceProfile& profile_;
-  // The latest impact with a pulse. A pulse continues in frames that no longer list its impact. A
-  // frame that lists the impact a little later causes no second pulse.
+  // The latest impact that caused a pulse. A pulse continues in frames that no longer list its
+  // impact. A frame that lists the same impact a little later causes no second pulse.
   bool has_pulse_ = false;
   Impact pulse_;
   std::uint32_t pulse_object_ = 0;

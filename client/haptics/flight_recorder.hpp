@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Flight recorder: a ring buffer of the last 2000 tick reports. The first fault freezes the buffer
-// until a reader outside the loop has read it and re-arms the recorder.
+// Flight recorder: a ring buffer of the last 2000 tick reports. The first fault freezes the buffer,
+// so that the ticks before the fault are preserved. A reader outside the loop then reads it and
+// calls rearm(), which starts the recording again.
 // Threads: loop (record), one reader (everything else).
 #pragma once
 
@@ -12,25 +13,26 @@
 
 namespace hapticast::client {
 
-/// Ring buffer of tick reports with a freeze on the first fault.
+/// Ring buffer of tick reports. A report with a fault freezes it.
 class FlightRecorder {
  public:
-  /// Length of the recording: 2 s.
+  /// Number of ticks in the recording: 2 s.
   static constexpr std::size_t kTicks = 2000;
 
-  /// Stores the report; a report with a fault freezes the recorder. A frozen recorder ignores it.
-  /// Thread: loop.
+  /// Stores `report`. If the report has a fault, the recorder freezes after it. A frozen recorder
+  /// ignores the call. Thread: loop.
   void record(const TickReport& report) noexcept;
 
-  /// Returns true after a fault. Then one reader thread may call size() and at(). Thread: any.
+  /// Returns true from a fault until rearm(). Only in that time may one reader thread call size()
+  /// and at(). Thread: any.
   [[nodiscard]] bool frozen() const noexcept { return frozen_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
-  /// Returns report `index`: 0 is the oldest, size() - 1 the report with the fault. Requires
-  /// frozen() and index < size().
+  /// Returns the report with the index `index`. Index 0 is the oldest report, and size() - 1 is the
+  /// report with the fault. Requires frozen() and index < size().
   [[nodiscard]] const TickReport& at(std::size_t index) const noexcept {
     return reports_[(next_ + kTicks - count_ + index) % kTicks];
   }
-  /// Empties a frozen recorder and enables it again. Thread: the reader.
+  /// Empties a frozen recorder and starts the recording again. Thread: the reader.
   void rearm() noexcept;
 
  private:

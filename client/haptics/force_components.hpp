@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Splits the rendered force into a sustained and a transient component, for outputs with less
-// bandwidth than a haptic device: rumble and sound. Method: a one-pole low-pass of 50 ms, and a
-// peak hold with the same time constant.
+// Splits the rendered force into a sustained and a transient component. Outputs with less bandwidth
+// than a haptic device (rumble and sound) need the two. A one-pole low-pass of 50 ms separates
+// them. A peak hold with the same time constant makes a short transient last longer.
 // Thread: any, one at a time.
 #pragma once
 
@@ -12,16 +12,17 @@
 
 namespace hapticast::client {
 
-/// The two components of a tick.
+/// The two components of the force in one tick.
 struct ForceComponents {
   double sustained_N = 0.0;
-  double transient_N = 0.0;  ///< dynamic force, begin of a touch, impacts; with peak hold
+  /// Dynamic force, impacts and the begin of a touch, after the peak hold.
+  double transient_N = 0.0;
 };
 
-/// Computes the components; its state is the filter.
+/// Computes the two components tick by tick. Its state is that of the low-pass and the peak hold.
 class TransientDetector {
  public:
-  /// Returns the components of this tick. Call once for every tick.
+  /// Returns the components of the force in `report`. Call it once for every tick, in order.
   ForceComponents next(const TickReport& report) noexcept {
     const double rendered_N = report.force_N.norm();
     if (!(rendered_N > kNothing_N)) {
@@ -40,10 +41,10 @@ class TransientDetector {
   }
 
  private:
-  // Chosen: a smaller force counts as no touch.
+  // The value is a choice: a smaller force counts as no touch.
   static constexpr double kNothing_N = 0.01;
-  // Chosen: the peak hold lasts until a motor runs up (for 15 ms of an impact), and an event loop
-  // of 10 ms reads it.
+  // The value is a choice. A motor needs this long to run up, although an impact lasts only 15 ms.
+  // An event loop of 10 ms also reads the peak in that time.
   static constexpr double kSudden_s = 0.05;
   Vec3 slow_N_ = Vec3::Zero();
   double transient_N_ = 0.0;

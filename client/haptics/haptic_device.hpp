@@ -15,44 +15,49 @@
 
 namespace hapticast::client {
 
-/// Constants of a device class. The defaults are an Omni class: mass, count, peak and continuous
-/// force are from its data sheet. The other values are chosen or measured
+/// Constants of a device class. The defaults are those of an Omni class. Its mass, count, peak and
+/// continuous force are from the data sheet. The other values are choices or were measured
 /// (client/haptics/README.md, "Constants of the chain").
 struct DeviceProfile {
   std::string name = "omni";
-  double mass_kg = 0.045;  ///< apparent mass at the HIP; never overstate it
-  /// Clamp of the force.
+  /// Apparent mass of the device at the HIP; a profile must never overstate it.
+  double mass_kg = 0.045;
+  /// Largest force that the safety chain sends.
   double peak_N = 3.3;
-  /// Force that the motors can hold for ever.
+  /// Force that the motors can exert for ever.
   double continuous_N = 0.88;
-  double count_mm = 0.055;  ///< position quantum of the encoders
-  /// Ticks between reading the position and the begin of the force, 0..5; never understate it.
+  double count_mm = 0.055;  ///< smallest change of the position that the encoders measure
+  /// Delay: the number of ticks from the reading of a position to the begin of its force, 0..5. A
+  /// profile must never understate it.
   int delay_ticks = 1;
-  /// Enabling button (dead-man's switch): bit of DeviceState::buttons. Force acts only while the
-  /// user holds the button. nullopt: the device has no such button.
+  /// Bit of the enabling button (dead-man's switch) in DeviceState::buttons. A force acts only
+  /// while the user holds the button. nullopt: the device has no such button.
   std::optional<int> enable_button;
-  /// Bits of the buttons that pause or resume play time, and that re-arm the force.
+  /// Bits of two buttons in DeviceState::buttons. The first pauses or resumes play time. The second
+  /// re-arms the force. nullopt: the device has no such button.
   std::optional<int> pause_button;
   std::optional<int> rearm_button;
-  double stiffness_N_mm = 0.5;  ///< stiffness without an author's value
+  double stiffness_N_mm = 0.5;  ///< stiffness of a surface for which the author states none
   double slew_rise_N_per_tick = 0.2;
   double slew_fall_N_per_tick = 0.5;
-  double residue_N_per_tick = 0.1;  ///< release ramp: descent of a force without a cause
-  double pulse_limit_N = 2.0;       ///< largest height of an impact pulse
-  double tank_mJ = 15.0;            ///< energy tank: energy into the hand at once
-  double tank_W = 0.2;              ///< energy tank: sustained power into the hand
-  double thermal_s = 20.0;          ///< time constant of the motors' heat
+  /// Release ramp: a force without a cause descends by this much per tick.
+  double residue_N_per_tick = 0.1;
+  double pulse_limit_N = 2.0;  ///< largest force of the pulse of an impact
+  double tank_mJ = 15.0;  ///< energy tank: energy that the force may transfer into the hand at once
+  double tank_W = 0.2;    ///< energy tank: power that refills the tank
+  double thermal_s = 20.0;  ///< time constant of the motors' heat
   Vec3 workspace_mm = {160.0, 120.0, 70.0};
 };
 
-/// kNoData: no new position in this tick. kLost: the device does not answer any more.
+/// Status of a reading. kNoData: the device has no new position in this tick. kLost: the device
+/// does not answer any more.
 enum class DeviceStatus : std::uint8_t { kOk = 0, kNoData = 1, kLost = 2 };
 
 /// One reading of the device.
 struct DeviceState {
   Vec3 position_mm = Vec3::Zero();  ///< device frame
   std::uint32_t buttons = 0;
-  LocalTime time;  ///< time of the position
+  LocalTime time;  ///< time when the position was measured
   DeviceStatus status = DeviceStatus::kOk;
 };
 
@@ -64,8 +69,8 @@ inline bool enabled(const DeviceProfile& profile, const DeviceState& state) noex
 /// Counters of a device with a request-reply protocol.
 struct DeviceTraffic {
   std::uint64_t round_trips = 0;
-  std::uint64_t misses = 0;   ///< ticks without a reply to their request
-  std::uint64_t resyncs = 0;  ///< damaged replies
+  std::uint64_t misses = 0;   ///< number of ticks in which no reply to the request arrived
+  std::uint64_t resyncs = 0;  ///< number of damaged replies
 };
 
 struct TickReport;
@@ -74,26 +79,31 @@ struct TickReport;
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
-  /// The profile must be constant for the lifetime of the device.
+  /// Returns the profile of the device. It must not change during the lifetime of the device.
   [[nodiscard]] virtual const DeviceProfile& profile() const noexcept = 0;
   /// Returns a description for the log, such as "virtual device (omni) in a hand that does: press".
   /// Thread: any.
   [[nodiscard]] virtual std::string description() const = 0;
-  /// Blocks until the next tick is due, at the latest until about `deadline`. Thread: loop, outside
-  /// the tick.
+  /// Blocks until the next tick is due. A device with a pace of its own may end the wait before
+  /// `deadline`. Otherwise the wait ends at about `deadline`. Thread: loop, outside the tick.
   virtual void waitForTick(LocalTime deadline) noexcept = 0;
-  /// Sends `force_N` (device frame, finite) and returns the newest position. Does not block.
-  /// Thread: loop.
+  /// Sends `force_N` (device frame, finite) to the device and returns the newest reading. `report`
+  /// is the report of the tick before; a simulated hand reads it. The call does not block. Thread:
+  /// loop.
   virtual DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept = 0;
-  /// Sends the force of this tick before the next exchange(), which repeats it. A device may ignore
-  /// the call. Does not block. Thread: loop.
+  /// Sends the force of this tick at the end of the tick, before the next exchange() sends it
+  /// again. So the device receives the force earlier. A device may ignore the call. The call does
+  /// not block. Thread: loop.
   virtual void sendForceEarly(const Vec3& /*force_N*/) noexcept {}
-  /// Runs the device's share of the main loop: about every 10 ms, and once after the last tick.
-  /// Some libraries require calls in the main thread. Must not block. Thread: main.
+  /// Runs the device's part of the main loop, because some libraries require calls in the main
+  /// thread. The client calls it about every 10 ms, and once after the last tick. It must not
+  /// block. Thread: main.
   virtual void poll() {}
-  /// Returns the next line for the user: an instruction or an event. nullopt: none. Thread: main.
+  /// Returns the next line for the user: an instruction or an event. Returns nullopt if there is
+  /// none. Thread: main.
   [[nodiscard]] virtual std::optional<std::string> nextMessage() { return std::nullopt; }
-  /// Returns the counters of the protocol; nullopt for a device without one. Thread: any.
+  /// Returns the counters of the device's protocol. Returns nullopt for a device without a
+  /// protocol. Thread: any.
   [[nodiscard]] virtual std::optional<DeviceTraffic> traffic() const noexcept {
     return std::nullopt;
   }

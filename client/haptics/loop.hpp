@@ -17,36 +17,41 @@ namespace hapticast::client {
 /// Statistics of a run. Thread: loop; any thread after runLoop() has returned.
 struct LoopStats {
   std::uint64_t ticks = 0;
-  std::uint64_t late_ticks = 0;  ///< began more than 1.5 ms after the tick before
-  Histogram tick_ns;             ///< time in the renderer
-  Histogram exchange_ns;         ///< time in the device
+  /// Number of ticks that began more than 1.5 ms after the tick before.
+  std::uint64_t late_ticks = 0;
+  Histogram tick_ns;      ///< time that the renderer needed for each tick
+  Histogram exchange_ns;  ///< time that HapticDevice::exchange() needed in each tick
   std::array<std::uint64_t, kLookupKinds> lookup{};
-  std::array<std::uint64_t, kLookupKinds> contact_lookup{};  ///< ticks in contact only
+  /// The same, for the ticks in contact only.
+  std::array<std::uint64_t, kLookupKinds> contact_lookup{};
   std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
-  std::array<std::uint64_t, kFaultKinds> faults{};  ///< index: Fault
+  /// Number of faults of each kind; the index is a Fault.
+  std::array<std::uint64_t, kFaultKinds> faults{};
   std::uint64_t contact_ticks = 0;
-  /// Largest |force|, largest |change| of the force in a tick.
+  /// Largest magnitude of the force, and largest change of the force from one tick to the next.
   double max_force_N = 0.0;
   double max_force_step_N = 0.0;
-  /// Largest excess over the slew limit; must be 0.
+  /// Largest step of the force beyond the slew limit. It must be 0.
   double step_excess_max_N = 0.0;
-  PortWork work;  ///< work of the force at its ports
+  PortWork work;  ///< work of the force since the start, by its cause
 
-  /// Counts one tick. `step_N` is the |change| of the force, N.
+  /// Adds one tick to the statistics. `step_N` is the magnitude of the change of the force since
+  /// the tick before, N.
   void add(const TickReport& report, double step_N) noexcept;
 };
 
-/// Runs ticks until `stop`, then ramps the force to zero and leaves the device at zero.
+/// Runs the haptic loop until `stop` is true. It then ramps the force to zero, and sends the device
+/// a last force of zero.
 ///
-/// Deadlines lie on a grid of 1 ms. The loop skips the deadlines that a stall has missed, without a
-/// burst of ticks. A device with an early reply moves the grid: the next deadline is at most one
-/// period away. So the deadline remains a watchdog. All arguments must outlive the call. Thread:
-/// the loop's own.
+/// Each tick has a deadline for its begin, on a grid of 1 ms. After a stall the loop skips the
+/// missed deadlines, without a burst of ticks. A device whose reply ends the wait early moves the
+/// grid, so the next deadline is at most one period away. So the deadline starts a tick even if a
+/// device stops to reply. All arguments must outlive the call. Thread: the loop's own.
 void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
              const std::atomic<bool>& stop, LoopStats& stats) noexcept;
 
-// The thread of the 1 kHz loop (RAII). The destructor ramps the force to zero and joins the thread,
-// also when an exception unwinds the owner's scope.
+// The thread of the 1 kHz loop as an object. Its destructor ramps the force to zero and joins the
+// thread. It does so as well when an exception leaves the owner's scope.
 // Thread: the owner's, for all public functions.
 
 /// Runs the haptic loop in a thread of its own.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Rate limiter for a parameter of a material (stiffness, damping, friction). In contact a change is
-// spread over 0.3 s, so that a stream can neither strike the hand nor pump energy with the
-// parameter.
+// Rate limiter for a parameter of a material (stiffness, damping, friction). In contact it spreads
+// a change of the parameter over 0.3 s. So a stream can neither strike the hand nor pump energy
+// with the parameter.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -14,12 +14,12 @@
 
 namespace hapticast::client {
 
-/// Limits the rate of one parameter.
+/// Limits how fast one parameter changes.
 class ParameterRateLimiter {
  public:
-  /// Returns the value of this tick for the requested value `wanted`. Without a contact the value
-  /// is `wanted` at once. A `wanted` that is not finite passes unchanged and does not alter the
-  /// state.
+  /// Returns the value to use in this tick for the requested value `wanted`. Without a contact it
+  /// is `wanted` at once. A `wanted` that is not finite is returned unchanged, and the state
+  /// remains as it was.
   double step(double wanted, bool in_contact) noexcept {
     if (!std::isfinite(wanted)) return wanted;  // the safety chain rejects it
     if (!in_contact) value_ = goal_ = wanted;
@@ -32,24 +32,25 @@ class ParameterRateLimiter {
   }
 
  private:
-  static constexpr double kChange_s = 0.3;  // chosen: too slow to drive a hand
+  static constexpr double kChange_s = 0.3;  // a choice: too slow to drive a hand
   double value_ = 0.0;
   double goal_ = 0.0;
   double step_ = 0.0;  // per tick
 };
 
-// Applies the user's controls to the force. Gains change slowly in contact (ParameterRateLimiter).
-// A change of method or surface has no gain between old and new, so the force restarts from zero.
+// Applies the user's controls to the force. In contact, gains change slowly (ParameterRateLimiter).
+// A change of the method or of the surface model cannot be gradual, so the force then restarts from
+// zero.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 
-/// Gains and choices of the user.
+/// The gains and the choices of the user in the present tick.
 class UserForceMix {
  public:
   UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 
-  /// Reads the controls of this tick. Returns true if the surface in contact is another one: its
-  /// force has to fade in from zero.
+  /// Applies the user's controls of this tick. Returns true if the surface in contact is now
+  /// another one. The caller then has to fade in its force from zero.
   bool update(const UserControls& user) noexcept {
     const Method method = user.method.value_or(own_method_);
     const SurfaceKind surface = user.surface.value_or(own_surface_);
@@ -71,9 +72,9 @@ class UserForceMix {
 
   [[nodiscard]] Method method() const noexcept { return method_; }
   [[nodiscard]] SurfaceKind surface() const noexcept { return surface_; }
-  /// Gain of wall and damper, 0..1.
+  /// Returns the gain of the wall's spring and damper, 0..1.
   [[nodiscard]] double staticGain() const noexcept { return wall_; }
-  /// Factor of the requested stiffness, 0.1..3.
+  /// Returns the factor by which the requested stiffness is multiplied, 0.1..3.
   [[nodiscard]] double stiffness() const noexcept { return stiffness_; }
   [[nodiscard]] const std::optional<double>& friction() const noexcept { return friction_; }
 

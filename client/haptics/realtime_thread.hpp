@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Real-time scheduling of the calling thread: SCHED_FIFO, locked memory, and flush-to-zero of
-// denormal numbers.
+// Real-time properties of the calling thread: the scheduling class SCHED_FIFO, locked memory, and
+// zero in place of denormal numbers.
 // Thread: the thread of the 1 kHz loop, before the first tick.
 #pragma once
 
@@ -12,8 +12,8 @@ struct RealtimeGrant {
   bool mlock = false;  ///< present and future memory of the process stays in RAM
 };
 
-/// Requests both properties for the calling thread and returns the granted ones. A refusal is no
-/// error. Call in the loop's thread, before the loop.
+/// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns what the
+/// system granted. A refusal is no error. Call it in the loop's thread, before the loop.
 RealtimeGrant requestRealtime() noexcept;
 
 /// Makes the calling thread, and the threads that it starts, treat numbers below 2.2e-308 as zero.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Policy of automatic re-arming (--rearm): decides when a halted force may return.
+// Policy of automatic re-arming (--rearm). Re-arming ends a halt, so that the force can return. The
+// policy decides when the client re-arms by itself.
 // Thread: main.
 #pragma once
 
@@ -7,24 +8,26 @@
 
 namespace hapticast::client {
 
-/// Decides on the re-arming of a halted force. Reads every tick report in order.
+/// Decides when to re-arm a halted force. It needs every tick report, in order.
 class RearmPolicy {
  public:
-  /// Wait between the loss of trust and its automatic re-arming. Chosen.
+  /// Time from a loss of trust to its automatic re-arming. The value is a choice.
   static constexpr Duration kDelay = std::chrono::seconds(5);
-  /// Number of automatic re-armings after a loss of trust. Chosen.
+  /// Largest number of automatic re-armings after a loss of trust, per run. The value is a choice.
   static constexpr int kMaxCount = 3;
 
-  /// `by_itself`: automatic re-arming is on. `by_key`: the user can re-arm with a key of the
+  /// `by_itself`: the client re-arms automatically. `by_key`: the user can re-arm with a key of the
   /// window.
   explicit RearmPolicy(bool by_itself, bool by_key = false)
       : by_itself_(by_itself), by_key_(by_key) {}
 
-  /// Processes a report. Returns true if the caller has to re-arm the force now.
+  /// Processes one report. Returns true if the caller has to re-arm the force now. Without
+  /// automatic re-arming it always returns false.
   [[nodiscard]] bool onReport(const TickReport& report);
-  /// Returns true if re-arming is automatic. For a returned device it has no count limit.
+  /// Returns true if the client re-arms automatically. The number of re-armings after the return of
+  /// a device has no limit.
   [[nodiscard]] bool automatic() const { return by_itself_; }
-  /// Returns true if a key of the window re-arms.
+  /// Returns true if the user can re-arm with a key of the window.
   [[nodiscard]] bool manual() const { return by_key_; }
   /// Returns the number of remaining automatic re-armings after a loss of trust.
   [[nodiscard]] int left() const { return by_itself_ ? kMaxCount - forgiven_ : 0; }

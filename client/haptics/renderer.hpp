@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Haptic rendering: one tick from the device's position to the force. The steps are motion
-// estimation, scene interpolation, contact, dynamic force and safety chain
+// Haptic rendering: computes the force from the device's position, once in every tick. The steps
+// are motion estimation, scene interpolation, contact, dynamic force and safety chain
 // (client/haptics/README.md, "One tick").
-// No heap, locks, system calls or exceptions. Time is an argument. All state has a fixed size.
+//
+// A tick uses no heap, locks, system calls or exceptions. Time is an argument. All state has a
+// fixed size.
 // Thread: loop, unless a function states another one.
 #pragma once
 
@@ -27,35 +29,39 @@ struct RendererSettings {
   DeviceProfile profile;
   SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
-  Method method = Method::kHapticast;  ///< kThesis: cubic interpolation of forces between frames
-  bool unconfirmed = false;     ///< automatically detected device: no force before a re-arming
-  double stiffness_N_mm = 0.0;  ///< > 0: overrides material and profile
-  /// Limit of an author's stiffness; 0: three times the profile's stiffness.
+  /// KThesis interpolates displacements between frames (thesis_interpolation.hpp).
+  Method method = Method::kHapticast;
+  bool unconfirmed = false;  ///< the device was detected automatically: no force before a re-arming
+  double stiffness_N_mm = 0.0;  ///< above 0 it replaces the stiffness of author and profile
+  /// Limit of the stiffness that an author requests. 0 selects three times the profile's stiffness.
   double stiffness_limit_N_mm = 0.0;
 };
 
-/// The haptic renderer. Its size is about 1 MB (the flight recorder): do not put it on the stack.
+/// The haptic renderer. The object needs about 1 MB because of the flight recorder, so do not place
+/// it on the stack.
 class HapticRenderer {
  public:
   using Log = SpscRing<TickReport, 4096>;
-  /// All arguments must outlive the renderer. `log` may be null; the renderer never waits for it
-  /// and counts the reports that find it full.
+  /// Reads frames from `pool`, and the latest values of `stream` and `user`. It appends every
+  /// report to `log`, which may be null. If the log is full, the renderer drops the report and
+  /// counts it. All arguments must outlive the renderer.
   HapticRenderer(const RendererSettings& settings, FramePool& pool,
                  LatestValue<StreamTiming>& stream, LatestValue<UserControls>& user,
                  Log* log) noexcept;
 
-  /// Runs one tick and returns its report; report().force_N is the force for the device. Thread:
-  /// loop.
+  /// Runs one tick at the time `now` with the reading `state`. Returns the report of the tick; its
+  /// force_N is the force for the device. Thread: loop.
   const TickReport& tick(LocalTime now, const DeviceState& state) noexcept;
-  /// Sets the duration of the last tick, for the next report. Thread: loop.
+  /// Sets the duration of the last tick. The next report includes it. Thread: loop.
   void setLastTickDuration(Duration last) noexcept { report_.tick_duration = last; }
-  /// Ramps the force to zero for good. Thread: loop.
+  /// Ramps the force to zero at the end of a run. Thread: loop.
   void stop() noexcept { safety_.stop(); }
 
   [[nodiscard]] const TickReport& report() const noexcept { return report_; }
-  /// Number of reports that found the log full. Thread: loop, or any after the end of the loop.
+  /// Returns the number of reports that were dropped because the log was full. Thread: loop, or any
+  /// after the end of the loop.
   [[nodiscard]] std::uint64_t droppedReports() const noexcept { return dropped_reports_; }
-  /// Number of frames that arrived after their play time. Thread: as droppedReports().
+  /// Returns the number of frames that arrived after their play time. Thread: as droppedReports().
   [[nodiscard]] std::uint64_t lateFrames() const noexcept { return lookup_.lateFrames(); }
   [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Report of one tick of the haptic loop: input for the log, the views and the flight recorder.
-// Thread: written by the loop, read by any thread as a copy.
+// Report of one tick of the haptic loop. The log, the views and the flight recorder use it.
+// Thread: the loop writes it; any thread reads a copy.
 #pragma once
 
 #include <cstddef>
@@ -15,57 +15,59 @@
 
 namespace hapticast::client {
 
-/// Cause of a fault. The first fault freezes the flight recorder.
+/// Cause of a fault. A fault freezes the flight recorder.
 enum class Fault : std::uint8_t {
   kNone = 0,
   kNotFinite,
   kDeviceLost,
   kLatency,
-  kTooFar,     ///< displacement beyond the reach of any device
-  kTrustLost,  ///< trust is spent: too many safety actions due to the stream
+  kTooFar,     ///< the displacement is longer than the reach of any device
+  kTrustLost,  ///< too many safety actions due to the stream (safety/trust.hpp)
 };
 inline constexpr std::size_t kFaultKinds = 6;
 
-/// One tick, without ownership. Positions and penetration are in nominal mm, forces in N in the
-/// device frame.
+/// The report of one tick. It owns no memory. Positions and penetration are in nominal mm. Forces
+/// are in N, in the device frame.
 struct TickReport {
   std::uint64_t tick = 0;
   LocalTime time;
   MediaTime play_time;
   Duration playout_delay{0};
-  Duration tick_duration{0};  ///< duration of the tick before
+  Duration tick_duration{0};  ///< computing time of the tick before
   Vec3 hip_mm = Vec3::Zero();
   Vec3 force_N = Vec3::Zero();  ///< force sent to the device
-  Vec3 static_force_N =
-      Vec3::Zero();  ///< force of the surface after its wall law, before the limits of the chain
+  /// Force of the surface by the wall law, before the limits of the safety chain.
+  Vec3 static_force_N = Vec3::Zero();
   Vec3 dynamic_force_N = Vec3::Zero();
-  double penetration_mm = 0.0;     ///< |displacement|; 0 without contact
-  Vec3 contact_mm = Vec3::Zero();  ///< surface point of the HIP; valid in contact only
+  double penetration_mm = 0.0;     ///< length of the displacement; 0 without contact
+  Vec3 contact_mm = Vec3::Zero();  ///< surface point that belongs to the HIP; valid only in contact
   bool contact = false;
   Lookup lookup = Lookup::kEmpty;
-  Fault fault = Fault::kNone;  ///< fault that began in this tick
+  Fault fault = Fault::kNone;  ///< fault that began in this tick, if any
   DeviceStatus device = DeviceStatus::kOk;
   std::uint32_t buttons = 0;  ///< bits as in DeviceState
-  bool enabled = true;        ///< the user holds the enabling button, or the profile has none
-  Halt halt = Halt::kNone;    ///< cause of a halt of the force until UserControls::rearm
+  bool enabled = true;        ///< the user holds the enabling button, or the device has none
+  Halt halt = Halt::kNone;    ///< cause of the present halt, which lasts until UserControls::rearm
   SafetyAction trust_loss_cause =
-      SafetyAction::kImplausible;   ///< most frequent safety action before a loss of trust
-  double step_excess_N = 0.0;       ///< excess over the slew limit of the chain; must be 0
+      SafetyAction::kImplausible;  ///< most frequent of the safety actions that count against trust
+  double step_excess_N = 0.0;      ///< step of the force beyond the slew limit; must be 0
   std::uint32_t interferences = 0;  ///< one bit for each safety action that changed the force
-  PortWork work;                    ///< work of the force at its ports
-  DeviceMapping mapping;            ///< nominal <-> device mm in this tick
+  PortWork work;                    ///< work of the force since the start, by its cause
+  DeviceMapping mapping;            ///< conversion between nominal and device mm in this tick
   // The object nearest to the HIP, for the window and for scripted hands.
   bool object_present = false;
   std::uint32_t object_id = 0;
-  Vec3 object_position_mm = Vec3::Zero();  ///< reference point at play time
+  Vec3 object_position_mm = Vec3::Zero();  ///< position of its reference point at play time
   Vec3 object_velocity_mm_s = Vec3::Zero();
-  Vec2 object_centre_mm = Vec2::Zero();  ///< inner point of the mask with the largest edge distance
+  /// Point of its mask that is farthest from the mask's edge.
+  Vec2 object_centre_mm = Vec2::Zero();
   double object_centre_height_mm = 0.0;  ///< height of the surface at object_centre_mm
-  bool over_object = false;              ///< the HIP lies above, or in, the mask
+  bool over_object = false;              ///< in the picture, the HIP lies inside the object's mask
   double height_at_hip_mm = 0.0;  ///< height of the surface under the HIP; 0 without over_object
 };
 
-/// Returns true if a lost device answers again while the force waits for UserControls::rearm.
+/// Returns true if a device that was lost answers again, and the force still waits for
+/// UserControls::rearm.
 inline bool deviceIsBack(const TickReport& report) noexcept {
   return report.halt == Halt::kDeviceLost && report.device == DeviceStatus::kOk;
 }

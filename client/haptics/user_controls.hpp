@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Input of the loop from the user. The other input is StreamTiming.
+// Controls of the user: one of the two inputs of the loop from other threads. The other one is
+// StreamTiming.
 // Thread: main (writer), loop (reader of the latest value).
 #pragma once
 
@@ -11,42 +12,46 @@
 
 namespace hapticast::client {
 
-// The surface models by name (--surface). client/haptics/README.md, section 2, compares them.
+// The surface models. Each computes the displacement from the HIP to the surface in its own way
+// (--surface). client/haptics/README.md, section 2, compares them.
 
 enum class SurfaceKind : std::uint8_t {
-  kPerturbed,  ///< Eq. 3 divided by k, as printed
-  kNormal,     ///< distance to the tangent plane, d / (1 + |g|²) along M
-  kProxy,      ///< god-object proxy (proxy_surface.hpp); the only model with a state
+  kPerturbed,  ///< Eq. 3 of the thesis, divided by its stiffness k
+  kNormal,     ///< distance to the tangent plane: d / (1 + |g|²) along M
+  kProxy,      ///< god-object proxy (proxy_surface.hpp); only this model has a state
 };
 
-/// Requests of the user, without ownership. Whatever the values, the force changes without a step
-/// and stays within the limits of the safety chain.
+/// Requests of the user. The struct owns no memory. Whatever the values are, the force changes
+/// without a step, and it remains within the limits of the safety chain.
 struct UserControls {
-  /// Holds the current frame for exploration. After the pause the loop joins the stream like a new
-  /// one: earlier frames are void, and the force fades in from zero.
+  /// True: play time stops, so that the user can explore the current frame. After the pause the
+  /// loop starts with the stream as at a new connection. It drops the earlier frames, and the force
+  /// fades in from zero.
   bool paused = false;
-  /// A new value re-arms the force after the return of a lost device, a loss of trust, or at an
-  /// unconfirmed device. The force fades in.
+  /// A new value re-arms the force, which then fades in. A force needs that after the return of a
+  /// lost device, after a loss of trust, and for a device that the user has not confirmed.
   std::uint32_t rearm = 0;
-  /// Enables each of the two forces. A re-enabled surface fades in like a new one.
+  /// Enable the static and the dynamic force. If the static force is enabled again, it fades in
+  /// from zero.
   bool static_on = true;
   bool dynamic_on = true;
-  /// Factor of the stiffness of author and profile, 0.1..3. The result stays within
-  /// --stiffness-limit.
+  /// Factor of the stiffness that the author or the profile states, 0.1..3. The product remains
+  /// within --stiffness-limit.
   double stiffness_factor = 1.0;
-  double force_factor = 1.0;                      ///< factor of both forces, 0..1
-  std::optional<double> friction = std::nullopt;  ///< 0..1; overrides the author's friction
-  std::optional<Method> method = std::nullopt;    ///< overrides the method of the start
+  double force_factor = 1.0;  ///< factor of both forces, 0..1
+  /// Friction coefficient, 0..1; replaces the author's friction.
+  std::optional<double> friction = std::nullopt;
+  std::optional<Method> method = std::nullopt;  ///< replaces the method of --method
   std::optional<SurfaceKind> surface = std::nullopt;
 };
 
-// Target of a pointing device. The window writes it, a device that follows the pointer (mouse)
+// Target of a pointing device. The window writes it. A device that follows the pointer (a mouse)
 // reads it.
 // Thread: any; LatestValue carries it between threads.
 
-/// A target for the HIP, without ownership.
+/// A target position for the HIP. The struct owns no memory.
 struct PointerTarget {
-  bool known = false;               ///< false until the pointer was over the picture
+  bool known = false;  ///< false until the pointer was over the picture for the first time
   Vec3 position_mm = Vec3::Zero();  ///< nominal frame
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The protocol session with a server: dial, hello, welcome, pings, reports, and reconnection with
-// exponential back-off. A channel carries the bytes; the receiver processes the frames.
+// Connection to a server by the protocol of proto/README.md. It dials, sends the hello, receives
+// the welcome, and exchanges pings and reports. After a loss it reconnects, with pauses that
+// double. A channel carries the bytes, and the Receiver processes the frames.
 // Thread: network (the thread that runs `io`), except where a function says "any".
 #pragma once
 
@@ -26,30 +27,37 @@ struct ConnectionSettings {
   DeliverySettings delivery;
   std::string client_name = "hapticast-client";
   bool wants_video = false;
-  /// Limit for look-up, connection and welcome, each.
+  /// Time limit for each of three steps: the look-up of the name, the connection, and the welcome.
   Duration connect_deadline = std::chrono::seconds(5);
-  /// Longest time without a message from the server.
+  /// Longest time without a message from the server. After it the connection counts as lost.
   Duration silence_limit = std::chrono::seconds(3);
-  Duration first_retry = std::chrono::milliseconds(200);  ///< doubled up to last_retry
+  /// First pause before a retry; each further pause is doubled, up to last_retry.
+  Duration first_retry = std::chrono::milliseconds(200);
   Duration last_retry = std::chrono::seconds(1);
-  /// A connection that brought frames for this long was good. Only a good one resets the retry
-  /// pause. Chosen: a server with an error after every welcome is retried once a second.
+  /// A connection that delivered frames for this long was good. Only a good connection resets the
+  /// pause before the next retry. The value is a choice: a server that fails after every welcome is
+  /// retried once a second.
   Duration good_after = std::chrono::seconds(3);
-  /// Longest time after the welcome without an answered ping.
+  /// Longest time after the welcome in which no ping is answered. After it the connection counts as
+  /// lost.
   Duration pong_limit = std::chrono::seconds(5);
   Duration ping_interval = std::chrono::seconds(1);
   Duration burst_interval =
       std::chrono::milliseconds(20);  ///< interval of the first ClockSync::kBurst pings
 };
 
-/// Callbacks in the network thread; each may be empty.
+/// Callbacks. The connection calls them in the network thread. Each may be empty.
 struct ConnectionEvents {
-  std::function<void(const StreamDescription&)> welcomed;  ///< connected
+  std::function<void(const StreamDescription&)> welcomed;  ///< the server's welcome arrived
   std::function<void(VideoFrame)> video;
-  std::function<void(double)> preparing;  ///< share of its clip that the server has prepared, 0..1
-  std::function<void(const std::string&)> delivery;      ///< change of the transport, one line
-  std::function<void(const std::string&)> disconnected;  ///< cause, one line; a retry follows
-  std::function<void(const std::string&)> failed;        ///< cause, one line; no retry follows
+  /// Share (0..1) of its clip that the server has scanned before the first frame.
+  std::function<void(double)> preparing;
+  /// The transport has changed; one line for the user.
+  std::function<void(const std::string&)> delivery;
+  /// The connection was lost, with the cause (one line); a retry follows.
+  std::function<void(const std::string&)> disconnected;
+  /// The connection has failed, with the cause (one line); no retry follows.
+  std::function<void(const std::string&)> failed;
 };
 
 /// Connects to a server and reconnects after each loss.
@@ -59,35 +67,37 @@ class Connection {
   Connection(asio::io_context& io, const Clock& clock, ConnectionSettings settings,
              Receiver& receiver, ConnectionEvents events);
 
-  /// Begins to connect. Call once.
+  /// Begins to connect. Call it once.
   void start();
-  /// Ends the connection for good, so that `io` runs out of work. A pending name look-up may last
-  /// some seconds longer. Thread: any.
+  /// Ends the connection for good, so that `io` has no more work. A look-up that is running may
+  /// last some seconds longer. Thread: any.
   void stop();
-  /// Sets the contact flag of the reports to the server.
+  /// Sets the contact flag that the next reports to the server have.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
-  /// Bytes of all sessions so far.
+  /// Returns the number of bytes received in all sessions.
   [[nodiscard]] std::uint64_t bytesReceived() const;
-  /// Datagram counters of all sessions so far.
+  /// Returns the datagram counters, summed over all sessions.
   [[nodiscard]] DatagramCounts datagrams() const;
-  /// Present delivery, or that of the last session.
+  /// Returns the present transport and its quality. Without a session they are those of the last
+  /// session.
   [[nodiscard]] DeliveryStats delivery() const;
 
  private:
   struct Session;  // a session with one server over one channel
   using ConversationPtr = std::shared_ptr<Session>;
-  /// End of a session.
+  /// The reason why a session ended.
   struct CloseReason {
     std::string why;                // one line
     std::optional<ErrorCode> code;  // code of the protocol, if it has one
     bool no_such_server = false;
   };
 
-  /// Loop over sessions and retries, until stop() or a permanent error.
+  /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
+  /// useless.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless. The first case is a server of another protocol version.
-  /// The second case needs that no server was ever reached: the host name does not exist, or the
-  /// peer uses another protocol.
+  /// Returns true if a retry is useless. That is so if the server has another protocol version. If
+  /// no server was ever reached, it is also so in two more cases. The host name does not exist, or
+  /// the peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);

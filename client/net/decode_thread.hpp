@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Second stage of reception: decodes reliefs, prepares them as height fields and publishes the
-// frames to the loop. A preparation lasts milliseconds. It has a thread of its own, so that the
-// network thread answers pings and stamps arrivals meanwhile.
+// Second stage of reception: decodes the reliefs of a frame, prepares them as height fields, and
+// publishes the frame to the loop. A preparation lasts milliseconds. It has a thread of its own, so
+// that the network thread can answer pings and register arrival times meanwhile.
 // Thread: each function states its own.
 #pragma once
 
@@ -22,26 +22,27 @@
 
 namespace hapticast::client {
 
-// Bounded queue between the network thread and the decode thread. If frames arrive faster than the
-// decoding, the newest ones win: the queue drops the oldest frame but stores its reliefs. Later
-// frames may declare those reliefs unchanged.
+// Bounded queue between the network thread and the decode thread. If frames arrive faster than they
+// are decoded, the queue drops the oldest frame. It stores the reliefs of a dropped frame, because
+// later frames may declare them unchanged.
 // Thread: one at a time; DecodeThread locks it.
 
 class FrameQueue {
  public:
-  /// As many as the loop can hold, so that the burst after a stall of the network is played.
+  /// Largest number of queued frames. The loop can store as many, so the frames that arrive
+  /// together after a stall of the network are all played.
   static constexpr std::size_t kMaxFrames = FramePool::kSlots;
-  /// Limit of the bytes of all queued slices, and of all stored slices. Chosen: a server occupies
-  /// at most 2 x 64 MB here.
+  /// Limit of the bytes of all queued slices. The stored slices of dropped frames have the same
+  /// limit. The value is a choice: a server can use at most 2 x 64 MB of memory here.
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
-  /// A frame, and the reliefs of the frames that were dropped before it.
+  /// A frame, and the reliefs of frames that were dropped before it.
   struct Accepted {
     AssembledFrame assembled;
     std::vector<CodedObject> left_out;  ///< oldest first
   };
 
-  /// Appends a frame. Returns the number of older frames that were dropped for it.
+  /// Appends a frame. Returns the number of older frames that the queue dropped for it.
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
@@ -57,11 +58,12 @@ class FrameQueue {
   std::vector<CodedObject> kept_;      // of dropped frames, one per object and layer
 };
 
-/// Result of a frame.
+/// Result of the preparation of one frame.
 struct PreparedFrame {
   FramePlace place;
-  LocalTime ready;           ///< time of the publication
-  bool handed_over = false;  ///< false: the loop held every slot of the pool
+  LocalTime ready;  ///< time when the frame was published to the loop
+  /// False: the frame was dropped, because the loop occupied every slot of the pool.
+  bool handed_over = false;
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
@@ -69,12 +71,12 @@ struct PreparedFrame {
   PlayableReliefs playable;
 };
 
-/// Producer of the frame pool.
+/// The decode thread: it fills the frame pool.
 class DecodeThread {
  public:
-  /// This object must be the only producer of `pool`: only its thread allocates or frees the data
-  /// of the slots. It calls `done` for every frame, in the thread of step(). `pool` and `clock`
-  /// must outlive this object. `method` selects the preparation of heights.
+  /// Publishes frames to `pool`. Only this object may do so, because only its thread allocates or
+  /// frees the data of the slots. It calls `done` after every frame, in the thread of step().
+  /// `method` selects how heights are prepared. `pool` and `clock` must outlive this object.
   DecodeThread(FramePool& pool, const Clock& clock, Method method,
                std::function<void(const PreparedFrame&)> done);
   DecodeThread(const DecodeThread&) = delete;
@@ -83,24 +85,24 @@ class DecodeThread {
 
   /// Starts a thread that calls step() for each queued frame. Thread: the owner's.
   void start();
-  /// Ends the thread after the current frame; queued frames remain. A second call does nothing.
-  /// Thread: that of start().
+  /// Ends the thread after its current frame. The queued frames are not processed. A second call
+  /// does nothing. Thread: that of start().
   void stop();
 
-  /// Starts another stream: queued frames are void, and the cached reliefs are dropped. Thread:
-  /// network.
+  /// Prepares for another stream: drops the queued frames and the cached reliefs. Thread: network.
   void reset(const Workspace& workspace);
-  /// Queues a frame. Returns the number of older frames that were dropped for it. Does not wait for
-  /// a preparation. Thread: network.
+  /// Queues a frame. Returns the number of older frames that the queue dropped for it. Does not
+  /// wait for a preparation. Thread: network.
   std::size_t push(AssembledFrame assembled);
 
   /// Prepares the oldest queued frame and publishes it to the loop. Returns false if the queue is
-  /// empty. Thread: the decode thread; before start() the caller's (tests).
+  /// empty. Thread: the decode thread. Before start() a test may call it.
   bool step();
 
  private:
   void run(const std::stop_token& stop);
-  /// Fetches the oldest frame, and updates the relief cache up to the frame before it.
+  /// Removes and returns the oldest frame. Updates the relief cache with the dropped frames before
+  /// it.
   [[nodiscard]] std::optional<AssembledFrame> next();
   void fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result);
   void fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,

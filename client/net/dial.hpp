@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Dialling: name look-up and TCP connection, each within a deadline. Another transport is another
-// function of the type `Dial`.
+// Dialling: looks up the name of a server and connects to it over TCP, each within a time limit.
+// For another transport, write another function of the type `Dial`.
 // Thread: network.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace hapticast::client {
 
-/// Cancellation of a running dial, which then returns an error soon.
+/// Cancels a running dial. The dial then returns an error soon.
 class DialCancellation {
  public:
   void stop() {
@@ -22,7 +22,7 @@ class DialCancellation {
     if (on_stop_) on_stop_();
   }
   [[nodiscard]] bool stopped() const { return stopped_; }
-  /// Sets the action of the running dial for stop(); an empty function removes it.
+  /// Sets what stop() does to the running dial. An empty function removes the action.
   void onStop(std::function<void()> action) { on_stop_ = std::move(action); }
 
  private:
@@ -36,14 +36,16 @@ struct DialError {
   bool no_such_server = false;  ///< the host name does not exist
 };
 
-/// A new channel. It accepts small messages only, until the caller raises its read limit.
+/// Result of a dial: a new channel or an error. The channel accepts small messages only, until the
+/// caller raises its read limit.
 using Dialled = Result<std::unique_ptr<Channel>, DialError>;
 using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const Endpoint& server,
                                                     Duration deadline, DialCancellation& stop)>;
 
-/// Resolves the name and connects over TCP, each for at most `deadline` of the steady clock.
-/// Returns the channel or an error. A look-up cannot be interrupted: after a timeout or stop() it
-/// ends by itself. `stop` must outlive the call.
+/// Looks up the server's name and connects over TCP. Each step lasts at most `deadline` of the
+/// steady clock. Returns the channel or an error. After a timeout or stop() the function returns,
+/// although a look-up cannot be interrupted. The look-up then ends later, without effect. `stop`
+/// must outlive the call.
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
 

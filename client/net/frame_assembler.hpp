@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// First stage of reception: reassembly and reordering. TCP delivers whole frames; datagrams deliver
-// fragments of several frames in any order, some of them never. A fragmented frame leaves when it
-// is complete or due, in the order of the ids. Times are arguments.
+// First stage of reception: joins the fragments of frames and puts the frames in order. TCP
+// delivers whole frames. Datagrams deliver fragments of several frames in any order, and some never
+// arrive. The assembler passes a fragmented frame on when it is complete, or when it is due. Frames
+// leave in the order of their ids. Times are arguments.
 // Thread: network.
 #pragma once
 
@@ -19,79 +20,88 @@
 
 namespace hapticast::client {
 
-/// Position of a frame in the stream.
+/// Position of a frame in the stream, and the times of its reception.
 struct FramePlace {
-  std::uint32_t epoch = 0;  ///< client-side epoch: unlike the server's, it never repeats
+  std::uint32_t epoch = 0;  ///< client-side epoch; unlike the server's epoch it never repeats
   bool first = false;       ///< first frame of its connection
-  bool resync = false;      ///< numbering restarted: the id is no successor of the last one
-  std::uint64_t lost = 0;  ///< number of missing frames before it; 0 for the first, and at a resync
+  /// The server restarted its numbering, so the id does not follow the last one.
+  bool resync = false;
+  /// Number of missing frames before it; 0 for the first frame and after a restart.
+  std::uint64_t lost = 0;
   MediaTime media_time;
-  Duration gap{0};  ///< media time since the frame before; 0 for the first, and at a resync
-  /// Arrival of the last fragment; nullopt if fragments are missing.
+  /// Media time since the frame before; 0 for the first frame and after a restart.
+  Duration gap{0};
+  /// Time when the last fragment arrived. nullopt if fragments are missing.
   std::optional<LocalTime> arrived;
-  LocalTime left{};  ///< time when the frame left the assembler
+  LocalTime left{};  ///< time when the assembler passed the frame on
 };
 
-/// A frame and its position.
+/// A frame and its position in the stream.
 struct AssembledFrame {
   FramePlace place;
   CodedFrame frame;
 };
 
-/// A frame whose last fragment arrived after the frame had left or was abandoned.
+/// A frame whose last fragment arrived too late: the assembler had already passed it on or dropped
+/// it.
 struct LateFrame {
   MediaTime media_time;
   LocalTime arrived;
 };
 
-/// Reassembles and reorders the frames of a connection.
+/// Joins and orders the frames of one connection.
 class FrameAssembler {
  public:
-  /// Largest plausible step of the ids, in either direction: loss and reordering do not exceed it.
-  /// Chosen: 10 s of the fastest stream.
+  /// Largest step of the ids, up or down, that loss or reordering can explain. The value is a
+  /// choice: 10 s of the fastest stream.
   static constexpr std::uint64_t kLargestJump = 2400;
-  /// Returns true if the distance of two ids is larger, in either order.
+  /// Returns true if the distance of two ids, in either order, is larger than kLargestJump.
   [[nodiscard]] static constexpr bool jump(std::uint64_t a, std::uint64_t b) {
     return (a > b ? a - b : b - a) > kLargestJump;
   }
-  /// Oldest fragment that is accepted, in frames. Chosen: redundant sends arrive at most three
-  /// frames later, and a larger reordering is too late.
+  /// Age, in frames, of the oldest fragment that is accepted. The value is a choice: repeated sends
+  /// arrive at most three frames later, and a fragment that is reordered further is too late.
   static constexpr std::uint64_t kOldestPart = 64;
-  /// Limits of the waiting fragmented frames: number, and bytes. The frames that have left have the
-  /// same byte limit. Chosen.
+  /// Limits of the frames that wait for fragments: their number and their bytes. Frames that were
+  /// passed on incomplete have the same limit of bytes. The values are a choice.
   static constexpr std::size_t kMaxWaiting = 32;
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20U;
 
-  /// Starts a connection: a new numbering and a new epoch.
+  /// Starts a connection, with a new numbering and a new epoch.
   void restart();
-  /// Client-side epoch of the next frame, unless the server starts a new epoch with it.
+  /// Returns the client-side epoch of the next frame. It is one higher if the server starts a new
+  /// epoch with that frame.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
-  /// Adds a frame that arrived over TCP. Returns false for a duplicate, and for a frame older than
-  /// the last one. An id with a step above kLargestJump starts a new numbering and a new epoch.
-  /// Older fragmented frames still leave first, when they are complete or due.
+  /// Adds a whole frame that arrived over TCP. Returns false, and drops the frame, if it is a
+  /// duplicate or older than the last frame that left. If the step of the id exceeds kLargestJump,
+  /// a new numbering and a new epoch begin. Frames that wait are then dropped.
   bool add(CodedFrame frame, LocalTime arrived);
 
-  /// Classes of a fragment, relative to the frames so far.
+  /// Classes of a fragment, by the frames that arrived so far.
   enum class Want : std::uint8_t {
-    kNew,     ///< missing
-    kHad,     ///< duplicate
-    kAstray,  ///< too far from the present frames, or its frame is finished
+    kNew,     ///< the fragment is missing, so it is needed
+    kHad,     ///< the fragment is a duplicate, or its frame is finished
+    kAstray,  ///< its frame is too far from the present frames
   };
-  /// Classifies the fragment `part` without its payload.
+  /// Returns the class of the fragment with the header `part`. The payload is not needed.
   [[nodiscard]] Want setTransport(const DatagramHeader& part) const;
-  /// Adds a fragment of the class kNew. Returns true if it completes its frame, even if the frame
-  /// has already arrived over TCP. After an error the frame is abandoned.
+  /// Adds a fragment of the class kNew. Returns true if the fragment completes its frame. It does
+  /// so even if the same frame has already arrived over TCP. If the fragment contradicts the
+  /// earlier ones, it returns an error, and the frame is dropped.
   Result<bool, WireError> add(const DatagramHeader& part, std::span<const std::uint8_t> payload,
                               LocalTime arrived);
 
-  /// Media time of the last frame that left. The next frame is due when play time reaches it.
+  /// Returns the media time of the last frame that left. The next frame is due when play time
+  /// reaches that time.
   [[nodiscard]] std::optional<MediaTime> lastLeft() const;
-  /// Arrival of the last fragment of the oldest waiting frame; nullopt if none waits. A frame that
-  /// next() withholds leaves at its due time only.
+  /// Returns when the last fragment of the oldest waiting frame arrived. Returns nullopt if no
+  /// frame waits. A waiting frame that next() does not return leaves when it is due.
   [[nodiscard]] std::optional<LocalTime> oldestCame() const;
-  /// Returns the next frame in order that may leave. `due`: waiting frames are due now.
+  /// Returns the next frame in order that may leave, or nullopt. `due` states that the waiting
+  /// frames are due now, so they may leave incomplete.
   [[nodiscard]] std::optional<AssembledFrame> next(bool due);
-  /// Returns a frame that was completed too late, once for each such frame.
+  /// Returns a frame whose last fragment arrived too late. Returns each such frame once, and
+  /// nullopt if there is none.
   [[nodiscard]] std::optional<LateFrame> late();
 
  private:
@@ -104,11 +114,11 @@ class FrameAssembler {
     [[nodiscard]] std::size_t bytes() const { return joined ? joined->bytes() : 0; }
   };
 
-  /// Clears everything except the last frame that left.
+  /// Deletes everything except the position of the last frame that left.
   void forget();
-  /// True up to the id of the last frame that left.
+  /// Returns true if `id` is at most the id of the last frame that left.
   [[nodiscard]] bool behind(std::uint64_t id) const;
-  /// Returns true if the id is neither a successor of the last one nor a straggler.
+  /// Returns true if no loss or reordering can explain the step from the last id to `id`.
   [[nodiscard]] bool jumps(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t newest() const;
   [[nodiscard]] bool overfull() const;
@@ -118,7 +128,8 @@ class FrameAssembler {
   void boundLeft();
   [[nodiscard]] std::optional<AssembledFrame> removeReassembly(std::uint64_t id, Waiting waiting);
   AssembledFrame remove(CodedFrame frame, std::optional<LocalTime> arrived);
-  /// Completes unchanged reliefs whose fragments arrived after their frame had left.
+  /// Completes reliefs that `frame` declares unchanged, with fragments that arrived after their own
+  /// frame had left.
   void fillUp(CodedFrame& frame);
   void forgetOld();
   Result<bool, WireError> addLate(const DatagramHeader& part, std::span<const std::uint8_t> payload,

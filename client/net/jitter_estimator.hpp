@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Adaptive playout delay: a quantile of the lateness of the last 5 s of frames, plus a margin.
-// Times are arguments.
+// Adaptive playout delay. It is the delay that almost all frames of the last 5 s needed (a
+// quantile), plus a margin. Times are arguments.
 // Thread: one at a time (network).
 #pragma once
 
@@ -10,27 +10,29 @@
 
 namespace hapticast::client {
 
-/// Estimates the delay of play time behind the media clock, so that frames arrive before they are
-/// due.
+/// Estimates how far play time has to lie behind the media clock, so that frames arrive before they
+/// are due.
 class JitterEstimator {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(5);
-  /// Chosen: at 25 frames/s one frame of the window may be later. TCP delays every fiftieth frame
-  /// by 200 ms at a loss of 1 %; the quantile covers those frames as well.
+  /// Share of the frames that the delay covers. The value is a choice: at 25 frames/s one frame of
+  /// the window may be later. At a loss of 1 %, TCP delays every fiftieth frame by 200 ms. The
+  /// quantile covers those frames as well.
   static constexpr double kQuantile = 0.99;
   static constexpr Duration kMargin = std::chrono::milliseconds(5);
   static constexpr Duration kMaxDelay = std::chrono::seconds(2);
 
   void reset() { samples_.clear(); }
 
-  /// Adds a frame. `needed` is the largest playout delay at which the frame was late: its lateness,
-  /// plus the media time of the interpolation's lookahead (so that skipped frames count).
+  /// Adds a frame that arrived at `arrival`. `needed` is the playout delay that the frame needs in
+  /// order to be in time. It is the frame's lateness plus the media time that the interpolation
+  /// uses in advance. If frames before it are missing, that media time is longer.
   void add(LocalTime arrival, Duration needed);
-  /// Adds `by` to all samples, after a change of the clock offset.
+  /// Adds `by` to the delays of all stored frames. Call it after a change of the clock offset.
   void shift(Duration by);
 
-  /// Returns the quantile of the window + margin, within [least, kMaxDelay]. Without a frame: least
-  /// + margin.
+  /// Returns the playout delay: the quantile of the window plus the margin, within [least,
+  /// kMaxDelay]. Without a frame it returns `least` plus the margin.
   [[nodiscard]] Duration delay(Duration least) const;
 
  private:

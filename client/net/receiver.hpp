@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Network side of the reception: clock synchronisation, playout delay, counters, and the
-// StreamTiming for the loop. Frames pass the assembler and the decode thread. Their lateness is
-// measured when they are ready for the loop.
+// Network side of the reception. It synchronises the clock, adapts the playout delay, counts
+// frames, and writes the StreamTiming for the loop. Frames pass the assembler and then the decode
+// thread. Their lateness is measured when they are ready for the loop.
 // Thread: network; never blocks.
 #pragma once
 
@@ -21,64 +21,71 @@ namespace hapticast::client {
 
 /// Counters of frames and reliefs.
 struct ReceiverCounts {
-  std::uint64_t received = 0;    ///< published to the loop
-  std::uint64_t lost = 0;        ///< ids that never arrived
-  std::uint64_t late = 0;        ///< arrived after their due time; published nevertheless
-  std::uint64_t concealed = 0;   ///< lost, but the next frame arrived in time for interpolation
-  std::uint64_t duplicates = 0;  ///< arrived twice or out of order: dropped
+  std::uint64_t received = 0;  ///< published to the loop
+  std::uint64_t lost = 0;      ///< frames whose id never arrived
+  /// Frames that arrived after they were due; the loop receives them nevertheless.
+  std::uint64_t late = 0;
+  /// Lost frames, if the next frame arrived in time for the interpolation.
+  std::uint64_t concealed = 0;
+  std::uint64_t duplicates = 0;  ///< frames that arrived twice or out of order: dropped
   std::uint64_t malformed = 0;   ///< frames with contradicting fragments: dropped
-  std::uint64_t resyncs = 0;     ///< steps of the ids that no loss explains
-  std::uint64_t overrun = 0;     ///< dropped: faster than the decoding
-  std::uint64_t no_slot = 0;     ///< dropped: the loop held every slot of the pool
-  /// Declared unchanged but never received: an object without field.
+  std::uint64_t resyncs = 0;     ///< number of steps of the ids that no loss explains
+  std::uint64_t overrun = 0;     ///< frames that arrived faster than they were decoded: dropped
+  /// Frames that were dropped because the loop occupied every slot of the pool.
+  std::uint64_t no_slot = 0;
+  /// Reliefs that a frame declares unchanged but that never arrived. Their objects have no relief.
   std::uint64_t reliefs_missing = 0;
-  std::uint64_t reliefs_rejected = 0;  ///< outside the announced picture, or too high
+  std::uint64_t reliefs_rejected = 0;  ///< reliefs outside the picture of the stream, or too high
   std::uint64_t slices_lost = 0;       ///< slices that never arrived
   std::uint64_t slices_refused = 0;    ///< slices that could not be decoded
 };
 
-/// Processes the messages of a connection.
+/// Processes the messages of one connection.
 class Receiver {
  public:
-  /// This object must be the only user of `decode_thread` and the only writer of `stream`; both
-  /// must outlive it. `lookahead_frames` are the frame intervals that the interpolation needs
-  /// (Hermite 1, the thesis's method 2).
+  /// Passes frames to `decode_thread` and writes the timing of the stream to `stream`. No other
+  /// object may do so, and both must outlive this object. `lookahead_frames` is the number of frame
+  /// intervals that the interpolation needs in advance (Hermite: 1, the thesis's method: 2).
   Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames);
 
-  /// Starts a connection: new clock, new epoch; all earlier frames are void.
+  /// Starts a connection with this description of the stream. The clock is synchronised again, and
+  /// all frames before the connection are dropped.
   void connected(const StreamDescription& description, LocalTime now);
-  /// Applies a new description of the stream.
+  /// Applies a new description of the stream during the connection.
   void describe(const StreamDescription& description, LocalTime now);
   /// Adds an answered ping to the clock synchronisation.
   void pong(const Pong& pong, LocalTime arrival);
   /// Adds a frame that arrived over TCP.
   void frame(CodedFrame frame, LocalTime now);
-  /// Classifies a fragment, relative to the frames so far.
+  /// Returns the class of a fragment, by the frames that arrived so far.
   [[nodiscard]] FrameAssembler::Want setTransport(const DatagramHeader& part) const {
     return assembler_.setTransport(part);
   }
-  /// Adds a fragment of the class kNew. Returns true if it completes its frame.
+  /// Adds a fragment of the class kNew. Returns true if the fragment completes its frame.
   bool part(const DatagramHeader& part, std::span<const std::uint8_t> payload, LocalTime now);
-  /// Releases all frames that are due. Call it at nextDue().
+  /// Passes all frames that are complete or due to the decode thread. Call it at the time that
+  /// nextDue() returns.
   void release(LocalTime now);
-  /// Returns the due time of the oldest incomplete frame; nullopt if none waits.
+  /// Returns the time when the oldest incomplete frame is due. Returns nullopt if no frame waits.
   [[nodiscard]] std::optional<LocalTime> nextDue() const;
-  /// Sets the redundancy: the server sends each datagram `copies` times, a frame interval apart.
-  /// Play time waits for the last one.
+  /// Sets the redundancy: the server sends each datagram `copies` times, one frame interval apart.
+  /// The playout delay then covers the last send.
   void expectCopies(std::uint32_t copies, LocalTime now);
-  /// Processes the result of the decode thread. The frame is ready for the loop only now, so its
-  /// lateness is measured here.
+  /// Processes the result of the decode thread for one frame. The frame is ready for the loop only
+  /// now, so its lateness is measured here.
   void prepared(const PreparedFrame& frame);
   void disconnected(LocalTime now);
 
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
-  [[nodiscard]] const StreamTiming& stream() const { return latest_; }  ///< as last published
+  /// The timing that the loop received last.
+  [[nodiscard]] const StreamTiming& stream() const { return latest_; }
   [[nodiscard]] Duration clockErrorBound() const;  ///< 0 without a synchronised clock
 
  private:
   void publish(LocalTime now);
   void observe(const PreparedFrame& frame);
-  /// Lateness at the arrival time `arrived`, beyond the server's pipeline latency.
+  /// Returns the lateness of a frame that arrived at `arrived`: its age beyond the pipeline
+  /// latency.
   [[nodiscard]] Duration lateness(MediaTime media_time, LocalTime arrived) const;
   [[nodiscard]] Duration leastDelay() const;
 

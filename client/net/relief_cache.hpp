@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Cache of the stream's reliefs by object: a frame that declares a relief unchanged refers to it. A
-// relief remains coded until a played frame needs it, and is then decoded and prepared once. So a
-// dropped frame costs no decoding.
+// Cache of the stream's reliefs, one for each object. A frame that declares a relief unchanged
+// refers to it. The cache stores a relief in coded form until a played frame needs it. Then it
+// decodes and prepares the relief once. So a dropped frame costs no decoding.
 //
-// The slices remain after the decoding: a relief that is resent without a change needs no second
-// preparation, whatever frame it names as its change. Error concealment replaces lost slices by the
-// previous relief.
+// The slices remain in the cache after the decoding. So if the server sends the same relief again,
+// no second preparation is necessary. Error concealment replaces lost slices by the previous
+// relief.
 // Thread: decode thread (one at a time).
 #pragma once
 
@@ -21,24 +21,25 @@
 
 namespace hapticast::client {
 
-// Error concealment: replaces lost slices of a relief by the previous relief, moved with the
-// object.
+// Error concealment: replaces lost slices of a relief by the object's previous relief. The previous
+// relief is moved with the object.
 // Thread: any (pure functions).
 
-/// A relief and the motion of its object at that time.
+/// A relief, and the motion of its object in the frame of the relief.
 struct PosedRelief {
   std::shared_ptr<const Relief> relief;
   Motion motion;
 };
 
-/// Returns the rectangle of the relief after the object's motion to `now`, clipped to the picture;
-/// empty outside it.
+/// Returns where the relief of `before` lies after its object has moved to the pose of `now`. The
+/// result is the smallest rectangle of pixels around the moved relief, clipped to the picture. It
+/// is empty if the relief has moved out of the picture.
 [[nodiscard]] PixelRect warpedRect(const PosedRelief& before, const Motion& now,
                                    const Workspace& workspace);
 
-/// Fills the pixels of `to` that `have` does not mark. `have` has one byte for each pixel of
-/// to.rect. The values are those of `before`, moved to the pose `now`: translated, turned about the
-/// reference point, and raised.
+/// Fills the missing pixels of the relief `to` with those of the relief in `before`. `have` has one
+/// byte for each pixel of to.rect, and 0 marks a missing pixel. The object's motion from `before`
+/// to `now` moves the pixels: they are translated, turned about the reference point, and raised.
 void concealMissing(const PosedRelief& before, const Motion& now, const Workspace& workspace,
                     const std::vector<std::uint8_t>& have, Relief& to);
 
@@ -46,27 +47,31 @@ class ReliefCache {
  public:
   /// Result of resolve().
   struct Resolved {
-    std::shared_ptr<const HeightField> field;  ///< null: nothing to touch
-    bool rejected = false;                     ///< the relief does not fit the announced picture
-    /// Slices that never arrived, and slices that failed to decode. Counted once for each relief.
+    /// Null if the object has no relief that can be touched.
+    std::shared_ptr<const HeightField> field;
+    bool rejected = false;  ///< the relief does not fit the stream's picture, or it is too high
+    /// Number of slices that never arrived, and of slices that could not be decoded. Each relief is
+    /// counted only once.
     std::uint64_t slices_lost = 0;
     std::uint64_t slices_refused = 0;
   };
 
-  /// Starts a new stream with an empty cache. `method` selects the preparation of heights.
+  /// Prepares for a new stream: empties the cache. `method` selects how heights are prepared.
   void reset(const Workspace& workspace, Method method);
 
-  /// Clears the cache at a new epoch.
+  /// Empties the cache. Call it at a new epoch.
   void forget() { entries_.clear(); }
-  /// Stores the relief of an object of frame `frame_id`, or its renewed use, without decoding.
+  /// Stores the relief of `object` without decoding it. If frame `frame_id` declares the relief
+  /// unchanged, the call only registers that it is still in use.
   void remember(const CodedObject& object, std::uint64_t frame_id);
-  /// Stores the relief and returns it as a height field. Error concealment replaces lost slices, or
-  /// a relief that is completely lost, if a previous relief exists. May allocate and last
-  /// milliseconds, once for each change of a relief.
+  /// Stores the relief of `object`, and returns it as a height field. If slices or the whole relief
+  /// are lost, error concealment uses the previous relief, if there is one. The call may allocate,
+  /// and it lasts milliseconds once for each change of a relief.
   [[nodiscard]] Resolved resolve(const CodedObject& object, std::uint64_t frame_id);
 
-  /// Number of cached objects; the least recently used one is dropped first. A returning object
-  /// receives a repeated relief. Chosen: twice the objects of a frame.
+  /// Largest number of cached objects. Above it, the cache drops the least recently used object. If
+  /// that object returns, the server sends its relief again. The value is a choice: twice the
+  /// objects of a frame.
   static constexpr std::size_t kMaxEntries = 2 * kMaxObjects;
 
  private:
@@ -74,16 +79,17 @@ class ReliefCache {
     std::uint64_t changed_in_frame = 0;
     std::uint64_t used_in_frame = 0;
     std::shared_ptr<const CodedRelief> coded;
-    Motion motion;       // motion of the object with this relief
-    PosedRelief before;  // previously decoded relief; after decoding, this one
+    Motion motion;  // motion of the object in the frame of this relief
+    // The relief that was decoded last, which is this one once `decoded` is true.
+    PosedRelief before;
     bool decoded = false;
     Resolved resolved;  // valid once `decoded`
   };
-  /// Error concealment of a relief that is completely lost: the previous relief replaces it.
+  /// Replaces a relief that is completely lost by the previous relief.
   void concealAll(Entry& entry, const CodedObject& object) const;
   Resolved prepare(Entry& entry);
-  /// Decodes the relief of an entry. Returns null if slices are missing and no previous relief
-  /// exists.
+  /// Decodes the relief of an entry. Returns null if slices are missing and there is no previous
+  /// relief.
   std::shared_ptr<const Relief> decode(const Entry& entry, Resolved& counts);
   [[nodiscard]] bool inPicture(const PixelRect& rect) const;
   void forgetOldest();

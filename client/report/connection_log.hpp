@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Log lines about the connection: one line for each change, with a rate limit against any behaviour
-// of the server.
+// Log lines about the connection, the stream and the force. There is one line for each change. A
+// rate limit prevents that a server fills the log.
 // Thread: one (main).
 #pragma once
 
@@ -14,29 +14,31 @@
 
 namespace hapticast::client {
 
-/// Returns the line for a new connection. `method` is the client's.
+/// Returns the log line for a new connection. `method` is the method of this client.
 std::string greeting(const StreamDescription& stream, Method method);
 
-/// State of the lines about the connection. Each function returns a line, or nullopt if there is
-/// nothing new.
+/// Log lines about the connection. Each function returns the line to log, or nullopt if there is
+/// nothing new. The object stores what was logged last, in order to detect changes.
 class ConnectionLog {
  public:
   /// `server` is HOST:PORT or mdns:NAME.
   explicit ConnectionLog(std::string server) : server_(std::move(server)) {}
 
-  /// A connection exists. `greeting` is its line.
+  /// Call it when a connection exists. `greeting` is the line to log.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
-  /// The server has prepared this share (0..1) of its clip. Logged in steps of a quarter.
+  /// Call it when the server has scanned this share (0..1) of its clip. It returns a line for each
+  /// further quarter.
   std::optional<std::string> preparing(double share, LocalTime now);
-  /// An event of the present connection.
+  /// Call it for an event of the present connection. `line` describes the event.
   std::optional<std::string> onMessage(const std::string& line, LocalTime now) {
     return limit_.admit(line, now);
   }
-  /// There is no connection because of `why`; a retry follows.
+  /// Call it when there is no connection, for the reason `why`, and a retry follows.
   std::optional<std::string> lost(const std::string& why, LocalTime now);
 
   [[nodiscard]] bool everConnected() const { return ever_connected_; }
-  /// Reason of the missing connection; empty with a connection, and before the first attempt.
+  /// Returns the reason why there is no connection. It is empty during a connection, and before the
+  /// first attempt.
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
@@ -48,10 +50,11 @@ class ConnectionLog {
   LogRateLimiter limit_;
 };
 
-/// Log lines about defects of the stream, at most one per minute.
+/// Log lines about defects of the stream. There is at most one line per minute.
 class StreamErrorLog {
  public:
-  /// Returns a line if `counts` (of the whole run) has new defects.
+  /// Returns a line if `counts` has new defects since the last line. `counts` has the counters of
+  /// the whole run.
   std::optional<std::string> onCounts(const ReceiverCounts& counts, LocalTime now);
 
  private:
@@ -60,14 +63,16 @@ class StreamErrorLog {
 };
 
 // Log lines about the force during a run: a halt and its cause, the return of the force, a softer
-// wall. One line for each change.
+// wall. There is one line for each change.
 // Thread: main.
 
-/// State of the lines about the force.
+/// Log lines about the force. The object compares each report with what it logged last. So it
+/// returns a line only for a change.
 class HapticStatusLog {
  public:
-  /// Processes every report in order and returns a line if there is something new. Call it before
-  /// rearm.onReport(): `rearm` states whether re-arming is automatic.
+  /// Processes the report of one tick. Returns the line to log, or nullopt if nothing has changed.
+  /// Call it for every report in order, and before rearm.onReport(). `rearm` is the policy of
+  /// re-arming; the line for a halt describes when the force returns.
   std::optional<std::string> onReport(const TickReport& report, const RearmPolicy& rearm);
 
  private:
@@ -79,7 +84,8 @@ class HapticStatusLog {
   LogInterval softer_;
   LogInterval later_;
   LogRateLimiter limit_;
-  LogRateLimiter halt_limit_;  // separate, so that a stream cannot suppress lines about a halt
+  // Separate limit, so that a stream cannot suppress lines about a halt.
+  LogRateLimiter halt_limit_;
 };
 
 }  // namespace hapticast::client

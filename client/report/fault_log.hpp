@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fault files: the ticks before a fault, from the flight recorder.
+// Fault files: CSV files with the ticks before a fault. The ticks are those of the flight recorder.
 // Thread: main.
 #pragma once
 
@@ -11,23 +11,24 @@
 
 namespace hapticast::client {
 
-/// Returns $XDG_STATE_HOME/hapticast, else ~/.local/state/hapticast, else (without $HOME) the
-/// working folder.
+/// Returns the state folder: $XDG_STATE_HOME/hapticast, else ~/.local/state/hapticast. Without
+/// $HOME it is the working folder.
 [[nodiscard]] std::filesystem::path stateFolder();
 
-/// Writes files hapticast-fault-TIME-N.csv with TIME like 20261122T161500Z. No run overwrites the
-/// files of another.
+/// Writes fault files with names hapticast-fault-TIME-N.csv, where TIME looks like
+/// 20261122T161500Z. No run overwrites the files of another run.
 class FaultLogWriter {
  public:
-  /// Files of one run. Chosen: more files bring nothing new.
+  /// Largest number of files of one run. The value is a choice: more files show nothing new.
   static constexpr int kMaxFiles = 10;
 
-  /// `folder` (--fault-dir) is created at once. Throws std::runtime_error (one line) if it is not
-  /// writable. Empty: stateFolder(), created on demand.
+  /// Creates the folder `folder` (--fault-dir) at once. Throws std::runtime_error (one line) if no
+  /// file can be written in it. For an empty `folder` it uses stateFolder(), which the first file
+  /// creates.
   explicit FaultLogWriter(const std::string& folder);
-  /// If a fault froze `recorder`: writes a file, logs its name, and re-arms the recorder. `begin`
-  /// is the first tick of the run (t_s = 0). Does nothing beyond kMaxFiles, and after a failed
-  /// write.
+  /// Checks whether a fault has frozen `recorder`. If so, it writes the ticks to a file, logs the
+  /// file's name, and re-arms the recorder. `begin` is the time of the first tick of the run (t_s =
+  /// 0). Does nothing after kMaxFiles files, or after a failed write.
   void write(FlightRecorder& recorder, LocalTime begin);
 
  private:
@@ -37,7 +38,8 @@ class FaultLogWriter {
   int written_ = 0;
 };
 
-/// Writes the ticks of a frozen recorder, oldest first, and re-arms it. Requires frozen().
+/// Writes the ticks of a frozen recorder to `out`, the oldest first. Then re-arms the recorder.
+/// Requires recorder.frozen().
 void dumpRecorder(std::ostream& out, FlightRecorder& recorder, LocalTime begin);
 
 }  // namespace hapticast::client

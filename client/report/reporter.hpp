@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a run leaves: the file of --log, the files of faults, lines about the force in the log, and
-// the summary. Thread: main.
+// Reports of a run: the file of --log, the fault files, log lines about the force, and the summary.
+// Thread: main.
 #pragma once
 
 #include <optional>
@@ -20,16 +20,19 @@ class Reporter {
     std::string fault_folder;  ///< empty: the state folder
     std::string summary;       ///< empty: none
   };
-  /// Throws std::runtime_error, one line, when a file cannot be written.
+  /// Opens the log file and the fault folder. Throws std::runtime_error (one line) if a file cannot
+  /// be written.
   explicit Reporter(const Files& files);
 
-  /// Logs a tick. Sets `report.time` to count from the first tick. Call before `rearm` gets the
-  /// report.
+  /// Writes the report of a tick to the log file, and logs a line about the force if it has
+  /// changed. Sets `report.time` to the time since the first tick. Call it before `rearm` receives
+  /// the report.
   void onReport(TickReport& report, const RearmPolicy& rearm);
-  /// Writes the ticks before a fault, if `recorder` is frozen by one. A fault of the very first
-  /// tick waits for its report.
+  /// Writes a fault file if a fault has frozen `recorder`. A fault of the very first tick waits for
+  /// the report of that tick.
   void writeFaults(FlightRecorder& recorder);
-  /// Closes the log and writes the summary. Throws std::runtime_error naming the file.
+  /// Closes the log file and writes the summary. Throws std::runtime_error with the name of the
+  /// file.
   void finish(const RunResult& run);
 
  private:

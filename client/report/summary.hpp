@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Results of a run: as JSON (--summary; client/README.md lists the keys) and as text.
+// Results of a run, as a JSON file (--summary) and as text. client/README.md lists the keys of the
+// JSON object.
 // Thread: main, after the run.
 #pragma once
 
@@ -22,16 +23,16 @@ struct RunResult {
   std::uint64_t bytes_received = 0;
   DatagramCounts datagrams;
   DeliveryStats delivery;
-  double playout_delay_ms = 0.0;        ///< at the end
+  double playout_delay_ms = 0.0;        ///< playout delay at the end of the run
   double clock_offset_us = 0.0;         ///< media clock - local clock
-  double clock_error_us = 0.0;          ///< error bound of the offset
-  Histogram eye_hand_ns;                ///< View::eyeHand(); empty without a window
+  double clock_error_us = 0.0;          ///< largest error of the offset
+  Histogram eye_hand_ns;                ///< see View::eyeHand(); empty without a window
   std::optional<DeviceTraffic> device;  ///< nullopt for a device without a protocol
   RealtimeGrant realtime;
 };
 
-/// Writes `result` as one JSON object; a number that is not finite is null. Throws
-/// std::runtime_error with the file's name if it cannot be written.
+/// Writes `result` to `file` as one JSON object. A number that is not finite becomes null. Throws
+/// std::runtime_error with the name of the file if it cannot be written.
 void writeSummary(const std::string& file, const RunResult& result);
 /// Returns a few sentences for the user.
 [[nodiscard]] std::string toText(const RunResult& result);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tick reports as rows of CSV, and the file of --log.
+// Tick reports as rows of a CSV file, and the file of --log.
 // Thread: main.
 #pragma once
 
@@ -10,26 +10,27 @@
 
 namespace hapticast::client {
 
-/// Name of a lookup kind in the log.
+/// Returns the name of a lookup kind in the log.
 const char* lookupName(Lookup lookup) noexcept;
-/// Name of a fault in the log.
+/// Returns the name of a fault in the log.
 const char* faultName(Fault fault) noexcept;
 
-/// Writes the heading:
+/// Writes the heading line:
 /// t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,...,dz_N,penetration_mm,lookup
 void writeReportHeading(std::ostream& out);
-/// Writes one row.
+/// Writes the row of one report.
 void writeReport(std::ostream& out, const TickReport& report);
 
-/// A log file with a row for every tick: that of --log, or one requested in the window.
+/// A log file with a row for every tick. It is the file of --log, or one that the user requests in
+/// the window.
 class LogFile {
  public:
-  /// An empty `file` writes nothing. Throws std::runtime_error (one line) if the file cannot be
-  /// written.
+  /// Opens `file`. For an empty name the object writes nothing. Throws std::runtime_error (one
+  /// line) if the file cannot be written.
   explicit LogFile(std::string file);
   void write(const TickReport& report);
   [[nodiscard]] const std::string& file() const { return file_; }
-  /// Closes the file. Throws std::runtime_error if rows are missing.
+  /// Closes the file. Throws std::runtime_error if not all rows could be written.
   void close();
 
  private:

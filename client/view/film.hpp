@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The view of --film: writes the drawing of the screenshot as a film at the video's rate. A thread
-// of its own draws and encodes.
+// The view of --film. It writes a film at the video's rate. The film shows the same drawing as the
+// screenshot. A thread of its own draws and encodes.
 // Thread: onPicture() any, everything else main.
 #pragma once
 
@@ -22,11 +22,12 @@ namespace hapticast::client {
 
 class FilmView final : public View {
  public:
-  /// Limit of the queued drawings; above it, the drawing before is shown for longer. Chosen: ten
-  /// seconds.
+  /// Largest number of drawings that wait for the encoder. If the queue is full, the film shows its
+  /// last drawing for longer. The value is a choice: ten seconds.
   static constexpr std::size_t kMostWaiting = 256;
 
-  /// Throws std::runtime_error unless `file` ends with .mp4.
+  /// Starts the thread that writes `file`. Throws std::runtime_error if the name does not end with
+  /// .mp4.
   explicit FilmView(std::string file);
   FilmView(const FilmView&) = delete;
   FilmView& operator=(const FilmView&) = delete;
@@ -39,9 +40,9 @@ class FilmView final : public View {
   void finish() override;
 
  private:
-  /// One picture of the film with the ticks since the picture before.
+  /// One picture of the film, with the ticks since the picture before.
   struct Shot {
-    std::vector<TickReport> ticks;  // the last one is shown
+    std::vector<TickReport> ticks;  // the film shows the last one
     std::shared_ptr<const StreamPicture> picture;
     double fps = 0.0;
     int repeats = 1;
@@ -57,7 +58,7 @@ class FilmView final : public View {
   PictureBuffer pictures_;
   Shot next_;  // under construction
   double fps_ = 0.0;
-  double due_s_ = 0.0;  // film time until the next shot
+  double due_s_ = 0.0;  // time of the film until the next picture
 
   std::mutex mutex_;
   std::condition_variable something_waits_;

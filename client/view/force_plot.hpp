@@ -12,12 +12,13 @@
 
 namespace hapticast::client {
 
-// The force of the last minute, decimated for a plot. Each point has the peaks of its ticks.
+// The force of the last minute, with fewer points than ticks. Each point has the largest values of
+// its ticks.
 // Thread: one.
 
-/// Largest magnitudes of successive ticks.
+/// The largest magnitudes of several successive ticks.
 struct ForcePoint {
-  double time_s = 0.0;  ///< begin, since the first tick of the run
+  double time_s = 0.0;  ///< begin of the ticks, since the first tick of the run
   double force_N = 0.0;
   double static_force_N = 0.0;
   double dynamic_force_N = 0.0;
@@ -25,18 +26,18 @@ struct ForcePoint {
   bool contact = false;  ///< true if any tick was in contact
 };
 
-/// Bounded queue of points.
+/// The points of the last minute.
 class ForceHistory {
  public:
-  /// Chosen: 5 ms per point, for one minute. A plot of 900 px shows no more. A full history
-  /// occupies 576 kB.
+  /// The values are a choice: 5 ms per point, for one minute. A plot of 900 px shows no more. A
+  /// full history occupies 576 kB.
   static constexpr std::size_t kTicksPerPoint = 5;
   static constexpr std::size_t kSeconds = 60;
   static constexpr std::size_t kMaxPoints = kSeconds * 1000 / kTicksPerPoint;
 
-  /// Adds a tick of the 1 kHz loop, and drops points older than a minute.
+  /// Adds the report of one tick, and removes points that are older than a minute.
   void add(const TickReport& report);
-  /// Oldest first, at most kMaxPoints.
+  /// Returns the points, the oldest first. There are at most kMaxPoints.
   [[nodiscard]] const std::deque<ForcePoint>& points() const { return points_; }
 
  private:
@@ -53,12 +54,12 @@ inline const cv::Scalar kForceColor(64, 214, 255);
 inline const cv::Scalar kStaticForceColor(255, 120, 64);
 inline const cv::Scalar kDynamicForceColor(48, 56, 255);
 
-/// Draws a line of small text with the lower left corner `at` (px).
+/// Draws a line of small text into `image`. `at` (px) is the lower left corner of the text.
 void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
 
-/// Returns a plot of all points of `history`: CV_8UC3 of `size` px (at least 100 x 100). It has
-/// total, static and dynamic force, a shade during contact, and a mark at `marked_s` (since the
-/// first tick, like all times of the plot).
+/// Returns a plot of all points of `history`: a CV_8UC3 picture of `size` px (at least 100 x 100).
+/// It shows the total, the static and the dynamic force, with a shade during contact. It has a mark
+/// at the time `marked_s`. All times count from the first tick.
 [[nodiscard]] cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size);
 
 }  // namespace hapticast::client

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Drawing of the film and of the screenshot: the video with the HIP's cone and the force arrow, and
-// below it the force over time. Off screen.
+// Drawing of the film and of the screenshot. It shows the video with the HIP as a cone and the
+// force as an arrow. Below it is the force over time. The drawing needs no display.
 // Thread: any (pure function).
 #pragma once
 
@@ -10,9 +10,10 @@
 
 namespace hapticast::client {
 
-/// Draws `report` over `picture` (CV_8UC3 of the same play time; empty: a dark ground of the
-/// workspace's size), and below it `history` with a mark at the time of `report`. Returns a new
-/// picture, CV_8UC3, 960 px wide.
+/// Returns a new picture, CV_8UC3, 960 px wide. Its upper part is `picture` with the HIP and the
+/// force of `report`. Its lower part is the plot of `history` with a mark at the time of `report`.
+/// `picture` is CV_8UC3 and belongs to the play time of `report`. If it is empty, the upper part is
+/// a dark ground of the workspace's size.
 [[nodiscard]] cv::Mat drawOverlay(const cv::Mat& picture, const TickReport& report,
                                   const Workspace& workspace, const ForceHistory& history);
 

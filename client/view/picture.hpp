@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JPEG decoder for pictures of the stream.
+// JPEG decoder for the pictures of the stream.
 // Thread: any (pure function).
 #pragma once
 
@@ -15,16 +15,16 @@
 
 namespace hapticast::client {
 
-/// Decodes `jpeg`. Returns CV_8UC3 (BGR), empty unless `jpeg` is a complete, valid JPEG of the size
-/// `expected`. The header of a JPEG determines the memory of its decoder. So the size is checked
-/// before the decoding.
+/// Decodes `jpeg` and returns the picture, CV_8UC3 (BGR). Returns an empty picture if `jpeg` is not
+/// a complete, valid JPEG of the size `expected`. The size is checked before the decoding, because
+/// the header of a JPEG determines how much memory its decoder allocates.
 [[nodiscard]] cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
 
-// Buffer of the last seconds of pictures, with access by media time: a picture arrives earlier than
-// the loop plays its frame. Bounded.
+// Buffer with the pictures of the last seconds. A picture arrives before the loop plays its frame.
+// So a view requests a picture by its media time. The size of the buffer is bounded.
 // Thread: any; a mutex guards the buffer for short times.
 
-/// A coded picture and its workspace.
+/// A JPEG picture and the workspace of its stream.
 struct StreamPicture {
   VideoFrame video;
   Workspace workspace;
@@ -32,16 +32,18 @@ struct StreamPicture {
 
 class PictureBuffer {
  public:
-  /// Covers the longest playout delay: 2 s (JitterEstimator::kMaxDelay) are 50 pictures at 25
-  /// frames/s.
+  /// Largest number of pictures. It covers the longest playout delay: 2 s
+  /// (JitterEstimator::kMaxDelay) are 50 pictures at 25 frames/s.
   static constexpr std::size_t kMaxPictures = 64;
-  /// Chosen: 64 pictures of 1920 x 1080 px with about 0.5 MB each fit.
+  /// Largest number of bytes of all pictures. The value is a choice: 64 pictures of 1920 x 1080 px
+  /// with about 0.5 MB each fit.
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
-  /// Adds a picture, and drops the oldest ones above the limits. A picture older than the newest
-  /// one belongs to a restarted server: all earlier pictures are then void.
+  /// Adds a picture, and removes the oldest ones above the limits. A picture that is older than the
+  /// newest one belongs to a restarted server. The buffer then removes all earlier pictures.
   void add(VideoFrame video, const Workspace& workspace);
-  /// Returns the picture nearest to `time`; null if the buffer is empty.
+  /// Returns the picture whose media time is nearest to `time`. Returns null if the buffer is
+  /// empty.
   [[nodiscard]] std::shared_ptr<const StreamPicture> nearest(MediaTime time) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reliefs as outlines and meshes for drawing.
+// Reliefs as outlines and as meshes, for drawing.
 // Thread: any (pure functions).
 #pragma once
 
@@ -14,24 +14,25 @@ namespace hapticast::client {
 
 using Reliefs = std::vector<std::shared_ptr<const HeightField>>;
 
-/// Returns the edges of the mask as closed lines, px of the picture.
+/// Returns the edges of the relief's mask as closed lines, in px of the picture.
 [[nodiscard]] std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief);
 
-/// A mesh of quadrilateral cells, lit from the upper left.
+/// A mesh of quadrilateral cells. The light comes from the upper left.
 struct ReliefMesh {
-  /// Limit for all objects together. Chosen: the software renderer draws them within some
-  /// milliseconds.
+  /// Largest number of cells of all objects together. The value is a choice: the software renderer
+  /// draws them within some milliseconds.
   static constexpr double kMostCells = 4096.0;
   struct Corner {
     Vec3 position_mm;  ///< nominal
-    float light;       ///< 0..1
+    float light;       ///< brightness, 0..1
   };
   std::vector<Corner> corners;
-  std::vector<std::array<int, 4>> cells;  ///< indices of their corners, in order around the cell
+  /// For each cell the indices of its corners, in order around the cell.
+  std::vector<std::array<int, 4>> cells;
 };
 
-/// Returns the mesh of the parts within the masks. Larger reliefs have coarser cells. A cell has at
-/// least `least_px` px of the picture.
+/// Returns a mesh of the reliefs, inside their masks only. The cells are larger if the reliefs
+/// cover more pixels. A cell has sides of at least `least_px` px of the picture.
 [[nodiscard]] ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace,
                                    int least_px = 1);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The view of --screenshot: the strongest contact of a run with its picture and the force of the
-// last minute, written at the end.
+// The view of --screenshot. It shows the strongest contact of a run, with the picture of that time
+// and the force of the last minute. It writes its file at the end of the run.
 // Thread: onPicture() any, everything else main.
 #pragma once
 
@@ -15,16 +15,19 @@ namespace hapticast::client {
 
 class Screenshot final : public View {
  public:
-  /// Throws std::runtime_error unless the extension of `file` is a picture format, such as .png.
+  /// Stores the name of the file, which finish() writes. Throws std::runtime_error if the extension
+  /// of `file` is not that of a picture format, such as .png.
   explicit Screenshot(std::string file);
 
   void onPicture(VideoFrame picture, const Workspace& workspace) override;
   void onReport(const TickReport& report) override;
-  /// Fetches the picture of the strongest moment before the buffer drops it.
+  /// Stores the picture of the strongest contact so far, before the buffer drops it. Always returns
+  /// true.
   [[nodiscard]] bool update(UiState& ui_state) override;
   void finish() override;
 
-  /// Report of the strongest contact so far; without a contact, of the last tick.
+  /// Returns the report of the tick with the strongest contact so far. Without a contact it is the
+  /// report of the last tick.
   [[nodiscard]] const TickReport& moment() const { return moment_; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The view of --sound: plays the force on SDL's sound device. SDL requests the samples in a thread
-// of its own.
+// The view of --sound. It plays the force on SDL's sound device. SDL requests the samples in a
+// thread of its own.
 // Thread: main, except the mixer.
 #pragma once
 
@@ -16,8 +16,8 @@ namespace hapticast::client {
 
 class SoundView final : public View {
  public:
-  /// Opens the sound device. `tell` receives a line in the main thread if the device is lost later.
-  /// Throws std::runtime_error (one line) without a sound device.
+  /// Opens the sound device. If the device is lost later, `tell` receives a line in the main
+  /// thread. Throws std::runtime_error (one line) if there is no sound device.
   explicit SoundView(std::function<void(const std::string& line)> tell);
   SoundView(const SoundView&) = delete;
   SoundView& operator=(const SoundView&) = delete;
@@ -26,7 +26,7 @@ class SoundView final : public View {
   void onPicture(VideoFrame /*picture*/, const Workspace& /*workspace*/) override {}
   void onReport(const TickReport& report) override;
   [[nodiscard]] bool update(UiState& ui_state) override;
-  /// Fades the hum out and closes the device.
+  /// Fades the sound out. The destructor closes the device.
   void finish() override;
   [[nodiscard]] bool wantsVideo() const override { return false; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Sonification of the force: a low hum for the sustained component, a high one for the transient
-// component. The amplitude never steps, so that only a blow clicks.
+// Converts the force to sound. The sustained component of the force is a low hum, and the transient
+// component is a high one. The amplitude never changes in a step, so only a blow sounds like a
+// click.
 // Thread: one at a time.
 #pragma once
 
@@ -11,19 +12,20 @@
 
 namespace hapticast::client {
 
-/// Input of the mixer, without ownership.
+/// Input of the mixer. The struct owns no memory.
 struct SoundCue {
   ForceComponents force;
-  std::uint64_t tick = 0;  ///< tick of the force
+  std::uint64_t tick = 0;  ///< number of the tick that computed the force
 };
 
 class SoundMixer {
  public:
   static constexpr int kRate_Hz = 48000;
-  /// Limit of all samples. Chosen: half of the full scale.
+  /// Largest magnitude of a sample. The full scale of a sample is 1. The value is a choice.
   static constexpr double kLoudest = 0.5;
 
-  /// Computes the next samples, -kLoudest..kLoudest. With an unchanged cue the sound fades.
+  /// Writes the next samples, each within -kLoudest..kLoudest. If `cue` does not change for 0.1 s,
+  /// the sound fades out.
   void fill(std::span<float> samples, const SoundCue& cue) noexcept;
 
  private:
@@ -31,11 +33,11 @@ class SoundMixer {
     double pitch_Hz;
     double smoothing_s;
     double loudness = 0.0;
-    double phase = 0.0;  // in turns
+    double phase = 0.0;  // in periods, 0..1
     double next(double wanted) noexcept;
   };
-  // Chosen: pitches of a small loudspeaker that differ clearly. The hum follows the hand; a blow
-  // has no delay.
+  // The values are a choice: pitches that a small loudspeaker can play and that differ clearly. The
+  // hum has a slower change than a blow, which must not be late.
   Voice sustained_{.pitch_Hz = 220.0, .smoothing_s = 0.015};
   Voice transient_{.pitch_Hz = 1100.0, .smoothing_s = 0.003};
   std::uint64_t tick_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Interface of a view: screenshot, film, window, sound. A further kind needs one file beside this
-// one and one line in client/open_views.cpp.
+// Interface of a view. A view shows or stores a run for the user: screenshot, film, window, sound.
+// A further kind needs one file beside this one and a line in openViews()
+// (client/user_interface.cpp).
 // Thread: each function states its own.
 #pragma once
 
@@ -17,50 +18,52 @@
 
 namespace hapticast::client {
 
-/// State of the connection for views, without ownership.
+/// State of the connection for the views. The struct owns no memory.
 struct ConnectionStats {
   bool connected = false;
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;
   std::uint64_t frames_late = 0;
   std::uint64_t slices_lost = 0;
-  double clock_error_us = 0.0;  ///< error bound of the media clock; 0: unknown
-  double fps = 25.0;            ///< announced rate
+  double clock_error_us = 0.0;  ///< largest error of the media clock; 0: unknown
+  double fps = 25.0;            ///< frames per second that the server announced
 };
 
-/// State that the app and its views share.
+/// State that the client and its views share.
 struct UiState {
-  UserControls user;       ///< a view may change it
-  PointerTarget pointer;   ///< written by the view with points()
-  ConnectionStats stream;  ///< read-only for views
-  bool record = false;     ///< request of a view: log into a new file while set
-  std::string recording;   ///< read-only for views: the log file, or an error; empty before
+  UserControls user;       ///< controls of the user; a view may change them
+  PointerTarget pointer;   ///< only the view with points() writes it
+  ConnectionStats stream;  ///< state of the connection; views only read it
+  bool record = false;     ///< a view sets it to log into a new file, as long as it is true
+  std::string recording;   ///< name of that log file, or an error; empty before the first one
 };
 
-/// A view of a run.
+/// Interface of a view of a run.
 class View {
  public:
   virtual ~View() = default;
 
-  /// Receives a picture of the stream with its `workspace`. Thread: any.
+  /// Receives a picture of the stream and its `workspace`. Thread: any.
   virtual void onPicture(VideoFrame picture, const Workspace& workspace) = 0;
   /// Receives the reliefs of the next frame. Thread: network.
   virtual void onFrame(const PlayableReliefs& /*frame*/) {}
-  /// Receives the report of a tick; its `time` counts from the first tick of the run. Ticks arrive
-  /// in order and soon. Thread: main.
+  /// Receives the report of a tick. Its `time` counts from the first tick of the run. The reports
+  /// arrive in order and soon after their ticks. Thread: main.
   virtual void onReport(const TickReport& report) = 0;
-  /// Runs the view's share of the main loop, about every 10 ms. Must not block. Returns false if
-  /// the user ends the run. Thread: main.
+  /// Runs the view's part of the main loop. The client calls it about every 10 ms, and it must not
+  /// block. Returns false if the user ends the run in this view. Thread: main.
   [[nodiscard]] virtual bool update(UiState& ui_state) = 0;
-  /// Ends the view after the last tick and writes its files. Throws std::runtime_error with one
+  /// Ends the view after the last tick, and writes its file. Throws std::runtime_error with one
   /// line: flag and file. Thread: main.
   virtual void finish() = 0;
-  /// Returns true if the view needs the stream's pictures.
+  /// Returns true if the view needs the stream's pictures. Without such a view the client requests
+  /// none.
   [[nodiscard]] virtual bool wantsVideo() const { return true; }
-  /// Returns true if the user can point into the view, so that a mouse can be a device.
+  /// Returns true if the user can move the pointer over the view, so that a mouse can be a device.
   [[nodiscard]] virtual bool points() const { return false; }
-  /// Distribution of the difference in play time between shown picture and rendered frame, one
-  /// entry per drawing. Null for a view without a live picture. Thread: main.
+  /// Returns a histogram of the difference in play time between the shown picture and the rendered
+  /// frame, ns. It has one entry per drawing. Returns null for a view without a live picture.
+  /// Thread: main.
   [[nodiscard]] virtual const Histogram* eyeHand() const { return nullptr; }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Typed options of the command line: parsers that flags and config keys share, with uniform error
-// messages. Thread: main, at start-up.
+// Typed options of the command line. Their parsers serve flags and config keys alike, with uniform
+// error messages. Thread: main, at start-up.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,35 +17,36 @@
 
 namespace hapticast {
 
-/// Parses two finite numbers "A,B"; nullopt for other texts.
+/// Returns the two finite numbers of a text "A,B". Returns nullopt for other texts.
 std::optional<Vec2> parsePair(const std::string& text);
 
-/// Parses an endpoint like parseEndpoint(). Throws CLI::ValidationError with the flag `name` and
-/// the `form` if `text` is invalid or its port is below `least_port`.
+/// Parses `text` like parseEndpoint(), with `otherwise` for missing parts. Throws
+/// CLI::ValidationError if `text` is invalid, or if its port is below `least_port`. The message has
+/// the flag `name` and the expected `form`.
 [[nodiscard]] Endpoint parseEndpointOr(const std::string& text, const Endpoint& otherwise,
                                        const std::string& name, std::uint16_t least_port,
                                        const std::string& form);
 
-/// Adds an option for an endpoint. `form`: expected text for error messages, for example
-/// "HOST:PORT".
+/// Adds an option to `app` that parses an endpoint into `value`. `form` is the expected text for
+/// error messages, for example "HOST:PORT". `help` is its line in --help.
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
-/// Adds an option for two numbers "A,B". `set_pair` returns false for a pair outside the allowed
-/// range.
+/// Adds an option to `app` for two numbers "A,B". It calls `set_pair` with the numbers. `set_pair`
+/// returns false if they are outside the allowed range.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help);
 
-/// Returns the error for a `text` that is no number from `least` to `most`. For double and
-/// std::uint64_t.
+/// Returns the error message for a `text` that is no number from `least` to `most`. Number is
+/// double or std::uint64_t.
 template <class Number>
 CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
                                 Number most);
 
-/// Adds an option for a finite number from `least` to `most`. `unit`: for the help. Value must be
-/// assignable from Number.
+/// Adds an option to `app` that parses a finite number from `least` to `most` into `value`. `unit`
+/// is the unit for --help. Value must be assignable from Number.
 template <class Value, class Number>
 CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
                        Number most, const std::string& unit, const std::string& help) {
@@ -57,8 +58,9 @@ CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Num
   return app.add_option_function<std::string>(name, set, help)->type_name(unit);
 }
 
-/// Adds an option that may be repeated, with one value each time. `parse` returns nullopt for an
-/// invalid text.
+/// Adds an option to `app` that the user may repeat, with one value each time. All values together
+/// replace `values`. `parse` returns nullopt for an invalid text. `form` is the expected text for
+/// error messages.
 template <class Value>
 CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>& values,
                      std::optional<Value> (*parse)(const std::string&), const std::string& help,
@@ -76,7 +78,8 @@ CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>&
       ->allow_extra_args(false);
 }
 
-/// Adds an option for one of the named `choices`, which must outlive `app`.
+/// Adds an option to `app` whose text must be a key of `choices`. Its value is written to `value`.
+/// `choices` must outlive `app`.
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {
@@ -97,21 +100,22 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
 
 // Version text of a program, with its optional packages. Thread: any.
 
-/// Adds --version and appends the same text to --help: "PROGRAM VERSION (`built_in`)", then a line
-/// with the optional packages of this build.
+/// Adds the flag --version, and appends the same text to --help. The text is "PROGRAM VERSION
+/// (`built_in`)", then a line with the optional packages of this build.
 void addVersion(CLI::App& app, const std::string& built_in);
 
-// Config file (--config FILE): lines `key = value` (readKeyValues()). Every flag is a key of the
-// same name; a list repeats its key. Thread: main, at start-up.
+// Config file (--config FILE) with lines `key = value` (readKeyValues()). Every flag is a key of
+// the same name. For a list the file repeats the key. Thread: main, at start-up.
 
-/// An error inside a config file. The message needs only the file's name in front.
+/// An error inside a config file. To complete its message, write the name of the file before it.
 class ConfigFileError : public CLI::ParseError {
  public:
   explicit ConfigFileError(const std::string& what)
       : CLI::ParseError("ConfigFileError", what, CLI::ExitCodes::ConfigError) {}
 };
 
-/// Adds `--config FILE`, which accepts every flag of `app`. Unknown keys cause a ConfigFileError.
+/// Adds the flag `--config FILE`. The file may set every flag of `app`. An unknown key causes a
+/// ConfigFileError.
 void addConfigFile(CLI::App& app);
 
 }  // namespace hapticast

@@ -9,17 +9,20 @@
 
 namespace hapticast {
 
-/// Parses the arguments. Returns nullopt to continue, else the exit code: 2 after one line on
-/// stderr, 0 after the help.
+/// Parses the arguments of the program with `app`. Returns nullopt if the program has to continue.
+/// Otherwise returns the exit code: 2 after an error (with one line on stderr), or 0 after the
+/// help.
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
-// Names of servers on the command line, and whether this build supports discovery (DNS-SD). Thread:
-// main, at start-up.
+// Names of servers on the command line, and the check whether this build supports discovery
+// (DNS-SD). Thread: main, at start-up.
 
-/// Throws CLI::ValidationError with `flag` in a build without discovery.
+/// Checks that this build supports discovery. If it does not, throws CLI::ValidationError with the
+/// name of `flag`.
 void requireDiscovery(const std::string& flag);
 
-/// Returns `text` if it is a valid service name; throws CLI::ValidationError otherwise.
+/// Returns `text` if it is a valid service name (isServiceName()). Otherwise throws
+/// CLI::ValidationError with the name of `flag`.
 [[nodiscard]] std::string serviceName(const std::string& flag, const std::string& text);
 
 }  // namespace hapticast

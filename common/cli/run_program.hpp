@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The frame of both programs: logger, last catch, exit code. Thread: main.
+// The outermost code of both programs: it sets up the logger, catches the last exceptions, and
+// determines the exit code. Thread: main.
 #pragma once
 
 #include <csignal>
@@ -10,14 +11,15 @@ namespace hapticast {
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
-/// Logs to stderr as `name` (with `quiet` only warnings and errors), calls `run`, and returns its
-/// exit code. An exception of `run` becomes one line in the log and kFailed.
+/// Sets up the logger, calls `run`, and returns its exit code. The log lines are on stderr, with
+/// the program's name `name`. With `quiet` only warnings and errors are logged. If `run` throws an
+/// exception, it becomes one line in the log, and the exit code is kFailed.
 int runProgram(const std::string& name, bool quiet, const std::function<int()>& run);
 
-// Inherited signal disposition of SIGHUP. Thread: main, at start-up.
+// Handling of the signal SIGHUP at the program's start. Thread: main, at start-up.
 
-/// Returns whether SIGHUP was ignored at the program's start, as nohup arranges; then it stays
-/// ignored.
+/// Returns true if the program was started with SIGHUP ignored, as nohup arranges. The program then
+/// has to ignore it as well.
 inline bool sighupIgnored() {
   struct sigaction before {};
   return ::sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Coded frame: a frame whose reliefs are slices of the height codec, for transport. Thread: any;
-// one for each FrameCoder.
+// Coded frame: a frame in the form that is sent. Its reliefs are slices of the height codec.
+// Thread: any; one for each FrameCoder.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +15,16 @@
 
 namespace hapticast {
 
-/// The received slices of a relief, which do not overlap.
+/// A relief in coded form: the slices that are present, which do not overlap. On the receiver
+/// slices may be missing.
 struct CodedRelief {
   PixelRect rect;  ///< inside the picture
   std::vector<SliceBytes> slices;
-  std::size_t slice_count = 0;  ///< of the whole relief, at least 1
+  std::size_t slice_count = 0;  ///< number of slices of the whole relief, at least 1
 
-  /// Returns whether all slices are present.
+  /// Returns true if all slices of the relief are present.
   [[nodiscard]] bool whole() const { return slices.size() == slice_count; }
-  /// Returns the sum of the slices' sizes.
+  /// Returns the number of bytes of all present slices.
   [[nodiscard]] std::size_t bytes() const;
   bool operator==(const CodedRelief&) const = default;
 };
@@ -31,18 +32,19 @@ struct CodedRelief {
 using CodedObject = ObjectOf<CodedRelief>;
 using CodedFrame = FrameOf<CodedRelief>;
 
-/// Returns the same object with another relief.
+/// Returns a copy of the object `from` with another relief.
 template <class To, class From>
 ObjectOf<To> withRelief(const ObjectOf<From>& from, std::shared_ptr<const To> relief) {
   return {from.id,     from.layer, from.changed_in_frame, std::move(relief),
           from.motion, from.grid,  from.impacts,          from.material};
 }
 
-/// Codes the reliefs of a stream's frames, each unchanged relief once.
+/// Codes the frames of a stream. A relief that did not change since the frame before is not coded
+/// again.
 class FrameCoder {
  public:
-  /// Codes `frame`. An object whose mask is empty has no relief in the result. Requires masks and
-  /// heights of their rectangle's size, at most 1920 x 1080 px.
+  /// Returns `frame` with coded reliefs. An object whose mask is empty has no relief in the result.
+  /// Requires masks and heights of the size of their rectangle, at most 1920 x 1080 px.
   [[nodiscard]] CodedFrame code(const HapticFrame& frame, const SliceSettings& settings = {});
 
  private:

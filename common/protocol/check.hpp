@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Validation helper of the decoder. Thread: any, one object for each message.
+// Helper of the decoder that checks values. Thread: any, one object for each message.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,16 @@
 
 namespace hapticast {
 
-/// Records the first error, so that reading code needs no branches.
+/// Checks values and records the first error. So the reading code needs no branches: it asks for
+/// the error once, at the end.
 class Check {
  public:
-  /// Requires low <= value <= high; NaN fails.
+  /// Returns `value`. Records the error `what` unless low <= value <= high. A NaN is an error.
   double number(double value, double low, double high, const char* what) {
     require(value >= low && value <= high, what);
     return value;
   }
-  /// Requires |value| <= limit.
+  /// Returns `value`. Records the error `what` unless |value| <= limit.
   double magnitude(double value, double limit, const char* what) {
     return number(value, -limit, limit, what);
   }
@@ -31,11 +32,11 @@ class Check {
   void require(bool holds, const char* what) {
     if (!holds && !error_) error_ = malformed(what);
   }
-  /// Requires size <= limit; else the error is kTooLarge.
+  /// Records an error with the code kTooLarge unless size <= limit.
   void bound(std::size_t size, std::size_t limit, const char* what) {
     if (size > limit && !error_) error_ = WireError{ErrorCode::kTooLarge, what};
   }
-  /// Records an error of another check.
+  /// Records the error of another check.
   void adopt(const WireError& error) {
     if (!error_) error_ = error;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Fragmentation and reassembly: the sender splits a frame into payloads that fit datagrams; the
-// receiver checks each one and joins them in any order. Thread: any, one for each object.
+// Fragmentation and reassembly of frames. The sender splits a frame into fragments that fit
+// datagrams. The receiver checks each fragment and joins the fragments in any order. Thread: any,
+// one for each object.
 #pragma once
 
 #include <cstddef>
@@ -19,52 +20,54 @@
 
 namespace hapticast {
 
-/// Part of an object in one fragment.
+/// The part of one object that a fragment carries.
 struct ObjectPiece {
-  CodedObject object;  ///< with only this fragment's slices and cells
-  bool head = false;   ///< includes motion, impacts, material and the relief's rectangle
-  /// First cell of the grid's vectors in this fragment; columns and rows describe the whole grid.
+  CodedObject object;  ///< the object, but only with the slices and grid cells of this fragment
+  bool head = false;   ///< true: has the motion, impacts, material and the rectangle of the relief
+  /// Index of the first grid cell in this fragment. `columns` and `rows` of the grid are those of
+  /// the whole grid.
   std::size_t first_cell = 0;
 };
 /// Content of one fragment.
 struct FramePiece {
   std::vector<ObjectPiece> objects;
-  /// Number of objects of the whole frame, if the fragment has a head or no objects.
+  /// Number of objects of the whole frame. It is present if the fragment has the head of an object,
+  /// or no objects. A head is an ObjectPiece with `head`.
   std::optional<std::size_t> object_count = std::nullopt;
 };
 
-/// Splits `frame` into payloads of at most kMostPieceBytes. Returns none if it needs more than
-/// kMostParts or 8 MiB. Requires a frame that decode() would accept.
+/// Returns the fragments of `frame`, each of at most kMostPieceBytes. Returns none if the frame
+/// needs more than kMostParts fragments or 8 MiB. Requires a frame that decode() would accept.
 [[nodiscard]] std::vector<std::vector<std::uint8_t>> packFrame(const CodedFrame& frame);
 
-/// Reads one payload, with the checks of decode(). `frame`: id of its frame.
+/// Decodes one fragment, with the same checks as decode(). `frame` is the id of its frame.
 [[nodiscard]] Result<FramePiece, WireError> readPiece(std::span<const std::uint8_t> payload,
                                                       std::uint64_t frame);
 
-/// Reassembles a frame from its fragments, in any order.
+/// Joins the fragments of one frame, which may arrive in any order.
 class Reassembly {
  public:
-  /// Starts the frame of this datagram. Requires a header that is no probe.
+  /// Starts the frame to which `any_part` belongs. Requires a header that is not a probe's.
   explicit Reassembly(const DatagramHeader& any_part);
 
-  /// Returns whether the part belongs to this frame and is still missing.
+  /// Returns true if the fragment belongs to this frame and is still missing.
   [[nodiscard]] bool lacks(const DatagramHeader& part) const;
-  /// Adds the payload of a missing part. Returns an error if it contradicts earlier parts; then the
-  /// frame must be discarded.
+  /// Adds the payload of a missing fragment. Returns an error if it contradicts earlier fragments.
+  /// The caller must then drop the whole frame.
   [[nodiscard]] std::optional<WireError> add(const DatagramHeader& part,
                                              std::span<const std::uint8_t> payload);
-  /// Returns whether all parts are present.
+  /// Returns true if all fragments are present.
   [[nodiscard]] bool whole() const { return had_count_ == header_.parts; }
   [[nodiscard]] const DatagramHeader& header() const { return header_; }
-  /// Returns whether the heads of all objects are present, so that only slices and cells may be
+  /// Returns true if the heads of all objects are present. Then only slices and grid cells may be
   /// missing.
   [[nodiscard]] bool headed() const;
-  /// Returns the received part of an object's relief; null if it has no relief or its head is
-  /// missing.
+  /// Returns the relief of an object with the slices received so far. Returns null if the object
+  /// has no relief, or if its head is missing.
   [[nodiscard]] std::shared_ptr<const CodedRelief> relief(const ObjectKey& object);
-  [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< bytes received
-  /// Returns the received part of the frame: objects with a head, with their slices so far. Only
-  /// complete grids.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }  ///< bytes received so far
+  /// Returns the frame as received so far. It has the objects whose heads are present, with their
+  /// slices so far. A grid is included only if it is complete.
   [[nodiscard]] CodedFrame frame() const;
 
  private:
@@ -77,7 +80,7 @@ class Reassembly {
     std::vector<bool> cells;  // received cells of the grid
     bool head = false;
 
-    /// Returns whether grid and relief, as far as received, belong together.
+    /// Returns true if the grid has the right size for the relief, as far as both are received.
     [[nodiscard]] bool covers() const;
   };
   [[nodiscard]] std::optional<WireError> addFragment(const ObjectPiece& piece);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Protocol messages as structs, with their encoder and decoder. Only this folder includes protobuf.
-// The decoder validates all input, so its results are finite, within range and consistent. Format:
-// proto/README.md. Thread: any.
+// The decoder checks all input, so its results are finite, within range and consistent. The format
+// is in proto/README.md. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@
 
 namespace hapticast {
 
-/// Protocol version. Increment by hand at every incompatible change of proto/hapticast.proto.
+/// Protocol version. A developer increments it at every incompatible change of
+/// proto/hapticast.proto.
 inline constexpr std::uint32_t kProtocolVersion = 2;
 
 /// First message of a client.
@@ -29,42 +30,45 @@ struct Hello {
   bool wants_video = false;
   bool wants_frames_on_tcp = true;
 };
-/// A multicast group that carries the stream.
+/// A multicast group to which the server sends the stream.
 struct DatagramGroup {
   std::string address;
   std::uint16_t port = 0;
   std::uint64_t token = 0;
   bool operator==(const DatagramGroup&) const = default;
 };
-/// Answer of the server to Hello.
+/// Answer of the server to Hello. It announces the stream.
 struct Welcome {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint32_t session_id = 0;
-  std::uint64_t datagram_token = 0;  ///< 0: no datagrams; then the members below are unused
+  /// 0: the server sends no datagrams, and the members below are unused.
+  std::uint64_t datagram_token = 0;
   StreamDescription description;
   std::uint16_t datagram_port = 0;  ///< 0: the port of the TCP connection
-  std::uint32_t stream = 0;         ///< number of this run of the server, in every datagram
+  std::uint32_t stream = 0;         ///< number of this run of the server; every datagram has it
   std::optional<KeyBytes> verifying_key = std::nullopt;
   std::optional<DatagramGroup> group = std::nullopt;
 };
-/// Delivery that a client requests from now on.
+/// Request of a client: how it wants to receive frames from now on.
 struct Delivery {
   bool on_tcp = true;
-  bool datagrams = true;     ///< after an echo of its token
-  std::uint32_t copies = 1;  ///< redundancy, 1..limits::kMostCopies; also for the group
+  bool datagrams = true;  ///< send datagrams, once the client has returned its token (echo)
+  /// Number of times that each datagram is sent, 1..limits::kMostCopies; also for the group.
+  std::uint32_t copies = 1;
   bool operator==(const Delivery&) const = default;
 };
-/// Clock request of a client.
+/// Request of a client for the server's time.
 struct Ping {
   LocalTime t0;
 };
-/// Answer to a ping (transport/clock_sync.hpp).
+/// Answer of the server to a ping (transport/clock_sync.hpp).
 struct Pong {
   LocalTime t0;
   MediaTime t1;
   MediaTime t2;
 };
-/// Reception statistics of a client, like RTCP receiver reports; sent now and then.
+/// Statistics of a client about its reception, like the receiver reports of RTCP. A client sends
+/// them about once a second.
 struct ReceiverReport {
   std::uint64_t frames_received = 0;
   std::uint64_t frames_lost = 0;
@@ -74,7 +78,8 @@ struct ReceiverReport {
   bool in_contact = false;
 };
 
-/// Progress of the server's scan of its clip; no frames before its end.
+/// Progress of the server's scan of its clip. The server sends no frames before the end of the
+/// scan.
 struct Preparing {
   double share = 0.0;  ///< scanned share, 0..1
 };
@@ -82,14 +87,16 @@ struct Preparing {
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
                              ReceiverReport, WireError, Preparing, Delivery>;
 
-/// Encodes one message, without the length prefix (framing.hpp). Requires valid content.
+/// Returns the bytes of one message, without the length prefix (framing.hpp). Requires valid
+/// content.
 [[nodiscard]] std::vector<std::uint8_t> encode(const Message& message);
 
-/// Encodes one message into bytes that senders share.
+/// Returns the bytes of one message in a form that several senders can share.
 [[nodiscard]] SharedBytes encodeShared(const Message& message);
 
-/// Decodes one message. Never throws for bad bytes; checks limits before it allocates memory for
-/// the content. Checks slices by their headers only; HeightDecoder checks the rest.
+/// Decodes one message and returns it. Returns an error for invalid bytes, and never throws for
+/// them. It checks all limits before it allocates memory for the content. It checks only the
+/// headers of slices; HeightDecoder checks the rest.
 [[nodiscard]] Result<Message, WireError> decode(std::span<const std::uint8_t> bytes);
 
 }  // namespace hapticast

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Decoder of frames: protobuf messages to domain structs, with every number checked; part of
-// decode() and readPiece(). Thread: any.
+// Decoder of frames: converts protobuf messages to the structs of haptic_frame.hpp, and checks
+// every number. decode() and readPiece() call it. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,21 @@
 
 namespace hapticast {
 
-/// Bounds the repeated fields in a message's bytes before the parser allocates memory for them.
+/// Checks the number of repeated fields in the bytes of a message, before the parser allocates
+/// memory for them. Records an error in `check` if there are too many.
 void boundCounts(std::span<const std::uint8_t> message, Check& check);
-/// Bounds the repeated fields of a frame or a fragment.
+/// Does the same for the bytes of a frame or of a fragment.
 void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 
-/// Return undefined values after an error of the check.
+/// Return the struct of a parsed frame or fragment. They record an error in `check` for every
+/// invalid value. After an error the returned values are undefined.
 [[nodiscard]] CodedFrame readFrame(const proto::HapticFrame& from, Check& check);
 [[nodiscard]] FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id,
                                         Check& check);
 
-/// Checks the consistency of objects and fragments: no object twice, no overlap of slices, a grid
-/// that covers its relief, limits of the whole frame.
+/// Checks that the objects of a frame are consistent, and records an error in `check` if they are
+/// not. No object may occur twice, and no slices may overlap. A grid must cover its relief, and the
+/// limits of the whole frame must hold.
 void checkFrame(const CodedFrame& frame, Check& check);
 
 }  // namespace hapticast

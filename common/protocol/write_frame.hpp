@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Encoder of frames to protobuf messages, whole or in fragments; part of encode() and packFrame().
+// Encoder of frames: writes the structs of haptic_frame.hpp to protobuf messages. encode() uses it
+// for whole frames, and packFrame() for the fragments of a frame.
 // Thread: any.
 #pragma once
 
@@ -10,12 +11,13 @@
 
 namespace hapticast {
 
-/// Writes a whole frame.
+/// Writes all objects of the frame `from` to `to`.
 void writeFrame(const CodedFrame& from, proto::HapticFrame& to);
-/// Writes an object without its relief and grid.
+/// Writes the object `from` to `to`, without its relief and its motion grid.
 void writeHead(const CodedObject& from, proto::Object& to);
 void writeRect(const PixelRect& from, proto::Relief& to);
-/// Appends the cells of the grid from `first` on, at most `most` of them.
+/// Appends cells of the grid `from` to `to`. It begins with the cell `first` and appends at most
+/// `most` cells.
 void writeCells(const MotionGrid& from, std::size_t first, std::size_t most, proto::MotionGrid& to);
 
 }  // namespace hapticast

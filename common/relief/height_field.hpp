@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Height field: a relief prepared for contact, with heights continued beyond the mask and the
-// signed distance to the mask's edge.
-// Prepared off the haptic loop, then immutable and sampled by the 1 kHz loop. Thread: any.
+// Height field: a relief that is prepared for contact. Its heights continue beyond the mask. It
+// also has the signed distance of each point to the mask's edge.
+//
+// It is prepared outside the haptic loop. After that it does not change, and the 1 kHz loop samples
+// it. Thread: any.
 #pragma once
 
 #include <vector>
@@ -35,33 +37,37 @@ class HeightField {
  public:
   HeightField() = default;
 
-  /// Prepares `relief`: continues its heights kMargin_px beyond the mask by local fits
-  /// (rim_fit.hpp), so that nothing beside the object affects samples near the rim.
-  /// Computes the smoothed signed distance to the mask's edge (distance_transform.hpp), which the proxy
-  /// contacts as a wall. Time is linear in the rectangle.
-  /// Requires a validated relief (matching sizes, finite heights). May allocate; not for the haptic
-  /// loop.
+  /// Returns the height field of `relief`. Its heights continue kMargin_px beyond the mask by local
+  /// fits (rim_fit.hpp). So nothing beside the object affects samples near the edge of the mask.
+  ///
+  /// The field also has the smoothed signed distance to the mask's edge (distance_transform.hpp).
+  /// The proxy contacts that edge as a wall. The time is linear in the number of pixels. Requires a
+  /// valid relief (matching sizes, finite heights). The function may allocate, so the haptic loop
+  /// must not call it.
   static HeightField prepare(const Relief& relief, const Workspace& workspace);
-  /// Prepares `relief` by the thesis's method: height 0 outside the mask, without continuation.
+  /// Returns the height field of `relief` by the thesis's method: the height outside the mask is 0.
   static HeightField prepareThesis(const Relief& relief, const Workspace& workspace);
 
-  /// Returns whether the pixel at `image_px` belongs to the object.
+  /// Returns true if the pixel at `image_px` belongs to the object.
   [[nodiscard]] bool inside(const Vec2& image_px) const noexcept;
-  /// Returns the bilinear height and the bilinearly interpolated Sobel gradient (Eq. 11-12), exact
-  /// to about 1e-5 mm (single precision).
-  /// Outside the prepared rectangle: the nearest prepared value. Accepts any `image_px`; a NaN
-  /// counts as the far left or top. Requires a non-empty field.
+  /// Returns the height by bilinear interpolation. The gradient is that of the Sobel operator (Eq.
+  /// 11-12), also with bilinear interpolation. Both are exact to about 1e-5 mm (single precision).
+  ///
+  /// Outside the prepared rectangle the result is the nearest prepared value. Any `image_px` is
+  /// valid, and a NaN counts as the far left or top. Requires a field that is not empty.
   [[nodiscard]] SurfaceSample bilinear(const Vec2& image_px) const noexcept;
-  /// Returns a uniform cubic B-spline with the heights as coefficients; otherwise like bilinear().
+  /// Returns height, gradient and second derivatives of a uniform cubic B-spline that has the
+  /// heights as coefficients. Otherwise it is like bilinear().
   [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
-  /// Returns the signed distance to the mask's edge (a cubic B-spline of the smoothed field),
-  /// clamped to +-kMargin_px. Coordinates and requirement: see bilinear().
+  /// Returns the signed distance to the mask's edge and its gradient, clamped to +-kMargin_px. It
+  /// is a cubic B-spline of the smoothed distances. `image_px` and the requirement are as for
+  /// bilinear().
   [[nodiscard]] EdgeSample edge(const Vec2& image_px) const noexcept;
-  /// Returns an upper bound of spline() over the field, mm.
+  /// Returns an upper bound of the height that spline() returns, mm.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
 
-  /// Returns the centre of the mask's pixel farthest from the edge, px, image frame; (0, 0) when
-  /// empty.
+  /// Returns the centre of the pixel in the mask that is farthest from the mask's edge, px. Returns
+  /// (0, 0) if the field is empty.
   [[nodiscard]] const Vec2& deepestPoint_px() const noexcept { return deepest_px_; }
   /// Returns the height of that pixel, mm.
   [[nodiscard]] double deepestPointHeight_mm() const noexcept { return deepest_height_mm_; }
@@ -69,12 +75,14 @@ class HeightField {
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
   [[nodiscard]] bool empty() const noexcept { return height_mm_.empty(); }
 
-  static constexpr int kMargin_px = 12;  ///< width of the continuation, px
+  static constexpr int kMargin_px = 12;  ///< width of the continued heights beyond the mask, px
 
  private:
-  /// Returns heights inside the mask, zero elsewhere; empty if the sizes do not match.
+  /// Returns a field with the heights inside the mask, and zero elsewhere. Returns an empty field
+  /// if the sizes do not match.
   static HeightField padded(const Relief& relief, const Workspace& workspace);
-  /// Computes edge distances and, if `continued`, the heights beyond the mask.
+  /// Computes the edge distances. If `continued` is true, it also computes the heights beyond the
+  /// mask.
   void complete(bool continued);
 
   PixelRect rect_;      // of the relief

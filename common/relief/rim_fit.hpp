@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Local quadratic regression at the rim of a mask, which continues a relief beyond the rim.
-// Prepares height fields, off the haptic loop. Thread: any.
+// Local quadratic regression at the edge of a mask. It continues the heights of a relief beyond the
+// mask. It serves to prepare height fields, outside the haptic loop. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,18 @@
 
 namespace hapticast {
 
-/// A quadratic about one pixel, fitted to the masked heights around it.
+/// A quadratic function about one pixel, fitted to the heights inside the mask around it.
 class RimFit {
  public:
-  /// Fits with Gaussian weights of 2.5 px over the masked pixels within 5 px of (u, v). Exact for
-  /// planes. A small ridge suppresses curvature that the pixels do not determine (thin masks).
-  /// Requires mask(u, v) = 1.
+  /// Fits the quadratic about the pixel (u, v), which must be inside the mask. The fit uses the
+  /// pixels of the mask within 5 px, with Gaussian weights of 2.5 px. It is exact for planes. In a
+  /// thin mask the pixels may not determine the curvature. A small ridge term then makes it small.
   RimFit(const std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask, int width,
          int height, int u, int v);
 
-  /// Returns the height at (du, dv) px from the pixel, mm: the quadratic up to 4 px, its tangent up
-  /// to 12 px, then constant. At most 2 mm from the weighted mean around the pixel.
+  /// Returns the height at the distance (du, dv) px from the pixel, mm. It is that of the quadratic
+  /// up to 4 px, of its tangent up to 12 px, and constant beyond. It differs by at most 2 mm from
+  /// the weighted mean of the heights around the pixel.
   [[nodiscard]] double at(double du, double dv) const;
 
  private:

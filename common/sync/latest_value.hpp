@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Triple buffer: passes the newest value of one writer to one reader, wait-free on both sides,
-// without torn values. Thread: one writer, one reader.
+// Triple buffer: passes the newest value of one writer to one reader. Neither side ever waits, and
+// the reader never receives a mixture of two values. Thread: one writer, one reader.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace hapticast {
 
-/// Newest value of type T.
+/// The newest value of type T that the writer has stored.
 template <class T>
 class LatestValue {
   // T owns no memory, so copies in the loop cannot allocate. (Eigen vectors are not trivially
@@ -21,7 +21,7 @@ class LatestValue {
   LatestValue() = default;
   explicit LatestValue(const T& initial) { slots_.fill(initial); }
 
-  /// Stores the newest value. Thread: the writer.
+  /// Stores a value, which replaces the one before. Thread: the writer.
   void store(const T& value) noexcept {
     slots_[back_] = value;
     // Release publishes the slot; acquire receives a slot that the reader has finished with (pairs
@@ -30,7 +30,8 @@ class LatestValue {
             kIndex;
   }
 
-  /// Returns the newest stored value, or the initial one. Thread: the reader.
+  /// Returns the value that was stored last, or the initial one. The reference is valid until the
+  /// next load(). Thread: the reader.
   [[nodiscard]] const T& load() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
       front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;

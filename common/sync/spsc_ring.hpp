@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Single-producer single-consumer ring buffer (Lamport queue) of plain values: wait-free on both
-// sides. Thread: one producer, one consumer.
+// Single-producer single-consumer ring buffer (Lamport queue) of plain values. Neither side ever
+// waits. Thread: one producer, one consumer.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace hapticast {
 
-/// Ring of `Capacity` values, a power of two.
+/// Ring buffer for `Capacity` values. Capacity is a power of two.
 template <class T, std::size_t Capacity>
 class SpscRing {
   // T owns no memory, so copies in the loop cannot allocate. (Eigen vectors are not trivially
@@ -19,7 +19,7 @@ class SpscRing {
   static_assert((Capacity & (Capacity - 1)) == 0 && Capacity > 1);
 
  public:
-  /// Appends a value. Returns false and changes nothing when full. Thread: the producer.
+  /// Appends a value. If the ring is full, returns false and changes nothing. Thread: the producer.
   [[nodiscard]] bool tryPush(const T& value) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     // Pairs with the release store in tryPop: the slot's old value has been read.
@@ -30,7 +30,8 @@ class SpscRing {
     return true;
   }
 
-  /// Removes the oldest value. Returns false when empty. Thread: the consumer.
+  /// Removes the oldest value and writes it to `value`. Returns false if the ring is empty. Thread:
+  /// the consumer.
   [[nodiscard]] bool tryPop(T& value) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (head_.load(std::memory_order_acquire) == tail) return false;

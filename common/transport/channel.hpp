@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Channel: one connection to a peer that carries whole payloads; the implementation adds the
-// framing.
-// Server and client use channels only, so a further transport is one more implementation. Thread:
-// the one that runs the channel's io_context.
+// Channel: a connection to a peer that carries whole payloads. A payload is the bytes of one
+// message. The implementation separates the payloads on the connection.
+//
+// Server and client use only this interface. So a further transport needs only one more
+// implementation. Thread: the one that runs the channel's io_context.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +23,8 @@ namespace hapticast {
 /// Bytes of one message (common/protocol/messages.hpp), without framing.
 using Payload = std::span<const std::uint8_t>;
 
-/// The two hosts of a connection; unspecified if it has none.
+/// Addresses of the two hosts of a connection. They are unspecified if the channel has no
+/// addresses.
 struct Hosts {
   asio::ip::address peer;
   asio::ip::address local;
@@ -33,40 +35,45 @@ class Channel {
  public:
   virtual ~Channel() = default;
 
-  /// Returns the next payload, valid until the next read(); nullopt at the end of the connection
-  /// (see whyEnded()). Returns kMalformed or kTooLarge for invalid framing; then no further payload
-  /// follows. One read at a time.
+  /// Returns the next payload, which is valid until the next read(). Returns nullopt at the end of
+  /// the connection (whyEnded()). Returns an error if the peer's bytes contain no valid payload
+  /// (kMalformed), or one above the read limit (kTooLarge). After an error no further payload
+  /// follows. Only one read may run at a time.
   virtual asio::awaitable<Result<std::optional<Payload>, WireError>> read() = 0;
   /// Writes as much of a payload (1..kMaxMessageBytes bytes) as possible without waiting. Returns
-  /// whether that is all of it. Not during a write.
-  /// If not, write() of the same payload must follow: it writes the rest and reports the end of the
-  /// connection.
+  /// true if it has written all of it. Do not call it while write() runs.
+  ///
+  /// After false, the caller must call write() with the same payload. That call writes the rest,
+  /// and it reports if the connection has ended.
   [[nodiscard]] virtual bool writeNow(const SharedBytes& payload) noexcept = 0;
-  /// Writes one payload. Returns false if the connection has ended. One write at a time.
+  /// Writes one payload and returns true. Returns false if the connection has ended. Only one write
+  /// may run at a time.
   virtual asio::awaitable<bool> write(SharedBytes payload) = 0;
-  /// Reads and discards until the peer ends the connection or `most_bytes` are read. A close with
-  /// unread bytes would reset the connection before the peer reads the last message.
+  /// Reads and discards bytes until the peer ends the connection, or until more than `most_bytes`
+  /// are read. Call it before close(). A close with unread bytes would reset the connection before
+  /// the peer reads the last message.
   virtual asio::awaitable<void> drain(std::size_t most_bytes) = 0;
-  /// Signals the peer that nothing more will be written.
+  /// Informs the peer that no more payloads follow.
   virtual void finishWriting() noexcept = 0;
-  /// Returns whether the peer's system has acknowledged all bytes; then close() loses nothing.
+  /// Returns true if the peer's system has acknowledged all bytes. Then close() loses nothing.
   [[nodiscard]] virtual bool delivered() noexcept = 0;
-  /// Ends the connection; pending read() and write() return. Bytes already written are still
-  /// delivered, if the peer reads them.
+  /// Ends the connection. A running read() or write() returns. The system still delivers bytes that
+  /// are already written, if the peer reads them.
   virtual void close() noexcept = 0;
-  /// Ends the connection and discards undelivered bytes, which a peer that does not read would hold
-  /// in the system's memory for minutes.
+  /// Ends the connection and discards undelivered bytes. If the peer does not read, the system
+  /// would otherwise store them for minutes.
   virtual void abort() noexcept = 0;
 
-  /// Sets the longest payload that read() accepts from now on.
+  /// Sets the size of the longest payload that read() accepts from now on.
   void setReadLimit(std::size_t bytes) { read_limit_bytes_ = bytes; }
-  [[nodiscard]] const std::string& peer() const { return peer_; }  ///< address, for the log
-  /// Returns the hosts of both ends.
+  /// Address of the peer, for the log.
+  [[nodiscard]] const std::string& peer() const { return peer_; }
+  /// Returns the addresses of both hosts.
   [[nodiscard]] const Hosts& hosts() const { return hosts_; }
-  /// Returns the cause of the connection's end.
+  /// Returns the reason why the connection has ended.
   [[nodiscard]] const std::string& whyEnded() const { return why_ended_; }
-  /// Return the transferred bytes, framing included; during a write they increase with its
-  /// progress.
+  /// Return the number of transferred bytes, including the framing. During a write the number
+  /// increases with its progress.
   [[nodiscard]] std::uint64_t bytesRead() const { return bytes_read_; }
   [[nodiscard]] std::uint64_t bytesWritten() const { return bytes_written_; }
 

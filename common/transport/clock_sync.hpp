@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Clock synchronisation from four-timestamp pings, as in NTP: offset from the quickest ways, drift
-// from lower convex hulls (Moon, Skelly and Towsley 1999).
-// Estimates media clock minus local clock. Times are arguments. Thread: one (the client's network
-// thread).
+// Clock synchronisation by pings with four timestamps, as in NTP. It estimates media clock minus
+// local clock. The quickest pings determine the offset. Lower convex hulls determine the drift
+// (Moon, Skelly and Towsley 1999). Times are arguments. Thread: one (the client's network thread).
 #pragma once
 
 #include <deque>
@@ -11,39 +10,41 @@
 
 namespace hapticast {
 
-/// Estimate for one connection.
+/// Estimates the clock offset of one connection.
 class ClockSync {
  public:
-  static constexpr std::size_t kBurst = 16;  ///< pings at the start of a connection
-  static constexpr std::size_t kNeeded = 5;  ///< pings before the first offset
-  /// Stored pings; chosen: over fewer the slope is mostly jitter.
+  static constexpr std::size_t kBurst = 16;  ///< number of quick pings at the start of a connection
+  static constexpr std::size_t kNeeded = 5;  ///< number of answered pings before the first offset
+  /// Number of stored pings. The value is a choice: with fewer pings the drift is mostly jitter.
   static constexpr std::size_t kWindow = 256;
   static constexpr double kMaxDrift = 5e-4;  ///< largest rate of change of the offset
 
-  /// Resets all state, for a new connection.
+  /// Deletes all state, for a new connection.
   void reset() { *this = ClockSync(); }
 
-  /// Adds a ping: sent at t0 and its answer received at t3 (local), received and answered by the
-  /// server at t1 and t2 (media). Ignores impossible samples (negative round trip, decreasing
-  /// time).
+  /// Adds an answered ping. The client sent it at t0 and received the answer at t3 (local time).
+  /// The server received it at t1 and answered it at t2 (media time). A ping with impossible times
+  /// is ignored (negative round trip, decreasing time).
   void add(LocalTime t0, MediaTime t1, MediaTime t2, LocalTime t3);
 
-  /// Returns whether enough pings were answered for an offset.
+  /// Returns true if enough pings were answered for an offset.
   [[nodiscard]] bool ready() const { return answered_ >= kNeeded; }
 
-  /// Returns media clock minus local clock at `now`. Requires ready(); `now` must not decrease.
-  /// After the first call it changes by at most kMaxDrift of the elapsed local time. It changes
-  /// faster only if the quickest ways exclude the old value, or if better pings improve the
-  /// estimate.
+  /// Returns media clock minus local clock at `now`. Requires ready(), and `now` must not decrease.
+  ///
+  /// After the first call the result changes by at most kMaxDrift of the elapsed local time. It
+  /// changes faster only in two cases: the quickest pings exclude the old value, or better pings
+  /// improve the estimate.
   [[nodiscard]] Duration offset(LocalTime now);
 
-  /// Returns the largest error of the last returned offset. It is half of the sum of the quickest
-  /// ways there and back, plus the remaining distance to the estimate. Requires ready().
+  /// Returns the largest possible error of the last returned offset. It is half of the quickest
+  /// round trip, plus the remaining distance of that offset from the estimate. The quickest way
+  /// there and the quickest way back may belong to two pings. Requires ready().
   [[nodiscard]] Duration errorBound() const;
 
  private:
-  /// One ping: media minus local clock by each way. `there` is too large by the delay there, `back`
-  /// too small by the delay back.
+  /// One ping: media minus local clock, measured by the way there and by the way back. `there` is
+  /// too large by the delay on the way there. `back` is too small by the delay on the way back.
   struct Sample {
     LocalTime time;  // middle of the ping
     Duration there;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Datagram format (proto/README.md): the receiver's token, then a body that is signed once for all
-// receivers. The echo, with which a viewer registers its address. Pure functions on bytes. Thread:
-// any.
+// Format of the datagrams (proto/README.md). A datagram is the receiver's token and a body. The
+// server signs the body once for all receivers. An echo is a datagram from a viewer: it returns the
+// token, and so registers the viewer's address. The functions are pure. Thread: any.
 #pragma once
 
 #include <array>
@@ -16,10 +16,11 @@
 
 namespace hapticast {
 
-/// Limit of the UDP payload: with the headers of UDP and IPv6 it is IPv6's least MTU of 1280 bytes.
+/// Largest UDP payload. With the headers of UDP and IPv6 it has 1280 bytes, the smallest MTU of
+/// IPv6.
 inline constexpr std::size_t kMostDatagramBytes = 1232;
 inline constexpr std::size_t kTokenBytes = 8;
-inline constexpr std::size_t kDatagramHeaderBytes = 36;  ///< token included
+inline constexpr std::size_t kDatagramHeaderBytes = 36;  ///< includes the token
 inline constexpr std::size_t kMostPieceBytes =
     kMostDatagramBytes - kDatagramHeaderBytes - kSignatureBytes;
 inline constexpr std::size_t kMostParts = 65'535;
@@ -34,37 +35,38 @@ struct DatagramHeader {
   std::uint32_t epoch = 0;
   std::uint64_t frame = 0;
   MediaTime media_time;
-  std::uint16_t part = 0;   ///< below `parts`
-  std::uint16_t parts = 0;  ///< of the frame, 0: a probe
+  std::uint16_t part = 0;   ///< number of this fragment, below `parts`
+  std::uint16_t parts = 0;  ///< number of fragments of the frame; 0: the datagram is a probe
 
   [[nodiscard]] bool probe() const { return parts == 0; }
   bool operator==(const DatagramHeader&) const = default;
 };
 
-/// A parsed datagram; its spans point into the bytes read.
+/// A parsed datagram. Its spans point into the bytes that were read.
 struct Datagram {
   std::uint64_t token = 0;
   DatagramHeader header;
-  std::span<const std::uint8_t> payload;  ///< fragment
+  std::span<const std::uint8_t> payload;  ///< the fragment of a frame
   std::span<const std::uint8_t> signed_bytes;
-  std::span<const std::uint8_t> signature;  ///< of signed_bytes, not verified yet
+  std::span<const std::uint8_t> signature;  ///< signature of signed_bytes, not verified yet
 };
 
-/// Parses a datagram; nullopt if size or numbers are invalid. Cheap: it does not verify the
-/// signature.
+/// Returns the datagram in `bytes`. Returns nullopt if its size or its numbers are invalid. The
+/// function is fast, because it does not verify the signature.
 [[nodiscard]] std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexcept;
 
-/// Returns the bytes after the token, with signature. Requires a payload of at most
-/// kMostPieceBytes.
+/// Returns the bytes that follow the token: header, payload and signature. Requires a payload of at
+/// most kMostPieceBytes.
 [[nodiscard]] std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
                                                    std::span<const std::uint8_t> payload,
                                                    SigningKey& key);
-/// Returns the body of a probe, of full size: if it arrives, every datagram can arrive.
+/// Returns the bytes of a probe that follow the token. A probe has the full size: if it arrives,
+/// every datagram can arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);
 /// Returns the token in the byte order of the wire.
 [[nodiscard]] TokenBytes tokenBytes(std::uint64_t token) noexcept;
 
-/// Registration of a viewer's address.
+/// An echo: it registers a viewer's address at the server.
 struct Echo {
   std::uint64_t token = 0;
   std::uint32_t stream = 0;
@@ -72,7 +74,7 @@ struct Echo {
 };
 /// Returns the bytes of an echo.
 [[nodiscard]] EchoBytes echoBytes(const Echo& echo) noexcept;
-/// Parses an echo; nullopt for other bytes.
+/// Returns the echo in `bytes`. Returns nullopt for other bytes.
 [[nodiscard]] std::optional<Echo> readEcho(std::span<const std::uint8_t> bytes) noexcept;
 
 }  // namespace hapticast

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Message framing on a byte stream: a 4-byte little-endian length, then the message
-// (proto/README.md). Thread: one for each FrameReader.
+// Framing: separates the messages on a stream of bytes. Each message follows its length, which has
+// 4 bytes in little-endian order (proto/README.md). Thread: one for each FrameReader.
 #pragma once
 
 #include <array>
@@ -18,37 +18,42 @@ namespace hapticast {
 
 inline constexpr std::size_t kPrefixBytes = 4;
 inline constexpr std::size_t kMaxMessageBytes = 8U << 20U;
-/// Limit of a server for messages from clients, and of a client before the welcome.
+/// Largest size of a small message. A server accepts only small messages from its clients. A client
+/// accepts only small messages until the server's welcome has arrived. After that it accepts
+/// messages of kMaxMessageBytes.
 inline constexpr std::size_t kMaxSmallMessageBytes = 64U << 10U;
 
-/// Immutable bytes that all senders share.
+/// Bytes that do not change, and that several senders share.
 using SharedBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 using LengthPrefix = std::array<std::uint8_t, kPrefixBytes>;
-/// Returns the prefix of a payload of 1..kMaxMessageBytes bytes.
+/// Returns the length prefix of a payload of `payload_bytes` bytes, 1..kMaxMessageBytes.
 [[nodiscard]] LengthPrefix lengthPrefix(std::size_t payload_bytes);
 
-/// Splits a stream of arbitrary chunks into messages. Buffers at most one message of the limit plus
-/// one chunk.
+/// Finds the messages in a stream of bytes, which arrives in pieces of any size. It stores at most
+/// one message of the largest allowed size plus one piece.
 class FrameReader {
  public:
   explicit FrameReader(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  /// Adds bytes of the stream; invalidates the last result of next().
+  /// Adds the next bytes of the stream. The last result of next() is then invalid.
   void feed(std::span<const std::uint8_t> chunk);
 
-  /// Returns the next whole message (without prefix), valid until the next feed(); nullopt if more
-  /// bytes are needed. Returns kMalformed (length 0) or kTooLarge, then for ever: the message
-  /// boundaries are lost.
+  /// Returns the next whole message without its prefix, valid until the next feed(). Returns
+  /// nullopt if more bytes are needed.
+  ///
+  /// Returns the error kMalformed for a length of 0, and kTooLarge for a length above the limit.
+  /// All further calls then return the same error, because the begin of the next message is
+  /// unknown.
   [[nodiscard]] Result<std::optional<std::span<const std::uint8_t>>, WireError> next();
 
-  /// Sets the limit for the following messages.
+  /// Sets the largest size of the messages from now on.
   void setLimit(std::size_t limit_bytes) { limit_bytes_ = limit_bytes; }
 
  private:
   std::size_t limit_bytes_;
   std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;  // first byte that next() has not returned
+  std::size_t begin_ = 0;  // index of the first byte that next() has not returned
 };
 
 }  // namespace hapticast

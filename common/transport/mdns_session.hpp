@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Connection to avahi-daemon with automatic reconnection: reports to its owner when Avahi objects
-// can be created and when they must be freed. Thread: Avahi's own for the events; the owner's for
-// the rest.
+// Connection to avahi-daemon, which reconnects automatically. The owner creates objects of the
+// Avahi library. This class calls it when it can create them, and when it must free them. Thread:
+// Avahi's own for the events; the owner's for the rest.
 #pragma once
 
 #include <functional>
@@ -14,20 +14,21 @@ struct AvahiTimeout;
 
 namespace hapticast {
 
-/// One reconnecting client.
+/// A client of avahi-daemon that reconnects.
 class AvahiSession {
  public:
-  /// Callbacks to the owner.
+  /// Callbacks that the owner implements.
   struct Events {
-    std::function<void(AvahiClient*)> runs;  ///< create objects of this client
-    std::function<void()> over;              ///< free these objects now, if any
-    /// No daemon, with the cause; once until it runs.
+    std::function<void(AvahiClient*)> runs;  ///< the daemon runs: create objects of this client
+    std::function<void()> over;              ///< free these objects now, if there are any
+    /// No daemon runs; the argument is the cause. It is called only once, until the daemon runs
+    /// again.
     std::function<void(const std::string&)> absent;
   };
 
-  /// Throws std::runtime_error if the library cannot start.
+  /// Starts to connect. Throws std::runtime_error if the library cannot start.
   explicit AvahiSession(Events events);
-  /// Calls only `over`, on the calling thread, then nothing more.
+  /// Ends the connection. It calls `over` in the calling thread, and no other callback after that.
   ~AvahiSession();
   AvahiSession(const AvahiSession&) = delete;
   AvahiSession& operator=(const AvahiSession&) = delete;

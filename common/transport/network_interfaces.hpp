@@ -16,11 +16,11 @@ struct NetworkInterface {
   asio::ip::address address;
   bool loopback = false;
 
-  /// Returns whether `text` is the interface's name or this address.
+  /// Returns true if `text` is the interface's name or this address.
   [[nodiscard]] bool called(const std::string& text) const;
 };
 
-/// Returns the interfaces that are up, loopback last.
+/// Returns the addresses of all interfaces that are up. Those of the loopback interface are last.
 [[nodiscard]] std::vector<NetworkInterface> networkInterfaces();
 
 }  // namespace hapticast

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Ed25519 signatures (RFC 8032) and random numbers; only this file's .cpp includes OpenSSL. Thread:
-// one for each object, except where a function says "any".
+// Ed25519 signatures (RFC 8032) and random numbers. Only the .cpp of this header includes OpenSSL.
+// Thread: one for each object, except where a function says "any".
 #pragma once
 
 #include <array>
@@ -31,15 +31,15 @@ using Key = std::unique_ptr<evp_pkey_st, Free>;
 using Context = std::unique_ptr<evp_md_ctx_st, Free>;
 }  // namespace signature_detail
 
-/// Secret key, which signs.
+/// Secret key, with which the server signs.
 class SigningKey {
  public:
   /// Creates a random key. Throws std::runtime_error if the system has no random numbers.
   SigningKey();
-  /// Creates the key of RFC 8032 for a seed: for tests and examples.
+  /// Creates the key that RFC 8032 defines for `seed`. It serves for tests and examples.
   explicit SigningKey(const KeyBytes& seed);
 
-  /// Signs `bytes`. Throws std::runtime_error if OpenSSL fails.
+  /// Returns the signature of `bytes`. Throws std::runtime_error if OpenSSL fails.
   [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
   [[nodiscard]] const KeyBytes& verifyingKey() const noexcept { return verifying_key_; }
 
@@ -51,13 +51,13 @@ class SigningKey {
   KeyBytes verifying_key_{};
 };
 
-/// Public key, which verifies.
+/// Public key, with which a client verifies signatures.
 class VerifyingKey {
  public:
-  /// Returns an error if the bytes are no key of 32 bytes.
+  /// Returns the key in `bytes`. Returns an error if they are not a key of 32 bytes.
   [[nodiscard]] static Result<VerifyingKey> from(std::span<const std::uint8_t> bytes);
 
-  /// Returns whether the key's owner signed exactly these bytes.
+  /// Returns true if `signature` is the signature of exactly these `bytes` by the owner of the key.
   [[nodiscard]] bool verify(std::span<const std::uint8_t> bytes,
                             std::span<const std::uint8_t> signature) const noexcept;
 
@@ -68,8 +68,8 @@ class VerifyingKey {
   signature_detail::Context context_;
 };
 
-/// Returns 64 random bits that are not predictable, never 0. Throws std::runtime_error if the
-/// system has no random numbers. Thread: any.
+/// Returns 64 random bits that nobody can predict. The result is never 0. Throws std::runtime_error
+/// if the system has no random numbers. Thread: any.
 [[nodiscard]] std::uint64_t unguessable();
 
 }  // namespace hapticast

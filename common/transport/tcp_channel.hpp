@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// TCP channel: each payload with a length prefix (framing.hpp). Thread: the one that runs the
+// Channel over TCP. Each payload has a length prefix (framing.hpp). Thread: the one that runs the
 // channel's io_context.
 #pragma once
 
@@ -10,10 +10,12 @@
 
 namespace hapticast {
 
-/// A connected TCP socket.
+/// A channel over a connected TCP socket.
 class TcpChannel final : public Channel {
  public:
-  /// Adopts a connected socket and disables Nagle's algorithm (TCP_NODELAY).
+  /// Owns `socket` from now on, which must be connected. Disables Nagle's algorithm (TCP_NODELAY),
+  /// so that small payloads are sent at once. `read_limit_bytes` is the size of the longest payload
+  /// that read() accepts.
   TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes);
 
   asio::awaitable<Result<std::optional<Payload>, WireError>> read() override;
@@ -26,13 +28,13 @@ class TcpChannel final : public Channel {
   void abort() noexcept override;
 
  private:
-  /// Reads once into chunk_. Returns 0 at the end of the connection.
+  /// Reads bytes once into chunk_ and returns their number. Returns 0 at the end of the connection.
   asio::awaitable<std::size_t> readSome();
 
   asio::ip::tcp::socket socket_;
   std::vector<std::uint8_t> chunk_;
   FrameReader reader_;
-  LengthPrefix prefix_{};    // of the payload in writing
+  LengthPrefix prefix_{};    // length prefix of the payload that is being written
   std::size_t written_ = 0;  // bytes of prefix and payload written by writeNow()
 };
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Connection to a Falcon: opens it, loads its firmware, streams replies, detects its loss and
-// reopens it. At any end the last request sets the motors to zero, as long as the device receives
-// data.
+// Connection to a Falcon. It opens the device, loads its firmware, and passes the device's replies
+// to the loop. It detects the loss of the device and then opens it again.
+//
+// The motors end with zero force. Before the connection closes the device, it sends requests for
+// zero force and waits for their replies. It does so at the end of the program and after a loss. If
+// the device does not answer, the last request cannot reach it.
 // Threads: loop, main, and one of its own for USB; each function states its own.
 #pragma once
 
@@ -25,42 +28,45 @@
 
 namespace hapticast::client {
 
-/// A reply with its arrival.
+/// A reply of the device and the time of its arrival.
 struct FalconNews {
   FalconReply reply;
   LocalTime at;
-  std::uint32_t life = 0;  ///< changes after each loss of the device
+  /// Number of the opened connection: it changes each time the device is opened again.
+  std::uint32_t life = 0;
 };
 
-/// The connection; runs a thread until its destructor.
+/// The connection to one Falcon. It runs a thread of its own until its destructor.
 class FalconLink {
  public:
   using LogLine = std::function<void(const std::string& line)>;
 
-  /// Opens the device and loads its firmware if necessary, with progress lines to `tell`. Throws
-  /// FalconError if no device answers, std::runtime_error for an invalid firmware file. `clock`
-  /// must outlive this object.
+  /// Opens the device, and loads its firmware if necessary. `log_line` receives lines about the
+  /// progress. Throws FalconError if no device answers. Throws std::runtime_error for an invalid
+  /// firmware file. `clock` must outlive this object.
   FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line);
-  /// Sets the motors to zero, waits for the reply, and closes the device.
+  /// Sets the motors to zero force, waits for the device's reply, and closes the device.
   ~FalconLink();
   FalconLink(const FalconLink&) = delete;
   FalconLink& operator=(const FalconLink&) = delete;
 
   // Thread: loop.
 
-  /// Returns true while the device answers.
+  /// Returns true while the device is open and answers.
   [[nodiscard]] bool there() const noexcept { return there_.load(std::memory_order_acquire); }
-  /// Fetches the oldest reply. Returns false if there is none. Does not block.
+  /// Removes the oldest unread reply and writes it to `event`. Returns false if there is none. Does
+  /// not block.
   bool popEvent(FalconNews& event) noexcept { return ring_.tryPop(event); }
-  /// Queues a request on USB. Call outside the tick.
+  /// Queues a request for the transfer on USB. Does nothing if the device is not open, or if
+  /// another thread uses the connection at that moment. Call it outside the tick.
   void send(const FalconRequest& request) noexcept;
-  /// Waits for the next reply, at most until `deadline`. Returns false after a timeout. Call
-  /// outside the tick.
+  /// Waits for the next reply, at most until `deadline`. Returns true if a reply arrived, and false
+  /// after a timeout. Call it outside the tick.
   bool waitForReply(LocalTime deadline) noexcept;
 
   // Thread: any.
   [[nodiscard]] DeviceTraffic traffic() const noexcept;
-  /// Returns the next line for the user; nullopt: none. Thread: main.
+  /// Returns the next line for the user, or nullopt if there is none. Thread: main.
   std::optional<std::string> nextMessage();
 
  private:
@@ -92,7 +98,7 @@ class FalconLink {
   std::atomic<std::uint64_t> resyncs_{0};
   std::mutex messages_mutex_;
   std::deque<std::string> messages_;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;  // last member: the thread uses all members above
 };
 
 }  // namespace hapticast::client

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Boot loader of the Falcon: brings an opened device to run mode. Its firmware is in volatile
-// memory, so after each power-up it has to be loaded from a file of the user.
+// Firmware of the Falcon: loads it into an opened device by the device's boot loader. The device
+// stores its firmware in volatile memory. So after each power-up the firmware must be loaded again,
+// from a file that the user has.
 // Thread: one at a time; blocks.
 #pragma once
 
@@ -13,17 +14,20 @@
 
 namespace hapticast::client {
 
-/// Reads the firmware image `file`. Throws std::runtime_error (one line with flag and file).
+/// Returns the bytes of the firmware image `file`. Throws std::runtime_error (one line with flag
+/// and file).
 std::vector<std::uint8_t> readFalconFirmware(const std::string& file);
-/// Returns the default file: hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share. Empty
-/// if there is none.
+/// Returns the name of the default file: hapticast/falcon.bin in $XDG_DATA_HOME, else in
+/// ~/.local/share. Returns an empty text if there is no such file.
 std::string usualFalconFirmware();
 
-/// Returns true if the firmware runs: it answers frames with zero torque. Leaves the chip in run
-/// mode. Throws FalconError.
+/// Returns true if the firmware runs, which means that it answers a request with zero torque. Sets
+/// up the serial chip for the running firmware. `event_character`: the chip sends a reply at its
+/// last character, without a delay. Throws FalconError.
 bool falconRuns(FalconUsb& usb, bool event_character);
 
-/// Tries once to load `image`. Calls `progress` with a share of 0..1. Throws FalconError.
+/// Loads the firmware `image` into the device, in a single attempt. Calls `progress` with the
+/// loaded share, 0..1. Throws FalconError if the attempt fails.
 void loadFalconFirmware(FalconUsb& usb, const std::vector<std::uint8_t>& image,
                         const std::function<void(double share)>& progress);
 

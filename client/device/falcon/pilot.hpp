@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// State machine of a Falcon: homing, plausibility of the replies, force ramp, lights and motors.
-// Time is an argument; no heap.
+// State machine of a Falcon. It controls the homing, checks that replies are plausible, ramps the
+// force, and sets lights and motors. Homing: the user moves the grip out and in, so that the device
+// finds its position. Time is an argument. The functions use no heap.
 // Thread: loop.
 #pragma once
 
@@ -11,40 +12,49 @@
 
 namespace hapticast::client {
 
-/// Converts replies to device states, and forces to requests.
+/// Converts the replies of the device to readings for the loop, and forces to requests for the
+/// device.
 class FalconPilot {
  public:
   enum class Phase : std::uint8_t {
-    kAway,     ///< no replies
-    kHoming,   ///< red: the position is unknown until the grip has moved out and in
-    kOutside,  ///< blue: homed, but the grip is not near the middle yet
-    kReady,    ///< green: a force may act
+    kAway,     ///< no replies arrive
+    kHoming,   ///< red light: the position is unknown until the grip has moved out and in
+    kOutside,  ///< blue light: the position is known, but the grip has not been near the middle yet
+    kReady,    ///< green light: a force may act
   };
-  // Chosen, all of them:
-  static constexpr int kHomedReplies = 50;     ///< replies in a row until homing counts
-  static constexpr int kMostMotor = 2000;      ///< counts: half of the drivers' limit
-  static constexpr int kFastest_per_ms = 150;  ///< counts: 5 m/s, above any hand
-  static constexpr int kMostDoubts = 20;       ///< implausible replies in a row before a new homing
-  static constexpr double kMiddle_mm = 40.0;   ///< radius in which a force may begin
-  static constexpr double kFarthest_mm = 90.0;  ///< beyond the reach of the grip
+  // All of these values are a choice:
+  /// Replies in a row, with all axes homed, that complete the homing.
+  static constexpr int kHomedReplies = 50;
+  /// Largest motor counts: half of the value at which the motor drivers saturate.
+  static constexpr int kMostMotor = 2000;
+  /// Plausible change in encoder counts: 5 m/s, faster than any hand.
+  static constexpr int kFastest_per_ms = 150;
+  static constexpr int kMostDoubts = 20;  ///< implausible replies in a row that cause a new homing
+  /// Radius about the middle in which a force may begin.
+  static constexpr double kMiddle_mm = 40.0;
+  /// Largest plausible distance from the middle, beyond the reach of the grip.
+  static constexpr double kFarthest_mm = 90.0;
   static constexpr Duration kRamp{500'000'000};
-  static constexpr Duration kSilent{20'000'000};  ///< then the motors receive zero
+  /// After this time without a plausible reply the motors receive zero.
+  static constexpr Duration kSilent{20'000'000};
 
-  /// `gain` is in counts/(N m).
+  /// `gain` is the gain of the motors in counts/(N m).
   explicit FalconPilot(double gain) noexcept : gain_(gain) {}
 
-  /// Processes a reply that arrived at `at`.
+  /// Processes one reply of the device, which arrived at the time `at`.
   void onReply(const FalconReply& reply, LocalTime at) noexcept;
-  /// Invalidates the position: the connection was lost, or has returned.
+  /// Marks the position as unknown. Call it when the connection was lost, and when it has returned.
   void lost() noexcept;
-  /// Returns the state for the loop: kOk with a new position, kNoData without one, kLost after the
-  /// first kReady.
+  /// Returns the reading for the loop. Its status is kOk with a new position, and kNoData without
+  /// one. If the device was ready before and is not ready now, the status is kLost.
   DeviceState state() noexcept;
-  /// Returns the request for this tick, with the force `force_N`, a part of it, or zero.
+  /// Returns the request for this tick. The motors exert `force_N`, a part of it during the ramp,
+  /// or zero while no force may act.
   FalconRequest request(const Vec3& force_N, LocalTime now) noexcept;
 
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
-  /// Number of replies with a position that no hand reaches in that time, or no arm at all.
+  /// Returns the number of implausible replies. Their position is out of the arms' reach, or no
+  /// hand can reach it in the time since the last reply.
   [[nodiscard]] std::uint64_t implausible() const noexcept { return implausible_; }
 
  private:
@@ -60,7 +70,7 @@ class FalconPilot {
   int homed_replies_ = 0;
   int rejected_ = 0;
   int forget_ = 0;  // remaining requests without the homing flag, which start a new homing
-  bool must_forget_ = false;  // replies are void until the device reports an axis as not homed
+  bool must_forget_ = false;  // replies are ignored until the device reports an axis as not homed
   FalconReply last_;
   LocalTime accepted_{};
   LocalTime ramp_begin_{};

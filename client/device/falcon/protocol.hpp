@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Wire protocol of the Novint Falcon's run mode: each request and each reply is a frame of 16
-// characters. Bytes in, values out.
+// Wire protocol of the Novint Falcon while its firmware runs. Each request and each reply is a
+// frame of 16 characters. The functions convert between these characters and values. They do not
+// access the device.
 // Thread: any, one at a time.
 #pragma once
 
@@ -10,10 +11,11 @@
 
 namespace hapticast::client {
 
-/// Order of motors, encoders and homed bits: top, right, left, seen from the front.
+/// A request to the device. Motors, encoders and homed bits have this order: top, right, left, seen
+/// from the front.
 struct FalconRequest {
-  std::array<int, 3> motors{};  ///< counts; encode() limits them to ±kMostMotorCounts
-  bool homing = true;           ///< set in every frame: without it the device loses its position
+  std::array<int, 3> motors{};  ///< motor counts; encode() clamps them to ±kMostMotorCounts
+  bool homing = true;           ///< must be set in every request, or the device loses its position
   std::uint8_t lights = 0;      ///< bits of FalconLight
   bool operator==(const FalconRequest&) const = default;
 };
@@ -27,7 +29,7 @@ struct FalconLight {
 struct FalconReply {
   std::array<int, 3> encoders{};
   std::uint8_t buttons = 0;  ///< bits of FalconButton
-  std::uint8_t homed = 0;    ///< one bit for each axis
+  std::uint8_t homed = 0;    ///< one bit for each axis whose position the device has found
   bool operator==(const FalconReply&) const = default;
 };
 struct FalconButton {
@@ -38,23 +40,27 @@ struct FalconButton {
 };
 
 inline constexpr std::uint8_t kAllHomed = 0x07;
-/// The drivers saturate at this value, although the field has 16 bits.
+/// Largest motor count of a request. The motor drivers of the device saturate at this value,
+/// although the protocol has 16 bits for it.
 inline constexpr int kMostMotorCounts = 4095;
 
 using FalconFrame = std::array<std::uint8_t, 16>;
 
-/// Encodes a request.
+/// Returns the 16 characters of a request.
 FalconFrame encode(const FalconRequest& request) noexcept;
 
-/// Parser of replies in a stream of bytes, with any segmentation. After an error it continues at
-/// the next frame. The protocol has no checksum, so a changed nibble remains undetected here.
+/// Parser that finds the replies in a stream of bytes. The bytes may arrive in pieces of any size.
+/// After an error it continues at the next frame. The protocol has no checksum, so the parser
+/// cannot detect a changed character.
 class FalconParser {
  public:
-  /// Returns the reply that this byte completes; nullopt if there is none.
+  /// Processes the next byte of the stream. Returns a reply if the byte completes one, else
+  /// nullopt.
   std::optional<FalconReply> push(std::uint8_t byte) noexcept;
-  /// Number of broken frames, and of gaps with stray bytes.
+  /// Returns the number of errors in the stream: broken frames, and gaps with other bytes between
+  /// two frames.
   [[nodiscard]] std::uint64_t resyncs() const noexcept { return resyncs_; }
-  /// Drops a partial frame.
+  /// Drops an incomplete frame. Call it when a new stream of bytes begins.
   void restart() noexcept { filled_ = 0; }
 
  private:
@@ -62,7 +68,7 @@ class FalconParser {
 
   FalconFrame frame_{};
   std::size_t filled_ = 0;
-  bool astray_ = false;  // stray bytes since the last complete frame
+  bool astray_ = false;  // other bytes have arrived since the last complete frame
   std::uint64_t resyncs_ = 0;
 };
 

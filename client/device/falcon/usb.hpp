@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// USB transport of the Novint Falcon: find, open, claim, set up the serial chip, transfer bytes.
-// The only user of libusb.
+// USB access to the Novint Falcon: find the device, open it, set up its serial chip, and transfer
+// bytes. Only this class uses libusb.
 // Thread: each function states its own.
 #pragma once
 
@@ -23,7 +23,8 @@ struct libusb_transfer;
 
 namespace hapticast::client {
 
-/// The Falcon is missing, in use or silent. The message is one line without the flag.
+/// The Falcon is missing, another program uses it, or it does not answer. The message is one line
+/// without the flag.
 class FalconError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -31,18 +32,19 @@ class FalconError : public std::runtime_error {
 
 /// A detected Falcon.
 struct FalconFound {
-  std::string serial;   ///< empty: unreadable
-  std::string problem;  ///< reason why it cannot be opened; empty: it can
+  std::string serial;   ///< serial number; empty if it cannot be read
+  std::string problem;  ///< reason why the device cannot be opened; empty if it can
 };
 /// Returns all connected Falcons. Throws FalconError if USB is not accessible.
 std::vector<FalconFound> findFalcons();
 
-/// The connection. Only submit() is thread-safe; the other functions state their thread.
+/// An open Falcon. Only submit() is thread-safe. The other functions state their thread.
 class FalconUsb {
  public:
   using OnData = std::function<void(std::span<const std::uint8_t> data)>;
 
-  /// Opens and claims the first device, or the one with `serial`. Throws FalconError.
+  /// Opens the device with the serial number `serial`, or the first device if `serial` is empty.
+  /// Reserves it for this program. Throws FalconError.
   explicit FalconUsb(const std::string& serial);
   ~FalconUsb();
   FalconUsb(const FalconUsb&) = delete;
@@ -53,16 +55,19 @@ class FalconUsb {
   /// Sends a control request to the serial chip.
   void control(std::uint8_t request, std::uint16_t value);
   void write(std::span<const std::uint8_t> bytes);
-  /// Appends the data of one packet to `bytes`. Returns false after `most` without data.
+  /// Reads one packet and appends its data to `bytes`. Returns false if no data arrives within
+  /// `most`.
   bool read(std::vector<std::uint8_t>& bytes, Duration most);
 
-  /// Starts the continuous transfers; `take` receives the bytes. Throws FalconError.
+  /// Starts continuous transfers. From then on `on_data` receives the bytes that arrive. Throws
+  /// FalconError.
   void start(OnData on_data);
-  /// Handles completed transfers and waits at most `most` for them. Returns false if the device is
-  /// lost, or after too many errors. Thread: one, which also calls `take`.
+  /// Processes completed transfers, and calls `on_data` for their bytes. Waits at most `most` for a
+  /// transfer. Returns false if the device is lost, or after too many errors. Thread: one, always
+  /// the same.
   bool handleEvents(Duration most);
-  /// Queues a frame without waiting. Returns false if all slots are in use; an `urgent` frame has
-  /// additional slots. Thread: one; not during finish().
+  /// Queues a frame for the transfer, without waiting. Returns false if all slots are in use. An
+  /// `urgent` frame may use additional slots. Thread: one; not during finish().
   bool submit(const FalconFrame& frame, bool urgent) noexcept;
   /// Cancels all queued transfers. Thread: that of handleEvents().
   void finish() noexcept;

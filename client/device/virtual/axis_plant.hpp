@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One axis of a simulated device in a simulated hand. The solution over a tick is exact: matrix
-// exponential, and Coulomb friction by the instant of standstill. A cheaper integrator hides the
-// instability that the simulation has to show.
+// One axis of a simulated device in a simulated hand. Its solution over a tick is exact: it uses
+// the matrix exponential, and it computes the instant at which Coulomb friction stops the device. A
+// cheaper integrator would hide the instability that the simulation has to show.
 // Thread: any, one at a time.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace hapticast::client {
 
-/// A hand, equal on every axis. With grip_N_m = 0 it holds the device rigidly, and the masses add.
-/// Otherwise spring and damper of the grip lie in between. Its own spring and damper pull it to the
-/// target. All zero: no hand, only a push force.
+/// A simulated hand, equal on every axis. Its own spring and damper pull it to its target. With
+/// grip_N_m = 0 the hand is rigidly connected to the device, and their masses add. Otherwise the
+/// spring and damper of the grip connect them. With all values zero there is no hand.
 struct Hand {
   double mass_kg = 0.0;
   double damping_Ns_m = 0.0;
@@ -21,8 +21,7 @@ struct Hand {
   double grip_N_m = 0.0;
   double grip_damping_Ns_m = 0.0;
 
-  /// The hands of the stability battery. The client uses light(); the others serve to measure the
-  /// safety chain.
+  /// Typical hands. The client uses light(). The others serve to measure the safety chain.
   static constexpr Hand none() { return {}; }
   static constexpr Hand light() { return {0.15, 5.0, 200.0, 0.0, 0.0}; }
   static constexpr Hand lightGrip() { return {0.15, 5.0, 200.0, 1000.0, 3.0}; }
@@ -30,17 +29,18 @@ struct Hand {
   static constexpr Hand firmGrip() { return {0.30, 20.0, 800.0, 4000.0, 10.0}; }
 };
 
-/// State in SI units: x, v of the device and x, v of the hand. The latter two are at rest for a
-/// rigid or absent hand.
+/// Simulates one axis. The state has position and velocity of the device, and then those of the
+/// hand, in SI units. A hand that is rigid or absent has no motion of its own: its two values do
+/// not change.
 class AxisPlant {
  public:
   using State = Eigen::Vector4d;
   AxisPlant(const PlantProfile& profile, const Hand& hand) noexcept;
 
-  /// Places device and hand.
+  /// Sets position and velocity of device and hand.
   void reset(double position_m, double velocity_m_s) noexcept;
-  /// Advances one tick under a constant force on the device. The hand's target is at `target_m` and
-  /// moves with `target_velocity_m_s`.
+  /// Advances the simulation by one tick, under a constant force on the device. The hand's target
+  /// is at `target_m` when the tick begins, and moves with `target_velocity_m_s`.
   void advance(double force_N, double target_m, double target_velocity_m_s) noexcept;
   [[nodiscard]] double position_m() const noexcept { return state_[0]; }
   [[nodiscard]] double velocity_m_s() const noexcept { return state_[1]; }

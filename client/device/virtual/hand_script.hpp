@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scripted hand: generates the target of a simulated hand (press, slide, follow, or a file). Its
-// input are the reports of the loop, as a person watches the screen.
+// Scripted hand: generates the target of a simulated hand (press, slide, follow, or a file). It
+// reads the reports of the loop, as a person watches the screen.
 // Thread: loop; loading: before it.
 #pragma once
 
@@ -15,21 +15,21 @@ namespace hapticast::client {
 
 enum class HandKind : std::uint8_t { kPress, kSlide, kFollow, kFile };
 
-/// A row of a target file.
+/// One row of a file with targets.
 struct HandTarget {
   double t_s = 0.0;
   Vec3 position_mm = Vec3::Zero();  ///< nominal
 };
 
-/// Reads rows `t_s,x_mm,y_mm,z_mm` with an optional heading line. Times rise within 0..86400 s,
-/// positions lie within ±1000 mm, and a file has at most a million rows. Throws std::runtime_error
-/// with one line: file and line.
+/// Returns the targets in `file`. The file has rows `t_s,x_mm,y_mm,z_mm` and an optional heading
+/// line. Times increase within 0..86400 s, positions lie within ±1000 mm, and there are at most a
+/// million rows. Throws std::runtime_error with one line: file and line.
 std::vector<HandTarget> loadHandTargets(const std::string& file);
-/// Parses the text of such a file. `file` is its name for error messages. Throws like
+/// Reads targets from the text of such a file. `file` is its name for error messages. Throws like
 /// loadHandTargets().
 std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& file);
 
-/// Springs that the hand assumes for its push.
+/// Stiffnesses from which the hand computes how deep it has to press for a force.
 struct HandStiffness {
   double hand_N_mm = 0.2;
   double surface_N_mm = 0.5;
@@ -37,15 +37,15 @@ struct HandStiffness {
 
 class HandScript {
  public:
-  /// `targets` is for kFile only, and then not empty.
+  /// `targets` is only for kFile, which needs at least one row.
   HandScript(HandKind kind, const HandStiffness& stiffness, std::vector<HandTarget> targets = {});
 
-  /// Returns the target of the next tick, nominal mm.
+  /// Returns the target of the hand for the next tick, nominal mm. `report` is the report of the
+  /// last tick. `start_mm` is the position of the hand, and only the first call uses it.
   ///
-  /// Press, slide and follow move at most at 0.3 m/s relative to the object, with at most 5 m/s².
-  /// They follow an object at up to 0.6 m/s, and wait above the picture without one. A file is
-  /// interpolated linearly between its rows. `start_mm` is the position of the hand, for the first
-  /// call only.
+  /// The hands press, slide and follow move at up to 0.3 m/s relative to the object, with at most 5
+  /// m/s². They follow an object at up to 0.6 m/s. Without an object they wait above the picture. A
+  /// file is interpolated linearly between its rows.
   Vec3 next(const TickReport& report, const Vec3& start_mm) noexcept;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Simulated haptic device: mass, losses, counts and delay of a profile, in a mass-spring-damper
-// hand with an optional script.
+// Simulated haptic device with the mass, losses, encoder counts and delay of a profile. A simulated
+// hand (mass, spring and damper) moves it, with or without a script.
 // Thread: loop.
 #pragma once
 
@@ -18,28 +18,27 @@ class VirtualDevice final : public HapticDevice {
  public:
   static constexpr int kLongestDelay_ticks = 5;
 
-  /// `clock` must outlive this object. A profile with count_mm <= 0 has no quantisation.
-  /// delay_ticks is clamped to 0..5. The device starts 30 mm above the middle, and the hand rests
-  /// there until lead() or setTarget().
+  /// Creates a device that is 30 mm above the middle. The hand rests there until lead() or
+  /// setTarget(). A profile with count_mm <= 0 does not round positions to counts. delay_ticks is
+  /// clamped to 0..5. `clock` must outlive this object.
   VirtualDevice(const PlantProfile& profile, const Hand& hand, const Clock& clock) noexcept;
-  /// Lets `script` generate the hand's target. The script reads `seen`, the reports of the loop: at
-  /// each exchange() that of the tick before. The device must be their only reader, and they must
-  /// outlive it. `name` is for the description. Call before the loop.
+  /// Lets `script` generate the target of the hand. At each exchange() the script reads the report
+  /// of the tick before. `name` is the script's name for description(). Call it before the loop.
   void lead(HandScript script, std::string name);
 
   [[nodiscard]] const DeviceProfile& profile() const noexcept override { return profile_; }
   [[nodiscard]] std::string description() const override;
-  /// Absolute sleep on CLOCK_MONOTONIC. Do not call it with a virtual clock, which never advances
-  /// by itself.
+  /// Sleeps until `deadline` on CLOCK_MONOTONIC. Do not call it with a clock that tests set by
+  /// hand, because that clock does not advance during the sleep.
   void waitForTick(LocalTime deadline) noexcept override;
-  /// Simulates the ticks since the last call (1 to 1000) and returns the position. The force acts
-  /// delay_ticks after its last position.
+  /// Simulates all ticks since the last call (1 to 1000), and returns the position at their end.
+  /// The force begins to act delay_ticks after the position that it belongs to.
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override;
 
-  // For tests and evaluate, which control the device under a virtual clock.
+  // For tests and hapticast-evaluate, which control the device under a clock that they set by hand.
   void reset(const Vec3& position_mm, const Vec3& velocity_mm_s) noexcept;
   void setTarget(const Vec3& target_mm) noexcept { target_mm_ = target_mm; }  ///< device frame
-  /// Constant additional force of the hand.
+  /// Sets a constant force of the hand in addition to its spring.
   void setPush(const Vec3& push_N) noexcept { push_N_ = push_N; }
   [[nodiscard]] Vec3 truePosition_mm() const noexcept;
   [[nodiscard]] Vec3 trueVelocity_mm_s() const noexcept;

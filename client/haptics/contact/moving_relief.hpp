@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The relief of one object at play time, in the object's own frame. The origin is the reference
-// point, and the axes turn with the object.
+// The relief of one object at play time, in the object's own frame. The origin of that frame is the
+// reference point, and its axes turn with the object.
 //
-// The two frames around play time are carried back into the object's frame and blended there. Rigid
-// motion has no effect on the blend:
+// The reliefs of the two frames around play time are transformed into the object's frame, and
+// blended there. So a rigid motion has no effect on the blend:
 //   H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z)
-// with the blend s and the poses p of the frames a and b. The same holds for the edge distance. The
-// two parts of a sample are therefore valid until the pair of frames changes; only the blend s
-// changes with every tick.
+// with the blend s, and the poses p of the object in the frames a and b. The same formula holds for
+// the edge distance. The two parts of a sample are therefore valid until the pair of frames
+// changes. Only the blend s changes with every tick.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -29,13 +29,13 @@ struct BlendedHeight {
 /// The blended relief of one object (see the head of this file).
 class MovingRelief {
  public:
-  /// Stores the pair of frames and the blend of `object`. Returns true if the pair differs from the
-  /// pair before: all earlier samples are then invalid. Two frames with the same relief at the same
-  /// place count as one frame. Requires object.before->field, not empty. The frames must outlive
-  /// the next update().
+  /// Stores the pair of frames around play time, and their blend, of `object`. Returns true if the
+  /// pair differs from the last one. All earlier samples are then invalid. Two frames with the same
+  /// relief at the same position count as one frame. Requires that object.before->field exists and
+  /// is not empty. The frames must outlive the next update().
   bool update(const InterpolatedObject& object, const Workspace& workspace) noexcept;
 
-  /// The samples of both frames at one point. `second` is unused if one frame is enough.
+  /// The samples of both frames at one point. Only `first` is valid if one frame is enough.
   template <class Value>
   struct Pair {
     Value first, second;
@@ -50,16 +50,17 @@ class MovingRelief {
   /// Blends a pair of samples at play time.
   [[nodiscard]] BlendedHeight now(const Heights& pair) const noexcept;
   [[nodiscard]] EdgeSample now(const Edges& pair) const noexcept;
-  /// Speed at which the change of shape raises the surface, or moves the edge outwards, mm/s.
+  /// Return the speed (mm/s) of the change of the shape. For heights it is the speed at which the
+  /// surface rises. For edges it is the speed at which the edge moves outwards.
   [[nodiscard]] double rate_mm_s(const Heights& pair) const noexcept;
   [[nodiscard]] double rate_mm_s(const Edges& pair) const noexcept;
 
-  /// Upper bound of the heights of the relief, mm, object's frame.
+  /// Returns an upper bound of the heights of the relief, mm, in the object's frame.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
-  /// Returns true if the segment from `a_mm` to `b_mm` certainly passes beside the mask, whatever
-  /// the heights.
+  /// Returns true if the segment from `a_mm` to `b_mm` certainly does not cross the mask. False
+  /// means that it may cross the mask.
   [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
-  /// The smaller side of a pixel, mm.
+  /// Returns the smaller side of a pixel, mm.
   [[nodiscard]] double pixel_mm() const noexcept { return pixel_mm_; }
 
  private:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// God-object proxy (Zilles, Salisbury 1995) on a relief: the surface point that a spring ties to
-// the HIP. A contact march moves the proxy (client/haptics/README.md, section 3). One object, in
-// its own frame; lengths are nominal mm.
+// God-object proxy (Zilles, Salisbury 1995) on the relief of one object. The proxy is the surface
+// point that a spring ties to the HIP. It follows the HIP in small steps and stops at the surface
+// (client/haptics/README.md, section 3). Everything is in the object's own frame, and lengths are
+// nominal mm.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -20,49 +21,57 @@ struct Friction {
   double sliding = 0.0;
 };
 
-/// Input of a tick, in the object's frame.
+/// Input of one tick, in the object's frame.
 struct ProxyTick {
-  Vec3 hip_mm = Vec3::Zero();  ///< finite
+  Vec3 hip_mm = Vec3::Zero();  ///< position of the HIP; must be finite
   Friction friction;
-  int samples = 0;      ///< budget of heights; a started move may read 5 more (height_sampler.hpp)
-  bool jumped = false;  ///< the object's pose changed by more than its motion explains
-  double deepest_mm = 0.0;  ///< arming depth: deeper than this after a jump, the object is disarmed
+  int samples = 0;      ///< number of heights that may be read; a started move may read 5 more
+  bool jumped = false;  ///< the object's pose changed by more than its stated motion explains
+  /// Arming depth: a HIP deeper than this after a jump disarms the object.
+  double deepest_mm = 0.0;
 };
 
-/// Result of a tick, in the object's frame.
+/// Result of one tick, in the object's frame.
 struct ProxyTouch {
   bool contact = false;
-  Vec3 displacement_mm = Vec3::Zero();  ///< from the HIP to the proxy, less the offset of a jump
-  Vec3 normal = Vec3::UnitZ();          ///< unit normal of the surface at the proxy, outwards
-  Vec3 shape_velocity_mm_s = Vec3::Zero();  ///< velocity of the change of shape at the proxy
+  /// Vector from the HIP to the proxy, minus the offset of a jump.
+  Vec3 displacement_mm = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();  ///< unit normal of the surface at the proxy, outwards
+  /// Velocity of the surface at the proxy due to its change of shape.
+  Vec3 shape_velocity_mm_s = Vec3::Zero();
 };
 
-/// The proxy of one object. *Solid* is the region with a positive edge distance and z below the
-/// relief. So the edge of the mask is a wall; there is no floor outside the mask and no bottom.
+/// The proxy of one object. A point is solid if it lies inside the mask and below the relief. So
+/// the edge of the mask is a wall. There is no floor outside the mask, and no bottom.
 ///
-/// On a surface at rest no move of the proxy increases its distance from the HIP, so the spring
-/// returns only the hand's own work. A surface that rises, arrives or jumps moves the proxy with
-/// it. A move by more than kJump_mm in a tick is a jump. After it the force begins at the force of
-/// the last tick and fades to the true one (time constant 40 ms). If the distance from the HIP
-/// exceeds ProxyTick::deepest_mm after a jump, the object is disarmed until the HIP is out of it.
+/// On a surface at rest no move of the proxy increases its distance from the HIP. So the spring
+/// returns only the work of the hand. A surface that rises, arrives or jumps moves the proxy with
+/// it.
+///
+/// A move of the surface by more than kJump_mm in a tick is a jump. After a jump the force begins
+/// with the value of the last tick, and fades to the true one (time constant 40 ms). If the HIP is
+/// then farther from the proxy than ProxyTick::deepest_mm, the object is disarmed: it has no force
+/// until the HIP is out of it.
 class Proxy {
  public:
-  /// Largest change of the surface in a tick that is no jump.
+  /// Largest move of the surface in a tick that does not count as a jump.
   static constexpr double kJump_mm = 0.3;
 
-  /// Starts over at the next HIP. With `faded`, a contact at that HIP begins without a force.
+  /// Deletes the state, so that the next tick places the proxy at its HIP. With `faded`, a contact
+  /// in that tick begins without a force.
   void restart(bool faded) noexcept;
   /// Invalidates the stored samples of the relief.
   void forgetSamples() noexcept { probe_.forget(); }
-  /// Moves a free proxy to the HIP if no contact is possible in between. Returns false if the tick
-  /// needs update().
+  /// Moves the proxy to the HIP, if the proxy is free and no contact is possible on the path.
+  /// Returns true in that case. The tick then needs no update(). Otherwise it changes nothing and
+  /// returns false.
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
-  /// Computes the contact of one tick.
+  /// Moves the proxy for one tick and returns the contact.
   ProxyTouch update(const MovingRelief& relief, const ProxyTick& tick) noexcept;
 
-  /// Heights read in the last update().
+  /// Returns the number of heights that the last update() has read.
   [[nodiscard]] int samplesUsed() const noexcept { return probe_.used(); }
-  /// Position of the proxy, object's frame.
+  /// Returns the position of the proxy in the object's frame.
   [[nodiscard]] const Vec3& position_mm() const noexcept { return at_mm_; }
 
  private:
@@ -95,11 +104,11 @@ class Proxy {
   void slideOnWall() noexcept;
   void stepOffWall(const Vec2& outwards) noexcept;
   void stepAlongWall(const Vec2& along_mm) noexcept;
-  /// Share (0..1) of a move by `length_mm` that friction allows to a proxy with the penetration
-  /// `depth_mm`. Updates slipping_.
+  /// Returns the share (0..1) of a move by `length_mm` that friction allows. The penetration of the
+  /// proxy is `depth_mm`. Updates slipping_.
   [[nodiscard]] double share(double length_mm, double depth_mm) noexcept;
-  /// Moves the proxy to `q_mm` unless that increases the distance from the HIP. Returns true if the
-  /// proxy moved.
+  /// Moves the proxy to `q_mm`, if that does not increase its distance from the HIP. Returns true
+  /// if the proxy moved.
   bool accept(const Vec2& q_mm, const Height& height) noexcept;
 
   // State across ticks.
@@ -107,11 +116,12 @@ class Proxy {
   bool faded_ = true;
   Kind kind_ = Kind::kFree;
   bool slipping_ = false;
-  int rested_ticks_ = 0;  // ticks without a move, up to the limit for sticking
+  int rested_ticks_ = 0;  // number of ticks without a move, at most as many as sticking needs
   Vec3 at_mm_ = Vec3::Zero();
-  /// Offset of a jump: subtracted from the vector from HIP to proxy, decays to zero.
+  /// Offset after a jump. It is subtracted from the vector from the HIP to the proxy, and fades to
+  /// zero.
   Vec3 offset_mm_ = Vec3::Zero();
-  /// Displacement of the last tick, with the offset.
+  /// Displacement of the last tick, after the subtraction of the offset.
   Vec3 displacement_mm_ = Vec3::Zero();
   ReliefProbe probe_;
 
@@ -124,36 +134,39 @@ class Proxy {
   bool done_ = false;
 };
 
-// Steps that the free motion and the contact motion of the proxy share. For client/haptics/contact
-// only.
+// Helpers that the free motion and the contact motion of the proxy share. Only
+// client/haptics/contact uses them.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 
-constexpr double kLookAhead_px = 0.5;  // sub-step of a march: skips no feature of 1 px (prototype)
-constexpr double kOutside_mm = 1e-3;   // distance of a proxy at a wall from the edge, outside
+constexpr double kLookAhead_px = 0.5;  // length of a small step; it skips no detail of 1 px
+// Distance of a proxy at a wall from the mask's edge, on the outside.
+constexpr double kOutside_mm = 1e-3;
 
-/// Returns `step_mm`, shortened to at most `longest_mm`.
+/// Returns `step_mm`, shortened to a length of at most `longest_mm`.
 inline Vec2 limited(const Vec2& step_mm, double longest_mm) noexcept {
   const double length_mm = step_mm.norm();
   return length_mm > longest_mm ? Vec2(step_mm * (longest_mm / length_mm)) : step_mm;
 }
 
-/// Returns the Newton step to the point kOutside_mm outside the edge.
+/// Returns a Newton step from the sampled point towards the point kOutside_mm outside the mask's
+/// edge.
 inline Vec2 stepToEdge(const EdgeSample& edge) noexcept {
   return -edge.gradient *
          ((edge.distance_mm + kOutside_mm) / std::max(0.25, edge.gradient.squaredNorm()));
 }
 
-/// Bracketed secant method for a zero crossing. Invariant: the value is not positive at `low` and
-/// positive at `high`.
+/// Secant method for the zero of a function, within a bracket. The value is never positive at
+/// `low`, and always positive at `high`.
 struct Bracket {
   double low, low_value, high, high_value;
 
-  /// Next argument to evaluate, within [low, high].
+  /// Returns the next argument at which the caller has to evaluate the function, within [low,
+  /// high].
   [[nodiscard]] double secant() const noexcept {
     const double span = high_value - low_value;
     return span > 0.0 ? std::clamp(low - low_value * (high - low) / span, low, high) : high;
   }
-  /// Replaces one end of the bracket by the value at `t`.
+  /// Replaces one end of the bracket: `value` is the value of the function at `t`.
   void push(double t, double value) noexcept {
     (value > 0.0 ? high : low) = t;
     (value > 0.0 ? high_value : low_value) = value;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The surface model `proxy`: one god-object proxy for each object and layer of the scene. Objects
-// that push in similar directions share one stiffness, so that overlapping objects do not add their
-// forces.
+// The surface model `proxy`. Each object and layer of the scene has a god-object proxy of its own.
+// The model then joins their contacts. Objects that push in similar directions share one stiffness,
+// so that overlapping objects do not add their forces.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -16,45 +16,49 @@
 
 namespace hapticast::client {
 
-/// Returns the friction of an author's material: finite, 0 <= sliding <= sticking <= 1.5. NaN
-/// counts as no friction.
+/// Returns the friction coefficients of an author's material. They are finite, and 0 <= sliding <=
+/// sticking <= 1.5. A NaN counts as no friction.
 Friction toFriction(const Material& material) noexcept;
 
-/// Computes the joint contact of all proxies.
+/// Computes the joint contact of the proxies of all objects.
 class ProxySurface {
  public:
-  /// Budget of heights in a tick, over all objects near the HIP. A started move may read 5 more.
-  /// Edge samples are not counted. Measured: 24 leave 0.5 % of the ticks on a rough relief
-  /// unfinished at 10 cm/s, and none on smooth ones.
+  /// Number of heights that a tick may read, summed over all objects near the HIP. A started move
+  /// may read 5 more. Edge samples are not counted.
+  ///
+  /// The value was measured at 10 cm/s. On a rough relief, 0.5 % of the ticks do not reach their
+  /// goal with it. On smooth reliefs all ticks do.
   static constexpr int kSamples = 24;
 
-  /// Returns the contact of the HIP with all objects of `scene` (nominal mm).
+  /// Returns the contact of the HIP with all objects of `scene`, in nominal mm.
   ///
-  /// The displacement is the shortest one out of all objects: overlapping objects do not add up,
-  /// walls across each other do. Normal and surface velocity are means over the contacts, weighted
-  /// by the lengths of the displacements. `object` is the object with the longest displacement. A
-  /// proxy belongs to an object id and a layer, and ends with its object.
+  /// The displacement is the shortest one that leads the HIP out of all objects. So displacements
+  /// of overlapping objects do not add up, and displacements across each other do. Normal and
+  /// surface velocity are means over the contacts, weighted by the lengths of the displacements.
+  /// `object` is the object with the longest displacement. A proxy belongs to an object id and a
+  /// layer, and ends with its object.
   ///
-  /// A jump of the geometry never causes a step of the force: an object appears, or a surface or
-  /// pose changes by more than its motion explains. Its force fades in here, so Contact::jump
-  /// reports only a change of the epoch. An object with a displacement longer than `deepest_mm`
-  /// after a jump is disarmed until the HIP is out of it.
+  /// A jump of the geometry never causes a step of the force. It is a jump if an object appears, or
+  /// if a surface or pose changes by more than its motion explains. The force then fades in here,
+  /// so Contact::jump reports only a change of the epoch. If the displacement of an object is
+  /// longer than `deepest_mm` after a jump, the object is disarmed until the HIP is out of it.
   Contact computeContact(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                          double deepest_mm) noexcept;
 
-  /// Sets one friction coefficient for all objects; nullopt restores the author's coefficients. In
+  /// Sets one friction coefficient for all objects. nullopt restores the author's coefficients. In
   /// contact the change is gradual (ParameterRateLimiter).
   void setFriction(const std::optional<double>& friction) noexcept { friction_ = friction; }
-  /// Starts all proxies over: the scene or the HIP has no connection with the last tick. The
-  /// contacts of the next tick begin at their full depth, so the caller must fade the force.
+  /// Deletes the state of all proxies. Call it when the scene or the HIP does not continue that of
+  /// the last tick. The contacts of the next tick begin at their full depth, so the caller must
+  /// fade in the force.
   void restart() noexcept;
 
-  /// Heights read in the last computeContact().
+  /// Returns the number of heights that the last computeContact() has read.
   [[nodiscard]] int samplesUsed() const noexcept { return used_; }
 
  private:
-  /// A proxy with the state of its object in the last scene. The state separates a jump from a
-  /// motion.
+  /// A proxy, and the state of its object in the last scene. A comparison with that state separates
+  /// a jump from a motion.
   struct ProxySlot {
     std::uint64_t key = 0;
     std::uint64_t tick = 0;  // last tick with this object
@@ -68,7 +72,7 @@ class ProxySurface {
     double angle_rad = 0.0;
     double angular_velocity_rad_s = 0.0;
   };
-  /// An object near the HIP: its proxy needs an update in this tick.
+  /// An object near the HIP. Its proxy needs an update in this tick.
   struct Candidate {
     ProxySlot* tied = nullptr;
     const InterpolatedObject* object = nullptr;
@@ -89,7 +93,8 @@ class ProxySurface {
   std::array<Candidate, kMaxObjects> near_;
   std::optional<double> friction_;  // coefficient of the user
   std::size_t near_count_ = 0;
-  std::size_t round_robin_ = 0;  // first candidate, in turn: the sample budget may run out
+  // Index of the first candidate; it changes each tick, because the sample budget may run out.
+  std::size_t round_robin_ = 0;
   std::uint64_t tick_ = 1;
   bool just_restarted_ = true;
   MediaTime play_time_{};

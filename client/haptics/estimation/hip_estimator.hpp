@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Motion of the HIP: three estimates for three purposes.
+// Motion of the HIP. There are three estimates for three purposes:
 //
-// - Ahead: an observer predicts the state of the HIP when a force sent now acts (hip_observer.hpp).
-// The contact and
-//   the wall use it.
-// - Velocity from the counts alone: a constant-acceleration Kalman filter (jerk density 1e6 m²/s⁵).
-// Limits and
-//   meters use it, because no model error can mislead it.
-// - Acceleration for -m_cursor a_cursor (Eq. 13-14): the difference of the observer's velocity
-// through two one-pole
-//   filters of 20 Hz. A faster filter makes virtual inertia unstable (client/haptics/README.md,
-//   section 2).
+// - Predicted state: an observer predicts the state of the HIP at the time when a force sent now
+//   acts (hip_observer.hpp). The contact and the wall law use it.
+// - Velocity: a Kalman filter with constant acceleration computes it from the measured positions
+//   alone (jerk density 1e6 m²/s⁵). The limits and the energy meters use it, because no error of a
+//   device model can mislead it.
+// - Acceleration for the virtual inertia -m_cursor a_cursor (Eq. 13-14): it is the change of the
+//   observer's velocity, after two one-pole filters of 20 Hz. A faster filter makes virtual inertia
+//   unstable (client/haptics/README.md, section 2).
 //
-// At rest the filters decay to denormal numbers; the loop's thread flushes them to zero.
+// At rest the filters decay to denormal numbers. The loop's thread treats those numbers as zero.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -21,24 +19,27 @@
 
 namespace hapticast::client {
 
-/// Stationary gains of the Kalman filter at 1 kHz: x += k1 r; v += k2 r; a += k3 r.
+/// Constant gains of the Kalman filter at 1 kHz. With the residual r each tick applies x += k1 r; v
+/// += k2 r; a += k3 r. The residual is the measured position minus the predicted position.
 struct KalmanGains {
   double position = 0.0;
   double velocity_per_s = 0.0;
   double acceleration_per_s2 = 0.0;
 };
-/// Returns the fixed point of the Riccati iteration for a jerk density of 1e6 m²/s⁵ and a
-/// measurement variance of count²/12. Requires count_mm > 0.
+/// Returns the gains for an encoder count of `count_mm`. They are the fixed point of the Riccati
+/// iteration for a jerk density of 1e6 m²/s⁵ and a measurement variance of count²/12. Requires
+/// count_mm > 0.
 KalmanGains steadyGains(double count_mm) noexcept;
 
-/// The estimates of a tick, device frame.
+/// The estimates of one tick. All vectors are in the device frame.
 struct HipEstimate {
-  Vec3 position_mm = Vec3::Zero();    ///< as measured; without a reading the last valid position
-  Vec3 velocity_mm_s = Vec3::Zero();  ///< from the counts alone
-  HipState ahead;                     ///< predicted state when a force sent now acts
+  /// Measured position; without a new reading it is the last valid position.
+  Vec3 position_mm = Vec3::Zero();
+  Vec3 velocity_mm_s = Vec3::Zero();  ///< velocity from the measured positions alone
+  HipState ahead;                     ///< predicted state at the time when a force sent now acts
   Vec3 acceleration_m_s2 = Vec3::Zero();
   bool finite = true;          ///< false: the reading was NaN; position and velocity are unchanged
-  bool restarted = false;      ///< this reading has no connection with the one before
+  bool restarted = false;      ///< this reading does not continue the motion of the reading before
   int ticks_without_data = 0;  ///< ticks since the last valid reading
 };
 
@@ -47,15 +48,18 @@ class HipEstimator {
  public:
   explicit HipEstimator(const DeviceProfile& profile) noexcept;
 
-  /// Sets the ticks between reading a position and the begin of its force, clamped to
-  /// 0..kMostDelay_ticks.
+  /// Sets the delay: the number of ticks from the reading of a position to the begin of its force.
+  /// The value is clamped to 0..kMostDelay_ticks.
   void setDelay(int delay_ticks) noexcept;
-  /// Records the force sent to the device since the last update(), and the stiffness of the wall in
-  /// contact. Call before each update().
+  /// Records the force that was sent to the device since the last update(). `wall_N_mm` is the
+  /// stiffness of the wall in contact. Call it before each update().
   void sent(const Vec3& force_N, double wall_N_mm) noexcept;
-  /// Processes the reading of one tick. A gap of 1.5-20 ms uses the mean velocity. dt <= 0, dt > 20
-  /// ms or more than 10 m/s restart the estimates from rest. NaN or a missing reading leaves them
-  /// unchanged.
+  /// Processes the reading of one tick and returns the new estimates.
+  ///
+  /// After a gap of 1.5 to 20 ms between two readings, the velocity is the mean velocity over the
+  /// gap. The estimates restart from rest in three cases: the time did not increase, the gap is
+  /// longer than 20 ms, or the motion is faster than 10 m/s. A missing or NaN reading leaves
+  /// position, velocity and acceleration unchanged.
   const HipEstimate& update(const DeviceState& state) noexcept;
 
  private:
@@ -64,7 +68,7 @@ class HipEstimator {
   void bridge(const Vec3& measured_mm, double gap_s) noexcept;
   void filterAcceleration(const Vec3& raw_m_s2) noexcept;
 
-  /// The force that acted during the last tick.
+  /// Returns the force that acted during the last tick.
   [[nodiscard]] Vec3 acting_N() const noexcept { return sent_.ago(1 + delay_ticks_); }
 
   KalmanGains gains_;

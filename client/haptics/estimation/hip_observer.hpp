@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Observer of the HIP (Smith predictor). It estimates the state of the HIP from its counts and from
-// the sent forces. It predicts that state until a force sent now acts. The wall's own force is an
-// input, so the filter can be slow; a slow filter makes single counts inaudible. The law and its
-// measurements are in client/haptics/README.md, section 5a.
+// Observer of the HIP (Smith predictor). It estimates position and velocity of the HIP from the
+// measured positions and the sent forces. It then predicts both for the time when a force sent now
+// acts. The observer receives the wall's own force as an input. So its filter can be slow, and a
+// slow filter makes single encoder counts imperceptible. The law and its measurements are in
+// client/haptics/README.md, section 5a.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -10,14 +11,14 @@
 
 namespace hapticast::client {
 
-/// Delay line of the sent forces.
+/// Stores the last eight forces that were sent to the device.
 class SentForces {
  public:
   void add(const Vec3& force_N) noexcept {
     newest_ = (newest_ + 1) % kKept;
     sent_N_.col(newest_) = force_N;
   }
-  /// Returns the force sent `ticks` ago, 1 (the last one) to 8.
+  /// Returns the force that was sent `ticks` ticks ago, from 1 (the last one) to 8.
   [[nodiscard]] Vec3 ago(int ticks) const noexcept {
     return sent_N_.col((newest_ + 1 + kKept - ticks) % kKept);
   }
@@ -28,17 +29,22 @@ class SentForces {
   int newest_ = 0;
 };
 
-/// Recursive least squares of the effective mass, axis by axis: the share (0.04..1) of F / m by
-/// which the HIP responds to a force. 1 is the bare device; 0.05 is a rigidly held arm of twenty
-/// times the mass. Force and counts pass the same filters. The rest above about 30 Hz is no
-/// intention of a hand, and the regression of both is the share.
+/// Estimates the effective mass of the HIP on each axis, by recursive least squares. A hand on the
+/// device adds its mass, so the HIP responds less to a force. The estimate is the share (0.04..1)
+/// of the acceleration F / m that the bare device would have. 1 is the bare device. 0.05 is a
+/// rigidly held arm of twenty times its mass.
+///
+/// The force and the measured position pass the same filters. What remains above about 30 Hz is no
+/// intention of a hand. The regression of the two filtered signals is the share.
 class EffectiveMassEstimator {
  public:
   /// `mass_kg` is the mass of the bare device.
   explicit EffectiveMassEstimator(double mass_kg) noexcept;
-  /// Starts over at a position; the share remains.
+  /// Restarts the filters at the position `measured_mm` under the force `acting_N`. The estimated
+  /// share remains.
   void restart(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
-  /// Processes a tick that ended at `measured_mm` and in which `acting_N` acted.
+  /// Processes one tick. It ended at the position `measured_mm`, and the force `acting_N` acted in
+  /// it.
   void update(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
   [[nodiscard]] const Vec3& value() const noexcept { return share_; }
 
@@ -54,27 +60,29 @@ class EffectiveMassEstimator {
   Vec3 share_ = Vec3::Ones();
 };
 
-/// State of the HIP, device frame.
+/// Position and velocity of the HIP in the device frame.
 struct HipState {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
 };
 
-/// The observer. One per device; all vectors in the device frame.
+/// The observer of one device. All vectors are in the device frame.
 class HipObserver {
  public:
   explicit HipObserver(const DeviceProfile& profile) noexcept;
 
-  /// Restarts at `tip`. Assumes that the hand balances the force `acting_N`, as a pressing hand
-  /// does.
+  /// Restarts at the state `tip`. It assumes that the hand balances the force `acting_N`, as a
+  /// pressing hand does.
   void restart(const HipState& tip, const Vec3& acting_N) noexcept;
-  /// Processes a tick that ended at the count `measured_mm` and in which `acting_N` acted.
-  /// `wall_N_mm` is the stiffness of the wall; it determines the slowest pole.
+  /// Processes one tick. It ended at the measured position `measured_mm`, and the force `acting_N`
+  /// acted in it. `wall_N_mm` is the stiffness of the wall. A stiffer wall makes the filter slower
+  /// at rest.
   void update(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
-  /// Present state of the HIP.
+  /// Returns the present state of the HIP.
   [[nodiscard]] const HipState& tip() const noexcept { return tip_; }
-  /// Predicts the state when a force sent now acts, plus two ticks of margin. `delay_ticks` is
-  /// 0..5.
+  /// Returns the predicted state at the time when a force sent now acts, plus two ticks of margin.
+  /// `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay from a position to its
+  /// force.
   [[nodiscard]] HipState ahead(const SentForces& sent, int delay_ticks) const noexcept;
 
  private:
@@ -88,7 +96,7 @@ class HipObserver {
   Vec3 hand_mm_s2_ = Vec3::Zero();  // acceleration that the hand causes
   Vec3 mean_mm_ = Vec3::Zero();     // mean of the residual
   Vec3 last_mm_ = Vec3::Zero();
-  Vec3 rest_ticks_ = Vec3::Zero();  // ticks since the last change of the count
+  Vec3 rest_ticks_ = Vec3::Zero();  // ticks since the last change of the measured position
   Vec3 pole_rad_s_ = Vec3::Zero();  // triple pole of the observer
 };
 

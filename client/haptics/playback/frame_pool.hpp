@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Object pool for decoded frames: a fixed number of slots, and two SPSC rings that carry slot
-// indices. The decode thread fills a slot and publishes it. The loop plays the slot and releases
-// it.
+// Object pool for decoded frames. It has a fixed number of slots, and two SPSC rings that carry
+// slot indices between two threads. The decode thread fills a slot and publishes it to the loop.
+// The loop plays the frame in the slot, and then returns the slot to the decode thread.
 //
 // Only the decode thread allocates or frees the data that a slot points to.
 // Threads: decode thread (producer), loop (consumer).
@@ -21,21 +21,23 @@
 
 namespace hapticast::client {
 
-// The reliefs of a frame that the loop can touch, for the views.
+// The reliefs of one frame, for the views. They exist only while the loop may still play the frame.
 // Thread: any.
 
-/// Weak references: a relief exists as long as the loop may play its frame.
+/// Weak references to the reliefs of one frame. A reference expires when the loop needs the frame
+/// no more.
 struct PlayableReliefs {
   MediaTime media_time;
   std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< one for each object
 };
 
-/// One object of a frame for the loop, without vectors and without ownership.
+/// One object of a frame, in the form that the loop reads: no vectors, and no ownership of the
+/// data.
 struct PlayObject {
   std::uint32_t id = 0;
   std::uint32_t layer = 0;
   std::uint64_t changed_in_frame = 0;
-  const HeightField* field = nullptr;  ///< null: no relief, because it never arrived
+  const HeightField* field = nullptr;  ///< null if the relief of the object never arrived
   const MotionGrid* grid = nullptr;
   PixelRect grid_rect;  ///< rectangle of the relief that the grid covers
   Motion motion;
@@ -49,21 +51,22 @@ inline std::uint64_t makeKey(const PlayObject& object) noexcept {
   return (std::uint64_t{object.id} << 32U) | object.layer;
 }
 
-/// Returns true if `object` has a relief to touch. `object` may be null.
+/// Returns true if `object` has a relief that can be touched. `object` may be null.
 inline bool shows(const PlayObject* object) noexcept {
   return object != nullptr && object->field != nullptr && !object->field->empty();
 }
 
-/// Returns true if both frames have the same relief at the same place, so that there is nothing to
-/// blend.
+/// Returns true if both objects have the same relief at the same position and angle. Then there is
+/// nothing to blend between them.
 inline bool isSameRelief(const PlayObject& a, const PlayObject& b) noexcept {
   return a.field == b.field && a.motion.position_mm == b.motion.position_mm &&
          a.motion.angle_rad == b.motion.angle_rad;
 }
 
-/// One frame for the loop.
+/// One frame, in the form that the loop reads.
 struct PlayFrame {
-  /// Client-side epoch: new at every connection as well, so it never repeats.
+  /// Client-side epoch. Unlike the server's epoch it also changes at every connection, so no value
+  /// repeats.
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
@@ -71,7 +74,8 @@ struct PlayFrame {
   std::size_t object_count = 0;
 };
 
-/// Returns the frame's object with this key; null if `frame` is null or has no such object.
+/// Returns the object of `frame` with this key. Returns null if `frame` is null or has no such
+/// object.
 inline const PlayObject* findObject(const PlayFrame* frame, std::uint64_t key) noexcept {
   if (frame == nullptr) return nullptr;
   for (std::size_t i = 0; i < std::min(frame->object_count, kMaxObjects); ++i) {
@@ -87,7 +91,7 @@ class FramePool {
   using Index = std::uint32_t;
   struct Slot {
     PlayFrame frame;
-    /// Owners of the data that `frame` points to. Thread: decode thread.
+    /// Owners of the data that `frame` points to. Only the decode thread uses them.
     std::array<std::shared_ptr<const HeightField>, kMaxObjects> fields;
     std::array<std::shared_ptr<const MotionGrid>, kMaxObjects> grids;
   };
@@ -98,18 +102,20 @@ class FramePool {
 
   // Side of the decode thread.
 
-  /// Fetches a free slot. Returns false if the loop holds all slots: drop the frame and count it.
+  /// Removes a free slot from the pool and writes its index to `index`. Returns false if the loop
+  /// occupies all slots. The caller then has to drop its frame and to count it.
   [[nodiscard]] bool acquire(Index& index) noexcept { return free_.tryPop(index); }
   [[nodiscard]] Slot& slot(Index index) noexcept { return slots_[index]; }
-  /// Passes a filled slot to the loop. Always succeeds, because the ring has room for all slots.
+  /// Passes a filled slot to the loop. The call cannot fail, because the ring has room for all
+  /// slots.
   void publish(Index index) noexcept { (void)filled_.tryPush(index); }
 
   // Side of the loop.
 
-  /// Fetches a filled slot. Returns false if there is none.
+  /// Writes the index of the oldest filled slot to `index`. Returns false if there is none.
   [[nodiscard]] bool pop(Index& index) noexcept { return filled_.tryPop(index); }
   [[nodiscard]] const PlayFrame& frame(Index index) const noexcept { return slots_[index].frame; }
-  /// Returns a slot to the decode thread.
+  /// Returns a slot to the decode thread, which may fill it again.
   void release(Index index) noexcept { (void)free_.tryPush(index); }
 
  private:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Plausibility bounds: the largest motion that successive frames support. A stream's accelerations,
-// turns, impacts and grids count only as far as the positions, velocities and reliefs of the frames
-// around play time support them. Example: a plateau at rest with a stated acceleration of 1e8
-// mm/s². The method is in client/haptics/README.md, section 4.
+// Plausibility bounds: the largest motion of an object that its successive frames support. A stream
+// states accelerations, rotations, impacts and motion grids. They count only as far as the
+// positions, velocities and reliefs of the frames around play time support them. Example of a
+// statement without support: a plateau at rest with an acceleration of 1e8 mm/s². The method is in
+// client/haptics/README.md, section 4.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -13,19 +14,21 @@
 
 namespace hapticast::client {
 
-/// Upper bounds for one object between two frames, nominal mm. The defaults are no bound.
+/// Upper bounds for the motion of one object between two frames, in nominal mm. The defaults do not
+/// limit anything.
 struct PlausibilityBounds {
-  double acceleration_mm_s2 = std::numeric_limits<double>::infinity();  ///< of the reference point
-  /// Additional acceleration of a grid.
+  /// Acceleration of the reference point.
+  double acceleration_mm_s2 = std::numeric_limits<double>::infinity();
+  /// Acceleration that the motion grid may add.
   double grid_mm_s2 = std::numeric_limits<double>::infinity();
   double impact_mm_s = std::numeric_limits<double>::infinity();
   double turn_rad_s = std::numeric_limits<double>::infinity();
   double turn_rate_rad_s2 = std::numeric_limits<double>::infinity();
 };
 
-/// One object in five successive frames, and the intervals between them. Frames kNow and kNow + 1
-/// are around play time. An entry is null if the frame, or the object in it, is missing. Frames
-/// closer together than half of 1/240 s support nothing.
+/// One object in five successive frames, and the intervals between the frames. Play time lies
+/// between the frames kNow and kNow + 1. An entry is null if the frame is missing, or if the object
+/// is missing in it. An interval shorter than half of 1/240 s supports no motion.
 struct ObjectHistory {
   static constexpr std::size_t kFrames = 5;
   static constexpr std::size_t kNow = 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Playout clock: converts local time to play time on the media clock, with a slew-rate limit under
-// the hand.
+// Playout clock: converts local time to play time on the server's media clock. While a force acts,
+// it changes the pace of play time only a little.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -12,48 +12,52 @@
 
 namespace hapticast::client {
 
-// Input of the loop from the network: the times and the limits of the stream. The other input is
+// Timing of the stream: one of the two inputs of the loop from other threads. The other one is
 // UserControls.
 // Thread: network (writer), loop (reader of the latest value).
 
-/// Times and limits of the stream, without ownership.
+/// Times and limits of the stream. The struct owns no memory.
 struct StreamTiming {
-  bool connected = false;  ///< the stream is announced and its clock is synchronised
-  /// First client-side epoch of this connection; frames of earlier epochs are void.
+  bool connected = false;  ///< the welcome of the server has arrived, and its clock is synchronised
+  /// First client-side epoch of this connection. The loop drops frames of earlier epochs.
   std::uint32_t first_epoch = 0;
   Duration clock_offset{0};          ///< media clock - local clock, at present
-  Duration pipeline_latency{0};      ///< announced by the server
-  Duration playout_delay_target{0};  ///< playout delay that covers the recent jitter
+  Duration pipeline_latency{0};      ///< lookahead of the server, as its welcome states it
+  Duration playout_delay_target{0};  ///< playout delay that is long enough for the recent jitter
   Duration frame_interval{40'000'000};
   Workspace workspace;
-  double largest_acceleration_mm_s2 = 0.0;  ///< 0: not announced
-  double author_mass_kg = 0.0;              ///< 0: no author's mass
+  /// Largest acceleration of the content; 0: the server states none.
+  double largest_acceleration_mm_s2 = 0.0;
+  double author_mass_kg = 0.0;  ///< mass of the object by its author; 0: the author states none
 };
 
-/// Play time = media clock - pipeline latency - playout delay.
+/// Computes play time: media clock - pipeline latency - playout delay.
 ///
-/// While a force acts, play time follows the targets of clock offset and delay at 2 % of its pace
-/// in sum. So it never jumps under the hand. Without a force it follows at once. Within a
-/// connection play time never runs backwards; it holds until the target time has caught up.
+/// While a force acts, play time approaches changed targets slowly, so that it never jumps under
+/// the hand. The corrections of clock offset and delay together change it by at most 2 % of the
+/// elapsed time. Without a force it changes at once. Within a connection play time never runs
+/// backwards: it waits until the target has reached it.
 class Playout {
  public:
-  /// Returns play time of this tick. `in_contact`: a force acts. A new connection
-  /// (stream.first_epoch) starts over as soon as its clock is synchronised. A pause holds play
-  /// time. Without a connection play time continues with the last offset and delay; before the
-  /// first connection it is 0. `now` may have any value.
+  /// Returns play time of this tick. `now` is the local time and may have any value. `in_contact`
+  /// states whether a force acts. While `user` pauses the stream, play time does not change.
+  ///
+  /// A new connection has another stream.first_epoch. Play time then starts again, as soon as the
+  /// new clock is synchronised. Without a connection play time continues with the last offset and
+  /// delay. Before the first connection it is 0.
   MediaTime advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                     const UserControls& user = {}) noexcept;
-  /// Starts over at the next tick with a connection, like a new connection.
+  /// Play time starts again at the next tick with a connection, as at a new connection.
   void resync() noexcept { resync_ = true; }
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:
-  bool running_ = false;  // there was a connection
+  bool running_ = false;  // a connection has existed
   bool resync_ = false;
   std::uint32_t first_epoch_ = 0;
   LocalTime last_{};
   Duration delay_{0};
-  Duration offset_{0};  // slewed target: clock offset - pipeline latency
+  Duration offset_{0};  // clock offset - pipeline latency, as it approaches its target
   MediaTime last_play_{};
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Pose of one object between its frames and beyond them: cubic Hermite interpolation with impacts,
-// linear interpolation, and dead reckoning. Times are seconds after the earlier frame.
+// Pose of one object at an instant between two frames, or beyond the newest frame. There are three
+// methods: cubic Hermite interpolation with impacts, linear interpolation, and dead reckoning.
+// Times are seconds after the earlier frame.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -11,7 +12,7 @@
 
 namespace hapticast::client {
 
-/// Pose and its derivatives; units as in Motion (nominal mm, s, rad).
+/// Pose of an object and its derivatives. The units are those of Motion (nominal mm, s, rad).
 struct Pose {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
@@ -20,17 +21,22 @@ struct Pose {
   double angular_velocity_rad_s = 0.0;
 };
 
-/// Returns b - a in seconds, for any two times.
+/// Returns b - a in seconds. The result is correct for any two times, even if their difference
+/// exceeds 64 bits.
 double secondsBetween(MediaTime a, MediaTime b) noexcept;
 
-/// Returns the turn from one frame to the next, the shorter of both directions: -pi..pi.
+/// Returns the rotation of the object from one frame to the next, -pi..pi. It is the shorter of the
+/// two possible rotations.
 double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
-/// Returns the pose of the frame, at rest, with its acceleration.
+/// Returns the pose of an object in its frame, with the acceleration of the frame but without
+/// velocity.
 Pose restingPose(const Motion& motion) noexcept;
-/// Linear interpolation of position, angle and acceleration. Requires interval_s > 0.
+/// Returns the pose by linear interpolation of position, angle and acceleration. `interval_s` is
+/// the time from one frame to the next and must be above 0. `time_s` is the time after the first
+/// one.
 Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept;
-/// The impacts of an object within an interval.
+/// The impacts of an object between two frames, as changes of its velocity.
 struct VelocityJumps {
   struct VelocityJump {
     double time_s = 0.0;
@@ -39,25 +45,26 @@ struct VelocityJumps {
   std::array<VelocityJump, kMaxImpacts> at{};
   std::size_t count = 0;
 
-  /// Returns the displacement (mm) and the velocity (mm/s) that the impacts up to `time_s` have
-  /// caused.
+  /// Return the displacement (mm) and the velocity (mm/s) that the impacts until `time_s` have
+  /// added to the object's motion.
   [[nodiscard]] Vec3 displacement(double time_s) const noexcept;
   [[nodiscard]] Vec3 velocity(double time_s) const noexcept;
 };
 
-/// Cubic Hermite path of (p, v), with linear acceleration.
+/// Path of an object between two frames: a cubic Hermite curve through the positions and velocities
+/// of both frames. The acceleration is linear between the two.
 ///
-/// An impact inside the interval causes a kink at its time. The path subtracts the kink from both
-/// ends, interpolates the rest, and adds the kink again. That is exact for a ballistic bounce.
-/// Impacts that explain no part of the change of velocity are ignored. The constructor computes all
-/// coefficients.
+/// An impact between the frames causes a kink of the path at its time. The path first subtracts the
+/// kink from both ends. It interpolates the rest, and then adds the kink. That is exact for a
+/// ballistic bounce. An impact that explains no part of the change of velocity is ignored.
 class HermitePath {
  public:
   HermitePath() = default;
-  /// Requires interval_s > 0 and two frames of the same object.
+  /// Computes all coefficients of the path. `from` and `to` are the same object in two frames,
+  /// `interval_s` apart. Requires interval_s > 0.
   HermitePath(const PlayObject& from, const PlayObject& to, MediaTime from_time,
               double interval_s) noexcept;
-  /// Returns the pose at `time_s`, 0..interval_s.
+  /// Returns the pose at `time_s`, 0..interval_s after the first frame.
   [[nodiscard]] Pose at(double time_s) const noexcept;
 
  private:
@@ -76,8 +83,9 @@ class HermitePath {
   VelocityJumps kinks_;
 };
 
-/// Dead reckoning: extrapolates with v, and through the impacts of the frame, until limit_s. Then
-/// the object rests. The acceleration ramps to 0 until limit_s. Requires limit_s > 0.
+/// Returns the pose `time_s` after the last frame of the object, by dead reckoning. The velocity of
+/// the frame and its impacts move the object until `limit_s`. After that the object rests. The
+/// acceleration falls linearly to 0 until `limit_s`. Requires limit_s > 0.
 Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_s,
                       double time_s) noexcept;
 

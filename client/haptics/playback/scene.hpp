@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The scene: the touchable objects at one instant of play time. Plain values; the pointers are
-// valid until the next SceneInterpolator::at().
+// The scene: the touchable objects at one instant of play time. It has plain values. Its pointers
+// are valid until the next call of SceneInterpolator::at().
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -13,25 +13,29 @@
 
 namespace hapticast::client {
 
-/// Source of this tick's surface: two frames, dead reckoning, the last frame at rest, or a stale
-/// frame.
+/// Source of the surface in this tick. kInterpolated: between two frames. kExtrapolated: dead
+/// reckoning after the newest frame. kHeld: the newest frame at rest. kStale: the newest frame is
+/// too old for a force.
 enum class Lookup : std::uint8_t { kEmpty = 0, kInterpolated, kExtrapolated, kHeld, kStale };
 inline constexpr std::size_t kLookupKinds = 5;
 
-/// One object at play time. The relief moves with the object. Sample `before` and `after` at the
-/// point carried back into each frame, and blend only the change of shape (surface_model.hpp).
+/// One object at play time. Its relief moves with the object. To read the relief, transform the
+/// point back into the frame `before`, and into `after` if there is one. Then blend the two values
+/// (surface_model.hpp). So only the change of the shape is blended.
 struct InterpolatedObject {
-  const PlayObject* before = nullptr;  ///< never null
-  const PlayObject* after = nullptr;   ///< null: at rest, extrapolated, or not in the next frame
-  double blend = 0.0;  ///< 0 at `before` (or at the arrival of a late `after`), 1 at `after`
-  double blend_rate_1_s = 0.0;      ///< d blend / dt; 0 in a pause and without `after`
-  bool appeared = false;            ///< not in the scene of the last tick (by id and layer)
-  Vec3 position_mm = Vec3::Zero();  ///< reference point at play time
+  const PlayObject* before = nullptr;  ///< the object in the frame before play time; never null
+  /// The object in the next frame; null without one, and if the object is missing in it.
+  const PlayObject* after = nullptr;
+  /// Weight of `after`: 0 at `before` (or when a late `after` arrived), 1 at `after`.
+  double blend = 0.0;
+  double blend_rate_1_s = 0.0;      ///< rate of change of `blend`; 0 in a pause and without `after`
+  bool appeared = false;            ///< the scene of the last tick did not have this id and layer
+  Vec3 position_mm = Vec3::Zero();  ///< position of the reference point at play time
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
   double angle_rad = 0.0;
   double angular_velocity_rad_s = 0.0;
-  PlausibilityBounds plausibility;  ///< for the statements of its frames
+  PlausibilityBounds plausibility;  ///< bounds for the motion that its frames state
 };
 
 /// All objects at play time.

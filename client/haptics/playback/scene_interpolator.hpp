@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Interpolates the scene at play time from the frames around it; dead reckoning beyond the newest
-// frame.
+// Computes the scene at play time: it interpolates between the two frames around play time. Beyond
+// the newest frame it uses dead reckoning.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -16,66 +16,74 @@
 
 namespace hapticast::client {
 
-/// Interpolation of poses between frames. kHermite is the default; the others are for comparison.
+/// Interpolation of poses between frames. kHermite is the default. The others are for comparisons.
 enum class Interpolation : std::uint8_t {
-  kHold,     ///< newest frame at or before play time, at rest, with its acceleration
-  kLinear,   ///< linear between the two positions
-  kHermite,  ///< cubic Hermite of (p, v), with impacts as kinks
+  /// No interpolation: the newest frame at or before play time, at rest, with its acceleration.
+  kHold,
+  kLinear,   ///< linear between the positions of both frames
+  kHermite,  ///< cubic Hermite curve of position and velocity; impacts are kinks
 };
 
-/// Holds the frames around play time, sorted by media time, and computes the scene.
+/// Stores the frames around play time, sorted by media time, and computes the scene from them.
 ///
-/// Stale stream, measured in play time beyond the newest frame: dead reckoning with v for min(2
-/// frames, 80 ms) (kExtrapolated). The acceleration ramps to 0 meanwhile, so that its force has no
-/// step. The pose then rests until 300 ms (kHeld). Later the scene is kStale.
+/// After the newest frame the scene has three stages, measured in play time. First dead reckoning
+/// moves the objects, for min(2 frames, 80 ms) (kExtrapolated). Meanwhile the acceleration falls to
+/// 0, so that its force has no step. Then the objects rest until 300 ms after the frame (kHeld).
+/// Later the scene is kStale.
 ///
-/// No interpolation crosses an epoch, or a gap of more than 1 s and three frame intervals. By the
-/// same rules dead reckoning continues the last frame of the old epoch until play time reaches the
-/// new epoch. So the arrival time of the new epoch has no effect. An object that the next frame
-/// lacks is extrapolated until that frame. A new object of the next frame is absent until then.
+/// No interpolation crosses an epoch. None crosses a gap that is longer than both 1 s and three
+/// frame intervals. Until play time reaches a new epoch, dead reckoning continues the last frame of
+/// the old epoch by the same rules. So the arrival time of the new epoch has no effect. An object
+/// that is missing in the next frame is extrapolated until that frame. An object that begins with
+/// the next frame is absent until then.
 ///
-/// Implausible velocities (|v| dt > 3 |displacement| + 4 mm) are shortened before the Hermite
-/// interpolation. In a pause velocities, accelerations and blend rates are 0.
+/// A velocity is implausible if |v| dt exceeds 3 times the displacement plus 4 mm. The Hermite
+/// interpolation shortens it to that limit. In a pause all velocities, accelerations and blend
+/// rates are 0.
 class SceneInterpolator {
  public:
   /// `pool` must outlive this object.
   SceneInterpolator(FramePool& pool, Interpolation interpolation) noexcept;
 
-  /// Reads the frames that arrived (at most the pool's size) and returns the scene at `play_time`.
-  /// Frames of an epoch before `stream.first_epoch` are released unused. The pointers in the scene
-  /// are valid until the next call.
+  /// Accepts all frames that have arrived, and returns the scene at `play_time`. Frames of an epoch
+  /// before `stream.first_epoch` return to the pool unused. The pointers in the scene are valid
+  /// until the next call.
   const Scene& at(MediaTime play_time, const StreamTiming& stream,
                   const UserControls& user = {}) noexcept;
 
-  /// Releases every frame that is held or has arrived. The first frame after the call jumps like a
-  /// new epoch.
+  /// Returns all stored and all arrived frames to the pool. The next scene with a frame has
+  /// `jumped` set, as at a new epoch.
   void resync() noexcept;
 
-  /// Returns the frames i-1, i, i+1, i+2 around play time within one epoch, null for a missing
-  /// frame. For the thesis's temporal interpolation.
+  /// Returns the four frames i-1, i, i+1 and i+2 around play time, for the thesis's interpolation.
+  /// Frame i is the newest one at or before play time. An entry is null if the frame is missing or
+  /// has another epoch.
   [[nodiscard]] std::array<const PlayFrame*, 4> neighbours(MediaTime play_time) const noexcept;
 
-  /// Number of frames that arrived after their play time.
+  /// Returns the number of frames that arrived after their play time.
   [[nodiscard]] std::uint64_t lateFrames() const noexcept { return late_frames_; }
 
  private:
   [[nodiscard]] const PlayFrame& frame(std::size_t i) const noexcept {
     return pool_.frame(held_[i]);
   }
-  /// Index of the newest held frame at or before play time; kNone if there is none.
+  /// Returns the index of the newest stored frame at or before play time, or kNone if there is
+  /// none.
   [[nodiscard]] std::size_t beforeIndex(MediaTime play_time) const noexcept;
-  /// Returns the frame after `before` if interpolation towards it is allowed, else null.
+  /// Returns the frame after the frame `before`. Returns null if interpolation towards it is not
+  /// allowed.
   [[nodiscard]] const PlayFrame* findNext(std::size_t before,
                                           const StreamTiming& stream) const noexcept;
   void popArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;
-  /// Releases the frames that neither the cubic nor the future needs. Returns beforeIndex().
+  /// Returns all frames to the pool that neither the interpolation nor a later play time needs.
+  /// Returns beforeIndex().
   std::size_t releaseUnneeded(MediaTime play_time) noexcept;
   void fillScene(std::size_t before, MediaTime play_time, const StreamTiming& stream,
                  const UserControls& user) noexcept;
 
-  /// An instant between two frames, or after the newest.
+  /// An instant between two frames, or after the newest one.
   struct Moment {
     MediaTime begin;  // media time of the frame before
     double time_s = 0.0;
@@ -87,7 +95,8 @@ class SceneInterpolator {
   void placeObject(std::size_t i, const PlayObject& object, const Moment& moment) noexcept;
   [[nodiscard]] bool wasThere(const PlayObject& object) const noexcept;
 
-  /// Cached values of a pair of frames; valid until a frame is inserted or released.
+  /// Cached values of a pair of frames. They are valid until a frame is inserted or returned to the
+  /// pool.
   struct FrameInterval {
     const PlayFrame* now = nullptr;  // null: the cache is empty
     const PlayFrame* next = nullptr;
@@ -113,7 +122,8 @@ class SceneInterpolator {
   std::array<std::uint64_t, kMaxObjects> frames_{};  // id and layer of the last scene's objects
   std::size_t frame_count_ = 0;
   std::uint64_t late_frames_ = 0;
-  // Time that the current frame was the only one. The blend towards a late next frame begins there.
+  // Play time for which the current frame had no next frame. The blend towards a late next frame
+  // begins there.
   std::uint64_t alone_id_ = 0;
   double alone_s_ = 0.0;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The thesis's temporal interpolation (--method thesis): Catmull-Rom splines raise the
-// displacements of whole frames from the video's rate to 1 kHz. The HIP counts as standing still
-// within an interval.
+// Temporal interpolation by the thesis's method (--method thesis). It computes one displacement for
+// each whole frame. Catmull-Rom splines then interpolate these displacements to 1 kHz. The method
+// assumes that the HIP does not move between two frames.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -12,20 +12,20 @@
 
 namespace hapticast::client {
 
-/// State of the temporal interpolation: the current interval and its HIP.
+/// State of the interpolation: the current interval between two frames, and the HIP at its begin.
 class ThesisInterpolation {
  public:
-  /// Returns the contact at play time.
+  /// Returns the contact at play time, in nominal mm.
   ///
-  /// Evaluates Eq. 3 divided by k in the frames i-1 .. i+2 around play time. Each frame has its own
-  /// relief at its own place. The HIP is that of the begin of the interval [i, i+1]. A Catmull-Rom
-  /// cubic connects the four displacements. The result is linear if frame i-1 or i+2 is missing,
-  /// and constant if i+1 is missing. The surface velocity is zero.
+  /// The method evaluates Eq. 3, divided by k, in the four frames i-1 .. i+2 around play time. Each
+  /// frame has its own relief at its own position. The HIP is that of the begin of the interval [i,
+  /// i+1]. A Catmull-Rom cubic connects the four displacements. The result is linear if frame i-1
+  /// or i+2 is missing, and constant if i+1 is missing. The surface velocity is zero.
   ///
-  /// `contact.object` is the touched object of frame i or i+1, with linear acceleration; valid
-  /// until the next call. `jump` is set at the first tick of an epoch, and for an object that is
-  /// not in frame i-1. An object that is not in frame i does not exist yet. A new interval, and so
-  /// a new epoch, reads the HIP again.
+  /// `contact.object` is the touched object of frame i or i+1, with linear acceleration. It is
+  /// valid until the next call. `contact.jump` is set in the first tick of an epoch. It is also set
+  /// in the first tick of an interval, if the object is missing in frame i-1. An object that is
+  /// missing in frame i does not exist yet. Each new interval reads the HIP again.
   Contact evaluate(const SceneInterpolator& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The safety chain: converts displacement and dynamic force into a force that is safe for device
-// and hand. No force bypasses the chain. client/haptics/README.md, section 5, has its eleven steps,
-// their laws and their constants.
+// The safety chain computes the force for the device from the displacement and the dynamic force.
+// The result is safe for device and hand, whatever the stream sends. No force bypasses the chain.
+// client/haptics/README.md, section 5, has its eleven steps, their laws and their constants.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -19,7 +19,8 @@
 
 namespace hapticast::client {
 
-/// Switches of single steps, to measure their effect. For tests and evaluate only.
+/// Switches off single steps of the chain, to measure their effect. Only the tests and
+/// hapticast-evaluate use it.
 struct SafetyLinks {
   bool stiffness_limit = true;
   bool damping = true;
@@ -27,82 +28,93 @@ struct SafetyLinks {
   bool tank = true;
   bool thermal = true;
   bool slew = true;
-  bool fade = true;  ///< fade in, fade out, release ramp
+  bool fade = true;  ///< fade in, fade out and release ramp of the force
   bool arming = true;
   bool latency_watch = true;
   bool trust = true;
 };
 
-/// Input of a tick, device frame, device mm.
+/// Input of one tick. All vectors are in the device frame, and lengths are in device mm.
 struct SafetyInput {
-  // The HIP, by its counts.
+  // The HIP as the device measured it.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  HipState ahead;  ///< predicted HIP when this tick's force acts; the wall acts there
+  HipState ahead;  ///< predicted HIP at the time when this tick's force acts; the wall law uses it
   bool measurement_jumped =
-      false;                 ///< position and velocity are not connected with the last tick's
-  bool device_lost = false;  ///< latched; only rearm() ends it
+      false;  ///< the HIP was measured, but its position does not continue that of the last tick
+  /// The device does not answer; the halt that follows lasts until rearm().
+  bool device_lost = false;
   // The contact.
   bool contact = false;
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
   double scene_step_s = 1e-3;     ///< change of play time since the last tick
-  double stiffness_factor = 1.0;  ///< |displacement| / depth along the normal
+  double stiffness_factor = 1.0;  ///< length of the displacement / depth along the normal
   double stiffness_N_mm = 0.5;
-  double damping_Ns_m = 0.0;  ///< author's damping, in addition to the wall law
-  bool world_jumped = false;  ///< new epoch, connection or mapping
-  bool in_contact = false;    ///< the scene is fresh enough for a force
+  double damping_Ns_m = 0.0;  ///< the author's damping, which is added to that of the wall law
+  /// The scene does not continue that of the last tick: new epoch, connection or mapping.
+  bool world_jumped = false;
+  bool in_contact = false;  ///< a force may act: the scene is not stale, and the device is in use
   Vec3 dynamic_N = Vec3::Zero();
-  /// The part of dynamic_N that is virtual inertia: meters count it with the wall.
+  /// The part of dynamic_N that is virtual inertia. The energy meters add its work to that of the
+  /// wall.
   Vec3 inertia_N = Vec3::Zero();
-  bool dynamic_valid = false;  ///< false: the dynamic force fades out
-  bool implausible = false;    ///< the plausibility bounds reduced the dynamic force
+  /// False: dynamic_N is not usable in this tick, and the dynamic force fades out.
+  bool dynamic_valid = false;
+  bool implausible = false;  ///< the plausibility bounds reduced the dynamic force
 };
 
 struct SafetyOutput {
   Vec3 force_N = Vec3::Zero();          ///< force for the device
-  Vec3 static_force_N = Vec3::Zero();   ///< force of the wall law
+  Vec3 static_force_N = Vec3::Zero();   ///< force of the wall law, before the limits
   Vec3 dynamic_force_N = Vec3::Zero();  ///< dynamic force after its fade
   double penetration_mm = 0.0;          ///< length of the displacement in use, device mm
   bool contact = false;
-  bool not_finite = false;     ///< a number was not finite or too large: the last geometry is held
-  bool too_far = false;        ///< a finite displacement beyond the reach of any device
-  bool trust_lost = false;     ///< trust was lost in this tick
+  /// A number was not finite or too large, so the chain used the last valid geometry.
+  bool not_finite = false;
+  bool too_far = false;     ///< the displacement is finite, but longer than the reach of any device
+  bool trust_lost = false;  ///< trust was lost in this tick
   bool latency_alarm = false;  ///< the oscillation detector raised its alarm in this tick
-  double step_excess_N = 0.0;  ///< excess over the slew limit; must be 0
+  double step_excess_N = 0.0;  ///< step of the force beyond the slew limit; must be 0
   std::uint32_t interferences = 0;
 };
 
-/// The chain. One object serves one device.
+/// The safety chain of one device. Its state connects the ticks, so step() has to run once in every
+/// tick.
 class SafetyChain {
  public:
-  /// Copies the required values of `profile`.
+  /// Copies the limits out of `profile`. The object does not need `profile` afterwards.
   explicit SafetyChain(const DeviceProfile& profile, const SafetyLinks& links = {}) noexcept;
 
-  /// Computes the force of a tick.
+  /// Runs all steps of the chain for one tick. Returns the force for the device and a report of
+  /// what the chain did.
   SafetyOutput step(const SafetyInput& input) noexcept;
   /// Returns true if the force of the last tick was not zero.
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
-  /// Delay in use: ticks between reading a position and the begin of its force. The profile's
-  /// value, plus one after an alarm.
+  /// Returns the delay in use: the number of ticks from the reading of a position to the begin of
+  /// its force. It is the profile's value, and one tick more after an alarm of the oscillation
+  /// detection.
   [[nodiscard]] int delayTicks() const noexcept { return delay_ticks_; }
-  /// Stiffness along the normal of the last wall in contact, N/mm.
+  /// Returns the stiffness (N/mm) of the wall at the last contact, along its normal.
   [[nodiscard]] double wall_N_mm() const noexcept { return wall_N_mm_; }
-  /// Ends a halt: the force returns from zero. Call from outside the chain, after the return of a
-  /// lost device, a loss of trust, stop() or awaitConfirmation().
+  /// Ends a halt: the force then fades in from zero. The owner calls it on request of the user or
+  /// of RearmPolicy. A halt follows the loss of the device, a loss of trust, stop() or
+  /// awaitConfirmation().
   void rearm() noexcept;
-  /// Ramps the force to zero; it remains zero until rearm().
+  /// Ramps the force to zero. It remains zero until rearm().
   void stop() noexcept { stop_requested_ = true; }
-  /// Halts the force from the first tick until rearm(): for an automatically detected device.
+  /// Halts the force from the first tick until rearm(). Call it for a device that was detected
+  /// automatically, because the user has not confirmed it yet.
   void awaitConfirmation() noexcept { halt_ = Halt::kUnconfirmed; }
-  /// Cause of the present halt.
+  /// Returns the cause of the present halt, or Halt::kNone.
   [[nodiscard]] Halt halt() const noexcept { return halt_; }
-  /// The safety action that spent most of the trust.
+  /// Returns the safety action that used up most of the trust.
   [[nodiscard]] SafetyAction distrusted() const noexcept { return trust_.mostly(); }
-  /// Restores the profile's delay as soon as there is no contact and no force.
+  /// Sets the delay back to the profile's value, after a new connection. The change happens as soon
+  /// as there is no contact and no force.
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
-  /// Work of the force since the start.
+  /// Returns the work of the force since the start, by its cause.
   [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
 
  private:
@@ -142,7 +154,7 @@ class SafetyChain {
   int profile_delay_ticks_;
   int delay_ticks_ = 0;
   double wall_N_mm_;
-  double limit_N_;  // limit of the force in this tick: thermal budget and peak
+  double limit_N_;  // largest force in this tick, by the thermal budget and the peak
   double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   DamperLimit damper_;
   StepLimit steps_;
@@ -156,7 +168,7 @@ class SafetyChain {
   StepState last_;
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;
-  Halt halt_ = Halt::kNone;  // until rearm()
+  Halt halt_ = Halt::kNone;  // cause of the present halt, which lasts until rearm()
   double fade_ = 0.0;        // 0..1, before the smoothstep
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid dynamic force
@@ -164,8 +176,8 @@ class SafetyChain {
   Vec3 residue_N_ = Vec3::Zero();
   Vec3 residue_static_N_ = Vec3::Zero();  // share of wall and inertia in residue_N_
   Vec3 static_N_ = Vec3::Zero();          // share of wall and inertia in the last force
-  bool check_depth_ = true;               // the next touchable geometry decides about arming
-  bool blocked_ = false;                  // disarmed: too deep after a jump
+  bool check_depth_ = true;  // the next geometry under which a force may act decides about arming
+  bool blocked_ = false;     // disarmed: too deep after a jump
 };
 
 }  // namespace hapticast::client

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Oscillation detection: recognises swings and bounces of the HIP at a wall that no hand causes.
-// They are the sign of a delay longer than the profile declares. client/haptics/README.md, section
-// 5, has the measurements.
+// Oscillation detection at a wall. It recognises swings and bounces of the HIP that no hand causes.
+// They show that the device answers later than its profile declares. client/haptics/README.md,
+// section 5, has the measurements.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -9,28 +9,33 @@
 
 namespace hapticast::client {
 
-/// Detects swings in the wall: twelve reversals of the HIP along the normal, each of at least 3
-/// counts. No swing is smaller than 0.9 of the swing before, and each lasts less than 33 ms (a
-/// tremor is slower). The surface makes less than half of each swing.
+/// Detects swings of the HIP along the wall's normal. A swing is the motion between two reversals
+/// of the direction.
+///
+/// Twelve reversals in a row complete an alarm, if each swing fulfils four conditions. It is at
+/// least 3 encoder counts long. It has at least 0.9 of the length of the swing before. It lasts
+/// less than 33 ms, because a slower swing can be a tremor of the hand. The surface itself moves by
+/// less than half of the swing meanwhile.
 class OscillationDetector {
  public:
   explicit OscillationDetector(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
 
-  /// Processes a tick with the motions of HIP and surface along the normal, mm. `acts`: a force
-  /// acts. The force may pause for 33 ms, because a swing can leave the wall. Returns true if this
-  /// tick completes an alarm. The detector then starts over.
+  /// Processes one tick. `moved_mm` and `surface_mm` are the motions of HIP and surface along the
+  /// normal in this tick, mm. `acts` states whether a force acts. The force may pause for up to 33
+  /// ms, because a swing can leave the wall. Returns true if this tick completes an alarm. The
+  /// detector then starts again.
   bool alarmed(double moved_mm, double surface_mm, bool acts) noexcept;
 
  private:
   struct Point {
-    double tip_mm = 0.0;  // motions along the normal since the start
+    double tip_mm = 0.0;  // sum of the motions along the normal since the start
     double surface_mm = 0.0;
     int tick = 0;
   };
   struct State {
     Point now;
     Point extreme;  // farthest point since the last reversal
-    Point before;   // the extreme before
+    Point before;   // the farthest point before the reversal before
     double direction = 1.0;
     double last_swing_mm = 0.0;
     int reversals = 0;
@@ -42,26 +47,29 @@ class OscillationDetector {
   State state_;
 };
 
-/// Detects bounces: three contacts in a row that the HIP leaves with at least 0.9 of its speed.
-/// Each contact is shorter than the bare device on the wall's spring can last, and the next follows
-/// within 0.25 s. It counts only under a force, and if the surface makes less than half of the
-/// speed. A damped wall returns at most half of the speed, and a tapping hand adds its own mass.
+/// Detects bounces. A bounce is a short contact that the HIP leaves with at least 0.9 of its speed
+/// before the contact.
+///
+/// Three bounces in a row complete an alarm. Each contact is shorter than the bare device on the
+/// wall's spring can last. The next contact follows within 0.25 s. A bounce counts only if a force
+/// acted, and if the surface's own speed is less than half of the HIP's. A hand that taps cannot
+/// cause this: a damped wall returns at most half of the speed, and the hand adds its own mass.
 class BounceDetector {
  public:
   struct Tick {
     Vec3 tip_mm_s;
-    // Of the surface; unused without contact.
+    // Velocity and normal of the surface. Both are unused without a contact.
     Vec3 surface_mm_s;
     Vec3 normal;
     double stiffness_N_mm;  ///< along the normal
     bool contact;
-    bool acts;  ///< a force acts
-    bool jump;  ///< no connection with the tick before
+    bool acts;  ///< true if a force acts in this tick
+    bool jump;  ///< the position does not continue that of the tick before
   };
   explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
-  /// Processes a tick. `delay_ticks` is the delay in use. Returns true if this tick completes an
-  /// alarm; the detector then starts over.
+  /// Processes one tick. `delay_ticks` is the delay that the safety chain uses. Returns true if
+  /// this tick completes an alarm. The detector then starts again.
   bool alarmed(const Tick& tick, int delay_ticks) noexcept;
 
  private:

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Energy metering: the work of the force at the ports of the loop. Energy limits: a passivity
-// observer and controller for the contact (Hannaford and Ryu 2002), and an energy tank. 1 N·mm = 1
-// mJ.
+// Energy meters and energy limits. The meters measure the work of the force on the hand, split by
+// its cause (PortWork). Two limits use them. The passivity observer detects energy that a contact
+// generates, and damps it (Hannaford and Ryu 2002). The energy tank bounds the energy into the
+// hand, whatever the cause. 1 N·mm is 1 mJ.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -12,54 +13,63 @@
 
 namespace hapticast::client {
 
-/// Work of the force on the hand since the start, mJ; positive: into the hand.
+/// Work of the force on the hand since the start, mJ. A positive value is energy into the hand. The
+/// three parts are the ports of the loop: each port is one cause of the work.
 struct PortWork {
-  double relative_mJ = 0.0;  ///< wall and inertia, relative to the surface; must be passive
-  double surface_mJ = 0.0;   ///< wall and inertia, along the surface's motion: the intended push
-  double object_mJ = 0.0;    ///< force of the object
+  /// Wall and virtual inertia over the HIP's motion relative to the surface; must be passive.
+  double relative_mJ = 0.0;
+  /// Wall and virtual inertia over the surface's own motion; this push is intended.
+  double surface_mJ = 0.0;
+  double object_mJ = 0.0;  ///< dynamic force of the object over the HIP's motion
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 
-/// Input of the meters: the tick that ended at this position.
+/// Input of the meters for one tick. The tick ended when the HIP was measured at `position_mm`.
 struct PortTick {
   Vec3 position_mm = Vec3::Zero();  ///< HIP, measured
-  bool connected = true;            ///< false: no connection with the last tick, so no motion
-  Vec3 surface_mm = Vec3::Zero();   ///< announced step of the surface at the contact
-  // Energy of the spring at the depth of this tick and of the last tick. Each uses the stiffness of
-  // its own tick, because a stream that stiffens a pressed spring adds energy. Both use the gain of
-  // this tick; otherwise a fade in would count as generated energy.
+  /// False: the position does not continue that of the last tick, so it counts as no motion.
+  bool connected = true;
+  /// Motion of the surface at the contact in this tick, computed from the stream.
+  Vec3 surface_mm = Vec3::Zero();
+  // Energy of the wall's spring in this tick and in the last tick. Each value uses the depth and
+  // the stiffness of its own tick, because a stream that stiffens a pressed spring adds energy.
+  // Both values use the fade factor of this tick. Otherwise a fade in would count as generated
+  // energy.
   double stored_mJ = 0.0;
   double stored_before_mJ = 0.0;
   bool contact = false;
-  bool jump = false;  ///< jump of scene or measurement: the observer starts over
+  bool jump = false;  ///< the scene or the measurement jumped: the observer starts again at 0
 };
 
-/// Meters, observer and controller.
+/// Meters the work at the ports, and computes the damping against generated energy.
 ///
-/// A counted position moves late and in steps. A step times the force of its tick would count as
-/// work that the hand never did (F x count for each press). So the meter uses a position with half
-/// a count of play. It multiplies a motion by the mean force since the last step, axis by axis.
+/// A measured position is a whole number of encoder counts, so it moves late and in steps. The
+/// product of a step and the force of its tick would count as work that the hand never did (one
+/// count times the force for each press). So the meter follows the position with a dead zone of
+/// half a count. It multiplies each motion by the mean force since the last motion on that axis.
 class PassivityObserver {
  public:
   PassivityObserver(int delay_ticks, double count_mm) noexcept : half_count_mm_(0.5 * count_mm) {
     setDelay(delay_ticks);
   }
-  /// Sets the ticks between reading a position and the begin of its force, clamped to
-  /// 0..kMostDelay_ticks.
+  /// Sets the delay: the number of ticks from the reading of a position to the begin of its force.
+  /// The value is clamped to 0..kMostDelay_ticks.
   void setDelay(int delay_ticks) noexcept;
 
-  /// Meters a tick with the force that acted in it, sent 1 + delay ticks before. Returns the work
-  /// on the hand, mJ.
+  /// Adds one tick to the meters. The force that acted in this tick was sent 1 + delay ticks
+  /// before. Returns the work of that force on the hand in this tick, mJ.
   double meter(const PortTick& tick) noexcept;
   /// Records the force sent to the device after this tick. `dynamic_N` is the object's share of it.
   void sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept;
 
-  /// Returns the additional damping (N·s/m) along the normal at the relative speed u: (G - 3 mJ) /
-  /// (T u²). It is at most 5 N·s/m, and 0 below 5 mm/s.
+  /// Returns the damping (N·s/m) along the normal that the wall has to add at the relative speed
+  /// `u_mm_s`. It is (G - 3 mJ) / (T u²), with the generated energy G and the tick T. It is at most
+  /// 5 N·s/m. It is 0 while G is below 3 mJ, and for speeds of at most 5 mm/s.
   [[nodiscard]] double damping_Ns_m(double u_mm_s) const noexcept;
-  /// The observer G: energy generated by the contact, mJ. It decays with a time constant of 1 s.
+  /// Returns G, the energy that the contact has generated, mJ. G decays with a time constant of 1
+  /// s. It restarts at 0 after a jump and after 20 ticks without a contact.
   [[nodiscard]] double generated_mJ() const noexcept { return generated_mJ_; }
-  /// Work since the start.
+  /// Returns the work at each port since the start.
   [[nodiscard]] const PortWork& work() const noexcept { return work_; }
 
  private:
@@ -67,7 +77,8 @@ class PassivityObserver {
     Vec3 force_N = Vec3::Zero();
     Vec3 dynamic_N = Vec3::Zero();
   };
-  /// Applies the play; returns the motion of this tick.
+  /// Follows the measured position with the dead zone of half a count. Returns the motion of this
+  /// tick, mm.
   [[nodiscard]] Vec3 wayTo(const PortTick& tick) noexcept;
 
   double half_count_mm_;
@@ -80,30 +91,39 @@ class PassivityObserver {
   Vec3 ticks_ = Vec3::Zero();
   std::array<Sent, 8> sent_;  // ring buffer
   std::size_t newest_ = 0;
-  std::size_t age_ = 1;  // age of the force that acted, ticks
+  // Delay in ticks: the force that acted was sent this long before the newest one.
+  std::size_t age_ = 1;
   PortWork work_;
   double generated_mJ_ = 0.0;
   int free_ticks_ = 0;
 };
 
-/// Energy tank (mJ): energy that the force may transfer to the hand. A constant power and the hand
-/// refill the tank.
+/// Energy tank: it bounds the energy that the force transfers into the hand.
 ///
-/// Energy beyond the content is a debt and refilled first. The debt is at most one tank, so that
-/// one broken number does not end the contact. The power is drawn from a reserve, worth 0.3 s of
-/// it. The reserve grows by a fifth of the power, and by the energy of the hand into a full tank.
-/// So in any 10 s a stream transfers at most the tank, the reserve and 10 s of that fifth (Omni:
-/// 475 mJ).
+/// The tank starts full, with `tank_mJ` of the profile. Work into the hand lowers the content, and
+/// work by the hand raises it. A content below zero is a debt. The refill first repays the debt.
+/// The debt is at most one tank, so that one broken number does not end the contact for long.
+///
+/// Each tick refills the tank with at most the power `tank_W`. A second store, the reserve,
+/// supplies this energy. The full reserve lasts 0.3 s at that power. A fifth of the power flows
+/// into the reserve all the time. Work by the hand that the full tank cannot store flows into the
+/// reserve as well.
+///
+/// This bounds the energy that a stream can transfer, beyond the work of the hand itself. In any 10
+/// s it is at most one tank, one full reserve, and a fifth of the power for 10 s. On an Omni that
+/// is 15 + 60 + 400 = 475 mJ.
 class EnergyTank {
  public:
   explicit EnergyTank(const DeviceProfile& profile) noexcept;
-  /// Withdraws the work of a tick (mJ, positive into the hand). A low-pass of 5 ms smooths the
-  /// velocity, because the velocity of single counts would make the limit chatter.
+  /// Withdraws the work of one tick (mJ, positive into the hand) and refills the tank for that
+  /// tick. `velocity_mm_s` is the velocity of the HIP. A low-pass of 5 ms smooths it, because the
+  /// velocity of single counts would make the limit chatter.
   void withdraw(double work_mJ, const Vec3& velocity_mm_s) noexcept;
-  /// Returns the factor (0..1) for `force_N`. It is below 1 if the force drives the hand faster
-  /// than 10 mm/s, and the tank cannot pay the work of the next 20 ms.
+  /// Returns the factor (0..1) by which the caller has to scale `force_N`. The factor is below 1
+  /// only if two conditions hold: the force drives the hand faster than 10 mm/s, and the work of
+  /// the next 20 ms exceeds the content.
   [[nodiscard]] double factor(const Vec3& force_N) const noexcept;
-  [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }  ///< < 0: debt
+  [[nodiscard]] double content_mJ() const noexcept { return content_mJ_; }  ///< below 0: a debt
 
  private:
   double most_mJ_, refill_W_, content_mJ_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The safety actions: steps of the safety chain that changed the force. The tick report has one bit
-// for each.
+// Safety actions and halts. A safety action is a step of the safety chain that changed the force.
+// The tick report has one bit for each action.
 // Thread: any.
 #pragma once
 
@@ -9,26 +9,28 @@
 
 namespace hapticast::client {
 
-/// Steps of the chain that changed the force, or would have changed it.
+/// The safety actions: the step of the chain that changed the force, or would have changed it.
 enum class SafetyAction : std::uint8_t {
-  kNotFinite,     ///< a number was not finite or absurd: the last geometry is held and fades
+  /// A number was not finite or absurd; the last valid geometry is used while the force fades.
+  kNotFinite,
   kSurfaceSpeed,  ///< the surface was faster than 1.5 m/s
   kStiffness,     ///< the stiffness was limited to K_max
-  kNoPull,        ///< the damper would have pulled
-  kPeak,          ///< clamp to the device's peak
-  kSlew,          ///< slew limit: a step that the hand's motion does not explain
-  kFade,          ///< the force fades in or out
-  kDisarmed,      ///< too deep after a jump: no force until the HIP is out
-  kResidue,       ///< release ramp of an old force
-  kJump,          ///< jump of scene or measurement
-  kDamping,       ///< the author's damping was limited for the delay
-  kPassivity,     ///< the contact generated energy: additional damping
-  kTank,          ///< too much energy into the hand: force reduced
-  kThermal,       ///< warm motors: force reduced
-  kLatency,       ///< delay longer than declared: softer wall, more damping
-  kImplausible,   ///< a statement of the stream beyond its plausibility bounds
+  kNoPull,        ///< the damper would have pulled the hand into the wall
+  kPeak,          ///< the force was clamped to the device's peak
+  /// The force changed by more than the slew limit, and the hand's motion does not explain it.
+  kSlew,
+  kFade,         ///< the force fades in or out
+  kDisarmed,     ///< the HIP is too deep after a jump, so there is no force until the HIP is out
+  kResidue,      ///< an old force without a cause descends (release ramp)
+  kJump,         ///< the scene or the measurement jumped
+  kDamping,      ///< the author's damping was limited to what the delay allows
+  kPassivity,    ///< the contact generated energy, so damping was added
+  kTank,         ///< the energy tank reduced the force
+  kThermal,      ///< the force was reduced because the motors are warm
+  kLatency,      ///< the delay is longer than declared, so walls are softer and more damped
+  kImplausible,  ///< the stream states a motion beyond its plausibility bounds
 };
-/// Names in the log and in the summary, in the order of SafetyAction.
+/// Name of each safety action in the log and in the summary, in the order of SafetyAction.
 inline constexpr std::array<const char*, 16> kInterferenceNames = {
     "not_finite", "surface_speed", "stiffness", "no_pull", "peak",    "slew",
     "fade",       "unarmed",       "residue",   "jump",    "damping", "passivity",
@@ -38,7 +40,8 @@ constexpr std::uint32_t bit(SafetyAction which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }
 
-/// Returns a text for the user; empty for actions that a hand does not notice.
+/// Returns a text for the user that describes the action. The text is empty for actions that a hand
+/// does not notice.
 constexpr const char* toText(SafetyAction which) noexcept {
   switch (which) {
     case SafetyAction::kStiffness:
@@ -66,13 +69,13 @@ constexpr const char* toText(SafetyAction which) noexcept {
   }
 }
 
-/// Cause of a halt of the force. UserControls::rearm ends it.
+/// Cause of a halt. During a halt there is no force, until UserControls::rearm ends it.
 enum class Halt : std::uint8_t {
   kNone = 0,
   kDeviceLost,
-  kTrustLost,    ///< trust is spent: too many safety actions due to the stream
-  kStopped,      ///< the loop ends
-  kUnconfirmed,  ///< the device was detected automatically and awaits a confirmation
+  kTrustLost,    ///< too many safety actions due to the stream (trust.hpp)
+  kStopped,      ///< the loop ends, so the force ramped to zero
+  kUnconfirmed,  ///< the device was detected automatically, and the user has not confirmed it
 };
 
 }  // namespace hapticast::client

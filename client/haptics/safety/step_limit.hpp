@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Slew limit with motion allowance. It splits a step of the force into the part that the hand's own
-// motion explains and the rest. It limits the rest and meters the excess.
+// Slew limit of the force with an allowance for the hand's motion. A step is the change of the
+// force from one tick to the next. The hand's own motion explains a part of each step, and that
+// part is free. The slew limit bounds the rest.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -10,50 +11,54 @@
 namespace hapticast::client {
 
 inline constexpr double kDamperSpeed_mm_s =
-    300.0;  ///< limit of the speed inside the damper; chosen
+    300.0;  ///< the wall's damper uses at most this speed; the value is a choice
 
-/// State of a tick for the limit, device frame.
+/// State of one tick that the limit needs. All vectors are in the device frame.
 struct StepState {
   Vec3 force_N = Vec3::Zero();
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  HipState ahead;  ///< predicted HIP, where the wall acts
-  // Zero without contact:
+  HipState ahead;  ///< predicted HIP; the wall acts there
+  // These are zero without a contact:
   bool contact = false;
   double local_stiffness_N_mm = 0.0;  ///< along the normal
   double damping_Ns_m = 0.0;          ///< along the normal
-  double most_damper_N = 0.0;         ///< limit of the damper in this tick
+  double most_damper_N = 0.0;         ///< largest force of the damper in this tick
   Vec3 normal = Vec3::Zero();
   double depth_mm = 0.0;  ///< along the normal
 };
 
 /// Part of a step of the force that the hand's motion explains.
 struct MotionExplainedStep {
-  Vec3 damper_N = Vec3::Zero();  ///< this vector or a part of it, along the normal
-  double spring_N = 0.0;         ///< in any direction, because a relief is curved
+  /// The damper explains this change of the force, or any part of it, along the normal.
+  Vec3 damper_N = Vec3::Zero();
+  /// The spring explains a change of this size in any direction, because a relief is curved.
+  double spring_N = 0.0;
 };
-/// Returns the part of the step from `last` to `now` that the hand explains.
+/// Returns the part of the step from `last` to `now` that the motion of the hand explains.
 ///
-/// It uses the counted motion of the HIP and the wall *before* this tick, not the force: K|dx| in
-/// any direction, and B dv along the normal. Where the HIP itself enters (the depth is at most its
-/// motion inwards), it uses K depth, and B v up to the damper's limit. The speed is limited like
-/// that of the damper.
+/// The result depends on the measured motion of the HIP and on the wall before this tick, not on
+/// the force. The spring explains K |dx| in any direction, and the damper explains B dv along the
+/// normal. A tick in which the HIP itself enters the surface explains K times the depth, and B v up
+/// to the damper's limit. The HIP enters by itself if the depth is at most its motion inwards. All
+/// speeds are limited like the speed of the damper.
 ///
-/// Changes of stiffness, surface or contact by the stream explain nothing. Nor does a predicted
-/// motion: if it does not occur, a stream would cause the steps.
+/// A change of stiffness, surface or contact by the stream explains nothing. A predicted motion
+/// explains nothing either: if the motion does not occur, a stream would cause the steps.
 MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept;
 
-/// Limit of the step of the force in a tick: the part that the hand explains, plus the profile's
-/// slew. The functions use only the force before and after.
+/// Limits the step of the force in a tick. The limit is the part that the hand explains plus the
+/// slew limit of the profile. The functions compare only the forces of two successive ticks.
 class StepLimit {
  public:
   explicit StepLimit(const DeviceProfile& profile) noexcept;
-  /// Returns the excess of the step over the limit, N: 0 within it, infinity for a force that is
-  /// not finite.
+  /// Returns by how much the step from `last_N` to `force_N` exceeds the limit, N. The result is 0
+  /// within the limit. It is infinity for a force that is not finite.
   [[nodiscard]] double excess_N(const Vec3& force_N, const Vec3& last_N,
                                 const MotionExplainedStep& hand) const noexcept;
-  /// Returns the force that a too large step may reach in this tick. Requires excess_N() > 0. Only
-  /// the unexplained part is limited: a plain slew limit pumps energy into the hand.
+  /// Returns the force to send in place of `force_N`, if the step from `last_N` is too large.
+  /// Requires excess_N() > 0. Only the part of the step that the hand does not explain is
+  /// shortened. A plain slew limit would pump energy into the hand.
   [[nodiscard]] Vec3 limited(const Vec3& force_N, const Vec3& last_N,
                              const MotionExplainedStep& hand) const noexcept;
 
@@ -61,7 +66,7 @@ class StepLimit {
   struct Step {
     Vec3 explained_N;
     Vec3 rest_N;
-    double allowed_N;  // limit of rest_N
+    double allowed_N;  // largest allowed length of rest_N
   };
   [[nodiscard]] Step computeStep(const Vec3& force_N, const Vec3& last_N,
                                  const MotionExplainedStep& hand) const noexcept;

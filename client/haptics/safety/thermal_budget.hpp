@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Thermal budget of the motors: a one-pole heat model driven by the square of the force, and the
-// force limit that follows from the heat.
+// Thermal budget of the motors. A one-pole model estimates their heat from the square of the force.
+// The heat determines the largest force.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace hapticast::client {
 
-/// Heat model and force limit.
+/// Estimates the heat of the motors and limits the force.
 class ThermalBudget {
  public:
   explicit ThermalBudget(const DeviceProfile& profile) noexcept
@@ -18,10 +18,11 @@ class ThermalBudget {
         square_N2_(profile.continuous_N * profile.continuous_N),
         share_(kTick_s / profile.thermal_s) {}
 
-  /// Adds a tick with the squared force `force_N2`, N².
+  /// Adds one tick to the heat. `force_N2` is the squared magnitude of its force, N².
   void add(double force_N2) noexcept { heat_N2_ += (force_N2 - heat_N2_) * share_; }
-  /// Force limit, N: the peak while the heat is below 0.6 cont². Above, it falls linearly to 0.98
-  /// cont at cont².
+  /// Returns the largest force for this tick, N. It is the device's peak while the heat is below
+  /// 0.6 of the square of the continuous force. Above that, the limit falls linearly with the heat.
+  /// It reaches 0.98 of the continuous force when the heat equals the square of that force.
   [[nodiscard]] double limit_N() const noexcept {
     if (heat_N2_ <= kCool * square_N2_) return peak_N_;
     if (heat_N2_ >= square_N2_) return lasting_N_;
@@ -29,8 +30,8 @@ class ThermalBudget {
   }
 
  private:
-  static constexpr double kCool = 0.6;      // chosen
-  static constexpr double kLasting = 0.98;  // chosen: slightly below the continuous force
+  static constexpr double kCool = 0.6;      // the value is a choice
+  static constexpr double kLasting = 0.98;  // a choice: slightly below the continuous force
   double peak_N_, lasting_N_, square_N2_, share_;
   double heat_N2_ = 0.0;  // mean square of the force over the last thermal_s
 };

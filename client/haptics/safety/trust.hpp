@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Trust in a stream: a leaky counter of safety actions due to the stream. A limit alone would let a
-// stream shake a hand for ever. The counter ends the force if the limits have to act all the time.
+// Trust in a stream: a counter of the ticks in which the stream caused a safety action. The count
+// decays with time. The force ends when the count reaches a threshold. Without the counter the
+// limits alone would let a stream shake a hand for ever.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -14,32 +15,35 @@ namespace hapticast::client {
 
 class Trust {
  public:
-  /// The actions that count. Measured (client/haptics/README.md, "Trust"): a stream causes these
-  /// and a hand cannot. Other actions have honest causes: a hand reaches the peak, a cut disarms,
-  /// an author requests stiff walls, and a late device makes a contact generate energy.
+  /// The safety actions that count. The selection was measured (client/haptics/README.md, "Trust"):
+  /// a stream causes these actions, and a hand cannot cause them. The other actions have honest
+  /// causes. A hand reaches the peak, a cut disarms, an author requests stiff walls, and a late
+  /// device makes a contact generate energy.
   static constexpr std::array<SafetyAction, 4> kCounted = {SafetyAction::kImplausible,
                                                            SafetyAction::kTank, SafetyAction::kSlew,
                                                            SafetyAction::kSurfaceSpeed};
 
-  /// Threshold in ticks. Measured: honest streams reach at most 44 (a bouncing ball costs 14 ticks
-  /// an impact, and the tank), 64 in the thesis's method. Chosen: far above them, and below most
-  /// lies that shake without end. The gentlest of those lies reaches 198 and is only limited. A
-  /// drum can strike seven times a second before trust is lost.
+  /// Threshold of the count, in ticks. The value is a choice: far above all honest streams, and
+  /// below most streams that shake a hand without end.
+  ///
+  /// The counts were measured. Honest streams reach at most 44, and 64 in the thesis's method. One
+  /// impact of a bouncing ball costs 14. The gentlest shaking stream reaches 198, and the chain
+  /// only limits its force. A stream may strike the hand seven times a second before trust is lost.
   static constexpr double kMost_ticks = 200.0;
 
-  /// Adds a tick: one bit for each safety action.
+  /// Adds one tick. `interferences` has one bit for each safety action of the tick.
   void add(std::uint32_t interferences) noexcept;
-  /// Returns true if the score has reached the threshold.
+  /// Returns true if the count has reached the threshold.
   [[nodiscard]] bool lost() const noexcept { return score() >= kMost_ticks; }
-  /// Number of counted ticks, with a decay of 2 s.
+  /// Returns the number of counted ticks. Each tick's share decays with a time constant of 2 s.
   [[nodiscard]] double score() const noexcept { return ticks_; }
-  /// The counted action with the largest share.
+  /// Returns the safety action that contributed most to the count.
   [[nodiscard]] SafetyAction mostly() const noexcept;
-  /// Restores full trust, on request of the user.
+  /// Resets the count to 0. SafetyChain::rearm() calls it after a loss of trust.
   void renew() noexcept { *this = Trust(); }
 
  private:
-  /// Decay of the score: 2 s.
+  /// Time constant of the count's decay: 2 s.
   static constexpr double kMemory_ticks = 2000.0;
   double ticks_ = 0.0;
   std::array<double, kCounted.size()> of_each_{};

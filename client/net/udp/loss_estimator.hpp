@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Estimates the loss of datagrams and the redundancy that it requires. It counts every send of
-// every fragment, so that both the loss of single datagrams and the loss of all sends of a fragment
-// are measured. So burst losses do not count as independent ones. Times are arguments.
+// Estimates the loss of datagrams, and the redundancy that the loss requires. Redundancy: the
+// number of times that the server sends each datagram. The estimator counts how often each fragment
+// arrives. So it measures the loss of single datagrams, and it measures how many fragments are lost
+// in all their sends. In a burst both differ from independent losses. Times are arguments.
 // Thread: network.
 #pragma once
 
@@ -19,39 +20,43 @@ namespace hapticast::client {
 
 class LossEstimator {
  public:
-  /// Redundancy for an unmeasured network.
+  /// Redundancy at the start, before a measurement.
   static constexpr std::uint32_t kFirstCopies = 3;
-  /// Tolerated share of fragments that are lost in all sends. Chosen.
+  /// Tolerated share of the fragments that are lost in all their sends. The value is a choice.
   static constexpr double kTolerated = 0.002;
   static constexpr Duration kJudgeEvery = std::chrono::seconds(1);
-  /// Frames until a missing fragment counts as lost: the sends of a datagram are at most three
-  /// frames apart.
-  static constexpr std::uint64_t kSettled = 8;  ///< frames
-  /// The redundancy falls only after this time without need, because a network with burst losses
+  /// Number of frames after which a missing fragment counts as lost. The sends of a datagram are at
+  /// most three frames apart.
+  static constexpr std::uint64_t kSettled = 8;
+  /// The redundancy falls only after it was not needed for this time. A network with burst losses
   /// also has pauses.
   static constexpr Duration kPatience = std::chrono::seconds(30);
 
-  /// With `fixed` the redundancy remains `copies`, whatever the loss.
+  /// Starts with the redundancy `copies`. With `fixed` the redundancy never changes, whatever the
+  /// loss is.
   explicit LossEstimator(std::uint32_t copies = kFirstCopies, bool fixed = false)
       : copies_(copies), fixed_(fixed) {}
 
-  /// Counts an authenticated datagram that is no probe.
+  /// Counts a datagram that is no probe. Its signature must be verified.
   void add(const DatagramHeader& header);
-  /// Counts a duplicate. Its signature is unverified.
+  /// Counts a duplicate of a datagram. Its signature is not verified.
   void onDuplicate(const DatagramHeader& header);
-  /// Updates the estimate once a second. Returns the redundancy to request from now on, 1 to 4.
+  /// Updates the estimate if a second has passed. Returns the redundancy that the client has to
+  /// request from now on, 1 to 4.
   std::uint32_t copies(LocalTime now);
-  [[nodiscard]] double loss() const { return loss_; }  ///< loss of single datagrams, 0..1
+  /// Share of the datagrams that were lost, 0..1.
+  [[nodiscard]] double loss() const { return loss_; }
 
  private:
   /// Number of arrivals of each fragment of a frame.
   using Reception = std::vector<std::uint8_t>;
   static void count(Reception& received, std::size_t part);
-  /// parts[k]: fragments that arrived at least k times; parts[0] are all fragments.
+  /// Number of fragments by arrivals: parts[k] counts those that arrived at least k times. parts[0]
+  /// counts all fragments.
   struct Tally {
     std::array<double, limits::kMostCopies + 1> parts{};
   };
-  /// Removes and counts the frames that can receive no more sends.
+  /// Removes the frames for which no more sends can arrive, and counts their fragments.
   [[nodiscard]] Tally popSettled();
   void judge();
 

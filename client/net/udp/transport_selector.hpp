@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Selection of the transport: multicast, UDP, or TCP as the fallback. A transport is used once it
-// has worked while another one still delivers. After a failure the next one is tried, and half a
-// minute later the best one again. Times are arguments.
+// Selection of the transport: multicast, UDP, or TCP as the fallback. While the selector tries a
+// transport, another one still delivers frames. The client changes to the new transport once it has
+// worked. After a failure the selector tries the next transport, and after half a minute the best
+// one again. Times are arguments.
 // Thread: network.
 #pragma once
 
@@ -17,77 +18,87 @@
 
 namespace hapticast::client {
 
-/// Transports, best first.
+/// The transports, in the order of preference.
 enum class Transport : std::uint8_t { kGroup, kDatagrams, kTcp };
-/// Names on the command line and in the summary.
+/// Names of the transports on the command line and in the summary.
 inline constexpr std::array<const char*, 3> kWayNames{"multicast", "udp", "tcp"};
 constexpr const char* transportName(Transport transport) noexcept {
   return kWayNames[static_cast<std::size_t>(transport)];
 }
 
-/// Settings of the delivery.
+/// Settings of the delivery: how frames reach this client.
 struct DeliverySettings {
-  Transport best = Transport::kDatagrams;  ///< kGroup falls back to kDatagrams, kDatagrams to kTcp
-  std::uint32_t copies = 0;                ///< redundancy; 0: automatic
-  /// Network interface of the group, by name or address; empty: that of the route to the server.
+  /// The transport to try first; kGroup falls back to kDatagrams, and that to kTcp.
+  Transport best = Transport::kDatagrams;
+  std::uint32_t copies = 0;  ///< number of times that each datagram is sent; 0: automatic
+  /// Network interface on which the client joins the multicast group, by name or address. Empty:
+  /// the interface of the route to the server.
   std::string interface_name{};
 };
 
-/// Present delivery.
+/// The present transport and its quality.
 struct DeliveryStats {
   Transport transport = Transport::kTcp;
-  double loss = 0.0;         ///< loss of datagrams, 0..1, as last measured
-  std::uint32_t copies = 1;  ///< redundancy
+  double loss = 0.0;         ///< share of the datagrams that were lost, 0..1, as last measured
+  std::uint32_t copies = 1;  ///< number of times that each datagram is sent
 };
 
-/// State machine of the selection.
+/// Decides which transport to use. It opens no sockets: UdpReceiver reports events to it and
+/// carries out its decisions.
 class TransportSelector {
  public:
-  /// Patience with a transport while frames arrive only over TCP. A transport that worked until now
-  /// has this time to resume. Then the next frames over TCP end it.
+  /// Time that a transport has to deliver frames, while frames arrive only over TCP. A transport
+  /// that has worked has this time to resume. After that, the next frames over TCP end its use.
   static constexpr Duration kPatience = std::chrono::seconds(1);
-  /// Largest difference of the delays of two working transports. Chosen.
+  /// Largest difference between the delays of two working transports. The value is a choice.
   static constexpr Duration kRace = std::chrono::milliseconds(200);
   static constexpr Duration kTryAgain = std::chrono::seconds(30);
-  /// Longest time with frames but without a probe. Chosen: four probes of a group.
+  /// Longest time in which frames arrive by a transport but no probe does. A probe is a datagram of
+  /// full size. The value is a choice: the time of four probes of a group.
   static constexpr Duration kProbePatience = std::chrono::seconds(2);
 
-  /// `ways` are the available transports, best first. Requires kTcp as the last one.
+  /// `transports` are the available transports, in the order of preference. The last one must be
+  /// kTcp.
   explicit TransportSelector(std::vector<Transport> transports);
 
-  /// The transport in use or on trial.
+  /// Returns the transport that is in use or being tried.
   [[nodiscard]] Transport transport() const { return transports_[at_]; }
-  /// Returns true if complete frames arrive by this transport, so that TCP's are unnecessary.
+  /// Returns true if complete frames arrive by this transport. Then the frames over TCP are
+  /// unnecessary.
   [[nodiscard]] bool works() const { return works_; }
 
-  /// Registers a datagram of full size.
+  /// Registers that a probe (a datagram of full size) has arrived.
   void probed() { probed_ = true; }
   [[nodiscard]] bool wasProbed() const { return probed_; }
-  /// Registers a complete frame that arrived by this transport.
+  /// Registers a complete frame that arrived by the present transport.
   void onCompleteFrame(std::uint64_t id, LocalTime now);
   /// Registers a frame that arrived over TCP.
   void tcpFrame(std::uint64_t id, LocalTime now);
-  /// Ends the present transport: it cannot be opened, is flooded, or delivers no frames.
+  /// Ends the use of the present transport and tries the next one. Call it if the transport cannot
+  /// be opened, is flooded by unauthentic datagrams, or delivers no frames. `why` is the reason for
+  /// the user.
   void markFailed(const std::string& why, LocalTime now);
-  /// Checks all timeouts. `copies` is the redundancy to request.
+  /// Checks all time limits. `copies` is the redundancy that the client requests from the server.
   void update(LocalTime now, std::uint32_t copies);
 
-  /// Returns a new request to the server, once for each change.
+  /// Returns a new request to the server, once for each change. Returns nullopt if nothing has
+  /// changed.
   [[nodiscard]] std::optional<Delivery> takeRequest();
-  /// Returns a new message for the user, once for each change.
+  /// Returns a new message for the user, once for each change. Returns nullopt if nothing has
+  /// changed.
   [[nodiscard]] std::optional<std::string> nextMessage();
 
  private:
   void begin(std::size_t at);
-  /// Returns true if `id` is newer than all complete frames of this transport, or belongs to a new
-  /// numbering.
+  /// Returns true if `id` is newer than all complete frames of this transport. It also returns true
+  /// if the server has restarted its numbering.
   [[nodiscard]] bool newer(std::uint64_t id) const;
   [[nodiscard]] Delivery wanted() const;
 
   std::vector<Transport> transports_;
   std::size_t at_ = 0;
   bool works_ = false;
-  bool suspected_ = false;  // the transport worked, and was silent for a while
+  bool suspected_ = false;  // the transport has worked, and then delivered nothing for a while
   bool probed_ = false;
   std::uint64_t newest_ = 0;                 // newest complete frame by this transport
   LocalTime received_at_{};                  // arrival of that frame

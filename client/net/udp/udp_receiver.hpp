@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Reception of frames by datagrams, beside a TCP session. Echoes the token to the server, passes
-// authentic fragments to the receiver, and selects the transport.
+// Reception of frames by datagrams, in addition to a TCP session. It registers this client's
+// address at the server by echoes. An echo is a datagram in which the client returns the token that
+// the server sent over TCP. The class passes authentic fragments to the Receiver, and opens the
+// transport that the TransportSelector selects.
 // Thread: network.
 #pragma once
 
@@ -19,16 +21,17 @@
 
 namespace hapticast::client {
 
-/// UDP side of one session.
+/// The UDP side of one session with a server.
 class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
  public:
   struct Events {
-    std::function<void(const Delivery&)> order;          ///< request to the server
-    std::function<void(const std::string&)> on_message;  ///< message for the user, one line
+    /// The client has to send this request to the server.
+    std::function<void(const Delivery&)> order;
+    std::function<void(const std::string&)> on_message;  ///< a message for the user, one line
   };
   /// Opens the UDP side of a session. Returns null if the server or the settings allow TCP only.
-  /// `server` is the address of the TCP connection. `clock` and `receiver` must outlive the work on
-  /// `io`.
+  /// `welcome` is the server's welcome, and `server` is the address of the TCP connection. `clock`
+  /// and `receiver` must outlive the work on `io`.
   static std::shared_ptr<UdpReceiver> open(asio::io_context& io, const Clock& clock,
                                            Receiver& receiver, const DeliverySettings& settings,
                                            const Welcome& welcome, const Endpoint& server,
@@ -36,7 +39,7 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
 
   /// Registers a frame that arrived over TCP.
   void tcpFrame(std::uint64_t id);
-  /// Ends the work on `io`. No events follow.
+  /// Closes the sockets and ends the work on `io`. The object then calls no more events.
   void close();
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::uint64_t bytesReceived() const;
@@ -49,9 +52,9 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   void start();
   asio::awaitable<void> startTimer();
   void update(LocalTime now);
-  /// Returns a message about a flood of unauthentic datagrams; null if there is none.
+  /// Returns the reason if too many unauthentic datagrams arrive, else null.
   [[nodiscard]] const char* flood(LocalTime now);
-  /// Opens and closes sockets until they match the selection.
+  /// Opens and closes sockets until they match the selected transport.
   void applySelection(LocalTime now);
   void onDatagram(Transport transport, const Datagram& datagram, LocalTime now);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// UDP socket of a stream: connected to the server, so that the system drops datagrams of other
-// senders, or a member of a multicast group.
+// UDP socket that receives the datagrams of a stream. It is connected to the server, so that the
+// system drops datagrams of other senders. Or it is a member of a multicast group.
 // Thread: network.
 #pragma once
 
@@ -22,38 +22,39 @@
 
 namespace hapticast::client {
 
-// Authentication of datagrams: first cheap checks (token, stream, duplicate), then the signature. A
-// token bucket limits the verifications per second, so that a flood costs bounded time. Times are
-// arguments; no sockets.
+// Authentication of datagrams. Cheap checks are first (token, stream, duplicate), and the signature
+// is last. A token bucket limits the number of verifications per second, so that a flood uses a
+// bounded computing time. Times are arguments. The code opens no sockets.
 // Thread: network.
 
-/// Datagrams by the result of their verification.
+/// Number of datagrams by the result of their verification.
 struct DatagramCounts {
-  std::uint64_t received = 0;     ///< valid signature, and new
-  std::uint64_t repeated = 0;     ///< duplicates
-  std::uint64_t foreign = 0;      ///< another token or stream, or no datagram of this protocol
-  std::uint64_t astray = 0;       ///< frame id too far from the present frames
-  std::uint64_t forged = 0;       ///< invalid signature
-  std::uint64_t over_budget = 0;  ///< unverified: the token bucket was empty
+  std::uint64_t received = 0;     ///< datagrams that are new and have a valid signature
+  std::uint64_t repeated = 0;     ///< duplicates of datagrams that have arrived already
+  std::uint64_t foreign = 0;      ///< another token or stream, or a datagram of another protocol
+  std::uint64_t astray = 0;       ///< the id of the frame is too far from the present frames
+  std::uint64_t forged = 0;       ///< the signature is invalid
+  std::uint64_t over_budget = 0;  ///< not verified, because the token bucket was empty
 
   DatagramCounts operator+(const DatagramCounts& other) const;
 };
 
-/// Verifies the datagrams of one path.
+/// Verifies the datagrams that arrive at one socket.
 class DatagramVerifier {
  public:
-  /// Rate and size of the token bucket. Chosen: 240 frames/s of eight datagrams. Measured: 100 us
-  /// each, a fifth of a core.
+  /// Rate and size of the token bucket. The values are a choice: 240 frames/s of eight datagrams.
+  /// The time was measured: a verification needs 100 us, so the bucket allows a fifth of a core.
   static constexpr double kVerifications_Hz = 2000.0;
   static constexpr double kBurst = 400.0;
 
-  /// `token` is that of the session or of the group; `stream` and `key` are those that the server
-  /// announced.
+  /// `token` is the token of the session or of the multicast group. `stream` and `key` are from the
+  /// server's welcome.
   DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key);
 
   using IsWanted = std::function<FrameAssembler::Want(const DatagramHeader&)>;
-  /// Returns the datagram in `bytes` if the server has signed it and it is new; else nullopt.
-  /// `want` classifies its fragment. A probe always counts as new.
+  /// Returns the datagram in `bytes` if the server has signed it and it is new. Otherwise returns
+  /// nullopt and counts the reason. `want` returns the class of a fragment, such as a duplicate. A
+  /// probe always counts as new.
   std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
                                  const IsWanted& want);
 
@@ -70,29 +71,31 @@ class DatagramVerifier {
   DatagramCounts counts_;
 };
 
-/// A socket with its verifier.
+/// A socket that passes verified datagrams on.
 class UdpSocket : public std::enable_shared_from_this<UdpSocket> {
  public:
   using OnDatagram = std::function<void(const Datagram&, LocalTime)>;
   using IsWanted = DatagramVerifier::IsWanted;
 
-  /// Opens a socket connected to `server`, an address without a name. Returns one line for the user
-  /// on an error.
+  /// Opens a socket that is connected to `server`. The host of `server` must be an address, not a
+  /// name. An error is one line for the user.
   static Result<std::shared_ptr<UdpSocket>> toServer(asio::io_context& io, const Clock& clock,
                                                      const Endpoint& server,
                                                      DatagramVerifier verifier);
-  /// Joins a multicast group on `interface` (name or address; empty: that of the route to
-  /// `server`). Returns one line for the user on an error.
+  /// Opens a socket that joins the multicast group `group`. `interface` is the name or address of a
+  /// network interface. If it is empty, the interface is that of the route to `server`. An error is
+  /// one line for the user.
   static Result<std::shared_ptr<UdpSocket>> ofGroup(asio::io_context& io, const Clock& clock,
                                                     const Endpoint& group,
                                                     const std::string& interface,
                                                     const Endpoint& server,
                                                     DatagramVerifier verifier);
 
-  /// Starts reading. Calls `look` and `take` until close().
+  /// Starts to receive. Until close() it calls `is_wanted` for the header of each fragment, and
+  /// `on_datagram` for each verified datagram.
   void start(IsWanted is_wanted, OnDatagram on_datagram);
   void close();
-  /// Sends `bytes` to the server without a retry.
+  /// Sends `bytes` to the server. It does not retry after an error.
   void send(std::span<const std::uint8_t> bytes);
 
   [[nodiscard]] const DatagramCounts& counts() const { return verifier_.counts(); }

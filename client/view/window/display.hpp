@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Survives the loss of the X display or of the window. Xlib would otherwise end the process at
-// once, with a force on the hand.
+// Handling of a lost X display or window. Without it Xlib would end the process at once, while a
+// force acts on the hand.
 // Thread: main.
 #pragma once
 
@@ -8,15 +8,15 @@
 
 namespace hapticast::client {
 
-/// Replaces Xlib's handlers: the loss of the display, or of `window`, is only recorded. Call it for
-/// every new window. Does nothing without X.
+/// Replaces Xlib's error handlers. The new ones only record that the display or `window` is lost.
+/// Call it for every new window. Without X it does nothing.
 void surviveDisplay(SDL_Window& window);
 
-/// Processes an event that may report the loss.
+/// Processes an SDL event, which may report the loss.
 void handleDisplayEvents(const SDL_Event& event);
 
-/// Returns true if the window of the last surviveDisplay() is lost. Then no SDL video function is
-/// allowed any more, not even its shutdown.
+/// Returns true if the window of the last surviveDisplay() is lost. Then the caller must not call
+/// any video function of SDL again, not even its shutdown.
 [[nodiscard]] bool displayIsLost();
 
 }  // namespace hapticast::client

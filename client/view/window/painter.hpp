@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Renderer of Dear ImGui's draw data with SDL's 2-D renderer, which needs neither OpenGL nor a
+// Draws the output of Dear ImGui with SDL's 2-D renderer. That renderer needs neither OpenGL nor a
 // display.
 // Thread: main.
 #pragma once
@@ -20,10 +20,11 @@ using Texture = std::unique_ptr<SDL_Texture, TextureEnd>;
 
 class WindowPainter {
  public:
-  /// Requires a current ImGui context. Context and `renderer` must outlive this object.
+  /// Draws with `renderer`. Requires a current ImGui context. Context and `renderer` must outlive
+  /// this object.
   explicit WindowPainter(SDL_Renderer& renderer);
 
-  /// Sets the text height from the next frame on. Call between frames.
+  /// Sets the height of the text, from the next frame on. Call it between two frames.
   void setTextHeight(int height_px);
   void paint(const ImDrawData& data);
 
@@ -44,11 +45,13 @@ struct Curve {
   ImU32 color;
 };
 
-/// Draws the curves from 0 to `most`, as wide as the panel.
+/// Draws a plot of `curves`, as wide as the panel. The vertical axis extends from 0 to `most`, with
+/// the unit `unit`. `height` is the height of the plot in px of the window.
 void plot(const ForceHistory& history, double most, const char* unit, float height,
           std::span<const Curve> curves);
 
-/// Returns a round number, at least `least`, above all values in the plotted time.
+/// Returns the end of a plot's vertical axis: a round number above all values in the plotted time.
+/// It is at least `least`.
 [[nodiscard]] double upperEnvelope(const ForceHistory& history, double ForcePoint::*value,
                                    double least);
 

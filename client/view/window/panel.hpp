@@ -15,7 +15,7 @@
 
 namespace hapticast::client {
 
-// Status of the run in the window, as text and numbers.
+// Status of the run, as text and as numbers in the window.
 // Thread: main.
 
 /// Statistics of the ticks for the panel.
@@ -24,12 +24,13 @@ class TickWatch {
   void add(const TickReport& report);
   [[nodiscard]] const TickReport& last() const { return last_; }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
-  /// Ticks that began more than 1.5 ms after the tick before, as in the summary.
+  /// Returns the number of ticks that began more than 1.5 ms after the tick before, as in the
+  /// summary.
   [[nodiscard]] std::uint64_t lateTicks() const { return late_; }
-  /// Longest and mean tick of the last complete second.
+  /// Return the longest and the mean computing time of a tick in the last complete second.
   [[nodiscard]] double longest_us() const { return longest_us_; }
   [[nodiscard]] double mean_us() const { return mean_us_; }
-  /// Safety actions of the last second as text.
+  /// Returns the safety actions of the last second as text.
   [[nodiscard]] std::string chain() const;
 
  private:
@@ -38,7 +39,7 @@ class TickWatch {
   std::uint64_t late_ = 0;
   double longest_us_ = 0.0;
   double mean_us_ = 0.0;
-  // Of the present second:
+  // For the present second:
   Duration second_longest_{0};
   Duration second_sum_{0};
   std::uint64_t second_ticks_ = 0;
@@ -47,27 +48,31 @@ class TickWatch {
   std::array<bool, kInterferenceNames.size()> ever_{};
 };
 
-/// Returns a line such as "in contact, 1.2 N", or the reason of a missing force.
+/// Returns a line for the user such as "in contact, 1.2 N". If there is no force, the line states
+/// the reason.
 [[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
-/// State of the panel.
+/// State of the panel and of the display options.
 struct PanelState {
   bool help = false;
   bool outline = false;
   ReliefLook relief = ReliefLook::kNone;
-  double friction = 0.5;      ///< value of the control; in use once the user overrides the author's
-  std::string note;           ///< message of the window, such as the name of a saved picture
-  double picture_off_ms = 0;  ///< time of the shown picture minus time of the rendered frame
+  /// Value of the slider; it applies if the user replaces the author's friction.
+  double friction = 0.5;
+  std::string note;           ///< message in the window, such as the name of a saved picture
+  double picture_off_ms = 0;  ///< media time of the shown picture minus that of the rendered frame
 };
 
-/// Processes a key. Returns true if the key has a function (list: helpText()).
+/// Carries out the function of the key `sdl_key`. Returns false if the key has no function.
+/// showHelp() lists the keys.
 bool pressKey(int sdl_key, UiState& ui_state, PanelState& state);
 
-/// Draws the panel at `corner` with `size`. Its controls change `ui_state.user`.
+/// Draws the panel with its upper left corner at `corner`. Its controls change `ui_state.user`.
 void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
                const ForceHistory& history, UiState& ui_state, PanelState& state);
 
-/// Draws the list of keys, in the middle of the area `room`.
+/// Draws the list of keys in the middle of an area of the size `room`. Sets `open` to false if the
+/// user closes the list.
 void showHelp(const ImVec2& room, bool& open);
 
 }  // namespace hapticast::client

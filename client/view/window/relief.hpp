@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reliefs in the window, on demand: outlines, shaded over the picture, or rotatable in space beside
-// the HIP.
+// Reliefs in the window, if the user requests them. They are shown as outlines, as a shade over the
+// picture, or as a shape in space beside the HIP, which the user can rotate.
 // Thread: onFrame() any, everything else main.
 #pragma once
 
@@ -17,27 +17,31 @@
 
 namespace hapticast::client {
 
-/// Display of the relief; one key cycles through it.
+/// How the window shows the relief. One key selects the next display in turn.
 enum class ReliefLook : std::uint8_t { kNone, kShaded, kInSpace };
 
 /// The reliefs of the rendered frame.
 class WindowRelief {
  public:
-  /// As many as the loop holds: older frames have lost their reliefs.
+  /// Largest number of stored frames. The loop stores as many, and the reliefs of older frames no
+  /// longer exist.
   static constexpr std::size_t kMostFrames = 32;
 
-  /// Stores the frame with weak references to its reliefs.
+  /// Stores a frame, which has weak references to its reliefs.
   void onFrame(const PlayableReliefs& frame);
-  /// Selects the frame at this play time. While play time is paused, the selection remains.
+  /// Selects the frame at this play time for the drawing functions. While play time is paused, the
+  /// selection does not change.
   void update(MediaTime play_time, const Workspace& workspace);
-  /// Rotates the view by a drag of this many px.
+  /// Rotates the shape in space after the user has dragged it by this many px.
   void rotate(float right_px, float down_px);
 
   void drawOutline(ImDrawList& list, const ScenePlace& place);
   void drawShaded(ImDrawList& list, const ScenePlace& place);
-  /// Draws into the box of box().
+  /// Draws the shape in space, inside the rectangle of box(), with the HIP and the force of
+  /// `report`.
   void drawInSpace(ImDrawList& list, const ScenePlace& place, const TickReport& report);
-  /// Returns the box in the lower left corner of the picture: left, top, right, bottom.
+  /// Returns the rectangle for the shape in space: left, top, right, bottom. It is in the lower
+  /// left corner of the picture.
   [[nodiscard]] static ImVec4 box(const ScenePlace& place);
 
  private:

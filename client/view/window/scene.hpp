@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Overlay of the window's video: the stylus as a cone, the contact and the forces.
+// Drawing over the window's video: the HIP as a cone, the contact, and the forces as arrows.
 // Thread: main.
 #pragma once
 
@@ -15,7 +15,8 @@ inline constexpr ImU32 kStaticColor = IM_COL32(64, 120, 255, 255);
 inline constexpr ImU32 kDynamicColor = IM_COL32(255, 56, 48, 255);
 inline constexpr ImU32 kTotalColor = IM_COL32(255, 214, 64, 255);
 
-/// Position of the stream's picture in the window: as large as possible at its aspect ratio.
+/// Position of the stream's picture in the window. The picture is as large as possible at its
+/// aspect ratio.
 class ScenePlace {
  public:
   ScenePlace(const Workspace& workspace, const ImVec2& corner, const ImVec2& room);
@@ -23,12 +24,12 @@ class ScenePlace {
   [[nodiscard]] const ImVec2& corner() const { return corner_; }
   [[nodiscard]] ImVec2 end() const;
   [[nodiscard]] bool contains(const ImVec2& point) const;
-  /// Conversions between the window and nominal (x, y) or image px.
+  /// Convert between a point of the window and nominal (x, y) or image px.
   [[nodiscard]] ImVec2 toWindow(const Vec2& nominal_mm) const;
   [[nodiscard]] ImVec2 fromImage(const Vec2& image_px) const;
   [[nodiscard]] Vec2 toNominal(const ImVec2& point) const;
-  /// Returns an arrow for a force at the HIP: x to the right, y up. z points at the viewer and is
-  /// drawn obliquely, up and a little to the right.
+  /// Returns the arrow for a force, in px of the window. x points to the right and y up. z points
+  /// to the viewer, so the arrow shows it obliquely: up and a little to the right.
   [[nodiscard]] ImVec2 arrow(const Vec3& force_N) const;
   [[nodiscard]] float pixelsPerMm() const;
 
@@ -38,13 +39,14 @@ class ScenePlace {
   float scale_;  // window px per px of the picture
 };
 
-/// Clamps `value` to the exact range of the drawing functions; 0 if it is not finite.
+/// Returns `value`, clamped to the range that the drawing functions can represent. Returns 0 if it
+/// is not finite.
 [[nodiscard]] float bounded(double value);
 
-/// Draws an arrow from `from` along `way`.
+/// Draws an arrow that begins at `from` and has the direction and length of `way`.
 void drawArrow(ImDrawList& list, const ImVec2& from, const ImVec2& way, float width, ImU32 color);
 
-/// Draws cone, contact and arrows of `report`, and the target of the pointer.
+/// Draws the HIP, the contact and the forces of `report`, and the target of the pointer.
 void drawScene(ImDrawList& list, const ScenePlace& place, const TickReport& report,
                const PointerTarget& pointer);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The window: the video at play time with HIP and forces, the panel beside it, and a pointer that
-// can be a device.
+// The window. It shows the video at play time with the HIP and the forces, and the panel beside it.
+// Its pointer can be a device.
 // Thread: onPicture() and onFrame() any, everything else main.
 #pragma once
 
@@ -23,7 +23,7 @@ class ViewerWindow final : public View {
   static constexpr int kWidth_px = 1280;
   static constexpr int kHeight_px = 720;
 
-  /// Opens the window on SDL's display. Throws std::runtime_error (one line) without a display.
+  /// Opens the window. Throws std::runtime_error (one line) if there is no display.
   explicit ViewerWindow(int width_px = kWidth_px, int height_px = kHeight_px);
   ViewerWindow(const ViewerWindow&) = delete;
   ViewerWindow& operator=(const ViewerWindow&) = delete;
@@ -32,19 +32,19 @@ class ViewerWindow final : public View {
   void onPicture(VideoFrame picture, const Workspace& workspace) override;
   void onFrame(const PlayableReliefs& frame) override { relief_.onFrame(frame); }
   void onReport(const TickReport& report) override;
-  /// Processes the input, and draws when a frame is due. Returns false if the user closed the
-  /// window.
+  /// Processes the user's input, and draws if it is time for the next drawing. Returns false if the
+  /// user has closed the window.
   [[nodiscard]] bool update(UiState& ui_state) override;
-  /// Throws if the display removed the window.
+  /// Throws std::runtime_error if the display has removed the window.
   void finish() override;
   [[nodiscard]] bool points() const override { return true; }
   [[nodiscard]] const Histogram* eyeHand() const override { return &eye_hand_ns_; }
 
-  /// Draws at once.
+  /// Draws the window now.
   void draw(UiState& ui_state);
-  /// Returns the last drawing, CV_8UC3.
+  /// Returns the last drawing as a CV_8UC3 picture.
   [[nodiscard]] cv::Mat pixels() const;
-  /// Position of the picture in the last drawing.
+  /// Returns the position of the video in the last drawing.
   [[nodiscard]] const ScenePlace& place() const { return place_; }
 
  private:
@@ -53,7 +53,8 @@ class ViewerWindow final : public View {
   void press(double by_mm, UiState& ui_state) const;
   enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
   void drag(Drag what);
-  /// Returns true if a drag at `point` rotates the relief and does not move the HIP's target.
+  /// Returns true if a drag that begins at `point` rotates the relief. Otherwise the drag moves the
+  /// target of the HIP.
   [[nodiscard]] bool isRotating(const ImVec2& point) const;
   void showPicture();
   void show(std::shared_ptr<const StreamPicture> picture_of_stream);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Set of a relief's cells that slices cover; no two slices may cover the same cell. Thread: any,
-// one for each object.
+// Covered cells of a relief. It detects slices that overlap, because no two slices may cover the
+// same cell. Thread: any, one for each object.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace hapticast::codec {
 
-/// Covered cells of one relief.
+/// The set of cells that the slices of one relief cover.
 class CoveredCells {
  public:
   explicit CoveredCells(const PixelRect& rect)
@@ -21,8 +21,8 @@ class CoveredCells {
         covered_(static_cast<std::size_t>(columns_) *
                  static_cast<std::size_t>(cellsOver(rect.height))) {}
 
-  /// Marks the slice's cells as covered. Returns false if one of them was covered before. Requires
-  /// a slice of this rectangle.
+  /// Marks the cells of the slice as covered. Returns false if another slice has covered one of
+  /// them before. Requires a slice of this relief.
   bool claim(const Header& slice) {
     bool free = true;
     for (int y = slice.y; y < slice.y + slice.rows; ++y) {
@@ -40,14 +40,17 @@ class CoveredCells {
   std::vector<bool> covered_;
 };
 
-// Encoder side of smooth mode: computes the base values and details (interpolation residuals) of a
-// slice. Thread: any.
+// Encoder side of smooth mode. It computes the numbers of a slice that are coded: the heights of
+// the nodes, and the details. A detail is the difference between a point and its interpolation.
+// Thread: any.
 
-/// Computes base, nodes, details and flags of a field that was reset for an encoder. Every pixel
-/// inside then has an error of at most half of steps.px.
+/// Computes the base heights, nodes, details and flags of `field`, which must be reset for an
+/// encoder. `object` has the heights to code. Afterwards every pixel inside the mask has an error
+/// of at most half of steps.px.
 void analyse(Field& field, const Surroundings& object, const Steps& steps);
 
-/// Returns the estimated cost of a cell in bits, of an analysed field or of coded numbers.
+/// Return the estimated number of bits of one cell. The first function needs a field after
+/// analyse(). The second one needs the level indices of rough mode.
 float estimateCost(const Field& field, int cell_x, int cell_y);
 float estimateCost(const Numbers& numbers, const Field& field, int cell_x, int cell_y);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Header of a slice (proto/README.md). Thread: any.
+// Header of a slice: how it is coded, and which cells it covers (proto/README.md). Thread: any.
 #pragma once
 
 #include <cmath>
@@ -18,27 +18,31 @@ inline constexpr std::size_t kHeaderBytes = 7;
 inline constexpr int kLeastStep = 9;
 inline constexpr int kMostStep = 4095;
 
-/// Coding modes: interpolation pyramid (smooth), prediction from neighbour pixels (rough).
+/// Modes of a slice. Smooth mode uses the interpolation pyramid. Rough mode predicts each pixel
+/// from its neighbours.
 enum class Mode : std::uint8_t { kSmooth = 0, kRough = 1 };
 
-/// Fields of the header.
+/// The header of a slice.
 struct Header {
   Mode mode = Mode::kSmooth;
-  int sixteenths = 16;        ///< coarse step in sixteenths of `step`, 1..16
-  int x = 0, y = 0;           ///< first cell, within the object
+  int sixteenths = 16;        ///< step of the coarser points in sixteenths of `step`, 1..16
+  int x = 0, y = 0;           ///< first cell, counted within the object's rectangle
   int columns = 0, rows = 0;  ///< cells
-  int step = 0;               ///< quantiser step of pixels, units
+  int step = 0;               ///< quantiser step of the pixels, in units
 
   /// Appends the header's bytes to `out`.
   void write(std::vector<std::uint8_t>& out) const;
-  /// Reads the header and checks all fields against the object's rectangle.
+  /// Reads the header of `slice`. Returns an error if a value is invalid for the object's rectangle
+  /// `object`.
   static Result<Header, WireError> read(std::span<const std::uint8_t> slice,
                                         const PixelRect& object);
-  /// Returns the size of the slice in cells and pixels.
+  /// Returns the size of the slice in cells and in pixels. `object` is the object's rectangle.
   [[nodiscard]] Shape shape(const PixelRect& object) const;
 };
 
-/// Returns the largest odd step whose half, with the rounding to units, stays within `error_mm`.
+/// Returns the quantiser step of the pixels for the error bound `error_mm`, in units. It is the
+/// largest odd step of which the half stays within the bound. The bound includes the error of the
+/// rounding to units.
 inline int stepFor(double error_mm) {
   const double units = std::clamp(error_mm, 0.0, 1.0) * kUnitsPerMm;
   return std::clamp(2 * static_cast<int>(std::floor(units - 0.5)) + 1, kLeastStep, kMostStep);

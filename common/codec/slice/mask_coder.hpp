@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Mask coder: codes each row's changes between inside and outside relative to the row above, as the
-// two-dimensional fax code does (ITU-T T.6; format: proto/README.md). One template serves both
-// directions (range_coder.hpp). Thread: any.
+// Mask coder. An edge is a pixel of a row at which the mask changes between inside and outside. The
+// coder writes the position of each edge relative to an edge of the row above, as the
+// two-dimensional fax code does (ITU-T T.6; format: proto/README.md). One template encodes and
+// decodes (range_coder.hpp). Thread: any.
 #pragma once
 
 #include <algorithm>
@@ -16,15 +17,16 @@
 
 namespace hapticast::codec {
 
-/// A change between outside and inside in a row, and its shift since the row above.
+/// A change between outside and inside in a row. `shift` is its distance from the edge of the row
+/// above that it belongs to.
 struct Edge {
   int at = 0;
   int shift = 0;
 };
-/// The edges of a row, beginning outside; the last one is at the row's width.
+/// The edges of a row. The row begins outside the mask. The last edge is at the width of the row.
 using EdgeRow = std::vector<Edge>;
 
-/// Writes the edges of a row to `out`.
+/// Finds the edges of a row of `width` pixels and writes them to `out`.
 inline void findEdges(const std::uint8_t* row, int width, EdgeRow& out) {
   out.clear();
   std::uint8_t inside = 0;
@@ -46,13 +48,13 @@ inline void findEdges(const std::uint8_t* row, int width, EdgeRow& out) {
   out.push_back({width, 0});
 }
 
-/// Coder of one slice's mask, row by row.
+/// Encodes or decodes the mask of one slice, row by row.
 class MaskCoder {
  public:
   explicit MaskCoder(int width) : width_(width), above_{{width, 0}} {}
 
-  /// Codes a row. `wanted`: its edges for an encoder, ignored by a decoder. Returns the row's
-  /// edges.
+  /// Encodes or decodes the next row, and returns its edges. An encoder encodes the edges `wanted`.
+  /// A decoder ignores `wanted`.
   template <class Coder>
   const EdgeRow& row(Coder& coder, const EdgeRow& wanted) {
     row_.clear();
@@ -84,7 +86,8 @@ class MaskCoder {
 
  private:
   static constexpr int kFarthest = 7;
-  static constexpr int kPassed = 99;  ///< no edge: a counterpart above was skipped
+  /// Marks no edge: an edge of the row above has no counterpart here.
+  static constexpr int kPassed = 99;
 
   template <class Coder>
   Edge edge(Coder& coder, int at, Edge first, int second, int target, bool inside, bool& lost) {

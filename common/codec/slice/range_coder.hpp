@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Adaptive binary range coder (Martin 1979) with probability models for bits and integers.
-// Encoder and decoder have the same two operations, so one template over the coder serves both
-// directions: `bit(model, value)` and `raw(value)` return the bit. A decoder ignores `value`.
+// Adaptive binary range coder (Martin 1979) with probability models for bits and integers. A model
+// adapts its probability to the bits that were coded with it.
+//
+// Encoder and decoder have the same two operations, `bit(model, value)` and `raw(value)`, which
+// return the bit. A decoder ignores `value` and returns the decoded bit. So one template over the
+// coder encodes and decodes. "To code" is either of both.
 // Thread: any.
 #pragma once
 
@@ -15,14 +18,14 @@
 
 namespace hapticast::codec {
 
-/// Adaptive probability of a bit; early bits have more weight.
+/// Adaptive probability of a bit. The first bits change it more than later ones.
 struct BitModel {
   std::uint16_t zero = 32768;  ///< probability of 0, in 1/65536
   std::uint8_t seen = 0;       ///< number of coded bits, at most kMostSeen
 };
 
 inline constexpr unsigned kMostSeen = 32;
-/// Adaptation rate after each number of coded bits, in 1/65536 of the difference.
+/// Rate of adaptation after each number of coded bits: the share of the difference, in 1/65536.
 inline constexpr auto kRates = [] {
   std::array<std::uint16_t, kMostSeen + 1> rates{};
   for (unsigned n = 0; n <= kMostSeen; ++n)
@@ -30,7 +33,8 @@ inline constexpr auto kRates = [] {
   return rates;
 }();
 
-/// Moves the model's probability towards the bit, within limits away from 0 and 1.
+/// Moves the probability of the model towards the bit `one`. It remains within limits that exclude
+/// 0 and 1.
 inline void update(BitModel& model, bool one) noexcept {
   constexpr unsigned kLeast = 96;
   constexpr unsigned kMost = 65440;
@@ -43,10 +47,11 @@ inline void update(BitModel& model, bool one) noexcept {
 }
 
 inline constexpr std::uint32_t kLeastRange = 1U << 24U;
-/// Limit of trailing zeros that an encoder omits. A decoder that reads further has invalid bytes.
+/// Largest number of trailing zero bytes that an encoder omits. If a decoder reads beyond that, the
+/// bytes are invalid.
 inline constexpr std::size_t kMostZerosDropped = 16;
 
-/// Decoder of one slice's bytes.
+/// Decoder for the bytes of one slice.
 class RangeDecoder {
  public:
   static constexpr bool kDecodes = true;
@@ -56,7 +61,7 @@ class RangeDecoder {
     for (int i = 0; i < 4; ++i) code_ = code_ << 8U | byte();
   }
 
-  /// Decodes a bit with its model.
+  /// Decodes a bit with its model, which then adapts.
   bool bit(BitModel& model, bool /*value*/ = false) noexcept {
     const bool one = decide(model.zero >> 1U);
     update(model, one);
@@ -80,8 +85,8 @@ class RangeDecoder {
     return one;
   }
 
-  /// Returns whether the decoder read beyond the zeros that an encoder omits: the slice is
-  /// incomplete.
+  /// Returns true if the decoder has read beyond the zero bytes that an encoder omits. The slice is
+  /// then incomplete.
   [[nodiscard]] bool misled() const noexcept { return beyond_ > kMostZerosDropped + 4; }
 
  private:
@@ -117,15 +122,15 @@ class RangeDecoder {
   std::uint32_t code_ = 0;
 };
 
-/// Encoder of one slice's bytes.
+/// Encoder for the bytes of one slice.
 class RangeEncoder {
  public:
   static constexpr bool kDecodes = false;
 
-  /// Appends to `out` until finish(). `out` must outlive the encoder.
+  /// Appends bytes to `out` until finish(). `out` must outlive the encoder.
   explicit RangeEncoder(std::vector<std::uint8_t>& out) noexcept : out_(out) {}
 
-  /// Encodes a bit with its model.
+  /// Encodes a bit with its model, which then adapts.
   bool bit(BitModel& model, bool one) {
     write(model.zero >> 1U, one);
     update(model, one);
@@ -148,7 +153,8 @@ class RangeEncoder {
     return one;
   }
 
-  /// Writes the shortest number inside the range, without trailing zeros. Call once, at the end.
+  /// Writes the last bytes: the shortest number inside the range of the coder. Omits trailing zero
+  /// bytes. Call it once, at the end.
   void finish() {
     const std::size_t begin = out_.size();
     for (unsigned bits = 32; bits > 0; --bits) {
@@ -204,26 +210,28 @@ class RangeEncoder {
   std::uint32_t range_ = 0xFFFFFFFFU;
   std::size_t pending_ = 0;
   std::uint8_t waiting_ = 0;
-  bool first_ = true;  ///< the first byte's carry does not exist
+  bool first_ = true;  ///< true until the first byte, which has no carry
 };
 
 inline constexpr int kMostExponent = 22;
 inline constexpr int kPlaceExponents = 8;
 
-/// Models of an integer: zero or not, sign, exponent (unary), highest mantissa bit.
+/// Models of an integer. They cover the question whether it is zero, its sign, its exponent (in
+/// unary), and the highest bit of its mantissa.
 struct NumberModel {
   BitModel zero, sign;
   std::array<BitModel, kMostExponent + 1> exponent, mantissa;
 };
 
-/// Second context for an integer: zero or not, and the first bits of its exponent.
+/// Additional models of an integer, chosen by its place. They cover the question whether it is
+/// zero, and the first bits of its exponent.
 struct PlaceModel {
   BitModel zero;
   std::array<BitModel, kPlaceExponents> exponent;
 };
 
-/// Codes a number >= 1 (Elias gamma code with models). The limit is kMostExponent + 1 bits. `place`
-/// may be null.
+/// Encodes or decodes a number of at least 1, as an Elias gamma code with models. Returns the
+/// number, which has at most kMostExponent + 1 bits. `place` may be null.
 template <class Coder>
 int codeMagnitude(Coder& coder, NumberModel& model, PlaceModel* place, int value) {
   const int wanted = Coder::kDecodes ? 0 : std::bit_width(static_cast<unsigned>(value)) - 1;
@@ -245,7 +253,7 @@ int codeMagnitude(Coder& coder, NumberModel& model, PlaceModel* place, int value
   return static_cast<int>(out);
 }
 
-/// Codes a number of either sign.
+/// Encodes or decodes a number of either sign, and returns it.
 template <class Coder>
 int codeNumber(Coder& coder, NumberModel& model, int value) {
   if (!coder.bit(model.zero, value != 0)) return 0;

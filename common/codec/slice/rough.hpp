@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Rough mode, for heights that are not smooth (a sensor's steps and noise). Codes each pixel's
-// level index by prediction with the median edge detector (LOCO-I, Weinberger et al. 2000). A slice
-// begins with its levels: evenly spaced heights, or the heights that occur. One template serves
-// both directions (range_coder.hpp). Thread: any.
+// Rough mode of a slice, for heights that are not smooth (a sensor's steps and noise). Each pixel
+// has one of a few heights, the levels. A slice begins with its levels: evenly spaced heights, or
+// the heights that occur. Then it has the index of each pixel's level. The median edge detector
+// (LOCO-I, Weinberger et al. 2000) predicts each index. One template encodes and decodes
+// (range_coder.hpp). Thread: any.
 #pragma once
 
 #include <array>
@@ -15,12 +16,13 @@
 
 namespace hapticast::codec {
 
-/// Heights of the levels in units, ascending.
+/// Heights of the levels in units, in ascending order.
 using Levels = std::vector<std::int32_t>;
 
 inline constexpr std::size_t kMostLevels = 65536;
 
-/// Codes the levels. Returns false if there are too many, or if they exceed the height range.
+/// Encodes or decodes the levels. `usual_gap` is the expected distance of two levels. Returns false
+/// if there are too many levels, or if one exceeds the range of heights.
 template <class Coder>
 bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
   NumberModel first;
@@ -45,42 +47,43 @@ bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
 
 /// Probability models of rough mode.
 struct RoughModels {
-  /// By local activity and recent prediction errors.
+  /// Models of the prediction error, by Around::unrest() and by the errors of the pixels to the
+  /// left and above.
   std::array<std::array<NumberModel, 3>, 7> rest;
-  std::array<BitModel, 9> sign;  ///< by the signs of the local gradients
+  std::array<BitModel, 9> sign;  ///< models of its sign, by Around::fall()
 };
 
-/// Level indices of the pixels around a pixel.
+/// Level indices of four pixels around a pixel.
 struct Around {
   std::int32_t left, up, up_left, up_right;
 
-  /// Returns the prediction: the median of left, up and left + up - up_left.
+  /// Returns the predicted index: the median of left, up, and left + up - up_left.
   [[nodiscard]] std::int32_t guess() const {
     if (up_left >= std::max(left, up)) return std::min(left, up);
     if (up_left <= std::min(left, up)) return std::max(left, up);
     return left + up - up_left;
   }
-  /// Returns the class of local activity, 0..6.
+  /// Returns a class (0..6) for how much the four indices differ.
   [[nodiscard]] std::size_t unrest() const {
     const int sum = std::abs(up_right - up) + std::abs(up - up_left) + std::abs(up_left - left);
     if (sum < 3) return static_cast<std::size_t>(sum);
     return sum < 5 ? 3 : sum < 9 ? 4 : sum < 17 ? 5 : 6;
   }
-  /// Returns the class of the gradients' signs, 0..8.
+  /// Returns a class (0..8) for the signs of the horizontal and the vertical difference.
   [[nodiscard]] std::size_t fall() const {
     const auto sign = [](int value) { return (value > 0 ? 2 : 0) + (value == 0 ? 1 : 0); };
     return static_cast<std::size_t>(3 * sign(up - up_left) + sign(left - up_left));
   }
 };
 
-/// Level index of each pixel, and the size of its prediction error. Margin: one pixel to the left
-/// and right of each row, and one row above.
+/// Level index of each pixel, and the size of its prediction error. There is a margin of one pixel
+/// to the left and right of each row, and of one row above.
 struct Numbers {
   std::ptrdiff_t stride = 0;
   std::vector<std::int32_t> level;
   std::vector<std::uint8_t> rest;
 
-  /// Prepares a slice of this shape, all zero.
+  /// Prepares a slice of this shape, with all values zero.
   void reset(const Shape& shape) {
     stride = shape.width + 2;
     level.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(shape.height + 1), 0);
@@ -89,12 +92,13 @@ struct Numbers {
   [[nodiscard]] std::ptrdiff_t at(int x, int y) const { return (y + 1) * stride + x + 1; }
 };
 
-/// Computes few levels such that every pixel inside is within `farthest` of its level, and the
-/// pixels' level indices.
+/// Returns as few levels as possible such that the height of every pixel inside is within
+/// `farthest` units of a level. Writes the level index of each pixel to `numbers`.
 Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
                   Numbers& numbers);
 
-/// Returns the neighbours' level indices, with replacements outside the mask.
+/// Returns the level indices of the four pixels around a pixel. A pixel outside the mask is
+/// replaced by another one: the pixel above or to the left, or the last coded pixel.
 inline Around loadNeighbours(const std::int32_t* level, std::ptrdiff_t stride,
                              const std::uint8_t* inside, std::ptrdiff_t mask_stride, bool top,
                              bool at_left, bool at_right, std::int32_t last) {
@@ -110,7 +114,7 @@ inline Around loadNeighbours(const std::int32_t* level, std::ptrdiff_t stride,
   return out;
 }
 
-/// Codes the level indices of all pixels inside, 0..most.
+/// Encodes or decodes the level indices of all pixels inside the mask. `most` is the largest index.
 template <class Coder>
 void codeNumbers(Coder& coder, RoughModels& models, Numbers& numbers, const Shape& shape,
                  const Mask& mask, std::int32_t most) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Entropy coding of smooth mode: order and context models of a slice's numbers, base nodes first,
-// then the details of each level. One template serves both directions (range_coder.hpp). Thread:
-// any.
+// Entropy coding of smooth mode. It defines the order in which the numbers of a slice are coded:
+// first the nodes, then the details of each level. It also selects the probability model of each
+// number by the numbers around it. One template encodes and decodes (range_coder.hpp). Thread: any.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace hapticast::codec {
 
-/// Model class of a point (0..4), by the sum of the detail sizes around it.
+/// Class of the model for a point (0..4), by the sum of the sizes of the details around it.
 inline constexpr auto kDetailClass = [] {
   std::array<std::uint8_t, 6 * kMostSize + 1> out{};
   for (std::size_t i = 0; i < out.size(); ++i)
@@ -23,17 +23,18 @@ inline constexpr auto kDetailClass = [] {
 /// Probability models of smooth mode.
 struct SymbolModels {
   std::array<NumberModel, 4> base;
-  /// Models of a level, by even or odd row.
+  /// Models of one level, separate for even and odd rows.
   struct Details {
-    std::array<std::array<NumberModel, 5>, 2> number;  ///< by class
+    std::array<std::array<NumberModel, 5>, 2> number;  ///< by kDetailClass
     std::array<std::array<PlaceModel, 12>, 2> place;   ///< by pixelIndex()
-    std::array<std::array<BitModel, 9>, 2> sign;       ///< by the signs to the left and above
+    std::array<std::array<BitModel, 9>, 2> sign;       ///< by signClass()
   };
   std::array<Details, 3> detail;
   std::array<std::array<std::array<BitModel, 3>, 2>, 3> flag;
 };
 
-/// Codes the base values by prediction from the nodes to the left and above.
+/// Encodes or decodes the base heights of the nodes. Each is predicted from the nodes to the left
+/// and above.
 template <class Coder>
 void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
   constexpr int kMostResidual = 64;
@@ -65,8 +66,9 @@ void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& ste
   }
 }
 
-/// Returns the context of a point of level I: mask edge nearby, corner of the coarser points'
-/// square, details of the coarser level.
+/// Returns the class of the additional model for a point of level I (0..11). It depends on three
+/// questions: is the mask's edge nearby, is the point in the middle of four coarser points, and
+/// does the coarser level have details around it?
 template <std::size_t I>
 std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int y) {
   constexpr std::ptrdiff_t kPx = 4 >> I;
@@ -82,14 +84,15 @@ std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int 
   return (inner ? 0U : 6U) + ((x & y & 1) != 0 ? 3U : 0U) + busy;
 }
 
-/// Returns the class of a sign (0..8): signs of the nearest details to the left and above.
+/// Returns the class of a detail's sign (0..8), by the signs of the nearest details to the left and
+/// above.
 inline std::size_t signClass(const std::uint8_t* sign, std::ptrdiff_t stride) {
   const unsigned left = sign[-1] != 0 ? sign[-1] : sign[-2];
   const unsigned up = sign[-stride] != 0 ? sign[-stride] : sign[-2 * stride];
   return left * 3 + up;
 }
 
-/// Codes the detail of a point of level I; `mask` points to its pixel.
+/// Encodes or decodes the detail of one point of level I. `mask` points to the pixel of the point.
 template <std::size_t I, class Coder>
 void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const std::uint8_t* mask,
                int x, int y, int step) {
@@ -117,8 +120,8 @@ void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const 
   }
 }
 
-/// Codes the points of a cell inside the mask, except those of the coarser level (even rows and
-/// columns).
+/// Encodes or decodes the details of one cell of level I, for the points inside the mask. The
+/// points of the coarser level (even rows and columns) are omitted.
 template <std::size_t I, class Coder>
 void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int cell_y, int step) {
   constexpr int kPx = 4 >> I;
@@ -137,7 +140,7 @@ void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int 
   }
 }
 
-/// Codes the details of a level, cell by cell.
+/// Encodes or decodes the details of level I, cell by cell.
 template <std::size_t I, class Coder>
 void codeLevel(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
   Level& level = field.levels[I];
@@ -158,7 +161,7 @@ void codeLevel(Coder& coder, SymbolModels& models, Field& field, const Steps& st
   }
 }
 
-/// Codes all numbers of a slice.
+/// Encodes or decodes all numbers of a slice.
 template <class Coder>
 void codeHeights(Coder& coder, SymbolModels& models, Field& field, const Steps& steps) {
   codeBase(coder, models, field, steps);
