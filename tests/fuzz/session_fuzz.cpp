@@ -37,9 +37,10 @@ struct Host final : server::SessionHost {
   void deliver(std::uint64_t token, const Delivery& delivery) override {
     require(token == 0 && delivery.copies >= 1 && delivery.copies <= 4);
   }
-  void joined(server::Session&) override { ++welcomed; }
-  void ending(const std::shared_ptr<server::Session>&, const std::optional<WireError>&) override {}
-  void gone(const std::shared_ptr<server::Session>&) override { has_ended = true; }
+  void onJoined(server::Session&) override { ++welcomed; }
+  void onClosing(const std::shared_ptr<server::Session>&,
+                 const std::optional<WireError>&) override {}
+  void onClosed(const std::shared_ptr<server::Session>&) override { has_ended = true; }
 
   ManualClock manual;
   LocalMediaClock media;
