@@ -194,7 +194,8 @@ void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
   square /= double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size()));
   const double force_change_N =
       settings_.mass_kg.value_or(kUsualMass_kg) * 1e-3 * std::sqrt(square);
-  if (plan->second->addResidual(force_change_N) && covers(*grid, *object.relief)) object.grid = grid;
+  if (plan->second->addResidual(force_change_N) && covers(*grid, *object.relief))
+    object.grid = grid;
 }
 
 void FrameMotion::boundAcceleration(const HapticObject& object) {
