@@ -54,16 +54,16 @@ struct TrackSettings {
   const Clock* clock = nullptr;  ///< measures durations of stages; null: no measurement
 };
 
-/// Track of one object. In each frame call isResting(). If it returns false, call computeFlow(),
-/// then update() or lose().
+/// Track of one object. In each frame call isResting(), computeFlow(), and then update() or lose().
+/// computeFlow() may be omitted in frames in which all objects rest.
 class Track {
  public:
   /// Begins the track with the object's segment in this frame. `settings` must outlive the track.
   Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames);
 
-  /// Begins the next frame. Returns true if the whole object is at rest and no active stage has to
-  /// measure it again: then this frame shows the same object, and nothing else is to be called.
-  /// Returns false if `told`, that is, if the author annotated this frame.
+  /// Begins the next frame. Returns true if the whole object is at rest, this frame shows it
+  /// unchanged, and no active stage has to measure it again. update() then leaves surface and pose
+  /// as they are. Returns false if `told`, that is, if the author annotated this frame.
   bool isResting(const FramePair& frames, bool told);
   /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
   /// by it. Call it after isResting().

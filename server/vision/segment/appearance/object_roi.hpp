@@ -30,7 +30,7 @@ struct FrameContext {
 
 /// Region of the picture for a graph cut. All images have the size of size().
 struct GraphRoi {
-  cv::Rect box;         ///< of the picture
+  cv::Rect box;         ///< part of the picture that the region covers, px
   double shrink = 1.0;  ///< px of the ROI for each px of the picture, at most 1
   cv::Mat color;        ///< CV_8UC3, BGR
   cv::Mat lab;          ///< CV_32FC3, L 0..100
