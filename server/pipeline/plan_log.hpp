@@ -20,9 +20,9 @@ namespace hapticast::server {
 class PlanLog {
  public:
   /// Logs those plans (by object id) that changed. It logs an object at most once a second, and an
-  /// equal plan of it at most once a minute. If a later object has the plan of a vanished one, it
-  /// is not logged again, because each playback of a looped clip has new ids. `relief_bytes`: sizes
-  /// of the reliefs, which are saved while the stage `heights` is off.
+  /// equal plan of it at most once a minute. A later object with the plan of a vanished one is not
+  /// logged again. The reason is that each playback of a looped clip has new ids. `relief_bytes`:
+  /// sizes of the reliefs, which are saved while the stage `heights` is off.
   void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
            const ReliefBytes& relief_bytes, MediaTime now);
 
@@ -33,7 +33,7 @@ class PlanLog {
     MediaTime at;
   };
   struct LoggedPlan {
-    Lines lines;  // the newest
+    Lines lines;  // newest plan of the object
     MediaTime at;
     std::vector<LoggedLines> all;  // logged plans, without duplicates
   };
@@ -41,7 +41,7 @@ class PlanLog {
   bool isNews(LoggedPlan& logged, MediaTime now) const;
   void retire(LoggedPlan plan);
 
-  std::map<std::uint32_t, LoggedPlan> logged_;  // by object id
+  std::map<std::uint32_t, LoggedPlan> logged_;  // newest plans, by object id
   std::deque<Lines> retired_;                   // plans of vanished objects, oldest first
 };
 

@@ -12,7 +12,7 @@ namespace hapticast::server {
 /// A pixel inside a mask that may not belong to the object, with the reason.
 struct CorrectionHint {
   cv::Point at_px;
-  std::string why;  ///< text after "--not U,V: "
+  std::string why;  ///< reason, as the text that follows "--not U,V: "
 };
 
 /// Returns a place in `mask` that may not belong to the object, or nullopt if there is none. It

@@ -46,7 +46,7 @@ class Camera final : public RgbdSource {
   SourceInfo info_;
   DepthFormat format_;
   std::uint64_t next_ = 0;
-  std::uint64_t faults_ = 0;  // number of omitted runs of frames
+  std::uint64_t faults_ = 0;  // how often a run of frames was omitted
 };
 
 }  // namespace hapticast::server

@@ -18,12 +18,12 @@ namespace hapticast::server {
 
 /// What the author declared about a clip in its meta.json; nullopt: not declared.
 struct ClipMeta {
-  std::optional<double> fps;          ///< "fps", 1..240
+  std::optional<double> fps;          ///< from "fps", 1..240 frames/s
   std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m/unit
   /// Bits of depth, 8 or 16. "depth_bits" has the number, or else the text of "depth" mentions it.
   /// Without both it is 16 if a scale is declared.
   std::optional<int> depth_bits;
-  std::optional<double> fov_deg;  ///< "fov_deg", 10..170: horizontal field of view
+  std::optional<double> fov_deg;  ///< from "fov_deg", 10..170: horizontal field of view
   /// From "intrinsics" {fx, fy, cx, cy}. In the file they have OpenCV's convention.
   std::optional<CameraModel> camera;
 };
@@ -40,7 +40,7 @@ inline constexpr int kMaxMetaDepth = 32;  ///< deepest nesting of objects and ar
 struct FrameFiles {
   std::filesystem::path color;
   std::filesystem::path depth;
-  std::filesystem::path mask;  ///< empty: none
+  std::filesystem::path mask;  ///< mask file; empty: the frame has none
 };
 
 /// Files of a clip with their declarations.
@@ -48,8 +48,8 @@ struct ClipFiles {
   std::vector<FrameFiles> frames;          ///< in order of time, at least one
   bool key_masks = false;                  ///< the masks are key masks: only some frames have one
   double fps = 25.0;                       ///< frames/s
-  std::optional<int> declared_depth_bits;  ///< 8 or 16
-  double mm_per_unit = 1.0;                ///< scale of 16-bit depth
+  std::optional<int> declared_depth_bits;  ///< bits of depth that the author declared, 8 or 16
+  double mm_per_unit = 1.0;                ///< mm for each unit of 16-bit depth
   std::optional<CameraModel> camera;
   std::optional<double> fov_deg;  ///< horizontal field of view, if no camera is declared
 };

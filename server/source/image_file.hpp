@@ -39,7 +39,7 @@ struct ImageResult {
 /// Meaning of the values of a depth picture.
 struct DepthFormat {
   DepthKind kind = DepthKind::kMetric;
-  double mm_per_unit = 1.0;  ///< kMetric only
+  double mm_per_unit = 1.0;  ///< mm for each unit; only with kMetric
 };
 
 /// Returns a size as text, for example "640x480".
@@ -50,7 +50,7 @@ struct DepthFormat {
 [[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
 /// Return the image of a PNG or JPEG file of at most 1920x1080 px and 64 MiB, or its problem.
-/// readColorFile() converts it to BGR (CV_8UC3), and readRawFile() leaves the format of the file.
+/// readColorFile() converts the image to BGR (CV_8UC3). readRawFile() does not convert it.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
 

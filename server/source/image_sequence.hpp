@@ -51,7 +51,7 @@ class ImageSequence final : public RgbdSource {
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool any_read_ = false;  // whether a frame was read since the clip's start
-  // Unreadable frames, so that a loop does not repeat its warnings.
+  // Unreadable frames whose warning was logged, so that a loop does not repeat it.
   std::set<std::uint64_t> reported_;
 };
 

@@ -86,7 +86,7 @@ struct SceneView {
                                const Vec3& acceleration_mm_s2) const noexcept;
 };
 
-/// The scene at one instant.
+/// The scene at one instant: shape and motion of its body.
 class SceneInstant {
  public:
   /// Visible point of the body's surface, in the camera frame.
@@ -127,7 +127,7 @@ class SceneInstant {
   double centre_term_;  // c^T shape c - 1
 };
 
-/// A scene of one kind.
+/// A scene of one kind, at all times.
 class SyntheticScene {
  public:
   /// Creates the scene `kind`, fitted into `workspace`, whose size must be positive. The focal

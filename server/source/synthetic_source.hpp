@@ -16,7 +16,7 @@ cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float b
 /// `normal`: outward, camera frame, any length.
 float brightness(const Vec3& normal);
 
-/// Source of one synthetic scene.
+/// Source whose frames show one synthetic scene.
 class SyntheticSource final : public RgbdSource {
  public:
   /// Creates a source whose frame n shows the scene at n / fps seconds. The clip has the length of

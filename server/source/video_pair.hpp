@@ -42,7 +42,8 @@ class VideoPair final : public RgbdSource {
   bool ended_ = false;
   bool any_read_ = false;  // whether a frame was read since the clip's start
   bool cut_reported_ = false;
-  std::set<std::uint64_t> reported_;  // unusable frames, the first of each run
+  // First frame of each run of unusable frames whose warning was logged.
+  std::set<std::uint64_t> reported_;
 };
 
 /// Returns whether a pixel format is known to have at most 8 bits per sample. `tag`: FFmpeg's tag

@@ -14,7 +14,7 @@ namespace hapticast::server {
 /// they cannot (for example, at 127.0.0.1).
 void requireReachable(const asio::ip::address& address);
 
-/// Announces one service until destruction.
+/// Announces one server from its construction to its destruction.
 class Announcer {
  public:
   /// Begins to announce `name` (see isServiceName()) with the address `listens`, at which viewers

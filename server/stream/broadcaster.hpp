@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sends encoded frames to all viewers of a stream. Each viewer has a queue of its own, so that a
-// slow viewer never slows another. All queues share the encoded bytes. Thread: io, except where a
-// function says "any".
+// slow viewer never slows another. All queues share the encoded bytes. Thread: io, except for
+// functions with "Thread: any".
 #pragma once
 
 #include <atomic>
@@ -124,12 +124,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent
-  Sessions pending_sessions_;  // before the hello, or closing; the oldest first
+  Sessions pending_sessions_;  // before their hello, or closing; the oldest first
   std::uint32_t last_session_id_ = 0;
-  SharedBytes preparing_;  // scan progress, until the first frame
+  SharedBytes preparing_;  // message with the progress of the scan, until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
-  std::atomic<int> waiting_{0};  // posted calls that have not run
+  std::atomic<int> waiting_{0};  // calls of onIo() that have not run
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
@@ -141,7 +141,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   LogInterval slow_interval_;
   LogInterval large_interval_;
   LogInterval datagrams_interval_;
-  LogRateLimiter comings_and_goings_;  // separate, so that a crowd does not hide problems
+  LogRateLimiter comings_and_goings_;  // separate, so that many viewers do not hide problems
   LogRateLimiter problems_;
 };
 

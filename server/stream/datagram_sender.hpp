@@ -3,7 +3,7 @@
 // group. A viewer subscribes by an echo: a datagram with the token from its welcome. The echo
 // proves that the viewer receives at its address (return routability, as in QUIC's address
 // validation). Echoes count only from the host of the viewer's TCP connection. No other address
-// receives datagrams. Thread: io, except where a function says "any".
+// receives datagrams. Thread: io, except for functions with "Thread: any".
 #pragma once
 
 #include <array>

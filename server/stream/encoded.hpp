@@ -31,19 +31,19 @@ class LazyKeyFrame {
 
  private:
   std::mutex mutex_;
-  std::optional<CodedFrame> frame_;  // until its encoding
+  std::optional<CodedFrame> frame_;  // the frame until payload() encodes it
   SharedBytes payload_;
 };
 
 /// Signed datagrams of one frame, without the receivers' tokens.
 using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
 
-/// A frame in all forms that viewers need.
+/// A frame in all encoded forms that viewers need.
 struct EncodedFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
-  SharedBytes delta;                        ///< delta frame, for viewers with the frame before
+  SharedBytes delta;                        ///< delta frame, for viewers that have the frame before
   std::shared_ptr<LazyKeyFrame> key_frame;  ///< never null
   SignedDatagrams datagrams = nullptr;      ///< datagrams of the delta frame; null: none
   bool too_many_datagrams = false;  ///< the frame is too large for the datagrams that viewers want
@@ -75,7 +75,7 @@ class FrameEncoder {
 
  private:
   FrameCoder coder_;
-  ReliefBytes relief_bytes_;  // of the last frame
+  ReliefBytes relief_bytes_;  // sizes in the last frame
   std::optional<MediaTime> last_key_frame_;
   std::uint32_t epoch_ = 0;
 };

@@ -27,7 +27,7 @@ struct SendCounts {
   }
 };
 
-/// Items that wait for one viewer.
+/// Queue of the items that wait for one viewer.
 class SendQueue {
  public:
   static constexpr std::size_t kMaxFrames = 3;  ///< largest number of frames in the queue
@@ -52,7 +52,7 @@ class SendQueue {
   /// Removes all items. Call it at the end of a session.
   void clear();
 
-  /// Returns whether pop() would return a control message.
+  /// Returns whether the next item of pop() is a control message.
   [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
   /// Returns the bytes to send for `frame` and counts it as sent, without the queue. The result is
   /// that of pushFrame() and pop(). Requires an empty queue.
@@ -66,7 +66,7 @@ class SendQueue {
  private:
   void dropOldest(std::uint64_t& cause);
 
-  // Members of pass() first, in one cache line.
+  // The members that pass() uses are first, so that they share a cache line.
   SendCounts counts_;
   bool needs_key_frame_ = true;  // after joining or a dropped frame
   std::deque<SharedBytes> control_;

@@ -123,18 +123,18 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::steady_timer wake_;  // wakes the writer
   SessionHost& host_;
   std::uint32_t id_;
-  SharedBytes unfinished_;  // partly written; the writer's next payload
+  SharedBytes unfinished_;  // payload that is written in part; the writer continues with it
   std::deque<Pong> pongs_;  // t2 is set when the pong is sent
   std::optional<Hello> hello_;
   std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;
   LocalTime received_;  // time of the last message
   bool ended_ = false;
-  bool read_ended_ = false;   // the peer sends nothing more that matters
+  bool read_ended_ = false;   // nothing more from the client matters
   bool write_ended_ = false;  // the last message is written
   bool writer_sleeps_ = false;
   bool writing_ = false;
-  LocalTime write_progress_;  // last time the peer read bytes
+  LocalTime write_progress_;  // last time at which the client read bytes
   std::uint64_t bytes_read_ = 0;
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;

@@ -23,7 +23,7 @@ class AddressError : public std::runtime_error {
 
 /// Limits and deadlines of connections.
 struct StreamSettings {
-  std::size_t max_clients = 64;                       ///< --max-clients
+  std::size_t max_clients = 64;                       ///< largest number of clients (--max-clients)
   Duration hello_deadline = std::chrono::seconds(5);  ///< longest time from connection to hello
   /// Longest time without a message from a client. Pings are messages too.
   Duration idle_timeout = std::chrono::seconds(10);
@@ -39,7 +39,8 @@ struct StreamSettings {
 struct StreamCounts {
   std::size_t clients = 0;  ///< present number of clients
   std::uint64_t welcomed = 0;
-  std::uint64_t refused = 0;    ///< server full, wrong version, or protocol violations
+  /// Refused because of a full server, a wrong version or a protocol violation.
+  std::uint64_t refused = 0;
   std::uint64_t timed_out = 0;  ///< sent no messages, or read nothing
   SendCounts sent;              ///< sum over all clients
 };

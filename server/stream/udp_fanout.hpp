@@ -28,7 +28,7 @@ struct DatagramCounts {
   DatagramCounts& operator+=(const DatagramCounts& other);
 };
 
-/// A receiver of datagrams.
+/// A receiver of datagrams: a viewer, or the multicast group.
 struct DatagramTarget {
   std::uint64_t token = 0;
   asio::ip::udp::endpoint to;  ///< address of the receiver, of the same IP version as the socket
@@ -81,8 +81,8 @@ class UdpFanout {
   [[nodiscard]] const Segments& at(const Cursor& cursor) const {
     return messages_[cursor.frame][cursor.message];
   }
-  /// Send the datagrams of a message one by one. sendSingly() is for a system that does not split
-  /// the message; sendOne() returns false if the system rejects the datagram.
+  /// Send the datagrams of a message one by one, for a system that does not split messages.
+  /// sendOne() returns false if the system rejects the datagram.
   bool sendOne(const std::vector<std::uint8_t>& body, Address& to);
   void sendSingly(const Segments& segments, Address& to);
 
@@ -100,10 +100,10 @@ class UdpFanout {
   asio::ip::udp::socket& socket_;
   std::unique_ptr<Batch> batch_;
   std::vector<SignedDatagrams> frames_;
-  std::vector<std::vector<Segments>> messages_;  // of each frame
+  std::vector<std::vector<Segments>> messages_;  // messages of each frame
   std::vector<Address> targets_;
   Cursor next_;
-  bool waiting_ = false;  // a posted call of sendPending() is outstanding
+  bool waiting_ = false;  // a call of sendPending() is scheduled
 };
 
 }  // namespace hapticast::server

@@ -22,11 +22,11 @@ namespace hapticast::server {
 /// welcome). The checks run in this order; the first that fails is the result.
 enum class AddressValidation : std::uint8_t {
   kBelieved,      ///< valid; the server answers with a probe (datagram of full size)
-  kMalformed,     ///< not 12 bytes
+  kMalformed,     ///< the datagram does not have the 12 bytes of an echo
   kOtherStream,   ///< the echo belongs to another run of the server
-  kUnknownToken,  ///< no viewer has this token now
+  kUnknownToken,  ///< no viewer has this token at present
   kForeign,       ///< it is not from the host of the viewer's TCP connection
-  kTooSoon,       ///< too soon after this viewer's last echo
+  kTooSoon,       ///< it follows this viewer's last echo too soon
 };
 inline constexpr std::size_t kEchoVerdicts = 6;
 
@@ -41,14 +41,14 @@ class UdpSubscribers {
   /// what a forged echo can cause.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
-  /// A viewer and its datagram address.
+  /// A viewer, and the address to which its datagrams are sent.
   struct Viewer {
     asio::ip::address peer;   ///< remote address of its TCP connection
     asio::ip::address local;  ///< local address of its TCP connection; source of its datagrams
     bool wanted = true;       ///< whether it receives datagrams after its echo
     std::uint32_t copies = 1;
     bool by_group = false;                      ///< receives the multicast group's datagrams
-    std::optional<asio::ip::udp::endpoint> at;  ///< the validated address
+    std::optional<asio::ip::udp::endpoint> at;  ///< address that an echo has validated
     LocalTime received{};                       ///< time of the last valid echo
     std::shared_ptr<DatagramCounts> counts = std::make_shared<DatagramCounts>();
   };

@@ -83,7 +83,7 @@ class FrameMotion {
   ClipMotion clip_;
   std::uint32_t first_object_id_ = 1;
   MotionHistory history_;
-  std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id
+  std::map<std::uint32_t, ImpactFinder> impacts_;  // finder of each object, by its id
   std::map<std::uint32_t, std::shared_ptr<ScenePlan>> plans_;
   std::deque<double> live_accelerations_mm_s2_;
   double largest_mm_s2_ = 0.0;

@@ -22,13 +22,13 @@ namespace hapticast::server {
 struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
-  std::string why;  ///< the reason, as text
+  std::string why;  ///< reason why the stage is on or off, as text
   /// Last measured duration in a frame, which is saved while off; 0: never ran.
   double saves_ms = 0.0;
   double costs_N = 0.0;  ///< last measured change of force (rms) without the stage
 };
 
-/// The plan of one object.
+/// Plan of one object: decides in each frame which stages are on.
 class ScenePlan {
  public:
   /// Copies `settings`. `source_mask`: whether the source delivers masks.
@@ -61,9 +61,10 @@ class ScenePlan {
 
   // The value is a choice: stages that are off are measured once a second at 25 fps. The grid is
   // expensive, so it is measured every four seconds, over as many frames as its window needs.
-  static constexpr int kMeasureEvery = 25;  ///< frames
-  static constexpr int kGridEvery = 100;    ///< frames between two measurements of the grid
-  static constexpr int kGridFrames = 12;    ///< frames of one measurement of the grid
+  static constexpr int kMeasureEvery =
+      25;  ///< frames between two measurements of a stage that is off
+  static constexpr int kGridEvery = 100;  ///< frames between two measurements of the grid
+  static constexpr int kGridFrames = 12;  ///< frames of one measurement of the grid
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;

@@ -29,8 +29,8 @@ struct TrackedObject {
   bool seen = true;  ///< false: the object is lost and remains at its last position
   Surface surface;
   ObjectPose pose;
-  CellFlow cells;                 ///< residual motion; empty if the plan or the method omits it
-  double quality = 1.0;           ///< quality of the tracking, 0..1
+  CellFlow cells;        ///< residual motion in cells; empty if the plan or the method omits it
+  double quality = 1.0;  ///< quality of the tracking, 0..1
   double visible_fraction = 1.0;  ///< visible share of the object's area, 0..1
   /// Scene plan of the object; never null.
   std::shared_ptr<ScenePlan> plan = std::make_shared<ScenePlan>(PlanSettings{}, false);
@@ -61,9 +61,9 @@ class Track {
   /// Begins the track with the object's segment in this frame. `settings` must outlive the track.
   Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames);
 
-  /// Begins the next frame. Returns true if the whole object is at rest, this frame shows it
-  /// unchanged, and no active stage has to measure it again. update() then leaves surface and pose
-  /// as they are. Returns false if `told`, that is, if the author annotated this frame.
+  /// Begins the next frame. Returns true if the whole object is at rest and this frame shows it
+  /// unchanged, unless an active stage has to measure it again. update() then leaves surface and
+  /// pose as they are. Returns false if `told`, that is, if the author annotated this frame.
   bool isResting(const FramePair& frames, bool told);
   /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
   /// by it. Call it after isResting().
@@ -77,7 +77,7 @@ class Track {
   void addBackground(const cv::Vec2d& step_px) { background_px_ += step_px; }
 
   [[nodiscard]] const TrackedObject& object() const { return now_; }
-  /// Mask of the last frame that showed the object: CV_8UC1, 0/255, image size.
+  /// Returns the mask of the last frame with the object: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// Returns whether the object was lost for more than kKeepLost frames.
   [[nodiscard]] bool isGone() const { return lost_ > kKeepLost; }
@@ -97,12 +97,12 @@ class Track {
   cv::Mat mask_;
   PoseTracker motion_;
   StaticRegionFilter hold_;
-  ObjectFlow flow_;            // from the last frame to this one
+  ObjectFlow flow_;            // motion in the picture from the last frame to this one
   bool rests_ = false;         // the object did not change in this frame
-  int lost_ = 0;               // frames
+  int lost_ = 0;               // frames since the object was lost; 0: present
   double full_area_px_ = 0.0;  // area of the whole object at its present size
   cv::Vec2d last_step_px_{0, 0};
-  cv::Vec2d background_px_{0, 0};  // motion of the background behind the object, accumulated
+  cv::Vec2d background_px_{0, 0};  // sum of the background's motion behind the object
 };
 
 }  // namespace hapticast::server

@@ -23,11 +23,11 @@ namespace hapticast::server {
 /// A complete frame. It is complete `lookahead` frames after its push(), because its motion depends
 /// on later frames too.
 struct VisionResult {
-  HapticFrame frame;  ///< with the reliefs of all its objects
+  HapticFrame frame;  ///< the frame, with the reliefs of all its objects
   cv::Mat color;      ///< picture of the same frame
 };
 
-/// Vision of one source.
+/// Converts the images of one source to haptic frames.
 class Vision {
  public:
   /// Throws SourceError if settings and source do not fit, for example if an object point lies

@@ -22,11 +22,11 @@ enum class MotionMode : std::uint8_t { kAuto, kRgbd, kLk, kDepth, kNone };
 
 /// Stages that a scene plan can switch off (scene_plan.hpp).
 enum class Stage : std::uint8_t {
-  kSegment,  ///< assigns pixels to the object
-  kClean,    ///< rejects background depth at the rim, fills holes
-  kSmooth,   ///< local quadratic fit of the heights
+  kSegment,  ///< decides which pixels belong to the object
+  kClean,    ///< rejects depth of the background at the rim, and fills holes
+  kSmooth,   ///< smooths the heights by a local quadratic fit
   kMotion,   ///< aligns the object with the last frame to measure its motion
-  kGrid,     ///< measures the residual motion in cells
+  kGrid,     ///< measures in cells the motion that is not rigid
   kHeights,  ///< sends the heights; when off, only once a second and to new clients
 };
 inline constexpr std::array<std::string_view, 6> kStageNames{"segment", "clean", "smooth",
@@ -68,15 +68,18 @@ struct VisionSettings {
   Method method = Method::kHapticast;
   SegmentMode segment = SegmentMode::kAuto;
   MotionMode motion = MotionMode::kAuto;
-  std::vector<AuthorPoint> object_points;  ///< --object; empty: the nearest compact object
-  std::vector<AuthorPoint> not_points;     ///< --not
-  std::optional<DepthRange> depth_range;   ///< --depth-range: depths of the levels of 8-bit depth
-  std::optional<DepthRange> map_range;     ///< --map-range: the depths that become heights
-  std::optional<double> fov_deg;           ///< --fov, 10..170; overrides the source's camera
-  bool stretch = false;                    ///< --stretch: each axis has its own scale
-  Material material;                       ///< --stiffness, --friction
-  std::optional<double> mass_kg;           ///< --mass
-  PlanSettings plan;                       ///< --plan, --error-budget
+  /// --object: points on objects; empty: the nearest compact object.
+  std::vector<AuthorPoint> object_points;
+  std::vector<AuthorPoint> not_points;    ///< --not: points that are not on an object
+  std::optional<DepthRange> depth_range;  ///< --depth-range: depths of the levels of 8-bit depth
+  /// --map-range: the mapped range, instead of the measured one.
+  std::optional<DepthRange> map_range;
+  /// --fov: horizontal field of view, 10..170; overrides the source's camera.
+  std::optional<double> fov_deg;
+  bool stretch = false;           ///< --stretch: each axis has its own scale
+  Material material;              ///< --stiffness, --friction: material of all objects
+  std::optional<double> mass_kg;  ///< --mass: mass of an object
+  PlanSettings plan;              ///< --plan, --error-budget: settings of the scene plan
   /// --low-latency: one frame of lookahead. Impacts are then found only in a clip that was scanned.
   bool low_latency = false;
   /// --compensate-pan: accelerations and impacts are relative to the background, not to the
@@ -88,7 +91,7 @@ struct VisionSettings {
   [[nodiscard]] double stiffness_N_mm() const {
     return material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
   }
-  /// Returns whether motion is measured at all (--motion, --plan).
+  /// Returns whether motion is measured at all, which --motion and --plan can switch off.
   [[nodiscard]] bool moves() const {
     return motion != MotionMode::kNone &&
            plan.forced[static_cast<std::size_t>(Stage::kMotion)].value_or(true);

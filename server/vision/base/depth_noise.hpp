@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Estimates the noise of a depth image: its standard deviation for each range of depths, and the
 // step between its values (quantum). The estimate uses second differences of neighbouring pixels,
-// which a smooth surface hardly changes. The median absolute difference gives the standard
-// deviation without influence of outliers. The input is the working depth of frame_pair.hpp, in mm.
+// which a smooth surface hardly changes. Their median absolute value yields the standard deviation,
+// because outliers hardly change a median. The input is the working depth of frame_pair.hpp, in mm.
 // Thread: any.
 #pragma once
 

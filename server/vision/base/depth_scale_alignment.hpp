@@ -52,9 +52,9 @@ class DepthScaleAlignment {
   int hops_ = 0;         // hops so far that alternated in direction
   double last_hop_ = 0;  // last hop of all resting samples, as a share of the depth
   int frame_ = 0;
-  cv::Mat depth_;  // CV_32FC1, every kEvery_px: mean depth of resting samples, mm; 0: not measured
-  cv::Mat gray_;   // CV_32FC1, every kEvery_px: mean brightness of resting samples
-  cv::Mat age_;    // CV_32FC1, frames at rest
+  cv::Mat depth_;  // sampled every kEvery_px, CV_32FC1: mean depth at rest, mm; 0: not measured
+  cv::Mat gray_;   // sampled every kEvery_px, CV_32FC1: mean brightness at rest
+  cv::Mat age_;    // frames for which each sample is at rest, CV_32FC1
 };
 
 }  // namespace hapticast::server

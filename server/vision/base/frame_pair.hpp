@@ -22,8 +22,7 @@ namespace hapticast::server {
 /// level h has the height h / 255 * 30 mm, as in the thesis.
 inline constexpr DepthRange kHeightRange{600.0, 1000.0};
 
-/// Picture width for which constants in px were chosen, px. Larger pictures are sampled more
-/// coarsely.
+/// Picture width to which constants in px refer, px. Larger pictures are sampled more coarsely.
 inline constexpr int kUsualWidth_px = 640;
 
 /// Images of one frame, all of one size.
@@ -51,8 +50,8 @@ class SceneCuts {
   bool next(const FrameImages& images);
 
  private:
-  cv::Mat gray_;   // CV_32FC1, small
-  cv::Mat depth_;  // CV_32FC1, small, mm; 0: not measured
+  cv::Mat gray_;   // last frame's grey at 1/16 of its size, CV_32FC1
+  cv::Mat depth_;  // last frame's depth at 1/16 of its size, CV_32FC1, mm; 0: not measured
 };
 
 /// Returns the working images of `frame`. Depths that are not finite, not positive or beyond 100 m

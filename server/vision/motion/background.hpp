@@ -14,8 +14,8 @@ namespace hapticast::server {
 /// with it.
 class BackgroundMotion {
  public:
-  /// An object in front of the background: its mask (CV_8UC1, 0/255, size of the image) and the
-  /// point of the picture at which the background's motion is needed, px.
+  /// An object in front of the background: its mask (CV_8UC1, 0/255, size of the image) and a
+  /// point. The background's motion is needed at this point of the picture, px.
   struct Object {
     cv::Mat mask;
     cv::Point2d at_px;

@@ -26,8 +26,8 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
 /// Motion of a clip's objects, computed from all frames of the clip's scan. Call add() for all
 /// frames, then smooth() once; only then are the other functions valid.
 class ClipMotion {
-  /// Motion of an object at one frame.
  public:
+  /// Motion of an object at one frame.
   struct Moment {
     Motion motion;
     Vec3 measured_mm = Vec3::Zero();  ///< measured position before smoothing, nominal mm

@@ -35,8 +35,8 @@ class ImpactFinder {
     double time_s = 0.0;
     Vec3 delta_mm_s = Vec3::Zero();
     double middle_mm_s = 0.0;  // magnitude of the change in the middle between the frames
-    double place = 0.0;        // 0 at the first frame, 1 at the second
-    double bend = 0.0;         // change of acceleration over a frame, relative to the jump
+    double place = 0.0;        // instant of the jump: 0 at the first frame, 1 at the second
+    double bend = 0.0;         // change of acceleration x frame's duration, relative to the jump
     bool clean = false;        // the parabolas meet with similar curvature
   };
   static std::optional<Jump> jumpAfter(const std::vector<Sample>& samples, std::size_t at);
@@ -44,7 +44,8 @@ class ImpactFinder {
   void accept(const Jump& jump);
 
   std::deque<double> usual_mm_s_;  // changes of velocity in the last frames
-  std::optional<Jump> waiting_;    // late in its interval; the next interval decides
+  // Jump late in its interval; the next interval decides whether it counts.
+  std::optional<Jump> waiting_;
   std::deque<Impact> found_;
 };
 

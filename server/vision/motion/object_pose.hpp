@@ -11,8 +11,8 @@
 
 namespace hapticast::server {
 
-/// Pose of an object in one frame: position of its reference point in the picture (px, pixel
-/// centres at +0.5), depth of this point, and rotation about the viewing axis.
+/// Pose of an object in one frame: position of its reference point in the picture, depth of this
+/// point, and rotation about the viewing axis. Positions are in px, with pixel centres at +0.5.
 struct ObjectPose {
   double u_px = 0.0;
   double v_px = 0.0;

@@ -61,7 +61,7 @@ class PoseTracker {
   [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
 
  private:
-  struct Shape {  // outline in one frame
+  struct Shape {  // the object's outline in one frame
     cv::Point2d centroid;
     double area_px = 0.0;
     bool entire = false;  // does not touch the picture's border
@@ -78,10 +78,10 @@ class PoseTracker {
   PoseSettings settings_;
   ObjectPose pose_;
   Shape last_;
-  Surface fresh_;                                 // last surface whose depth was no repeat
-  cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // maps its px to the last frame's px
+  Surface fresh_;                                 // last surface whose depth was new
+  cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // maps px of fresh_ to px of the last frame
   RigidTemplate template_;                        // the object in the last frame
-  RigidStep step_;                                // from the template to this frame, since find()
+  RigidStep step_;  // motion from the template to this frame, as find() measured it
   RigidStep last_step_;
   bool aligned_ = false;
   Vec3 aligned_about_mm_ = Vec3::Zero();  // pivot of last_step_

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Finds the rigid motion of an object from one frame to the next, by direct alignment of colour and
-// depth (robust Gauss-Newton on two levels of an image pyramid). If the predicted motion leads to
-// no good alignment, an exhaustive coarse search finds a new start. Thread: any.
+// depth. The method is robust Gauss-Newton on two levels of an image pyramid. If the predicted
+// motion leads to no good alignment, an exhaustive coarse search finds a new start. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -68,8 +68,8 @@ class RigidTemplate {
   CameraModel camera_;
   cv::Rect box_;
   DepthRange depth_;                         // range of the depths of the points
-  std::vector<Level> levels_;                // fine, coarse
-  std::vector<Eigen::Vector3d> outline_mm_;  // surface just inside the mask's edge
+  std::vector<Level> levels_;                // the fine level, then the coarse one
+  std::vector<Eigen::Vector3d> outline_mm_;  // points of the surface just inside the mask's edge
   Coarse coarse_;
 };
 

@@ -65,7 +65,7 @@ class RigidFit {
   Eigen::Vector3d pivot_mm_;
   Eigen::Vector3d expected_turn_rad_;
   std::vector<Residual> residuals_;
-  std::vector<float> off_;  // scratch
+  std::vector<float> off_;  // temporary values
 };
 
 }  // namespace hapticast::server

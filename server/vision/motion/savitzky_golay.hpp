@@ -16,8 +16,8 @@ struct Sample {
   double time_s = 0.0;
   Vec3 position_mm = Vec3::Zero();
   double angle_rad = 0.0;
-  bool depth_seen = true;  ///< false: position_mm.z() is not a measurement
-  bool seen = true;        ///< false: no value is a measurement
+  bool depth_seen = true;  ///< false: position_mm.z() was not measured in this frame
+  bool seen = true;        ///< false: no value was measured in this frame
   bool confident = true;   ///< false: a jump to this sample may be an error of the measurement
   /// Sum of the background's motion at the object since its track began, mm; 0 without pan
   /// compensation.

@@ -20,8 +20,9 @@ namespace hapticast::server {
 
 /// Segment: the pixels of one object in one frame.
 struct Segment {
-  std::uint32_t id = 0;  ///< an object that was lost and found again has a new id
-  cv::Mat mask;          ///< CV_8UC1, 0/255, image size; read-only
+  /// Id of the object; an object that was lost and found again has a new one.
+  std::uint32_t id = 0;
+  cv::Mat mask;  ///< CV_8UC1, 0/255, image size; read-only
   /// 1: decided by this frame's pixels; less: only moved from the last frame.
   double quality = 1.0;
 };

@@ -29,7 +29,7 @@ cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds);
 inline constexpr int kMaxLayers = 4;  ///< largest number of layers of an object
 inline constexpr DepthRange kAllDepths{0.0, 1e9};
 
-/// Layers of an object.
+/// Layers into which an object is split.
 struct Layers {
   int count = 1;
   /// CV_8UC1 over the surface's box: 0 outside, n + 1 in layer n; empty for one layer.
@@ -66,9 +66,10 @@ class LayerCutter {
                                   const cv::Mat& before);
   [[nodiscard]] cv::Mat warpedNames(const cv::Mat& image, const Surface& surface) const;
 
-  cv::Mat names_;            // names over the last box, CV_8UC1, 1 ..; empty for one layer
-  cv::Mat pending_changes_;  // over the last box: successive frames with another name
-  int count_ = 0;            // number of names; 0: no frame yet
+  cv::Mat names_;  // names over the last box, CV_8UC1, 1 ..; empty for one layer
+  // Over the last box: for how many successive frames a pixel has had another name.
+  cv::Mat pending_changes_;
+  int count_ = 0;  // number of names; 0: no frame yet
   cv::Mat last_mask_;
   cv::Rect last_box_;
   cv::Point2d last_centroid_px_;

@@ -43,7 +43,7 @@ class RangeFinder {
   };
   [[nodiscard]] double reach_mm(const std::vector<Voice>& voices) const;
 
-  std::map<std::uint32_t, std::vector<Voice>> voices_;  // by object
+  std::map<std::uint32_t, std::vector<Voice>> voices_;  // quantiles of all frames, by object
   double least_mm_ = 0.0;                               // least width for the noise
   double slack_mm_ = 0.0;
 };

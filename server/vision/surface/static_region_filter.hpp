@@ -34,7 +34,7 @@ class StaticRegionFilter {
   bool isUnchanged(const FrameImages& images, const StaticNoise& noise);
 
   /// Returns which share of the object, 0..1, lies in tiles at rest that this frame did not change.
-  /// 1: the surface equals the last one bit by bit.
+  /// If it is 1, the surface equals the last one bit by bit.
   [[nodiscard]] double share() const { return share_; }
   /// Returns why tiles were released in the last frame: what changed in them, so that they no
   /// longer rest. kNone: no tile was released.

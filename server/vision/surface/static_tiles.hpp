@@ -15,7 +15,7 @@ namespace hapticast::server {
 /// All have the size of the box.
 struct HoldImages {
   cv::Mat gray;   ///< CV_32FC1, mean of 3 x 3 px; among held values: the reference for comparisons
-  cv::Mat depth;  ///< CV_32FC1, working depth in mm
+  cv::Mat depth;  ///< CV_32FC1, depth in mm; larger is farther
   cv::Mat mask;   ///< CV_8UC1, 0/255
   cv::Mat measured;  ///< CV_8UC1, 255 where `depth` was measured, 0 where it was filled
 };
@@ -37,7 +37,7 @@ struct Tile {
   /// Frames of a transition to new values, so that no step is perceptible.
   static constexpr int kBlend = 4;
 
-  int frames = 0;              ///< frames held so far, at most kFrames
+  int frames = 0;              ///< frames at rest so far, at most kFrames
   double evidence = 0;         ///< evidence that depth or outline changed, added up over frames
   double weight = 1.0;         ///< weight of this frame's values in the held values, 0..1
   Cause cause = Cause::kNone;  ///< cause if the tile was released in this frame
@@ -51,9 +51,9 @@ struct Tile {
 
 /// How much measured depth changes while the surface rests.
 struct StaticNoise {
-  double sigma_mm = 0.0;  ///< standard deviation of a pixel
+  double sigma_mm = 0.0;  ///< standard deviation of a pixel's depth
   double drift_mm = 1.0;  ///< slow drift of a tile's mean depth; 1 mm for sensors is a choice
-  bool clean = false;     ///< no noise at all
+  bool clean = false;     ///< the depth has no noise at all
 };
 
 /// The tiles of one object, with estimates of the noise by which changes are judged. Thread: the

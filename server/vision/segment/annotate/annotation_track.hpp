@@ -18,7 +18,7 @@ inline constexpr int kPoint_px = 5;
 
 /// The author's annotation of one frame.
 struct Annotation {
-  std::vector<cv::Point> on;   ///< points on the object, px
+  std::vector<cv::Point> on;   ///< points on an object (--object), px
   std::vector<cv::Point> off;  ///< points that are not on the object (--not), px
   cv::Mat masks;               ///< key mask: empty, or CV_8UC1 with n for object n
 

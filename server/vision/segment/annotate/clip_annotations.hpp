@@ -21,7 +21,7 @@ struct NegativeColors {
   cv::Mat samples;  ///< CV_32FC3, Lab (L 0..100), one column; empty: no negative points
 };
 
-/// Mask of an object in one frame. It comes from an annotation of this frame or of a later frame.
+/// Mask of an object in one frame. Its origin is an annotation of this frame or of a later frame.
 struct PropagatedMask {
   int number = 0;      ///< number of the object; see TrackedMask::number()
   cv::Rect box;        ///< part of the picture, px; empty: the object is not visible
@@ -31,7 +31,7 @@ struct PropagatedMask {
 
 struct InitialState;  // follow/narrow_band_tracker.hpp
 
-/// Annotations of a clip, in a form that its playbacks share.
+/// Results of the author's annotations of a clip, which all its playbacks share.
 struct ClipAnnotations {
   /// State in which the segmentation of the clip begins; null until it has been computed. The
   /// computation lasts as long as ten frames.

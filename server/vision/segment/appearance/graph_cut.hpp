@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Graph cut segmentation: models colours by Gaussian mixtures in Lab and separates object and
-// background by the minimum cut of a graph of pixels (Boykov and Jolly 2001). The mixtures are
-// those of GrabCut (Rother, Kolmogorov and Blake 2004). Thread: the one that runs Vision.
+// Graph cut segmentation: models colours by Gaussian mixtures in Lab. The minimum cut of a graph of
+// pixels then separates object and background (Boykov and Jolly 2001). The mixtures are those of
+// GrabCut (Rother, Kolmogorov and Blake 2004). Thread: the one that runs Vision.
 #pragma once
 
 #include <array>

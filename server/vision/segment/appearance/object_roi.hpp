@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Region of interest (ROI) of one object for the narrow-band step. It has full size for a small
-// object, and a half or a third of the size for a large one, so that the cost is bounded. The band
-// has a constant width in px, so it covers more of the scene if the size is reduced. Thread: the
-// one that runs Vision.
+// object, and a half or a third of the size for a large one. That bounds the cost. The band has a
+// constant width in px, so it covers more of the scene if the size is reduced. Thread: the one that
+// runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,8 +17,8 @@
 
 namespace hapticast::server {
 
-// Region of interest (ROI) for graph cuts: a part of the picture, reduced so far that each of its
-// pixels can be a node of a graph. Thread: the one that runs Vision.
+// Region of interest (ROI) for graph cuts. It is a part of the picture, reduced so far that each
+// pixel can be a node of a graph. Thread: the one that runs Vision.
 
 /// Images of a frame, and the model of its scene: planes, depth noise and skin colours.
 struct FrameContext {
@@ -41,8 +41,8 @@ struct GraphRoi {
   /// Returns the ROI of `box` (px of the picture) with at most `most_px` pixels.
   static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
-  /// shrunk() returns the part of a mask of the whole picture in this region. inPicture() returns a
-  /// mask of this region as a mask of the whole picture. Masks are 0/255.
+  /// shrunk() converts a mask of the whole picture to this region. inPicture() converts a mask of
+  /// this region to the whole picture. Masks are 0/255.
   [[nodiscard]] cv::Mat shrunk(const cv::Mat& mask) const;
   [[nodiscard]] cv::Mat inPicture(const cv::Mat& mask, const cv::Size& picture) const;
   /// Returns the largest difference of depth that neighbouring pixels of this region can have on

@@ -69,11 +69,11 @@ class TrackedMask {
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }
-  /// Returns the number of the object, which is constant: n for the n-th point of the author, or
-  /// for the value n of a key mask.
+  /// Returns the object's number, which is constant. Number n belongs to the author's n-th point,
+  /// or to the value n of a key mask.
   [[nodiscard]] int number() const { return number_; }
   void setNumber(int number) { number_ = number; }
-  /// Mask of the visible part: CV_8UC1, 0/255, image size.
+  /// Returns the mask of the visible part: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// Returns 1 if this frame's pixels decided the mask, or less if it was only moved from the last
   /// frame.
@@ -107,7 +107,7 @@ class TrackedMask {
   int lost_ = 0;        // frames since the loss; 0: present
   double area_px_ = 0;  // area in its last frame with a plausible mask
   double usual_px_ = 0;
-  int since_search_ = 0;   // frames
+  int since_search_ = 0;   // frames since the last search
   double likeness_ = 0.0;  // score of its initial mask
   DepthSpan depth_;
   // Colours of pixels that the author added: no hand, even if they resemble skin.

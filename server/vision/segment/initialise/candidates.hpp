@@ -35,11 +35,12 @@ std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& clic
 
 /// Returns how well `mask` covers one object and nothing else (objectness): about 3 for a good
 /// mask, higher is better. The score is high if the colours differ from those of the ring around
-/// the mask, and if the contour lies on edges of colour and depth. The shape should be solid, and
-/// its size should fit a hand. Measured depth raises the score, and skin lowers it.
+/// the mask. It is also high if the contour lies on edges of colour and depth. The shape should be
+/// solid, and its size should fit a hand. Measured depth raises the score, and skin lowers it.
 double objectness(const FrameContext& scene, const cv::Mat& mask);
 
-/// Returns the diameter of a disc with the mask's area at the mask's depth, mm.
+/// Returns the object's width in space, mm: the diameter of a disc with the area of `mask` at the
+/// depth of `mask`.
 double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask);
 
 }  // namespace hapticast::server
