@@ -33,7 +33,7 @@ class Camera final : public RgbdSource {
   /// or after 25 unusable frames in a row (about a second; for example, pictures of another size).
   std::optional<RgbdFrame> read() override;
   bool skip() override;
-  /// Throws SourceError: a live source cannot be rewound.
+  /// Always throws SourceError, because a live source cannot be rewound.
   void rewind() override;
 
  private:

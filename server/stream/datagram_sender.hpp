@@ -48,7 +48,7 @@ class DatagramSigner {
   std::vector<std::uint8_t> probe_;
 };
 
-/// Counts since the sender's creation.
+/// Counts of datagrams and echoes since the sender's creation.
 struct DatagramSenderCounts {
   DatagramCounts viewers;                             ///< datagrams to viewers
   DatagramCounts group;                               ///< datagrams to the multicast group

@@ -17,7 +17,7 @@ class StreamSink {
   /// Receives the description of the stream to which the next items belong. It is called before the
   /// first frame and at every change.
   virtual void describe(const StreamDescription& description) = 0;
-  /// Receives the next frame.
+  /// Receives the next frame of the stream.
   virtual void publish(EncodedFrame frame) = 0;
   /// Receives the next picture.
   virtual void publish(EncodedVideo video) = 0;

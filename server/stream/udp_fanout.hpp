@@ -67,7 +67,7 @@ class UdpFanout {
 
  private:
   struct Batch;
-  /// A target in the form of the system calls.
+  /// Address and token of a target, as the system calls need them.
   struct Address;
   /// Bodies of one message: of equal size, except for a shorter last one.
   using Segments = std::vector<const std::vector<std::uint8_t>*>;

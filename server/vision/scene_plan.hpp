@@ -39,7 +39,7 @@ class ScenePlan {
   /// Sets whether the whole object is at rest in this frame. `why`: the cause, if its rest ended in
   /// this frame, as static text; otherwise empty.
   void isResting(bool at_rest, std::string_view why = {});
-  /// Sets whether the heights of this frame equal those of the last frame.
+  /// Sets whether the object's heights in this frame equal those in the last frame.
   void unchanged(bool unchanged);
   /// Sets by how much the force would change in this frame without the stage (rms), N. Infinity:
   /// the stage must stay on.

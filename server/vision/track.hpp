@@ -42,7 +42,8 @@ struct TrackedObject {
   /// extrapolated.
   [[nodiscard]] bool isWellTracked() const { return quality >= kGoodQuality; }
 
-  /// The value is a choice, between 1 and a doubtful step's 0.7.
+  /// Least quality of tracking that is good enough to measure motion. The value is a choice,
+  /// between 1 and a doubtful step's 0.7.
   static constexpr double kGoodQuality = 0.75;
 };
 
@@ -82,7 +83,8 @@ class Track {
   /// Returns whether the object was lost for more than kKeepLost frames.
   [[nodiscard]] bool isGone() const { return lost_ > kKeepLost; }
 
-  /// Frames that a lost object remains; a choice, 0.2 s at 25 fps.
+  /// Number of frames for which a lost object remains in the results. The value is a choice: 0.2 s
+  /// at 25 fps.
   static constexpr int kKeepLost = 5;
 
  private:

@@ -20,8 +20,8 @@
 
 namespace hapticast::server {
 
-/// A complete frame. It is complete `lookahead` frames after its push(), because its motion depends
-/// on later frames too.
+/// A complete frame with its picture. A frame is complete `lookahead` frames after its push(),
+/// because its motion depends on later frames too.
 struct VisionResult {
   HapticFrame frame;  ///< the frame, with the reliefs of all its objects
   cv::Mat color;      ///< picture of the same frame

@@ -17,7 +17,8 @@ namespace hapticast::server {
 /// Finds the impacts of one object and stores the newest ones.
 class ImpactFinder {
  public:
-  /// Frames of a parabola on either side; at most the lookahead.
+  /// Number of frames on either side of an interval to which a parabola is fitted; at most the
+  /// lookahead.
   static constexpr std::size_t kSide = 3;
 
   /// Searches for an impact between samples[at] and the next sample, and stores it for around(). It

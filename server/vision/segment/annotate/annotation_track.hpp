@@ -25,7 +25,7 @@ struct Annotation {
   [[nodiscard]] bool empty() const { return on.empty() && off.empty() && masks.empty(); }
 };
 
-/// All annotations of a clip. Returns those of each frame.
+/// Stores the annotations of a clip and returns those of each frame.
 class AnnotationTrack {
  public:
   /// Copies the points of `settings`.

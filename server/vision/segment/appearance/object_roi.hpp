@@ -38,7 +38,7 @@ struct GraphRoi {
   cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
   cv::Mat skin;         ///< CV_8UC1, 255: skin
 
-  /// Returns the ROI of `box` (px of the picture) with at most `most_px` pixels.
+  /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
   static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// shrunk() converts a mask of the whole picture to this region. inPicture() converts a mask of

@@ -26,7 +26,8 @@ struct InitialState {
 /// Segmenter for clips and live sources without masks.
 class NarrowBandTracker final : public Segmenter {
  public:
-  /// `next_id` and `annotations`: see makeSegmenter().
+  /// Creates a segmenter without objects; the first call of next() finds them. `next_id` and
+  /// `annotations`: see makeSegmenter().
   NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
                     ClipAnnotations* annotations);
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override;

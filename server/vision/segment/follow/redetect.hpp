@@ -10,7 +10,7 @@
 
 namespace hapticast::server {
 
-/// What is known about the object to search.
+/// Model of the object to search: its appearance, its limits of depth, and its usual size.
 struct KnownObject {
   const ContourMemory& memory;
   ObjectLimits limits;

@@ -37,7 +37,7 @@ class TrackedMask {
   /// frame again and again until the mask no longer changes, at most `most_rounds` times.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
-  /// The value was measured: 5 to 19 repetitions are needed.
+  /// Usual limit of the repetitions. The value was measured: 5 to 19 repetitions are needed.
   static constexpr int kSettleRounds = 25;
 
   /// Stores the score of the present mask, with which later masks are compared (see likeness()).
