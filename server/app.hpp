@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Composition root of the server: source and vision on the calling thread, encoding on a second
-// thread (EncoderThread), the network on a third.
+// The server as a whole: creates all its parts and connects them. Source and vision run on the
+// calling thread, the encoding on a second thread (EncoderThread), and the network on a third.
 #pragma once
 
 #include <memory>
@@ -10,22 +10,22 @@
 
 namespace hapticast::server {
 
-/// One server.
+/// One server with its source and its viewers.
 class App {
  public:
-  /// Opens the source and the port. Throws SourceError, AddressError or std::runtime_error, one
-  /// line each. `clock` must outlive App.
+  /// Opens the source and the port. Throws SourceError, AddressError or std::runtime_error; each
+  /// message has one line. `clock` must outlive App.
   App(Settings settings, const Clock& clock);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Streams until the clip ends (without --loop), --frames frames are done, or stop(). Throws
-  /// SourceError if the source fails later. Call once. Thread: the pipeline's.
+  /// Streams until the clip ends (without --loop), --frames frames are done, or stop() is called.
+  /// Throws SourceError if the source fails meanwhile. Call it once. Thread: the pipeline's.
   void run();
-  /// Makes run() return soon. Thread: any, also a signal handler.
+  /// Ends run() soon. Thread: any, also a signal handler.
   void stop() noexcept;
-  /// Returns whether streaming has begun; later failures are not wrong input.
+  /// Returns whether streaming has begun. A failure after that is not a wrong input of the user.
   [[nodiscard]] bool streaming() const;
 
  private:

@@ -10,12 +10,12 @@
 
 namespace hapticast::server {
 
-/// Returns the command line that fills `settings`, which must outlive it. Parse it with
-/// parseCommandLine().
+/// Returns the parser of the command line. It writes into `settings`, which must outlive it. Parse
+/// the arguments with parseCommandLine().
 [[nodiscard]] std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
-/// Fills `settings` from the program's arguments. Returns nullopt to continue, else the exit code:
-/// 2 after one line on stderr, 0 after the help.
+/// Writes the program's arguments into `settings`. Returns nullopt if the program should continue.
+/// If it should end, returns its exit code: 2 after one line on stderr, or 0 after the help.
 [[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
                                                  const char* const* argv);
 

@@ -13,28 +13,28 @@
 
 namespace hapticast::server {
 
-/// One member for each flag; see --help.
+/// Values of the flags; --help describes each.
 struct Settings {
   std::string source;
-  double fps = 0.0;  ///< 0: the source's own
+  double fps = 0.0;  ///< frames/s; 0: the source's own rate
   bool loop = false;
   bool wait_for_viewer = false;
-  std::uint64_t frames = 0;  ///< frames to stream; 0: no limit
+  std::uint64_t frames = 0;  ///< number of frames to stream; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};
-  bool datagrams = true;  ///< --transport udp
+  bool datagrams = true;  ///< whether viewers may receive datagrams (--transport udp)
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
-  std::string announce;  ///< name on the LAN; empty: no announcement
-  std::string name;      ///< stream name for viewers; empty: the source's own
+  std::string announce;  ///< the server's name on the LAN; empty: it is not announced
+  std::string name;      ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
-  std::string preview;  ///< preview: FILE.png or a folder; empty: stream
+  std::string preview;  ///< output of the preview: FILE.png or a folder; empty: stream
   bool explain = false;
   bool quiet = false;
 };
 
-/// Returns the largest error of heights on the wire, mm, for which the force stays within the error
-/// budget. The default budget at the usual stiffness yields kDefaultHeightError_mm.
+/// Returns the largest error of heights on the wire, mm, with which the force remains within the
+/// error budget. With the default budget and the usual stiffness it is kDefaultHeightError_mm.
 [[nodiscard]] double heightError_mm(const VisionSettings& vision);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scan of a recorded clip before its playback, with progress reports and cancellation. Vision
-// stores its results. Thread: the pipeline's.
+// Scan of a recorded clip before its playback: vision processes all its frames and stores the
+// results. It reports its progress and can be stopped. Thread: the pipeline's.
 #pragma once
 
 #include <atomic>
@@ -13,18 +13,20 @@
 
 namespace hapticast::server {
 
-// Validation of the author's points against their clip. Thread: any.
+// Checks the author's points against their clip. Thread: any.
 
-/// Returns `settings` without the points after the end of the clip and without contradictory points
-/// (positive and negative at one place and time). Logs one line for each. A live source has no end.
+/// Returns `settings` without invalid points, and logs one line for each of them. Points after the
+/// end of the clip are invalid; a live source has no end. Positive and negative points at one place
+/// and one time are invalid too, because they contradict each other.
 [[nodiscard]] VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info);
 
-/// Called with the completed share of the scan, 0..1, after each frame. Never called without a
-/// scan.
+/// Function that scanClip() calls after each frame with the completed share of the scan, 0..1. It
+/// is never called if no scan is needed.
 using ScanProgress = std::function<void(double share)>;
 
-/// Scans the clip if vision needs it. Logs the progress at most every two seconds. `progress` may
-/// be null. Returns false if `stop` cancelled the scan. Throws SourceError.
+/// Scans the clip if vision needs that. Returns false if `stop` became true and ended the scan,
+/// otherwise true. Throws SourceError. It logs the progress at most every two seconds. `progress`
+/// may be null.
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
               const std::atomic<bool>& stop, const ScanProgress& progress);
 

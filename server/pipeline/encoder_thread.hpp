@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Producer-consumer stage: encodes frames and pictures on its own thread and publishes them to the
-// sinks, while vision processes the next frame. Thread: see each function.
+// Encodes frames and pictures on a thread of its own and passes them to the sinks, while vision
+// processes the next frame. Thread: see each function.
 #pragma once
 
 #include <condition_variable>
@@ -17,24 +17,24 @@
 
 namespace hapticast::server {
 
-/// The encoder's thread with its queue.
+/// The encoder's thread, with the queue of frames that wait for it.
 class EncoderThread {
  public:
-  /// Starts the thread. The sinks and `signer` must outlive it; without `signer` there are no
+  /// Begins the thread. The sinks and `signer` must outlive it; without `signer` there are no
   /// datagrams. `slices`: settings of the height codec.
   explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr,
                          SliceSettings slices = {});
-  /// Encodes the waiting frames and ends the thread. Discards an exception that finish() did not
-  /// rethrow.
+  /// Encodes the frames that wait, and ends the thread. An exception of the encoder that finish()
+  /// did not rethrow is lost.
   ~EncoderThread();
 
-  /// Queues a frame of the stream `description`. Blocks while two frames wait. Rethrows an
-  /// exception of the encoder. Thread: the pipeline's.
+  /// Adds a frame of the stream `description` to the queue. Blocks while two frames wait. Rethrows
+  /// an exception of the encoder. Thread: the pipeline's.
   void push(StreamDescription description, VisionResult result);
-  /// Encodes the waiting frames, ends the thread and rethrows an exception of the encoder. Thread:
-  /// the pipeline's.
+  /// Encodes the frames that wait, ends the thread, and rethrows an exception of the encoder.
+  /// Thread: the pipeline's.
   void finish();
-  /// Returns the relief bytes of the last encoded frame. Thread: any.
+  /// Returns the sizes of the reliefs in the last encoded frame, by object id. Thread: any.
   [[nodiscard]] ReliefBytes reliefBytes() const;
 
  private:

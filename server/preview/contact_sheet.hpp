@@ -11,14 +11,18 @@
 
 namespace hapticast::server {
 
-/// Draws the frame at `size` with the outline of each object, and in large pictures its id.
+/// Returns the frame's picture at `size` with the outline of each object, and in large pictures
+/// with its id.
 [[nodiscard]] cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size);
-/// Draws the heights, lit from above left and enlarged to the picture; black outside the objects.
+/// Returns a picture of the heights, lit from above left and enlarged to the size of the frame. It
+/// is black outside the objects.
 [[nodiscard]] cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace);
-/// Draws outline and relief side by side (at least 960 px wide), with `lines` of text below.
+/// Returns a picture with outline and relief side by side (at least 960 px wide), and `lines` of
+/// text below.
 [[nodiscard]] cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
                                 const std::vector<std::string>& lines);
-/// Draws the frames in rows, each with outline and time. Requires at least one frame.
+/// Returns a picture of all frames in rows, each with outlines and its time. Requires at least one
+/// frame.
 [[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Heuristic hints for the author: finds a part of an object's mask that may not belong to it.
-// Thread: any.
+// Hints for the author: finds a part of an object's mask that may not belong to the object, by
+// simple heuristics. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,15 +9,15 @@
 
 namespace hapticast::server {
 
-/// A place inside the mask that may not belong to the object, with the reason.
+/// A pixel inside a mask that may not belong to the object, with the reason.
 struct CorrectionHint {
   cv::Point at_px;
-  std::string why;  ///< text after "--not U,V: "
+  std::string why;  ///< reason, as the text that follows "--not U,V: "
 };
 
-/// Searches for a suspicious part of `mask`, in this order: a contact with the picture's edge, skin
-/// colours, a cluster of other colours. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
-/// Returns nullopt if there is none.
+/// Returns a place in `mask` that may not belong to the object, or nullopt if there is none. It
+/// searches in this order: contact with the picture's edge, colours of skin, a group of pixels with
+/// other colours. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
 [[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color,
                                                               const cv::Mat& mask);
 

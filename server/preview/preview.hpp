@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Preview mode (--preview): runs vision over the clip without a network, writes the segmented
-// objects as pictures and prints facts. Thread: the pipeline's.
+// Preview mode (--preview): runs vision over the clip without a network. It writes pictures of the
+// segmented objects and prints facts about them. Thread: the pipeline's.
 #pragma once
 
 #include "common/time.hpp"
@@ -8,9 +8,9 @@
 
 namespace hapticast::server {
 
-/// Writes settings.preview: a picture (FILE.png), or first.png and clip.png in a folder. Processes
-/// the first seconds only of a live source. Throws SourceError, one line, if the source or the
-/// output place is at fault.
+/// Writes the preview to settings.preview: one picture if that is FILE.png, or first.png and
+/// clip.png if it is a folder. Of a live source it processes the first seconds only. Throws
+/// SourceError with a message of one line if the source or the output path is at fault.
 void writePreview(const Settings& settings, const Clock& clock);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Live source from two V4L2 cameras: one for colour, one for depth of the same size, registered to
-// colour. Thread: one.
+// Live source from two V4L2 cameras: one for colour, one for depth. Both have one size, and depth
+// is registered to colour (one pixel of both shows the same point). Thread: one.
 #pragma once
 
 #include <memory>
@@ -12,33 +12,33 @@
 
 namespace hapticast::server {
 
-/// An open capture with its name for messages.
+/// An open capture device, with its name for messages.
 struct CameraDevice {
   std::unique_ptr<cv::VideoCapture> capture;
   std::string name;
 };
 
-/// Source of the two cameras.
+/// Source whose frames are those of the two cameras.
 class Camera final : public RgbdSource {
  public:
-  /// Opens /dev/video`color` and /dev/video`depth` and reads a frame of each. 16-bit depth is in
-  /// mm, 8-bit depth is height (near is white). `fps` > 0: requested rate, frames/s. Throws
-  /// SourceError.
+  /// Opens /dev/video`color` and /dev/video`depth` and reads one frame of each. 16-bit depth is in
+  /// mm. 8-bit depth is height: near is white. `fps` > 0: rate that the cameras are asked for,
+  /// frames/s. Throws SourceError.
   Camera(int color, int depth, double fps);
-  /// Uses captures that are open already.
+  /// Creates the source from captures that are open already.
   Camera(CameraDevice color, CameraDevice depth, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Waits for the next frame of both cameras. Throws SourceError if a device fails, or after 25
-  /// unusable frames in a row (about a second; pictures of another size, for example).
+  /// Waits for the next frame of both cameras and returns it. Throws SourceError if a device fails,
+  /// or after 25 unusable frames in a row (about a second; for example, pictures of another size).
   std::optional<RgbdFrame> read() override;
   bool skip() override;
-  /// Throws SourceError: a live source cannot be rewound.
+  /// Always throws SourceError, because a live source cannot be rewound.
   void rewind() override;
 
  private:
   void grab();
-  /// Decodes the last grabbed picture. Returns the problem, or "".
+  /// Decodes the last picture of `device` into `picture`. Returns the problem, or "" on success.
   std::string retrieve(const CameraDevice& device, cv::Mat& picture) const;
 
   CameraDevice color_;
@@ -46,7 +46,7 @@ class Camera final : public RgbdSource {
   SourceInfo info_;
   DepthFormat format_;
   std::uint64_t next_ = 0;
-  std::uint64_t faults_ = 0;  // number of omitted runs of frames
+  std::uint64_t faults_ = 0;  // how often a run of frames was omitted
 };
 
 }  // namespace hapticast::server

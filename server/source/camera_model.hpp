@@ -10,36 +10,38 @@
 
 namespace hapticast::server {
 
-/// Depths that become heights: far maps to 0, near to the workspace's depth (30 mm).
+/// Range of depths. As the mapped range, far_mm becomes height 0 and near_mm becomes the
+/// workspace's depth (30 mm).
 struct DepthRange {
   double near_mm = 0.0;
   double far_mm = 0.0;
 };
 
-/// Pinhole camera: u = fx X/Z + cx, v = fy Y/Z + cy with X right, Y down, Z forward. Image frame of
-/// common/geometry.hpp: the centre of pixel (i, j) is (i + 0.5, j + 0.5), so cx, cy are half a
-/// pixel larger than in OpenCV's convention.
+/// Pinhole camera: u = fx X/Z + cx, v = fy Y/Z + cy, with X right, Y down, Z forward. The image
+/// frame is that of common/geometry.hpp: the centre of pixel (i, j) is (i + 0.5, j + 0.5). So cx
+/// and cy are half a pixel larger than in OpenCV's convention.
 struct CameraModel {
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
 
-  /// Returns a camera with square pixels and the axis in the picture's middle. `fov_deg`:
-  /// horizontal field of view.
+  /// Returns a camera with square pixels, whose axis meets the picture's middle. `fov_deg`:
+  /// horizontal field of view, degrees.
   [[nodiscard]] static CameraModel ofFieldOfView(double fov_deg, double width_px,
                                                  double height_px) {
     const double focal_px = 0.5 * width_px / std::tan(fov_deg * std::numbers::pi / 360.0);
     return {focal_px, focal_px, 0.5 * width_px, 0.5 * height_px};
   }
-  /// Returns the horizontal field of view of `width_px` pixels centred on the axis, degrees.
+  /// Returns the horizontal field of view that `width_px` pixels around the axis cover, degrees.
   [[nodiscard]] double degreesAcross(double width_px) const {
     return 360.0 / std::numbers::pi * std::atan(0.5 * width_px / fx_px);
   }
 
-  /// Projects a point of the camera frame, mm, to the picture, px. Requires Z != 0.
+  /// Returns where the point `at_mm` of the camera frame appears in the picture, px. Requires Z !=
+  /// 0.
   [[nodiscard]] Vec2 project(const Vec3& at_mm) const {
     return {fx_px * at_mm.x() / at_mm.z() + cx_px, fy_px * at_mm.y() / at_mm.z() + cy_px};
   }
-  /// Returns the ray through a position of the picture with Z = 1; multiplied by the depth it is
-  /// the point.
+  /// Returns the point with Z = 1 on the ray through (u_px, v_px). Multiplied by a depth, it is the
+  /// point at that depth.
   [[nodiscard]] Vec3 ray(double u_px, double v_px) const {
     return {(u_px - cx_px) / fx_px, (v_px - cy_px) / fy_px, 1.0};
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// File discovery for an image sequence: finds colour, depth and mask files and their declarations,
-// in one of three layouts. Opens no image. Thread: any.
+// Finds the files of an image sequence in its folder: colour, depth, masks and the author's
+// declarations. findClipFiles() describes the supported layouts. It opens no image. Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -16,53 +16,57 @@ namespace hapticast::server {
 
 // Parser of meta.json, the author's declarations about a clip. Thread: any.
 
-/// Declarations; nullopt: not declared.
+/// What the author declared about a clip in its meta.json; nullopt: not declared.
 struct ClipMeta {
-  std::optional<double> fps;          ///< "fps", 1..240
-  std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m
-  /// 8 or 16: "depth_bits", else from "depth" in words, else 16 if a scale is declared.
+  std::optional<double> fps;          ///< from "fps", 1..240 frames/s
+  std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m/unit
+  /// Bits of depth, 8 or 16. "depth_bits" has the number, or else the text of "depth" mentions it.
+  /// Without both it is 16 if a scale is declared.
   std::optional<int> depth_bits;
-  std::optional<double> fov_deg;  ///< "fov_deg", 10..170: horizontal field of view
-  /// "intrinsics" {fx, fy, cx, cy}; OpenCV's convention in the file.
+  std::optional<double> fov_deg;  ///< from "fov_deg", 10..170: horizontal field of view
+  /// From "intrinsics" {fx, fy, cx, cy}. In the file they have OpenCV's convention.
   std::optional<CameraModel> camera;
 };
 
 inline constexpr std::size_t kMaxMeta_bytes = 65'536;
-inline constexpr int kMaxMetaDepth = 32;  ///< nesting of objects and arrays
+inline constexpr int kMaxMetaDepth = 32;  ///< deepest nesting of objects and arrays
 
-/// Parses the text of a meta.json: a JSON object in UTF-8, at most kMaxMeta_bytes long and
-/// kMaxMetaDepth deep. Null members count as missing, unknown members are ignored. Throws
-/// SourceError, one line beginning with `name`, for a wrong value or another text.
+/// Returns the declarations in the text of a meta.json. It must be a JSON object in UTF-8, at most
+/// kMaxMeta_bytes long and kMaxMetaDepth deep. Members that are null or unknown are ignored. Throws
+/// SourceError for a wrong value or another text. The message is one line that begins with `name`.
 [[nodiscard]] ClipMeta parseClipMeta(std::string_view text, const std::string& name);
 
 /// Files of one frame.
 struct FrameFiles {
   std::filesystem::path color;
   std::filesystem::path depth;
-  std::filesystem::path mask;  ///< empty: none
+  std::filesystem::path mask;  ///< mask file; empty: the frame has none
 };
 
 /// Files of a clip with their declarations.
 struct ClipFiles {
   std::vector<FrameFiles> frames;          ///< in order of time, at least one
-  bool key_masks = false;                  ///< only some frames have a mask
+  bool key_masks = false;                  ///< the masks are key masks: only some frames have one
   double fps = 25.0;                       ///< frames/s
-  std::optional<int> declared_depth_bits;  ///< 8 or 16
-  double mm_per_unit = 1.0;                ///< scale of 16-bit depth
+  std::optional<int> declared_depth_bits;  ///< bits of depth that the author declared, 8 or 16
+  double mm_per_unit = 1.0;                ///< mm for each unit of 16-bit depth
   std::optional<CameraModel> camera;
   std::optional<double> fov_deg;  ///< horizontal field of view, if no camera is declared
 };
 
-/// Finds the files of a clip in `folder`. Throws SourceError. A meta.json may declare more
-/// (ClipMeta). Layouts:
-/// * TUM RGB-D: rgb.txt and depth.txt with lines "timestamp file". Each colour frame pairs with the
-///   nearest depth frame within 20 ms (used once). 5000 units per metre, a Kinect's field of view.
-/// * Otherwise rgb/ or color/ and depth/, each with the same number of PNG or JPEG files, paired in
-///   order of their names (numbers in names by value). An optional mask/ has as many files, or
-///   fewer: key masks for the colour images of the same name.
+/// Returns the files of the clip in `folder`, with its declarations from a meta.json, if any.
+/// Throws SourceError. The layouts are:
+/// * TUM RGB-D: rgb.txt and depth.txt have lines "timestamp file". Each colour frame is paired with
+///   the nearest depth frame within 20 ms, which is used only once. Depth has 5000 units per metre,
+///   and the field of view is a Kinect's.
+/// * Otherwise rgb/ or color/ and depth/ each have the same number of PNG or JPEG files. They are
+///   paired in the order of their names (numbers in names count by value).
+/// * With the second layout, an optional mask/ has as many files, or fewer. Fewer files are key
+///   masks for the colour images of the same name.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 
-/// Returns whether `a` sorts before `b`, with runs of digits compared by value: frame2 < frame10.
+/// Returns whether name `a` is before name `b` if numbers in names count by value: frame2 <
+/// frame10.
 [[nodiscard]] bool naturalLess(const std::string& a, const std::string& b);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Image files and raw depth pictures from outside: checks limits before decoding. A problem is a
-// phrase that follows the file's name in a message. Thread: any.
+// Reads image files and depth pictures from outside. It checks limits before it decodes. A problem
+// is described by a phrase that follows the file's name in a message. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +24,11 @@ struct PictureSize {
   bool operator==(const PictureSize&) const = default;
 };
 
-/// Returns the size in the frame header (ITU T.81 annex B) without decoding; nullopt if there is
-/// none.
+/// Returns the size of a JPEG picture from its frame header (ITU T.81 annex B), without decoding.
+/// Returns nullopt if there is no such header.
 [[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
-/// An image, or its problem ("is 4000x3000, larger than 1920x1080").
+/// An image, or a phrase with its problem ("is 4000x3000, larger than 1920x1080").
 struct ImageResult {
   cv::Mat image;
   std::string problem;
@@ -39,34 +39,35 @@ struct ImageResult {
 /// Meaning of the values of a depth picture.
 struct DepthFormat {
   DepthKind kind = DepthKind::kMetric;
-  double mm_per_unit = 1.0;  ///< kMetric only
+  double mm_per_unit = 1.0;  ///< mm for each unit; only with kMetric
 };
 
-/// Formats a size, for example "640x480".
+/// Returns a size as text, for example "640x480".
 [[nodiscard]] std::string sizeText(int width_px, int height_px);
 
 /// Returns whether a source may have this size (1x1 .. kMaxWidth_px x kMaxHeight_px of
 /// common/haptic_frame.hpp).
 [[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
-/// Reads a PNG or JPEG of at most 1920x1080 px and 64 MiB: as BGR (CV_8UC3), or in the format of
-/// the file.
+/// Return the image of a PNG or JPEG file of at most 1920x1080 px and 64 MiB, or its problem.
+/// readColorFile() converts the image to BGR (CV_8UC3). readRawFile() does not convert it.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
 
-/// Decodes the bytes of such a file. `flags`: cv::ImreadModes.
+/// Returns the image in the bytes of such a file, or its problem. `flags`: cv::ImreadModes.
 [[nodiscard]] ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags);
 
-/// Converts a depth picture (CV_8UC1, CV_8UC3 with equal channels, or CV_16UC1) to CV_32FC1 for
-/// RgbdFrame.
+/// Returns a depth picture converted for RgbdFrame (CV_32FC1), or its problem. `raw`: CV_8UC1,
+/// CV_8UC3 with equal channels, or CV_16UC1.
 [[nodiscard]] ImageResult toDepth(const cv::Mat& raw, const DepthFormat& format);
 
-/// Converts an object mask (CV_8UC1) to 0 outside, n for object n. Values above kMaxObjects mean a
-/// black and white picture: then object 1 covers the pixels of at least half brightness.
+/// Returns a mask picture (CV_8UC1) converted to 0 outside and n for object n, or its problem. A
+/// value above kMaxObjects means that the picture is black and white. Then object 1 covers the
+/// pixels of at least half brightness.
 [[nodiscard]] ImageResult toMask(const cv::Mat& raw);
 
-/// Returns whether a three-channel picture shows depth by a colour map, which cannot be converted
-/// back to depth.
+/// Returns whether a picture with three channels shows depth in false colours, which cannot be
+/// converted back to depth.
 [[nodiscard]] bool isColorCoded(const cv::Mat& raw);
 
 }  // namespace hapticast::server

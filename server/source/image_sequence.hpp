@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Source from a folder of image files (layouts: clip_files.hpp). Decodes images one by one, on
-// read. Thread: one.
+// Source from a folder of image files (layouts: clip_files.hpp). Each image is decoded when its
+// frame is read. Thread: one.
 #pragma once
 
 #include <filesystem>
@@ -13,33 +13,36 @@
 
 namespace hapticast::server {
 
-/// Source of one folder.
+/// Source whose frames are the images of one folder.
 class ImageSequence final : public RgbdSource {
  public:
-  /// Finds the files and checks the first frame. `fps` > 0 overrides the folder's rate. Throws
-  /// SourceError.
+  /// Finds the files in `folder` and checks the first frame. `fps` > 0 overrides the folder's rate,
+  /// frames/s. Throws SourceError.
   ImageSequence(const std::filesystem::path& folder, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Throws SourceError if a whole round has no readable frame: the files vanished.
+  /// Returns the next frame, as in RgbdSource. Throws SourceError if no frame of the whole clip is
+  /// readable, because the files vanished.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;
 
  private:
-  /// Decodes frame `index` into `frame`. Returns the problem with the file's name, or "".
+  /// Decodes frame `index` into `frame`. Returns the problem with the file's name, or "" on
+  /// success.
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
-  /// Throws SourceError if a key mask is unreadable, has another size or shows no object: the
-  /// author's masks are never skipped silently.
+  /// Checks all key masks. Throws SourceError if one is unreadable, has another size or shows no
+  /// object, because the author's masks must not be skipped silently.
   void checkKeyMasks() const;
-  /// Returns the problem with the size of `image`, or "".
+  /// Returns the problem if `image` has another size than the clip, or "".
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
-  /// Reads and converts a mask, or returns its problem.
+  /// Returns the mask in `file`, converted by toMask(), or its problem.
   [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;
   /// Returns whether the frame's files no longer exist.
   static bool vanished(const FrameFiles& frame);
-  /// Warns about the skipped frames first .. end - 1, unless there are none or earlier rounds
-  /// reported all. `problem`: the first frame's.
+  /// Logs a warning that the frames first .. end - 1 were skipped. It does nothing if there are
+  /// none, or if earlier playbacks of the clip reported all of them. `problem`: that of the first
+  /// frame.
   void exclude(std::uint64_t first, std::uint64_t end, const std::string& problem);
 
   ClipFiles files_;
@@ -47,8 +50,8 @@ class ImageSequence final : public RgbdSource {
   DepthFormat format_;
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
-  bool any_read_ = false;  // of this round
-  // Unreadable frames, so that a loop does not repeat its warnings.
+  bool any_read_ = false;  // whether a frame was read since the clip's start
+  // Unreadable frames whose warning was logged, so that a loop does not repeat it.
   std::set<std::uint64_t> reported_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Real-time pacing of a recorded clip: computes the due time and media time of each frame, and
-// frame drops under overload (newest wins). Times are arguments: no thread, no clock, no waiting.
-// Thread: one.
+// Real-time pacing of a recorded clip: computes when each frame is due, and its media time. If the
+// server is late, frames are skipped, so that the newest is processed. Times are arguments: no
+// thread, no clock, no waiting. Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,29 @@
 
 namespace hapticast::server {
 
-/// The schedule is a sequence of slots 1/fps apart. Slots continue over loop wraps, so media time
-/// always increases. Use for each frame:
+/// Plans the playback of a clip. The plan is a sequence of slots, one for each frame, 1/fps apart.
+/// Slots continue when a loop begins again, so media time always increases. For each frame:
 ///   plan = pacer.plan(now);  skip plan.skip frames;  wait until plan.due;  read the frame;
 ///   media_time = pacer.frameRead(frame.epoch, frame.index);
 class Pacer {
  public:
   /// Instructions for the next frame.
   struct Plan {
-    std::uint64_t skip = 0;  ///< frames to skip first
-    MediaTime due;           ///< capture time of the next frame; at most `now` if late
+    std::uint64_t skip = 0;  ///< frames to skip before the next frame is read
+    MediaTime due;           ///< media time at which the next frame is due; at most `now` if late
   };
 
-  /// The first frame is due at `start`. Requires fps > 0, frames/s.
+  /// Begins a plan whose first frame is due at `start`. Requires fps > 0, frames/s.
   Pacer(double fps, MediaTime start);
 
-  /// Plans the next frame. A frame is skipped if the frame after it is already due. After a stall
-  /// longer than kLongestSkip (a suspended machine, a debugger) the schedule moves instead.
+  /// Returns the instructions for the next frame. A frame is skipped if the frame after it is
+  /// already due. If the next frame is late by more than kLongestSkip, no frame is skipped. All
+  /// later frames are delayed instead. Causes are, for example, a suspended machine or a debugger.
   [[nodiscard]] Plan plan(MediaTime now);
 
-  /// Returns the media time of the frame read for the last plan. Frames that the source itself
-  /// skipped (a gap in `index` within an epoch) occupy their slots too.
+  /// Returns the media time of the frame that was read for the last plan. `epoch`, `index`: those
+  /// of the frame. Frames that the source itself skipped have slots too, so they delay the later
+  /// frames.
   MediaTime frameRead(std::uint32_t epoch, std::uint64_t index);
 
   /// Returns the number of frames skipped because they were late.
@@ -43,9 +45,9 @@ class Pacer {
   [[nodiscard]] MediaTime slotTime(std::uint64_t slot) const;
 
   double fps_;
-  MediaTime start_;              // of slot 0
-  std::uint64_t slot_ = 0;       // of the last planned frame
-  std::uint64_t next_slot_ = 0;  // of the next frame without skips
+  MediaTime start_;              // media time of slot 0
+  std::uint64_t slot_ = 0;       // slot of the last planned frame
+  std::uint64_t next_slot_ = 0;  // slot of the next frame if none is skipped
   std::uint64_t step_ = 1;       // frames between the last read and the planned frame
   std::uint64_t skipped_ = 0;
   bool any_read_ = false;
@@ -55,9 +57,9 @@ class Pacer {
 
 // Loop playback of a clip. Thread: the source's.
 
-/// Skips `skip` frames and reads the next. At the clip's end it rewinds (a new epoch) if `loop`.
-/// The first frame of a round is never skipped, because objects start in it at the author's points.
-/// Returns nullopt at the end of the clip. Throws SourceError.
+/// Skips `skip` frames of `source` and returns the next one, or nullopt at the end of the clip.
+/// With `loop`, the clip begins again at its end (a new epoch). The clip's first frame is never
+/// skipped, because objects begin in it at the author's points. Throws SourceError.
 std::optional<RgbdFrame> readSkipping(RgbdSource& source, std::uint64_t skip, bool loop);
 
 }  // namespace hapticast::server

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Synthetic scenes with exact ground truth at any instant: an ellipsoid on a closed-form trajectory
-// before a pinhole camera. Only mathematics; synthetic_source draws the pictures. Immutable.
-// Thread: any.
-// Camera frame: X right, Y down, Z forward, mm. Nominal and image frames: common/geometry.hpp.
-// Time: s since the start of the clip, any finite value; scenes are periodic.
+// Synthetic scenes with exact ground truth at any instant: an ellipsoid moves before a pinhole
+// camera on a path with a formula. This file has only the mathematics; synthetic_source draws the
+// pictures. Scenes are immutable. Thread: any. Camera frame: X right, Y down, Z forward, mm.
+// Nominal and image frames: common/geometry.hpp. Times are seconds since the start of the clip. Any
+// finite value is valid, because scenes are periodic.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,16 +20,16 @@
 
 namespace hapticast::server {
 
-// Value noise in space, three octaves: the solid texture of the synthetic bodies. Thread: any.
-// any.
+// Noise in space (value noise of three octaves), which is the texture of the synthetic bodies.
+// Thread: any.
 
-/// A fixed noise field.
+/// Noise that depends on the position only.
 class SolidNoise {
  public:
   SolidNoise();
 
-  /// Returns the noise at a position, 0..1 with a mean of about 0.5: smooth, the same in every run.
-  /// The finest detail is about 6 mm wide; the pattern repeats every 768 mm.
+  /// Returns the noise at a position, 0..1 with a mean of about 0.5. It is smooth and the same in
+  /// every run. The finest detail is about 6 mm wide, and the pattern repeats every 768 mm.
   [[nodiscard]] float at(const Vec3& position_mm) const noexcept;
 
  private:
@@ -39,7 +39,8 @@ class SolidNoise {
 enum class SceneKind : std::uint8_t {
   kBounce,  ///< a ball under gravity in a plane parallel to the picture, elastic at floor and walls
   kApproach,  ///< a ball that oscillates along the optical axis
-  /// An ellipsoid 1 : .7 : .8 that rotates about a tilted axis on a Lissajous curve in x, y, z.
+  /// An ellipsoid with axes 1 : 0.7 : 0.8. It rotates about a tilted axis, and its centre moves on
+  /// a Lissajous curve in x, y and z.
   kTumble,
   kStill,  ///< a ball at rest on the optical axis
 };
@@ -54,59 +55,62 @@ inline constexpr std::array<SceneName, 4> kSceneNames{{{"bounce", SceneKind::kBo
                                                        {"tumble", SceneKind::kTumble},
                                                        {"still", SceneKind::kStill}}};
 
-/// State of the body in the camera frame. At the instant of an impact: the state just after it.
+/// State of the body in the camera frame. At the instant of an impact it is the state just after
+/// the impact.
 struct BodyState {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< body to camera
-  Vec3 angular_velocity_rad_s = Vec3::Zero();              ///< constant in every scene
+  /// Turns vectors from the body's frame to the camera frame.
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Vec3 angular_velocity_rad_s = Vec3::Zero();  ///< constant in every scene
 };
 
-/// A change of the centre's velocity, in the nominal frame.
+/// Change of the velocity of the body's centre at an impact, in the nominal frame.
 struct SceneImpact {
   double time_s = 0.0;
   Vec3 delta_velocity_mm_s = Vec3::Zero();
 };
 
-/// Constant mapping of a scene from the camera frame to nominal units.
+/// How a scene is converted from the camera frame to nominal units; constant.
 struct SceneView {
   Workspace workspace;
   CameraModel camera;
   DepthRange range;
 
-  /// Returns the nominal height of a depth, mm.
+  /// Returns the nominal height, mm, of the depth `depth_mm`.
   [[nodiscard]] double height_mm(double depth_mm) const noexcept;
-  /// Returns the nominal position, velocity and acceleration of a point that moves in the camera
-  /// frame. Exact: chain rule through the projection.
+  /// Returns the nominal position, velocity and acceleration of a point whose motion in the camera
+  /// frame is known. The result is exact (chain rule through the projection).
   [[nodiscard]] Motion project(const Vec3& position_mm, const Vec3& velocity_mm_s,
                                const Vec3& acceleration_mm_s2) const noexcept;
 };
 
-/// The scene at one instant.
+/// The scene at one instant: shape and motion of its body.
 class SceneInstant {
  public:
-  /// A visible point of the surface, camera frame.
+  /// Visible point of the body's surface, in the camera frame.
   struct Hit {
     Vec3 position_mm;
-    Vec3 normal;  ///< outward, not normalised
+    Vec3 normal;  ///< normal that points outward; its length is not 1
   };
 
-  /// `angle_rad`: rotation of the body about nominal +z.
+  /// Creates the scene with the body in the state `body`. `semi_axes_mm`: half of the ellipsoid's
+  /// axes. `angle_rad`: rotation of the body about nominal +z.
   SceneInstant(const SceneView& view, const BodyState& body, const Vec3& semi_axes_mm,
                double angle_rad);
 
-  /// Returns the first intersection of the ray through an image point with the body; nullopt if
-  /// there is none.
+  /// Returns the first point of the body on the ray through an image point; nullopt if the ray does
+  /// not hit the body.
   [[nodiscard]] std::optional<Hit> hit(const Vec2& image_px) const noexcept;
-  /// Returns height (mm) and gradient (mm/mm) at a nominal point; nullopt outside the object. The
-  /// gradient diverges towards the silhouette.
+  /// Returns height (mm) and gradient (mm/mm) of the surface at a nominal point; nullopt outside
+  /// the object. The gradient has no bound towards the silhouette.
   [[nodiscard]] std::optional<SurfaceSample> surface(const Vec2& nominal_mm) const noexcept;
-  /// Returns the motion of the body's centre, with its depth mapped like a height; angle about
-  /// nominal +z.
+  /// Returns the nominal motion of the body's centre. Its z is converted from the depth like a
+  /// height. The angle is about nominal +z.
   [[nodiscard]] Motion motion() const noexcept;
-  /// Returns the motion of the material point visible at a nominal point; nullopt outside the
-  /// object.
+  /// Returns the nominal motion of that point of the body which is visible at `nominal_mm`; nullopt
+  /// outside the object.
   [[nodiscard]] std::optional<Motion> pointMotion(const Vec2& nominal_mm) const noexcept;
   /// Returns the pixels whose centres may be inside the object, clipped to the picture.
   [[nodiscard]] PixelRect boundingBox() const noexcept;
@@ -123,22 +127,22 @@ class SceneInstant {
   double centre_term_;  // c^T shape c - 1
 };
 
-/// A scene of one kind.
+/// A scene of one kind, at all times.
 class SyntheticScene {
  public:
-  /// Requires a workspace with a positive size. The focal length is 600 px at 640 x 480 px and
-  /// scales with the picture.
+  /// Creates the scene `kind`, fitted into `workspace`, whose size must be positive. The focal
+  /// length is 600 px at 640 x 480 px and grows with the picture.
   explicit SyntheticScene(SceneKind kind, const Workspace& workspace = {});
 
-  /// Returns the scene at `time_s`.
+  /// Returns the scene at the time `time_s`.
   [[nodiscard]] SceneInstant at(double time_s) const;
   /// Returns all impacts within [0, duration), in order of time.
   [[nodiscard]] const std::vector<SceneImpact>& impacts() const noexcept { return impacts_; }
-  /// Returns the period of the scene, s.
+  /// Returns the time after which the scene repeats, s.
   [[nodiscard]] double duration_s() const noexcept;
   [[nodiscard]] const SceneView& view() const noexcept { return view_; }
   [[nodiscard]] const Vec3& semiAxes_mm() const noexcept { return semi_axes_mm_; }
-  /// Depth of the plane behind the body, beyond far.
+  /// Returns the depth of the plane behind the body, mm. It is farther than the mapped range.
   [[nodiscard]] double background_mm() const noexcept;
 
  private:

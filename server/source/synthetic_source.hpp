@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Renderer of the synthetic scenes: exact depth and mask at pixel centres, textured colour. Thread:
-// one.
+// Renders the synthetic scenes: textured colour, and exact depth and mask at the centres of pixels.
+// Thread: one.
 #pragma once
 
 #include "server/source/rgbd_source.hpp"
@@ -8,18 +8,19 @@
 
 namespace hapticast::server {
 
-/// Returns a lit texture colour: `part` 0..1 between `dark` and `light` (BGR, 0..255), times
-/// `brightness`.
+/// Returns a colour of the texture: the mixture of `dark` (`part` 0) and `light` (`part` 1),
+/// multiplied by `brightness`. Colours are BGR, 0..255.
 cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness);
-/// Lambertian shading with much ambient light from above left: shape is visible, but texture
-/// changes little with rotation. `normal`: outward, camera frame, any length.
+/// Returns the brightness of a surface with this normal, by Lambertian shading with light from
+/// above left. Much ambient light makes shape visible, but texture changes little with rotation.
+/// `normal`: outward, camera frame, any length.
 float brightness(const Vec3& normal);
 
-/// Source of one synthetic scene.
+/// Source whose frames show one synthetic scene.
 class SyntheticSource final : public RgbdSource {
  public:
-  /// Frame n shows the scene at n / fps; the clip lasts scene.duration_s(). `fps`: 1..240. Size:
-  /// 1..1920 x 1..1080 px.
+  /// Creates a source whose frame n shows the scene at n / fps seconds. The clip has the length of
+  /// scene().duration_s(). `fps`: 1..240. Size: 1..1920 x 1..1080 px.
   explicit SyntheticSource(SceneKind kind, double fps = 25.0, int width_px = 640,
                            int height_px = 480);
 
@@ -28,7 +29,8 @@ class SyntheticSource final : public RgbdSource {
   bool skip() override;
   void rewind() override;
 
-  /// Returns the ground truth of the pictures (the whole picture is fitted into 160 x 120 mm).
+  /// Returns the scene, which is the ground truth of the pictures. The whole picture is fitted into
+  /// 160 x 120 mm.
   [[nodiscard]] const SyntheticScene& scene() const { return scene_; }
 
  private:
@@ -37,7 +39,7 @@ class SyntheticSource final : public RgbdSource {
   SyntheticScene scene_;
   SourceInfo info_;
   SolidNoise noise_;
-  cv::Mat background_;  // colour
+  cv::Mat background_;  // colour of the background
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
 };

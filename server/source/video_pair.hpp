@@ -10,25 +10,25 @@
 
 namespace hapticast::server {
 
-/// Source of two files.
+/// Source whose frames are those of the two files.
 class VideoPair final : public RgbdSource {
  public:
-  /// Opens both files and decodes their first frames. `fps` > 0 overrides the colour video's rate.
-  /// Throws SourceError for different sizes and for frame counts that differ by more than five. It
+  /// Opens both files and decodes their first frames. `fps` > 0 overrides the colour video's rate,
+  /// frames/s. Throws SourceError if sizes differ, or if frame counts differ by more than five. It
   /// also throws for depth with more than 8 bits per sample, which OpenCV 4.6 decodes wrongly
   /// without an error.
   VideoPair(std::string color_file, std::string depth_file, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Ends with the shorter file. Throws SourceError if a round has no frame: the files vanished or
-  /// changed.
+  /// Returns the next frame; the clip ends with the shorter file. Throws SourceError if no frame of
+  /// the whole clip is readable, because the files vanished or changed.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;
 
  private:
   void open();
-  /// Advances both to the next frame. Returns false at the end of either. Throws SourceError if
+  /// Moves both files to the next frame. Returns false at the end of either. Throws SourceError if
   /// there is no first frame.
   bool grab();
 
@@ -40,13 +40,14 @@ class VideoPair final : public RgbdSource {
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool ended_ = false;
-  bool any_read_ = false;  // of this round
+  bool any_read_ = false;  // whether a frame was read since the clip's start
   bool cut_reported_ = false;
-  std::set<std::uint64_t> reported_;  // unusable frames, the first of each run
+  // First frame of each run of unusable frames whose warning was logged.
+  std::set<std::uint64_t> reported_;
 };
 
-/// Returns whether a pixel format (CAP_PROP_CODEC_PIXEL_FORMAT: FFmpeg's tag of raw video) is known
-/// to have at most 8 bits per sample.
+/// Returns whether a pixel format is known to have at most 8 bits per sample. `tag`: FFmpeg's tag
+/// of raw video, from CAP_PROP_CODEC_PIXEL_FORMAT.
 [[nodiscard]] bool isEightBitFormat(std::uint32_t tag);
 
 }  // namespace hapticast::server

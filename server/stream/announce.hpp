@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// DNS-SD announcement (RFC 6763, multicast DNS) of this server on the LAN, by Avahi. Thread: the
-// caller's for the object; Avahi's own for its events.
+// Announces this server on the LAN by DNS-SD over multicast DNS (RFC 6763), through Avahi. Viewers
+// can then find it by name. Thread: the caller's for the object; Avahi's own for its events.
 #pragma once
 
 #include <memory>
@@ -10,18 +10,19 @@
 
 namespace hapticast::server {
 
-/// Throws AddressError if no other machine could reach a server at `address`.
+/// Checks that other machines can reach a server that listens at `address`. Throws AddressError if
+/// they cannot (for example, at 127.0.0.1).
 void requireReachable(const asio::ip::address& address);
 
-/// Announces one service until destruction.
+/// Announces one server from its construction to its destruction.
 class Announcer {
  public:
-  /// Announces `name` (see isServiceName()). `listens`: address for viewers. `plays`: the stream's
-  /// name. Never waits for avahi-daemon.
-  /// Logs the announced name, another name if `name` is in use, and starts and stops of
-  /// avahi-daemon.
+  /// Begins to announce `name` (see isServiceName()) with the address `listens`, at which viewers
+  /// connect, and the stream's name `plays`. It never waits for avahi-daemon. It logs the announced
+  /// name, which is another one if `name` is in use. It also logs when avahi-daemon starts and
+  /// stops.
   Announcer(std::string name, const asio::ip::tcp::endpoint& listens, const std::string& plays);
-  /// Withdraws the announcement.
+  /// Ends the announcement.
   ~Announcer();
   Announcer(const Announcer&) = delete;
   Announcer& operator=(const Announcer&) = delete;

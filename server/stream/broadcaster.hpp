@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Fan-out of encoded frames to all viewers: one queue for each viewer, shared bytes, so that a slow
-// viewer never slows another. Thread: io, except where a function says "any".
+// Sends encoded frames to all viewers of a stream. Each viewer has a queue of its own, so that a
+// slow viewer never slows another. All queues share the encoded bytes. Thread: io, except for
+// functions with "Thread: any".
 #pragma once
 
 #include <atomic>
@@ -26,52 +27,54 @@ enum level_enum : int;  // NOLINT(readability-identifier-naming): the name of sp
 
 namespace hapticast::server {
 
-/// All viewers of one stream.
+/// Owns the sessions of all viewers of one stream and sends it to them.
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
-  /// Limit of pending connections: those before their hello, and those that are closing. Chosen:
-  /// more than a healthy stream ever has.
+  /// Limit of pending connections: connections before their hello, and connections that are
+  /// closing. The value is a choice: more than a healthy stream ever has.
   static constexpr std::size_t kMaxPending = 32;
 
-  /// Uses `io` for all its work. One thread runs `io` and ends before the Broadcaster's
-  /// destruction. The clocks must outlive the Broadcaster.
+  /// Creates a broadcaster without viewers. `io` runs all its work. One thread runs `io` and ends
+  /// before the Broadcaster's destruction. The clocks must outlive the Broadcaster.
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
-  /// Enables UDP delivery. Call before the first viewer connects; `sender` must outlive all
-  /// sessions.
+  /// Enables delivery by UDP through `sender`. Call it before the first viewer connects. `sender`
+  /// must outlive all sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
-  /// Sends a frame to every viewer; later viewers receive the newest frame at once. Thread: any.
+  /// Sends a frame to every viewer. A viewer that joins later receives the newest frame at once.
+  /// Thread: any.
   void publish(EncodedFrame frame) override;
   /// Sends a picture to the viewers that subscribed to pictures. Thread: any.
   void publish(EncodedVideo video) override;
-  /// Reports the progress of the clip's scan, 0..1, to present viewers and to viewers that join
-  /// before the first frame. Thread: any.
+  /// Sends the progress of the clip's scan, 0..1, to all viewers. Viewers that join before the
+  /// first frame receive the newest progress. Thread: any.
   void prepare(double share);
-  /// Announces another stream. A new workspace invalidates earlier frames. Thread: any.
+  /// Sends the description of another stream to all viewers. If its workspace is new, frames that
+  /// still wait are removed. Thread: any.
   void describe(const StreamDescription& description) override;
-  /// Returns whether a viewer subscribed to pictures. Thread: any.
+  /// Returns whether at least one viewer subscribed to pictures. Thread: any.
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
   }
-  /// Returns whether a viewer or the group needs datagrams. Thread: any.
+  /// Returns whether at least one viewer or the multicast group needs datagrams. Thread: any.
   [[nodiscard]] bool datagramsWanted() const override {
     return datagrams_ != nullptr && datagrams_->wanted();
   }
-  /// Returns the number of welcomed and present viewers. Thread: any.
+  /// Returns the number of viewers that were welcomed and are still connected. Thread: any.
   [[nodiscard]] std::size_t viewers() const {
     return viewer_count_.load(std::memory_order_relaxed);
   }
-  /// Sends a goodbye to every viewer and closes all connections within the goodbye deadline. `io`
-  /// then runs out of work. Thread: any.
+  /// Sends a goodbye to every viewer. Closes all connections within the goodbye deadline, and `io`
+  /// then has no more work. Thread: any.
   void stop();
 
-  /// Starts a session for a new connection.
+  /// Begins a session for the new connection `channel`.
   void accept(std::unique_ptr<Channel> channel);
-  /// Logs a line, rate-limited: at most 20 lines a minute, half of them warnings, whatever hosts on
-  /// the port do. Returns whether the line was written.
+  /// Logs a line, unless the limit of 20 lines a minute is reached, half of them warnings. The
+  /// limit holds whatever other hosts do on the port. Returns whether the line was written.
   bool log(spdlog::level::level_enum level, std::string_view line);
-  /// Returns the counts since the start.
+  /// Returns the counts since the broadcaster's creation.
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
 
@@ -88,27 +91,28 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void onClosed(const std::shared_ptr<Session>& session) override;
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
-  /// Adds the session to the pending connections: it is not a viewer yet, or not any more. Above
-  /// kMaxPending it aborts the evictionCandidate().
+  /// Adds a session that is not a viewer's yet, or not any more, to the pending connections. Above
+  /// kMaxPending it closes the evictionCandidate() at once.
   void addStranger(const std::shared_ptr<Session>& session);
-  /// Returns the oldest pending session of the network with most pending sessions, so that a single
-  /// host cannot occupy all places.
+  /// Returns the pending session to close when there are too many. It is the oldest one of the
+  /// network with most pending sessions, so that a single host cannot occupy all places.
   [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
-  /// Posts `visit` to io. Thread: any.
+  /// Calls `visit` later on the thread of io. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
-  /// Sends `what` to each viewer; only queues it if newer items wait.
+  /// Sends `what` to each viewer. If newer calls wait already, it only adds `what` to the viewers'
+  /// queues.
   template <class... What>
   void sendAll(const What&... what);
-  /// Returns whether the frame exceeds the message limit, so that viewers would close the
-  /// connection. Logs once a minute, also if only its datagrams are too large. Viewers without
-  /// datagrams change to TCP a second later.
+  /// Returns whether the frame exceeds the limit of a message, so that viewers would close the
+  /// connection. Logs this at most once a minute. It also logs if only the datagrams are too large.
+  /// In that case viewers receive no datagrams and change to TCP a second later.
   bool tooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> startTimer();
   void logSlowViewers(LocalTime now);
   void logDatagrams(LocalTime now);
-  /// Logs the number of suppressed lines if no later line reported it.
+  /// Logs how many lines the limit suppressed, unless a later line has reported it.
   void logHidden();
   void countViewers();
 
@@ -119,17 +123,17 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamSettings settings_;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
-  Sessions viewers_;           // welcomed and not closing; in order of service
-  Sessions pending_sessions_;  // before the hello, or closing; the oldest first
+  Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent
+  Sessions pending_sessions_;  // before their hello, or closing; the oldest first
   std::uint32_t last_session_id_ = 0;
-  SharedBytes preparing_;  // scan progress, until the first frame
+  SharedBytes preparing_;  // message with the progress of the scan, until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
-  std::atomic<int> waiting_{0};  // posted calls that have not run
+  std::atomic<int> waiting_{0};  // calls of onIo() that have not run
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
-  StreamCounts counts_;  // clients and sent: of viewers that left
+  StreamCounts counts_;  // its members `clients` and `sent` count viewers that left
   SendCounts logged_;    // last logged counts of slow viewers
   LocalTime checked_;
   LocalTime counted_;
@@ -137,7 +141,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   LogInterval slow_interval_;
   LogInterval large_interval_;
   LogInterval datagrams_interval_;
-  LogRateLimiter comings_and_goings_;  // separate, so that a crowd does not hide problems
+  LogRateLimiter comings_and_goings_;  // separate, so that many viewers do not hide problems
   LogRateLimiter problems_;
 };
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// UDP delivery: receives viewers' echoes (return routability, as in QUIC's address validation) and
-// sends every frame's datagrams to subscribed viewers and to the multicast group.
-// It sends to no address that has not echoed its viewer's token from the host of that viewer's TCP
-// connection. Thread: io, except where a function says "any".
+// UDP delivery: sends the datagrams of every frame to the subscribed viewers and to the multicast
+// group. A viewer subscribes by an echo: a datagram with the token from its welcome. The echo
+// proves that the viewer receives at its address (return routability, as in QUIC's address
+// validation). Echoes count only from the host of the viewer's TCP connection. No other address
+// receives datagrams. Thread: io, except for functions with "Thread: any".
 #pragma once
 
 #include <array>
@@ -25,15 +26,16 @@
 namespace hapticast::server {
 
 // Signs a frame's datagrams (Ed25519), once for all receivers. Thread: the encoder's for sign();
-// any for the constant members.
+// any for the other members, which are constant.
 
-/// Key and stream number of one run of the server.
+/// Signs datagrams with the key of one run of the server. The stream number identifies this run.
 class DatagramSigner {
  public:
-  /// Creates a random key and stream number, which are not predictable.
+  /// Creates a random key and a random stream number. Both are unpredictable.
   DatagramSigner();
 
-  /// Returns the signed datagrams without tokens; null if the frame is too large for datagrams.
+  /// Returns the signed datagrams of a frame, without the receivers' tokens. Returns null if the
+  /// frame is too large for datagrams.
   [[nodiscard]] SignedDatagrams sign(const CodedFrame& frame);
 
   [[nodiscard]] std::uint32_t stream() const { return stream_; }
@@ -46,59 +48,59 @@ class DatagramSigner {
   std::vector<std::uint8_t> probe_;
 };
 
-/// Counts since the start.
+/// Counts of datagrams and echoes since the sender's creation.
 struct DatagramSenderCounts {
   DatagramCounts viewers;                             ///< datagrams to viewers
-  DatagramCounts group;                               ///< datagrams to the group
-  std::array<std::uint64_t, kEchoVerdicts> echoes{};  ///< by AddressValidation
+  DatagramCounts group;                               ///< datagrams to the multicast group
+  std::array<std::uint64_t, kEchoVerdicts> echoes{};  ///< number of echoes by their result
 
   [[nodiscard]] std::uint64_t of(AddressValidation verdict) const {
     return echoes[static_cast<std::size_t>(verdict)];
   }
-  /// Returns the datagrams that were not sent.
+  /// Returns the number of datagrams that were not sent.
   [[nodiscard]] std::uint64_t lost() const {
     return viewers.dropped + viewers.failed + group.dropped + group.failed;
   }
-  /// Returns the rejected echoes that no present viewer sent. Echoes of former viewers and too
-  /// frequent echoes do not count.
+  /// Returns the number of rejected echoes that no present viewer sent. Echoes of former viewers
+  /// and too frequent echoes do not count.
   [[nodiscard]] std::uint64_t notBelieved() const {
     return of(AddressValidation::kMalformed) + of(AddressValidation::kForeign) +
            of(AddressValidation::kUnknownToken);
   }
 };
 
-/// Sender of one stream.
+/// Sends the datagrams of one stream and receives the viewers' echoes.
 class DatagramSender {
  public:
-  /// Limit of echoes read before other work on the thread; chosen.
+  /// Echoes that are read at most before other work of the thread runs. The value is a choice.
   static constexpr std::size_t kMostEchoes = 64;
-  /// Interval of probes to the group. Chosen: a new member detects within a second whether
-  /// datagrams of full size arrive.
+  /// Interval of probes to the multicast group. A probe is a datagram of full size without content.
+  /// The value is a choice: a new member detects within a second whether such datagrams arrive.
   static constexpr Duration kGroupProbeEvery = std::chrono::milliseconds(500);
 
-  /// Binds the UDP port with the listener's number, or another one if that is in use. `signer`,
-  /// `group` (may be null) and `clock` must outlive the sender.
-  /// One thread runs `io` and ends before the sender's destruction. Throws std::runtime_error with
-  /// one line.
+  /// Opens the UDP port with the listener's number, or another port if that one is in use. Throws
+  /// std::runtime_error with a message of one line. `signer`, `group` (may be null) and `clock`
+  /// must outlive the sender. One thread runs `io` and ends before the sender's destruction.
   DatagramSender(asio::io_context& io, const Clock& clock, const asio::ip::tcp::endpoint& listener,
                  const DatagramSigner& signer, MulticastGroup* group = nullptr);
 
-  /// Adds a viewer and writes its datagram parameters to `welcome`. The token identifies the viewer
-  /// from then on. Does nothing if `hosts` is unspecified.
+  /// Adds a viewer and writes its token and the other parameters for datagrams into `welcome`. The
+  /// token identifies the viewer in later calls. Does nothing if an address in `hosts` is
+  /// unspecified.
   void offer(const Hosts& hosts, Welcome& welcome);
-  /// Removes a viewer.
+  /// Removes the viewer with this token.
   void left(std::uint64_t token);
-  /// Sets how the viewer wants its frames.
+  /// Sets how the viewer with this token wants its frames: by datagrams, with which redundancy.
   void deliver(std::uint64_t token, const Delivery& delivery);
-  /// Sends the frame's datagrams, with the redundancy of each viewer, to all subscribers and the
-  /// group.
+  /// Sends the frame's datagrams to all subscribers and to the multicast group. With redundancy,
+  /// the datagrams of earlier frames are sent again, as each viewer requests.
   void send(const EncodedFrame& frame);
-  /// Removes the addresses whose echoes have ceased. Call about once a second.
+  /// Removes the addresses of viewers that send no more echoes. Call it about once a second.
   void check(LocalTime now);
-  /// Stops sending and frees the port.
+  /// Ends the sending and closes the port.
   void stop();
 
-  /// Returns whether a viewer or the group needs datagrams. Thread: any.
+  /// Returns whether at least one viewer or the multicast group needs datagrams. Thread: any.
   [[nodiscard]] bool wanted() const { return wanted_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] DatagramSenderCounts counts() const;
@@ -115,13 +117,13 @@ class DatagramSender {
   MulticastGroup* group_;
   std::uint64_t group_token_ = 0;
   std::optional<LocalTime> group_probed_at_;
-  std::uint16_t port_ = 0;  // the sender's own
+  std::uint16_t port_ = 0;  // number of the sender's port
   std::uint16_t listener_port_;
   UdpSubscribers book_;
   UdpFanout out_;
   std::unique_ptr<UdpFanout> group_out_;
   std::deque<SignedDatagrams> last_;  // earlier frames, newest first
-  DatagramSenderCounts counts_;       // viewers: of viewers that left
+  DatagramSenderCounts counts_;       // its member `viewers` counts viewers that left
   std::shared_ptr<DatagramCounts> group_counts_ = std::make_shared<DatagramCounts>();
   std::atomic<bool> wanted_{false};
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Encoded stream items: frames and pictures, encoded once and shared as immutable payloads by all
-// viewers. Channels add the framing. Thread: any, except FrameEncoder.
+// Encoded frames and pictures. Each is encoded once into constant bytes, which all viewers share.
+// Channels add the framing. Thread: any, except FrameEncoder.
 #pragma once
 
 #include <cstddef>
@@ -18,35 +18,35 @@
 
 namespace hapticast::server {
 
-/// Key frame, for viewers that joined or lost the frame before. Most are never needed, so the first
-/// call of payload() encodes it. Thread: any.
+/// Key frame of one frame, for viewers that have just joined or lost the frame before. Most key
+/// frames are never needed, so the first call of payload() encodes it. Thread: any.
 class LazyKeyFrame {
  public:
   explicit LazyKeyFrame(CodedFrame frame) : frame_(std::move(frame)) {}
-  /// Uses bytes that exist already.
+  /// Creates a key frame from bytes that are encoded already.
   explicit LazyKeyFrame(SharedBytes payload) : payload_(std::move(payload)) {}
 
-  /// Returns the encoded key frame; encodes it at the first call.
+  /// Returns the encoded key frame. The first call encodes it.
   [[nodiscard]] SharedBytes payload();
 
  private:
   std::mutex mutex_;
-  std::optional<CodedFrame> frame_;  // until its encoding
+  std::optional<CodedFrame> frame_;  // the frame until payload() encodes it
   SharedBytes payload_;
 };
 
-/// A frame's signed datagrams, without their tokens.
+/// Signed datagrams of one frame, without the receivers' tokens.
 using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
 
-/// A frame in all forms that viewers need.
+/// A frame in all encoded forms that viewers need.
 struct EncodedFrame {
   std::uint32_t epoch = 0;
   std::uint64_t id = 0;
   MediaTime media_time;
-  SharedBytes delta;                        ///< delta frame, for viewers with the frame before
+  SharedBytes delta;                        ///< delta frame, for viewers that have the frame before
   std::shared_ptr<LazyKeyFrame> key_frame;  ///< never null
   SignedDatagrams datagrams = nullptr;      ///< datagrams of the delta frame; null: none
-  bool too_many_datagrams = false;          ///< datagrams are wanted, but the frame is too large
+  bool too_many_datagrams = false;  ///< the frame is too large for the datagrams that viewers want
 };
 
 class DatagramSigner;
@@ -58,27 +58,29 @@ struct EncodedVideo {
   SharedBytes payload;
 };
 
-/// Bytes of each object's reliefs in the last frame that sent them, by object id.
+/// Size of each object's encoded reliefs in the last frame that contained them, by object id,
+/// bytes.
 using ReliefBytes = std::map<std::uint32_t, std::size_t>;
 
-/// Encodes frames; decides when all reliefs are repeated. Thread: one (the encoder's).
+/// Encodes frames and decides which of them contain all reliefs. Thread: one (the encoder's).
 class FrameEncoder {
  public:
-  /// Encodes `frame`, which has every relief; `changed_in_frame` of its objects marks the new ones.
-  /// Unchanged reliefs are repeated every second of media time and at every new epoch. `signer`:
-  /// signs datagrams too; may be null.
+  /// Returns `frame` in encoded form. `frame` has every relief; reliefs with an older
+  /// `changed_in_frame` are left out, except once a second of media time and at every new epoch.
+  /// `slices`: settings of the height codec. `signer`: signs datagrams of the frame; null: no
+  /// datagrams.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     DatagramSigner* signer = nullptr);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }
 
  private:
   FrameCoder coder_;
-  ReliefBytes relief_bytes_;  // of the last frame
+  ReliefBytes relief_bytes_;  // sizes in the last frame
   std::optional<MediaTime> last_key_frame_;
   std::uint32_t epoch_ = 0;
 };
 
-/// Encodes a picture. Requires a JPEG of at most 4 MiB.
+/// Returns the picture `video` in encoded form. Requires a JPEG of at most 4 MiB.
 [[nodiscard]] EncodedVideo encodeVideo(VideoFrame video);
 
 }  // namespace hapticast::server

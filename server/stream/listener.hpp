@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// TCP acceptor on ADDR:PORT: passes new connections to the broadcaster. Thread: io.
+// Accepts TCP connections of viewers on ADDR:PORT and passes them to the broadcaster. Thread: io.
 #pragma once
 
 #include <cstddef>
@@ -15,26 +15,25 @@ namespace hapticast::server {
 
 // Limit of open files (RLIMIT_NOFILE): each connection is an open file. Thread: main.
 
-/// Raises this process's limit of open files if `viewers` need it, as far as the system allows.
-/// Returns how many viewers fit: `viewers`, or fewer after one log line. Thread: main, before the
-/// first connection.
+/// Raises this process's limit of open files, if `viewers` viewers need more and the system allows
+/// it. Returns how many viewers fit: `viewers`, or fewer, which it logs in one line. Thread: main,
+/// before the first connection.
 std::size_t raiseFileLimit(std::size_t viewers);
 
-/// Accepts viewers.
+/// Accepts the connections of viewers.
 class Listener {
  public:
-  /// Binds `address` and listens; connections wait until start(). Its host is numeric or localhost
-  /// (127.0.0.1); port 0 selects a free port.
-  /// Throws AddressError or std::runtime_error with one line that states the address and the
-  /// remedy.
+  /// Opens the port of `address`; connections wait until start(). The host of `address` is numeric
+  /// or localhost (127.0.0.1). Port 0 selects a free port. Throws AddressError or
+  /// std::runtime_error. Their messages have one line with the address and the remedy.
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster);
 
   /// Starts to accept connections. Call once. Thread: any.
   void start();
-  /// Returns the address with the actual port.
+  /// Returns the address at which viewers connect, with the actual port.
   [[nodiscard]] const Endpoint& address() const { return address_; }
   [[nodiscard]] asio::ip::tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
-  /// Stops accepting. Thread: any.
+  /// Ends the acceptance of connections. Thread: any.
   void stop();
 
  private:

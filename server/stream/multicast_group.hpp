@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Multicast group on one network of this machine: one datagram reaches all members. Thread: main,
-// at start-up.
+// Multicast group on one network of this machine: one datagram of the server reaches all members.
+// Thread: main, at start-up.
 #pragma once
 
 #include <string>
@@ -10,23 +10,23 @@
 
 namespace hapticast::server {
 
-// The multicast group of the command line, without sockets. Thread: any.
+// The author's choice of a multicast group on the command line, without sockets. Thread: any.
 
 /// A requested multicast group: GROUP:PORT[@INTERFACE].
 struct MulticastChoice {
   Endpoint group;
-  std::string interface;  ///< name or address; empty: the first suitable one
+  std::string interface;  ///< network interface, by name or address; empty: the first suitable one
 
   bool operator==(const MulticastChoice&) const = default;
 };
 
-/// Socket that sends to one group.
+/// Socket that sends to one multicast group.
 class MulticastGroup {
  public:
-  /// Opens a socket that sends to the group on the chosen interface. Logs the interface if several
-  /// exist and none was chosen. `hops`: time to live.
-  /// Throws AddressError, or std::runtime_error if the system rejects the group, with one line that
-  /// begins with --multicast.
+  /// Opens a socket that sends to the group on the chosen interface. It logs the interface if none
+  /// was chosen and several exist. `hops`: largest number of networks that a datagram passes (TTL).
+  /// Throws AddressError, or std::runtime_error if the system rejects the group. The message has
+  /// one line that begins with --multicast.
   MulticastGroup(asio::io_context& io, const MulticastChoice& choice, int hops);
 
   [[nodiscard]] asio::ip::udp::socket& socket() { return socket_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Send queue of one viewer with head drop: newest frames win, age and size are bounded, so that a
-// slow viewer costs nothing. No sockets, no clocks. Thread: io.
+// Queue of the items to send to one viewer. If the viewer is slow, the oldest frames are dropped,
+// so that the newest are sent and memory is bounded. It has no sockets and no clocks. Thread: io.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,14 @@
 
 namespace hapticast::server {
 
-/// Counts over the life of a queue.
+/// Counts of sent and dropped items since the queue's creation.
 struct SendCounts {
   std::uint64_t frames_sent = 0;
   std::uint64_t videos_sent = 0;
-  std::uint64_t frames_dropped_full = 0;  ///< newer frames arrived while kMaxFrames waited
-  std::uint64_t frames_dropped_old = 0;   ///< more than kMaxAge behind the newest
-  std::uint64_t videos_dropped = 0;       ///< a newer picture arrived
+  std::uint64_t frames_dropped_full = 0;  ///< dropped because kMaxFrames newer frames waited
+  /// Dropped because they were more than kMaxAge older than the newest.
+  std::uint64_t frames_dropped_old = 0;
+  std::uint64_t videos_dropped = 0;  ///< dropped because a newer picture replaced them
 
   SendCounts& operator+=(const SendCounts& other);
   [[nodiscard]] std::uint64_t dropped() const {
@@ -26,35 +27,38 @@ struct SendCounts {
   }
 };
 
-/// Items that wait for one viewer.
+/// Queue of the items that wait for one viewer.
 class SendQueue {
  public:
-  static constexpr std::size_t kMaxFrames = 3;  ///< frames in the queue
-  /// Behind the newest frame, in media time.
+  static constexpr std::size_t kMaxFrames = 3;  ///< largest number of frames in the queue
+  /// Largest age of a frame relative to the newest frame, in media time.
   static constexpr Duration kMaxAge = std::chrono::milliseconds(250);
-  static constexpr std::size_t kMaxControl = 64;  ///< control messages in the queue
+  /// Largest number of control messages in the queue.
+  static constexpr std::size_t kMaxControl = 64;
 
-  /// Adds a control message. Returns false if kMaxControl messages wait: the peer requests without
-  /// reading the answers.
+  /// Adds a control message. Returns false if kMaxControl messages wait already: then the viewer
+  /// sends requests but does not read the answers.
   [[nodiscard]] bool pushControl(SharedBytes payload);
-  /// Sets the description; replaces one that still waits.
+  /// Sets the stream's description to send. It replaces a description that still waits.
   void pushDescription(SharedBytes payload) { description_ = std::move(payload); }
-  /// Adds a frame and drops frames beyond kMaxFrames or kMaxAge. After a drop the next sent frame
-  /// is a key frame.
+  /// Adds a frame. Drops the oldest frames if there are more than kMaxFrames, or if they are older
+  /// than kMaxAge. After a drop, the next frame is sent as a key frame.
   void pushFrame(EncodedFrame frame);
-  /// Sets the picture; replaces one that still waits.
+  /// Sets the picture to send. It replaces a picture that still waits.
   void pushVideo(EncodedVideo video);
-  /// Removes frames and pictures, which belong to another workspace. The next frame is a key frame.
+  /// Removes all frames and pictures, because they belong to an old workspace. The next frame is
+  /// sent as a key frame.
   void clearFrames();
-  /// Removes all items, at the end of a session.
+  /// Removes all items. Call it at the end of a session.
   void clear();
 
-  /// Returns whether pop() would return a control message.
+  /// Returns whether the next item of pop() is a control message.
   [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
-  /// Returns the payload that pushFrame() and pop() would return. Requires an empty queue.
+  /// Returns the bytes to send for `frame` and counts it as sent, without the queue. The result is
+  /// that of pushFrame() and pop(). Requires an empty queue.
   [[nodiscard]] SharedBytes pass(const EncodedFrame& frame);
-  /// Returns the next payload (control, description, frames, then video); null if the queue is
-  /// empty.
+  /// Removes the next item and returns its bytes; null if the queue is empty. Control messages are
+  /// first, then the description, frames, and the picture.
   [[nodiscard]] SharedBytes pop();
 
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
@@ -62,7 +66,7 @@ class SendQueue {
  private:
   void dropOldest(std::uint64_t& cause);
 
-  // Members of pass() first, in one cache line.
+  // The members that pass() uses are first, so that they share a cache line.
   SendCounts counts_;
   bool needs_key_frame_ = true;  // after joining or a dropped frame
   std::deque<SharedBytes> control_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Protocol state machine of one viewer: hello and welcome, pings, the send queue, deadlines and
-// goodbye. A Channel carries its bytes.
-// Its coroutines own the session. It never blocks, and its memory is bounded. Thread: io.
+// Session of one viewer: the states of the protocol from hello and welcome to goodbye, answers to
+// pings, the send queue and deadlines. A Channel transmits its bytes. Its coroutines own the
+// session. It never blocks, and its memory is bounded. Thread: io.
 #pragma once
 
 #include <cstdint>
@@ -19,75 +19,78 @@ namespace hapticast::server {
 
 class Session;
 
-/// Interface of a session to its owner. Thread: io.
+/// What a session needs from its owner, the broadcaster. Thread: io.
 class SessionHost {
  public:
   [[nodiscard]] virtual const Clock& clock() const = 0;
   [[nodiscard]] virtual const MediaClock& mediaClock() const = 0;
   [[nodiscard]] virtual const StreamSettings& settings() const = 0;
   [[nodiscard]] virtual const StreamDescription& description() const = 0;
-  /// Returns the reason to refuse this client, nullopt to welcome it.
+  /// Returns the reason to refuse the client of `hello`, or nullopt to welcome it.
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
-  /// Writes the client's datagram parameters to `welcome`, if any.
+  /// Writes the client's parameters for datagrams into `welcome`, if datagrams are available.
   virtual void offerDatagrams(const Hosts& hosts, Welcome& welcome) = 0;
-  /// Sets how the client with this token wants its frames.
+  /// Sets how the client with this token wants its frames (transport and redundancy).
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
-  /// Called after the session's welcome.
+  /// The session calls this after its welcome: its client is a viewer now.
   virtual void onJoined(Session& session) = 0;
-  /// Called when the session stops being a viewer's: with a reason if this server closes it,
-  /// without one if its peer does. Called at most once.
+  /// The session calls this at most once, when its client is no longer a viewer. `why` is the
+  /// reason if this server closes the session, or nullopt if the client does.
   virtual void onClosing(const std::shared_ptr<Session>& session,
                          const std::optional<WireError>& why) = 0;
-  /// Called at the end of the connection. May be called more than once.
+  /// The session calls this at the end of its connection, possibly more than once.
   virtual void onClosed(const std::shared_ptr<Session>& session) = 0;
 
  protected:
   ~SessionHost() = default;
 };
 
-/// One connection. Create it with std::make_shared.
+/// Session of one connection. Create it with std::make_shared.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  static constexpr std::size_t kMaxPongs = 64;  ///< pings that wait for their pong; chosen
+  static constexpr std::size_t kMaxPongs = 64;  ///< pings that may wait for their answer; a choice
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
 
-  /// `io` runs the channel. `host` must outlive the session's coroutines.
+  /// `io` runs the channel. `host` must outlive the session's coroutines. `id`: number for the log.
   Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
           std::uint32_t id);
 
-  /// Starts reading and writing.
+  /// Begins to read and to write.
   void start();
-  /// Adds an item to the queue, where newer items may replace it until flush().
+  /// Adds an item to the queue, but does not send it yet; call flush(). Until then newer items may
+  /// replace it.
   void queue(const EncodedFrame& frame);
   void queue(const EncodedVideo& video);
   void queue(const SharedBytes& control);
-  /// Adds a description. `other_picture`: frames and pictures in the queue belong to another
-  /// workspace and are removed.
+  /// Adds a description of the stream to the queue. `other_picture`: the workspace is new, so
+  /// frames and pictures in the queue are removed.
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
-  /// Sends from the queue what the connection accepts at once, which costs far less than to wake
-  /// the writer. The writer sends the rest. Never ends the session.
+  /// Sends as much of the queue as the connection accepts at once. That costs far less than to wake
+  /// the writer coroutine, which sends the rest. It never ends the session.
   void flush();
-  /// Combines queue() and flush().
+  /// Adds the items to the queue and sends as much as possible, as queue() and flush() do.
   template <class... What>
   void send(const What&... what) {
     queue(what...);
     flush();
   }
-  /// Combines queue() and flush(), but bypasses an empty queue: the usual case.
+  /// Sends a frame like the other send(), but without the queue if that is empty, which is the
+  /// usual case.
   void send(const EncodedFrame& frame);
-  /// Sends the reason to the peer, then closes. Removes items that still wait.
+  /// Sends the reason `why` to the client, then closes the connection. Items that still wait are
+  /// removed.
   void close(const WireError& why);
-  /// Closes at once, without a message to the peer.
+  /// Closes the connection at once, without a message to the client.
   void abort();
-  /// Checks the deadlines; call regularly.
+  /// Checks the deadlines and closes the session if one has passed. Call it regularly.
   void check(LocalTime now);
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
   [[nodiscard]] std::uint64_t datagramToken() const { return datagram_token_; }
   [[nodiscard]] bool isVideoSubscriber() const { return welcomed() && hello_->wants_video; }
-  [[nodiscard]] std::string label() const;    ///< for the log
-  [[nodiscard]] std::string address() const;  ///< the peer's, without its port
+  [[nodiscard]] std::string label() const;    ///< names the client in the log
+  [[nodiscard]] std::string address() const;  ///< client's address, without its port
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
 
  private:
@@ -101,16 +104,17 @@ class Session : public std::enable_shared_from_this<Session> {
   template <class Other>
   void handle(const Other& other);
   [[nodiscard]] bool withinRate();
-  /// Returns whether the peer has read nothing of a write for longer than write_timeout.
+  /// Returns whether the client has read no byte of a write for longer than write_timeout.
   [[nodiscard]] bool stalled(LocalTime now);
-  /// Sends `farewell` as the last message; the host receives `why`.
+  /// Sends `farewell` to the client as the last message. `why` is the reason for the host's
+  /// onClosing().
   void sendGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();
   [[nodiscard]] SharedBytes nextPayload();
   void wakeWriter();
 
-  // With a thousand viewers each session is out of the cache at its turn, so the members of send()
-  // are adjacent.
+  // With a thousand viewers, each session has left the cache at its turn. So the members that
+  // send() uses are adjacent.
   std::unique_ptr<Channel> channel_;
   bool idle_ = false;  // the writer sleeps, and the queue is empty
   bool frames_on_tcp_ = false;
@@ -119,18 +123,18 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::steady_timer wake_;  // wakes the writer
   SessionHost& host_;
   std::uint32_t id_;
-  SharedBytes unfinished_;  // partly written; the writer's next payload
+  SharedBytes unfinished_;  // payload that is written in part; the writer continues with it
   std::deque<Pong> pongs_;  // t2 is set when the pong is sent
   std::optional<Hello> hello_;
   std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;
   LocalTime received_;  // time of the last message
   bool ended_ = false;
-  bool read_ended_ = false;   // the peer sends nothing more that matters
+  bool read_ended_ = false;   // nothing more from the client matters
   bool write_ended_ = false;  // the last message is written
   bool writer_sleeps_ = false;
   bool writing_ = false;
-  LocalTime write_progress_;  // last time the peer read bytes
+  LocalTime write_progress_;  // last time at which the client read bytes
   std::uint64_t bytes_read_ = 0;
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;

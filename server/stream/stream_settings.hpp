@@ -11,10 +11,11 @@
 
 namespace hapticast::server {
 
-// Error of a listen or multicast address from the command line. Thread: any.
+// Error of an address from the command line, to listen at or to multicast to. Thread: any.
 
-/// An address that is invalid or does not belong to this machine: a user error, unlike other
-/// failures to listen. The message is one line. It begins with the flag, except for --listen.
+/// Reports an address that is invalid or does not belong to this machine. It is an error of the
+/// user, unlike other failures to listen. The message is one line. It begins with the flag, except
+/// for --listen.
 class AddressError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -22,23 +23,25 @@ class AddressError : public std::runtime_error {
 
 /// Limits and deadlines of connections.
 struct StreamSettings {
-  std::size_t max_clients = 64;                       ///< --max-clients
-  Duration hello_deadline = std::chrono::seconds(5);  ///< from connection to hello
-  /// Longest silence of a client (pings count).
+  std::size_t max_clients = 64;                       ///< largest number of clients (--max-clients)
+  Duration hello_deadline = std::chrono::seconds(5);  ///< longest time from connection to hello
+  /// Longest time without a message from a client. Pings are messages too.
   Duration idle_timeout = std::chrono::seconds(10);
-  /// Longest time without a byte read by a client.
+  /// Longest time in which a client reads no byte while data waits for it.
   Duration write_timeout = std::chrono::seconds(5);
-  /// Time for the peer to read the reason of a close.
+  /// Longest time between the reason of a close, which the client may still read, and the end.
   Duration goodbye_deadline = std::chrono::seconds(1);
-  int send_buffer_bytes = 256 << 10;  ///< bounds the bytes buffered for a stalled client
+  /// Limit of the bytes that wait in the system for a client that does not read.
+  int send_buffer_bytes = 256 << 10;
 };
 
-/// Counts since the start.
+/// Counts of clients and sent items since the server's start.
 struct StreamCounts {
-  std::size_t clients = 0;  ///< at present
+  std::size_t clients = 0;  ///< present number of clients
   std::uint64_t welcomed = 0;
-  std::uint64_t refused = 0;    ///< server full, wrong version, or protocol violations
-  std::uint64_t timed_out = 0;  ///< silent, or not reading
+  /// Refused because of a full server, a wrong version or a protocol violation.
+  std::uint64_t refused = 0;
+  std::uint64_t timed_out = 0;  ///< sent no messages, or read nothing
   SendCounts sent;              ///< sum over all clients
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Consumer interface of the encoded stream: viewers today, for example a recorder or a relay later.
-// A further sink implements this interface. Thread: the encoder's.
+// Interface of a consumer of the encoded stream. The viewers' broadcaster is one; a recorder or a
+// relay could be others. Thread: the encoder's.
 #pragma once
 
 #include "common/haptic_frame.hpp"
@@ -8,21 +8,22 @@
 
 namespace hapticast::server {
 
-/// Called by one thread, the encoder's. Implementations must not block.
+/// Receives the items of a stream, in order. One thread calls it, the encoder's. Implementations
+/// must not block.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;
 
-  /// Announces the stream of the items that follow. Called before the first frame and at every
-  /// change.
+  /// Receives the description of the stream to which the next items belong. It is called before the
+  /// first frame and at every change.
   virtual void describe(const StreamDescription& description) = 0;
-  /// Receives the next frame.
+  /// Receives the next frame of the stream.
   virtual void publish(EncodedFrame frame) = 0;
   /// Receives the next picture.
   virtual void publish(EncodedVideo video) = 0;
-  /// Returns whether pictures are worth their encoding.
+  /// Returns whether the sink needs pictures. If no sink does, they are not encoded.
   [[nodiscard]] virtual bool videoWanted() const = 0;
-  /// Returns whether datagrams are worth their signing.
+  /// Returns whether the sink needs datagrams. If no sink does, they are not signed.
   [[nodiscard]] virtual bool datagramsWanted() const = 0;
 };
 

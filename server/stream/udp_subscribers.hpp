@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Address validation of UDP subscribers: an echo of the viewer's token sets its address (return
-// routability).
-// An echo counts only from the host of the viewer's TCP connection, so that nobody can direct the
-// stream at another host. No sockets, no clocks. Thread: io.
+// Address validation of UDP subscribers: stores to which address each viewer's datagrams are sent.
+// A viewer sets its address by an echo: a datagram with the token from its welcome. An echo counts
+// only from the host of the viewer's TCP connection, so that nobody can direct the stream at
+// another host. It has no sockets and no clocks. Thread: io.
 #pragma once
 
 #include <cstddef>
@@ -18,51 +18,55 @@
 
 namespace hapticast::server {
 
-/// Result of an echo, in the order of the checks.
+/// Result of the validation of an echo (a datagram by which a viewer sends back the token from its
+/// welcome). The checks run in this order; the first that fails is the result.
 enum class AddressValidation : std::uint8_t {
-  kBelieved,      ///< valid; the server answers with a probe
-  kMalformed,     ///< not 12 bytes
-  kOtherStream,   ///< another run of the server
-  kUnknownToken,  ///< no viewer has this token now
-  kForeign,       ///< not the host of the viewer's TCP connection
-  kTooSoon,       ///< too soon after this viewer's last echo
+  kBelieved,      ///< valid; the server answers with a probe (datagram of full size)
+  kMalformed,     ///< the datagram does not have the 12 bytes of an echo
+  kOtherStream,   ///< the echo belongs to another run of the server
+  kUnknownToken,  ///< no viewer has this token at present
+  kForeign,       ///< it is not from the host of the viewer's TCP connection
+  kTooSoon,       ///< it follows this viewer's last echo too soon
 };
 inline constexpr std::size_t kEchoVerdicts = 6;
 
-/// Table of all viewers, by token.
+/// Table of all viewers that may receive datagrams, by token.
 class UdpSubscribers {
  public:
-  /// Lifetime of an address. Chosen: a viewer echoes every 10 s, and two of three echoes may be
-  /// lost.
+  /// How long an address remains valid after an echo. The value is a choice: a viewer sends an echo
+  /// every 10 s, and two of three echoes may be lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
-  /// Least interval of a viewer's echoes. Chosen: half of the time that a viewer waits for a probe.
-  /// A probe is a hundred times as large as its echo, so this bounds the amplification.
+  /// Least time between two valid echoes of a viewer. The value is a choice: half of the time that
+  /// a viewer waits for a probe. A probe is a hundred times as large as its echo. So this limits
+  /// what a forged echo can cause.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
-  /// A viewer and its datagram address.
+  /// A viewer, and the address to which its datagrams are sent.
   struct Viewer {
     asio::ip::address peer;   ///< remote address of its TCP connection
     asio::ip::address local;  ///< local address of its TCP connection; source of its datagrams
-    bool wanted = true;       ///< after its echo
+    bool wanted = true;       ///< whether it receives datagrams after its echo
     std::uint32_t copies = 1;
-    bool by_group = false;                      ///< receives the group's datagrams
-    std::optional<asio::ip::udp::endpoint> at;  ///< the validated address
+    bool by_group = false;                      ///< receives the multicast group's datagrams
+    std::optional<asio::ip::udp::endpoint> at;  ///< address that an echo has validated
     LocalTime received{};                       ///< time of the last valid echo
     std::shared_ptr<DatagramCounts> counts = std::make_shared<DatagramCounts>();
   };
 
   explicit UdpSubscribers(std::uint32_t stream) : stream_(stream) {}
 
-  /// Adds a viewer. Returns its token, which is not predictable.
+  /// Adds a viewer whose TCP connection has the addresses `peer` (its own) and `local` (this
+  /// machine's). Returns its token, which is not predictable.
   std::uint64_t add(const asio::ip::address& peer, const asio::ip::address& local);
-  /// Removes a viewer. Returns its counts.
+  /// Removes the viewer with this token. Returns the counts of its datagrams.
   DatagramCounts remove(std::uint64_t token);
-  /// Sets how the viewer wants its frames from now on.
+  /// Sets how the viewer with this token wants its frames from now on (transport and redundancy).
   void deliver(std::uint64_t token, const Delivery& delivery);
-  /// Validates an echo received from `from`.
+  /// Checks an echo `bytes` that arrived from `from`, and returns the result. A valid echo makes
+  /// `from` the viewer's address.
   AddressValidation onEcho(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,
                            LocalTime now);
-  /// Removes the addresses whose echoes have ceased.
+  /// Removes the addresses of viewers whose last echo is kForgetAfter or longer ago.
   void forget(LocalTime now);
 
   /// Returns the viewer with this token; null if there is none.
@@ -78,7 +82,8 @@ class UdpSubscribers {
   [[nodiscard]] bool hasSubscribers() const;
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::size_t size() const { return viewers_.size(); }
-  /// Returns the redundancy that nine of ten of the group's viewers request; 1 without viewers.
+  /// Returns the redundancy for the multicast group, which suffices for nine of ten of its viewers.
+  /// It is 1 without viewers.
   [[nodiscard]] std::uint32_t groupCopies() const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Converts a tracked object to its descriptor: reliefs in nominal mm for each layer, with an
-// unchanged relief shared with the frame before. Thread: the one that runs Vision.
+// Converts a tracked object to its descriptors, one for each layer, with reliefs in nominal mm. A
+// relief that did not change is shared with the frame before. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@
 
 namespace hapticast::server {
 
-/// Returns the descriptor of `object` without its motion, which FrameMotion adds. `last`: the same
-/// object in the frame before, or null.
-/// The pointer and the changed_in_frame of an unchanged relief stay. `clock` measures the duration
-/// of smoothing for the plan; null: no measurement.
+/// Returns the descriptor of `object`. The motion is missing; FrameMotion adds it. If the relief
+/// did not change, the result has the pointer and the changed_in_frame of `last`. `last`: the
+/// descriptor of the same object in the frame before, or null. `clock`: measures how long the
+/// smoothing lasts, for the scene plan; null: no measurement.
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
                             const VisionSettings& settings, const Clock* clock);
 
-/// Returns the descriptors of all layers of `object`. Depth steps separate the layers; the thesis's
-/// method has one layer. `last`: all objects of the frame before. An object entirely at rest or
-/// lost reuses its layers of `last`.
+/// Returns one descriptor for each layer of `object`. Depth steps separate the layers. With the
+/// thesis's method there is one layer only. `last`: the descriptors of all objects in the frame
+/// before. An object that is entirely at rest or lost has the same layers as in `last`.
 std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint64_t frame_id,
                                          const std::vector<HapticObject>& last,
                                          const DepthNoise& noise, const NominalFrame& nominal,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Computes the motion of a frame's objects from a window of frames around it: poses of many frames
-// in; motion, impacts and grid of one frame out. Thread: the one that runs Vision.
+// Computes the motion of a frame's objects from a window of frames around that frame. The input are
+// the objects' poses in many frames. The output are motion, impacts and motion grids of one frame.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -19,49 +20,51 @@
 
 namespace hapticast::server {
 
-// Loop seam test: decides whether objects continue where a looped clip begins again, or a new epoch
-// has to start. Thread: any.
+// Loop seam test: decides whether objects continue where a looped clip begins again. If they do
+// not, a new epoch begins there. Thread: any.
 
-/// Returns whether both frames show the same objects by id, all of them seen.
+/// Returns whether both frames contain objects with the same ids, and all of them are visible.
 bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
 
-/// Returns whether the same objects are unchanged since the frame before. Pose and relief together
-/// may change the force by at most the error budget.
+/// Returns whether `now` has the same objects as `before`, and none of them changed noticeably. For
+/// each object, the changes of pose and relief may change the force by at most the error budget.
 bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
                   const NominalFrame& nominal, const VisionSettings& settings);
 
-/// Returns the 0.99 quantile of the values, the largest acceleration that a stream announces,
-/// mm/s². The maximum of hundreds of measured values would be the worst of their noise. 0 when
-/// empty. Reorders the values.
+/// Returns the bound of the objects' accelerations, mm/s², which the welcome of a stream contains
+/// for its clients. It is the 0.99 quantile of the values, or 0 if there are none. The maximum of
+/// hundreds of measured values would mainly consist of noise. Reorders the values.
 double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 
-/// Motion of all objects over the frames of a stream.
+/// Computes the motion of all objects of a stream, frame by frame.
 class FrameMotion {
  public:
-  /// Copies `info` and `settings`. `lookahead` in frames.
+  /// Copies `info` and `settings`. `lookahead`: frames on each side of a frame that its window
+  /// contains.
   FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead);
 
-  /// Sets the motion that a scan of the clip found; the scan counted objects from 1. From now on
-  /// frames of the clip use the whole clip as their window.
+  /// Sets the motion that a scan of the whole clip found. From then on it replaces the motion of
+  /// the short windows. The scan numbered the objects from 1.
   void setClip(ClipMotion clip) { clip_ = std::move(clip); }
-  /// Starts the clip anew; its first object has the id `first_object_id`.
+  /// Begins a new playback of the clip, in which the clip's first object has the id
+  /// `first_object_id`.
   void beginClip(std::uint32_t first_object_id) { first_object_id_ = first_object_id; }
 
-  /// Adds the objects of the next frame. `time_s`: media time.
+  /// Adds the objects of the next frame. `time_s`: media time of the frame, s.
   void add(std::uint64_t frame_id, double time_s, const std::vector<TrackedObject>& objects);
-  /// Adds motion, impacts and grids to `frame`, which was added before. Requires that the
-  /// lookahead's frames after it were added too, or that the stream ended. Call in order of frames.
-  /// `clip_frame`: its index in the clip.
+  /// Writes motion, impacts and motion grids into the objects of `frame`. The objects of this frame
+  /// and of `lookahead` frames after it must have been added, or the stream must have ended. Call
+  /// it in order of the frames. `clip_frame`: index of the frame in the clip.
   void complete(HapticFrame& frame, std::uint64_t clip_frame, const NominalFrame& nominal);
-  /// Starts a new epoch: no window reaches across.
+  /// Begins a new epoch: forgets all poses, so that no window contains frames of the old epoch.
   void forget();
 
-  /// Returns the plans of the last added frame's objects, by object id.
+  /// Returns the scene plans of the objects of the last added frame, by object id.
   [[nodiscard]] const std::map<std::uint32_t, std::shared_ptr<ScenePlan>>& plans() const {
     return plans_;
   }
-  /// Returns a running bound of |a| of a live source, mm/s², which never falls; 0: not enough
-  /// frames.
+  /// Returns the bound of the accelerations that a live source has shown so far, mm/s². It never
+  /// falls. Returns 0 after too few frames.
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
 
  private:
@@ -71,7 +74,7 @@ class FrameMotion {
   void addGrid(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void addResidual(HapticObject& object, const HapticFrame& frame, const NominalFrame& nominal);
   void boundAcceleration(const HapticObject& object);
-  /// Reach of impacts around a frame, s.
+  /// Returns how far an impact may lie before or after a frame that reports it, s.
   [[nodiscard]] double reach_s() const { return lookahead_ / info_.fps; }
 
   SourceInfo info_;
@@ -80,7 +83,7 @@ class FrameMotion {
   ClipMotion clip_;
   std::uint32_t first_object_id_ = 1;
   MotionHistory history_;
-  std::map<std::uint32_t, ImpactFinder> impacts_;  // by object id
+  std::map<std::uint32_t, ImpactFinder> impacts_;  // finder of each object, by its id
   std::map<std::uint32_t, std::shared_ptr<ScenePlan>> plans_;
   std::deque<double> live_accelerations_mm_s2_;
   double largest_mm_s2_ = 0.0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Scene plan: switches off, for each object, the stages that its scene does not need. A stage is
-// off only if its omission changes the force by less than the error budget.
-// The plan measures at the start and repeatedly while the scene changes. It has no clock: the code
-// that runs the stages reports their durations. Thread: the one that runs Vision.
+// off only if the force would change by less than the error budget without it. The plan measures at
+// the start and repeatedly while the scene changes. It has no clock: the code that runs the stages
+// reports their durations. Thread: the one that runs Vision.
 #pragma once
 
 #include <array>
@@ -18,50 +18,53 @@
 
 namespace hapticast::server {
 
-/// State of one stage of a plan, for --explain.
+/// State of one stage of a plan, as the flag --explain prints it.
 struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
-  std::string why;        ///< the reason, as text
-  double saves_ms = 0.0;  ///< saved time per frame while off, as last measured; 0: it never ran
-  double costs_N = 0.0;   ///< rms change of force by the omission, as last measured
+  std::string why;  ///< reason why the stage is on or off, as text
+  /// Last measured duration in a frame, which is saved while off; 0: never ran.
+  double saves_ms = 0.0;
+  double costs_N = 0.0;  ///< last measured change of force (rms) without the stage
 };
 
-/// The plan of one object.
+/// Plan of one object: decides in each frame which stages are on.
 class ScenePlan {
  public:
-  /// Copies `settings`. `source_mask`: the source has masks.
+  /// Copies `settings`. `source_mask`: whether the source delivers masks.
   ScenePlan(const PlanSettings& settings, bool source_mask);
 
   /// Returns whether the stage runs in this frame.
   [[nodiscard]] bool on(Stage stage) const;
-  /// Sets whether all of the object is held at rest. `why`: cause of the release in this frame,
-  /// static text; empty: no release.
+  /// Sets whether the whole object is at rest in this frame. `why`: the cause, if its rest ended in
+  /// this frame, as static text; otherwise empty.
   void setResting(bool at_rest, std::string_view why = {});
-  /// Sets whether the heights of this frame equal those of the last frame.
+  /// Sets whether the object's heights in this frame equal those in the last frame.
   void setUnchanged(bool unchanged);
-  /// Sets the rms change of force by the stage's omission in this frame, N. Infinity: it cannot be
-  /// off.
+  /// Sets by how much the force would change in this frame without the stage (rms), N. Infinity:
+  /// the stage must stay on.
   void setForceError(Stage stage, double error_N);
-  /// Adds the force that the residual motion causes in this frame, N. Returns whether the grid is
-  /// worth its bytes. The last frames count too, because oscillations pass through zero.
+  /// Adds the force that the residual motion causes in this frame, N. Returns whether the force
+  /// justifies a motion grid on the wire. The forces of the frames before count too, with
+  /// decreasing weight, because oscillations pass through zero.
   bool addResidual(double force_change_N);
-  /// Ends a frame and begins the next frame. Stages that are off are measured again every
-  /// kMeasureEvery frames.
+  /// Ends the present frame and begins the next one.
   void nextFrame();
-  /// Returns whether stages that are off are measured in this frame.
+  /// Returns whether this frame measures the stages that are off. That is so every kMeasureEvery
+  /// frames.
   [[nodiscard]] bool measureNow() const;
   /// Adds `time` to the stage's duration in this frame.
   void addTime(Stage stage, Duration time);
 
-  /// Returns all stages, in order, for --explain.
+  /// Returns the state of all stages, in the order of Stage, for the flag --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
 
-  // Chosen: once a second at 25 fps. The grid is expensive, so it is measured every four seconds,
-  // over as many frames as its window needs.
-  static constexpr int kMeasureEvery = 25;  ///< frames
-  static constexpr int kGridEvery = 100;    ///< frames between two measurements of the grid
-  static constexpr int kGridFrames = 12;    ///< frames of one measurement of the grid
+  // The value is a choice: stages that are off are measured once a second at 25 fps. The grid is
+  // expensive, so it is measured every four seconds, over as many frames as its window needs.
+  static constexpr int kMeasureEvery =
+      25;  ///< frames between two measurements of a stage that is off
+  static constexpr int kGridEvery = 100;  ///< frames between two measurements of the grid
+  static constexpr int kGridFrames = 12;  ///< frames of one measurement of the grid
 
  private:
   [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
@@ -78,8 +81,8 @@ class ScenePlan {
   std::array<double, kStages> this_frame_ms_{};
 };
 
-/// Reports the duration of a stage to a plan, from construction to destruction. Does nothing if
-/// `clock` is null.
+/// Measures the time from its construction to its destruction and reports it to a plan as the
+/// duration of a stage. Does nothing if `clock` is null.
 class ScopedStageTimer {
  public:
   ScopedStageTimer(const Clock* clock, ScenePlan& plan, Stage stage)
@@ -100,10 +103,10 @@ class ScopedStageTimer {
   LocalTime start_;
 };
 
-/// Returns the rms difference of the forces that two reliefs of one surface exert on a finger 1 mm
-/// deep, N. The force follows the distance to the tangent plane (surface model `normal`).
-/// Uses pixels at least 2 px inside the common mask; infinity if there are none. Requires equal
-/// rectangles.
+/// Returns how much the forces of two reliefs of one surface differ at a finger 1 mm deep, N (rms).
+/// It compares them at all pixels at least 2 px inside the common mask. The force is proportional
+/// to the distance to the surface's tangent plane. Returns infinity if there is no such pixel.
+/// Requires equal rectangles.
 double forceDifference_N(const Relief& a, const Relief& b, double mm_per_px, double stiffness_N_mm);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Track of one object over the frames: turns its segment in each frame into surface, rest,
-// presence, pose and cells. Thread: the one that runs Vision.
+// Track of one object over the frames. From the object's segment (its mask in a frame) it computes
+// surface, rest, presence, pose and cell motion. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -20,65 +20,72 @@
 
 namespace hapticast::server {
 
-// Result of tracking for one object in one frame: surface, pose and residual motion. Thread: the
-// one that runs Vision.
+// Result of tracking one object in one frame: surface, pose and residual motion. Thread: the one
+// that runs Vision.
 
-/// One object in one frame.
+/// What the tracker found out about one object in one frame.
 struct TrackedObject {
   std::uint32_t id = 0;
-  bool seen = true;  ///< false: lost, stays at its last position
+  bool seen = true;  ///< false: the object is lost and remains at its last position
   Surface surface;
   ObjectPose pose;
-  CellFlow cells;                 ///< residual motion; empty if the plan or the method omits it
-  double quality = 1.0;           ///< of the tracking, 0..1
-  double visible_fraction = 1.0;  ///< visible share of the area, 0..1
-  /// Stages that are off; never null.
+  CellFlow cells;        ///< residual motion in cells; empty if the plan or the method omits it
+  double quality = 1.0;  ///< quality of the tracking, 0..1
+  double visible_fraction = 1.0;  ///< visible share of the object's area, 0..1
+  /// Scene plan of the object; never null.
   std::shared_ptr<ScenePlan> plan = std::make_shared<ScenePlan>(PlanSettings{}, false);
-  double held_share = 0.0;  ///< held share of the surface, 0..1; 1: all of it rests
+  /// Share of the surface that is held constant, 0..1; 1: all of it rests.
+  double held_share = 0.0;
 
   [[nodiscard]] bool atRest() const { return held_share >= 1.0; }
-  /// Returns whether the tracking is good enough to measure motion; else the motion is
+  /// Returns whether the tracking is good enough to measure motion. If it is not, the motion is
   /// extrapolated.
   [[nodiscard]] bool isWellTracked() const { return quality >= kGoodQuality; }
 
-  static constexpr double kGoodQuality = 0.75;  ///< chosen: between 1 and a doubtful step's 0.7
+  /// Least quality of tracking that is good enough to measure motion. The value is a choice,
+  /// between 1 and a doubtful step's 0.7.
+  static constexpr double kGoodQuality = 0.75;
 };
 
 /// Settings that all tracks of a clip share.
 struct TrackSettings {
   VisionSettings vision;
   PoseSettings pose;
-  bool exact_masks = false;      ///< the source's own masks
+  bool exact_masks = false;      ///< whether the masks are the source's own
   const Clock* clock = nullptr;  ///< measures durations of stages; null: no measurement
 };
 
-/// Track of one object. Each frame: isResting(), computeFlow(), then update() or lose().
+/// Track of one object. In each frame call isResting(), computeFlow(), and then update() or lose().
+/// computeFlow() may be omitted in frames in which all objects rest.
 class Track {
  public:
-  /// Starts with the object's segment in this frame. `settings` must outlive the track.
+  /// Begins the track with the object's segment in this frame. `settings` must outlive the track.
   Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames);
 
-  /// Starts a frame of the plan. Returns whether the frame shows the held object: all of it at
-  /// rest, and no active stage would measure it again. False if the author annotated this frame
-  /// (`told`).
+  /// Begins the next frame. Returns true if the whole object is at rest and this frame shows it
+  /// unchanged, unless an active stage has to measure it again. update() then leaves surface and
+  /// pose as they are. Returns false if `told`, that is, if the author annotated this frame.
   bool isResting(const FramePair& frames, bool told);
-  /// Returns the motion of the object since the last frame, which moves its mask. Call after
-  /// isResting().
+  /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
+  /// by it. Call it after isResting().
   const ObjectFlow& computeFlow(const FramePair& frames);
-  /// Adds the object's segment in this frame. Last call of a frame, in place of lose().
+  /// Computes surface and pose from the object's segment in this frame. It is the last call of a
+  /// frame; if the object has no segment, call lose() in its place.
   void update(const Segment& segment, const FramePair& frames);
-  /// Marks the object as lost in this frame: its pose stays and its quality falls.
+  /// Marks the object as lost in this frame: its pose remains and its quality decreases.
   void lose();
-  /// Adds the motion of the background behind the object in this frame, px.
+  /// Adds the motion of the background behind the object in this frame, px right and px down.
   void addBackground(const cv::Vec2d& step_px) { background_px_ += step_px; }
 
   [[nodiscard]] const TrackedObject& object() const { return now_; }
-  /// Mask of the last frame that showed the object: CV_8UC1, 0/255, image size.
+  /// Returns the mask of the last frame with the object: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// Returns whether the object was lost for more than kKeepLost frames.
   [[nodiscard]] bool isGone() const { return lost_ > kKeepLost; }
 
-  static constexpr int kKeepLost = 5;  ///< frames of a lost object; chosen, 0.2 s at 25 fps
+  /// Number of frames for which a lost object remains in the results. The value is a choice: 0.2 s
+  /// at 25 fps.
+  static constexpr int kKeepLost = 5;
 
  private:
   [[nodiscard]] bool repeatsDepth(const FramePair& frames, const cv::Mat& mask) const;
@@ -92,12 +99,12 @@ class Track {
   cv::Mat mask_;
   PoseTracker motion_;
   StaticRegionFilter hold_;
-  ObjectFlow flow_;            // from the last frame to this one
-  bool rests_ = false;         // nothing of it changed in this frame
-  int lost_ = 0;               // frames
+  ObjectFlow flow_;            // motion in the picture from the last frame to this one
+  bool rests_ = false;         // the object did not change in this frame
+  int lost_ = 0;               // frames since the object was lost; 0: present
   double full_area_px_ = 0.0;  // area of the whole object at its present size
   cv::Vec2d last_step_px_{0, 0};
-  cv::Vec2d background_px_{0, 0};  // motion of the background behind the object, accumulated
+  cv::Vec2d background_px_{0, 0};  // sum of the background's motion behind the object
 };
 
 }  // namespace hapticast::server

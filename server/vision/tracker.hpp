@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Multi-object tracking without the clip's mapped range: frames in, objects with surface and pose
-// out. Runs once to scan a clip and once to stream it.
-// Tracker creates and removes tracks; Track does the work of one object in a frame. Thread: the one
+// Multi-object tracking: finds the objects of each frame with their surfaces (depths in mm) and
+// poses. It does not need the mapped range. It runs once to scan a clip and once to stream it.
+// Tracker creates and removes tracks. Each Track processes one object in a frame. Thread: the one
 // that runs Vision.
 #pragma once
 
@@ -16,21 +16,21 @@
 
 namespace hapticast::server {
 
-/// All objects of one clip.
+/// Tracks all objects of one clip.
 class Tracker {
  public:
-  /// Copies `info` and `settings`. Increments `next_id` for each new object. `next_id` and
-  /// `annotations` must outlive the tracker. `clock` measures durations of stages; null: no
-  /// measurement.
+  /// Copies `info` and `settings`. Each new object has the id `next_id`, which is then incremented.
+  /// `next_id` and `annotations` must outlive the tracker. `clock` measures durations of stages;
+  /// null: no measurement.
   Tracker(const SourceInfo& info, const VisionSettings& settings, const Clock* clock,
           std::uint32_t& next_id, ClipAnnotations& annotations);
 
-  /// Returns the objects of the next frame, at most kMaxObjects. Lost objects remain for
-  /// Track::kKeepLost frames, with quality falling to 0. `time_s`: media time.
-  /// Throws SourceError (a frame does not match `info`, an object point lies on no object).
+  /// Returns the objects of the next frame, at most kMaxObjects. A lost object remains for
+  /// Track::kKeepLost frames, in which its quality decreases to 0. `time_s`: media time, s. Throws
+  /// SourceError if a frame does not match `info`, or if an object point lies on no object.
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
   [[nodiscard]] const DepthNoise& noise() const { return frames_.noise(); }
-  /// Returns whether the last frame starts another scene; then all objects are new.
+  /// Returns whether another scene begins with the last frame. If so, all its objects are new.
   [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
  private:

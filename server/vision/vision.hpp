@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Vision pipeline of a frame: segment -> enhance -> motion -> describe. Images and times in,
-// structs out. It has no threads, clocks or sockets. Thread: one at a time, the one that runs
-// Vision.
+// Vision pipeline of a frame: segment -> enhance -> motion -> describe. Its input are images with
+// their times, its output are structs. It has no threads and no sockets. Thread: one at a time, the
+// one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -20,45 +20,49 @@
 
 namespace hapticast::server {
 
-/// A complete frame, `lookahead` frames after its push.
+/// A complete frame with its picture. A frame is complete `lookahead` frames after its push(),
+/// because its motion depends on later frames too.
 struct VisionResult {
-  HapticFrame frame;  ///< with the reliefs of all its objects
-  cv::Mat color;      ///< picture of the same instant, CV_8UC3, BGR
+  HapticFrame frame;  ///< the frame, with the reliefs of all its objects
+  cv::Mat color;      ///< picture of the same frame
 };
 
-/// Vision of one source.
+/// Converts the images of one source to haptic frames.
 class Vision {
  public:
-  /// Throws SourceError (for example, an object point outside the picture). `clock` measures
-  /// durations of stages for plan() and must outlive Vision; null: no measurement.
+  /// Throws SourceError if settings and source do not fit, for example if an object point lies
+  /// outside the picture. `clock` measures durations of stages for plan() and must outlive Vision;
+  /// null: no measurement.
   Vision(const SourceInfo& info, VisionSettings settings, const Clock* clock = nullptr);
   ~Vision();
 
-  /// Called after each frame of a scan, with counts of frames. Returns whether to continue.
+  /// Function that scan() calls after each frame, with the numbers of frames done and of all
+  /// frames. It returns whether the scan should continue.
   using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
-  /// Scans a recorded clip for its mapped range, motion and largest acceleration, then rewinds it.
-  /// Does nothing for a live source, or if the range is stated and no motion is measured.
-  /// Returns false if `progress` (may be null) ended the scan; then it has no results. Throws
-  /// SourceError.
+  /// Processes a whole recorded clip to find its mapped range, motion and largest acceleration.
+  /// Then it rewinds the clip. Returns true. Returns false if `progress` (may be null) ended the
+  /// scan; then the scan has no results. For a live source it does nothing. It also does nothing if
+  /// the author stated the range and motion is off. Throws SourceError.
   bool scan(RgbdSource& source, const Progress& progress);
 
-  /// Adds the next frame; returns the frame that is complete now, if any. `media_time` increases
-  /// with each frame.
-  /// A new epoch starts at a scene cut, and at a new source epoch in which an object moved. Throws
-  /// SourceError.
+  /// Adds the next frame and returns the frame that this completes. Returns nullopt if no frame is
+  /// complete yet. `media_time` must increase with each frame. A new epoch begins at a scene cut.
+  /// It also begins at a new epoch of the source, if an object moved there. Throws SourceError.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
-  /// Returns the remaining frames at the end of the stream, oldest first.
+  /// Returns the frames that push() has not returned yet, oldest first. Call it at the end of the
+  /// stream.
   [[nodiscard]] std::vector<VisionResult> flush();
 
-  /// Returns the plan of each object of the last added frame, by object id.
+  /// Returns the scene plan of each object of the last added frame, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
-  /// Returns the depths that become heights; nullopt before the first object was seen. The author
-  /// sets them, or scan() (recorded) or the first frame with an object (live) finds them.
+  /// Returns the mapped range: the depths that become heights 30 and 0. Returns nullopt before it
+  /// is known. The author sets it. Otherwise scan() finds it for a recorded clip, and the first
+  /// frame with an object finds it for a live source.
   [[nodiscard]] const std::optional<MappedRange>& mapped() const;
 
-  /// Returns the description to announce; complete after scan() (recorded) or the first frame
-  /// (live).
+  /// Returns the description of the stream for the viewers' welcome. It is complete after scan()
+  /// for a recorded clip, and after the first frame for a live source.
   [[nodiscard]] const StreamDescription& description() const;
 
  private:

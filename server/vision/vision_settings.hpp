@@ -22,12 +22,12 @@ enum class MotionMode : std::uint8_t { kAuto, kRgbd, kLk, kDepth, kNone };
 
 /// Stages that a scene plan can switch off (scene_plan.hpp).
 enum class Stage : std::uint8_t {
-  kSegment,  ///< assigns pixels to the object
-  kClean,    ///< rejects background depth at the rim, fills holes
-  kSmooth,   ///< local quadratic fit of the heights
-  kMotion,   ///< aligns with the last frame
-  kGrid,     ///< measures the residual motion in cells
-  kHeights,  ///< sends heights (when off: once a second, and to new clients)
+  kSegment,  ///< decides which pixels belong to the object
+  kClean,    ///< rejects depth of the background at the rim, and fills holes
+  kSmooth,   ///< smooths the heights by a local quadratic fit
+  kMotion,   ///< aligns the object with the last frame to measure its motion
+  kGrid,     ///< measures in cells the motion that is not rigid
+  kHeights,  ///< sends the heights; when off, only once a second and to new clients
 };
 inline constexpr std::array<std::string_view, 6> kStageNames{"segment", "clean", "smooth",
                                                              "motion",  "grid",  "heights"};
@@ -35,22 +35,22 @@ inline constexpr std::size_t kStages = kStageNames.size();
 
 /// Settings of the scene plan.
 struct PlanSettings {
-  bool everything = false;  ///< all stages stay on
-  /// The author's choice by stage; nullopt: the plan decides.
+  bool everything = false;  ///< true: all stages stay on
+  /// The author's choice for each stage, on or off; nullopt: the plan decides.
   std::array<std::optional<bool>, kStages> forced{};
-  /// Error budget, N: a tenth of the smallest difference that a hand perceives. That is 7 % (Pang,
-  /// Tan and Durlach 1991, discrimination of force by the fingers) of a touch of 1 N.
+  /// Error budget, N: the change of force that an omitted stage may cause. It is a tenth of the
+  /// smallest difference that a hand perceives at 1 N, which is 7 % (Pang, Tan and Durlach 1991).
   double error_budget_N = 0.007;
 };
 
-/// A point of the author on the picture, at one time of the clip.
+/// A point that the author marked in the picture at one time of the clip.
 struct AuthorPoint {
   Vec2 at_px = Vec2::Zero();
-  double time_s = 0.0;  ///< in the clip, 0 or more; 0: its first frame
+  double time_s = 0.0;  ///< time in the clip, s, 0 or more; 0: its first frame
   bool operator==(const AuthorPoint&) const = default;
 };
 
-/// Returns the points of the first frame, px.
+/// Returns the positions of those points that belong to the clip's first frame, px.
 inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points) {
   std::vector<Vec2> out;
   out.reserve(points.size());
@@ -60,32 +60,38 @@ inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points
   return out;
 }
 
-inline constexpr double kUsualStiffness_N_mm = 0.5;  ///< of an Omni; viewers' default
+/// Stiffness that an Omni renders; the viewers' default.
+inline constexpr double kUsualStiffness_N_mm = 0.5;
 
 /// Settings of vision, with the flags that set them.
 struct VisionSettings {
   Method method = Method::kHapticast;
   SegmentMode segment = SegmentMode::kAuto;
   MotionMode motion = MotionMode::kAuto;
-  std::vector<AuthorPoint> object_points;  ///< --object; empty: the nearest compact object
-  std::vector<AuthorPoint> not_points;     ///< --not
-  std::optional<DepthRange> depth_range;   ///< --depth-range: depths of the levels of 8-bit depth
-  std::optional<DepthRange> map_range;     ///< --map-range: the depths that become heights
-  std::optional<double> fov_deg;           ///< --fov, 10..170; overrides the source's camera
-  bool stretch = false;                    ///< --stretch: each axis has its own scale
-  Material material;                       ///< --stiffness, --friction
-  std::optional<double> mass_kg;           ///< --mass
-  PlanSettings plan;                       ///< --plan, --error-budget
-  /// --low-latency: one frame of lookahead; impacts only in a scanned clip.
+  /// --object: points on objects; empty: the nearest compact object.
+  std::vector<AuthorPoint> object_points;
+  std::vector<AuthorPoint> not_points;    ///< --not: points that are not on an object
+  std::optional<DepthRange> depth_range;  ///< --depth-range: depths of the levels of 8-bit depth
+  /// --map-range: the mapped range, instead of the measured one.
+  std::optional<DepthRange> map_range;
+  /// --fov: horizontal field of view, 10..170; overrides the source's camera.
+  std::optional<double> fov_deg;
+  bool stretch = false;           ///< --stretch: each axis has its own scale
+  Material material;              ///< --stiffness, --friction: material of all objects
+  std::optional<double> mass_kg;  ///< --mass: mass of an object
+  PlanSettings plan;              ///< --plan, --error-budget: settings of the scene plan
+  /// --low-latency: one frame of lookahead. Impacts are then found only in a clip that was scanned.
   bool low_latency = false;
-  /// --compensate-pan: accelerations and impacts relative to the background instead of the picture.
+  /// --compensate-pan: accelerations and impacts are relative to the background, not to the
+  /// picture.
   bool compensate_pan = false;
 
-  /// Returns the stiffness for estimates of force, N/mm: the author's, else the usual stiffness.
+  /// Returns the stiffness for estimates of force, N/mm: the author's value, or
+  /// kUsualStiffness_N_mm.
   [[nodiscard]] double stiffness_N_mm() const {
     return material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
   }
-  /// Returns whether motion is measured at all (--motion, --plan).
+  /// Returns whether motion is measured at all, which --motion and --plan can switch off.
   [[nodiscard]] bool moves() const {
     return motion != MotionMode::kNone &&
            plan.forced[static_cast<std::size_t>(Stage::kMotion)].value_or(true);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Noise estimation of a depth image: standard deviation over range, from the median of absolute
-// second differences (median absolute deviation), and the quantum of the depth values.
-// The input is working depth (frame_pair.hpp). Thread: any.
+// Estimates the noise of a depth image: its standard deviation for each range of depths, and the
+// step between its values (quantum). The estimate uses second differences of neighbouring pixels,
+// which a smooth surface hardly changes. Their median absolute value yields the standard deviation,
+// because outliers hardly change a median. The input is the working depth of frame_pair.hpp, in mm.
+// Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,30 +11,35 @@
 
 namespace hapticast::server {
 
-/// Depth noise for each bin of range, and the quantum of the depth values.
+/// Noise of a scene's depth: standard deviations at different depths, and the step between values.
 struct DepthNoise {
-  /// Standard deviation for each kBin_mm of range; not empty after measureNoise().
+  /// Standard deviation of depths in each interval of kBin_mm, mm. The first interval begins at 0
+  /// mm. measureNoise() fills at least one entry.
   std::vector<double> sigma_mm;
-  double quantum_mm = 0.0;  ///< step between depth values, 0 or more; 0: continuous
-  bool eight_bit = false;   ///< 8-bit depth: its quantum is coarser than a sensor's noise
-  bool flickers = false;    ///< the source estimates scale and shift anew for each frame
-  /// Width of a bin of range. Chosen: a sensor's noise grows with z², by a quarter over this width
-  /// at 1 m.
+  /// Smallest step between two depth values, mm; 0: values are continuous.
+  double quantum_mm = 0.0;
+  bool eight_bit = false;  ///< the depth has 8 bits: its steps are larger than a sensor's noise
+  bool flickers = false;   ///< each frame of the source has another scale and shift of its depth
+  /// Width of an interval of depths, mm. The value is a choice: a sensor's noise grows with the
+  /// square of the depth. At 1 m it grows by a quarter over this width.
   static constexpr double kBin_mm = 250.0;
 
-  /// Returns the standard deviation at `depth_mm`, mm. Requires a non-empty sigma_mm.
+  /// Returns the standard deviation of a measured depth at `depth_mm`, mm. Requires a non-empty
+  /// sigma_mm.
   [[nodiscard]] double at(double depth_mm) const;
-  /// Returns the largest step between neighbours on one surface: max(5 mm, 6 sigma, 1.5 quanta).
+  /// Returns the largest difference of depth that neighbouring pixels of one surface can have, mm.
+  /// It is the largest of 5 mm, 6 standard deviations and 1.5 quanta.
   [[nodiscard]] double step_mm(double depth_mm) const;
-  /// Returns whether averaging would not improve this depth: exact, or 8-bit with rounding as its
-  /// only error.
+  /// Returns whether the depth at `depth_mm` is so exact that smoothing would not improve it. That
+  /// is so for exact depth, and for 8-bit depth whose only error is rounding.
   [[nodiscard]] bool clean(double depth_mm) const;
 };
 
-/// Measures the noise of `depth` (CV_32FC1, mm, 0: not measured). The noise of each bin is 1.48
-/// median |second difference| / sqrt(6), which assumes uncorrelated pixels.
-/// Correlated noise yields 2 to 3 times less than its true value. The quantum is the median gap
-/// between the values that occur.
+/// Measures the noise of `depth` (CV_32FC1, mm, 0: not measured). The standard deviation of each
+/// interval is 1.48 times the median |second difference|, divided by sqrt(6). This formula assumes
+/// that the errors of neighbouring pixels are independent. If they are correlated, the result is
+/// only a half to a third of the true value. The quantum is the median gap between the depth values
+/// in the image.
 DepthNoise measureNoise(const cv::Mat& depth);
 
 }  // namespace hapticast::server

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Scale-and-shift alignment of monocular depth: an estimator that works on single pictures scales
-// and shifts each frame differently, so the whole scene hops.
-// Resting background samples measure the hop by least median of squares (Rousseeuw 1984) and
-// reweighted least squares with Tukey's biweight (Beaton and Tukey 1974). The hop is then undone.
-// Thread: the one that runs Vision.
+// Scale-and-shift alignment of depth that an estimator computes from single pictures. Such an
+// estimator scales and shifts each frame differently, so the depth of the whole scene jumps (a
+// hop). Background pixels at rest measure each hop, and the depth is corrected by it. The fit uses
+// least median of squares (Rousseeuw 1984). Reweighted least squares with Tukey's biweight (Beaton
+// and Tukey 1974) refine the fit. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,24 +13,25 @@
 
 namespace hapticast::server {
 
-/// Scale and shift that map a frame's depth onto the depth before: of 1/z for metric depth, of
-/// working depth for 8-bit levels.
+/// Scale and shift that map a frame's depth onto the depth of the frame before. For metric depth
+/// they apply to 1/z. For 8-bit depth they apply to the working depth (frame_pair.hpp).
 struct ScaleShift {
   double scale = 1.0;
   double shift = 0.0;
   [[nodiscard]] bool none() const { return scale == 1.0 && shift == 0.0; }
 };
 
-/// Aligns the depth of successive frames of one scene.
+/// Removes the hops between the depths of successive frames of one scene.
 class DepthScaleAlignment {
  public:
   explicit DepthScaleAlignment(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
 
-  /// Returns working depth (CV_32FC1, mm) with the scale and shift of the frames before.
-  /// Returns `depth` itself before the source has shown hops, and while the camera moves. `gray`:
-  /// CV_8UC1. `objects`: CV_8UC1, 0/255, non-background, may be empty. All have one size.
+  /// Returns `depth` with the scale and shift of the frames before. Returns `depth` itself while
+  /// the camera moves, and as long as the source has not shown hops. `depth`: working depth,
+  /// CV_32FC1, mm. `gray`: CV_8UC1. `objects`: CV_8UC1, 255 on objects and 0 on the background; may
+  /// be empty. All have one size. Call it once for each frame.
   cv::Mat steady(const cv::Mat& depth, const cv::Mat& gray, const cv::Mat& objects);
-  /// Returns whether the source has shown hops.
+  /// Returns whether the source has shown hops, so that steady() corrects them from then on.
   [[nodiscard]] bool shown() const { return shown_; }
 
  private:
@@ -48,12 +49,12 @@ class DepthScaleAlignment {
   bool inverse_;
   bool shown_ = false;
   bool camera_rests_ = false;
-  int hops_ = 0;         // alternating
-  double last_hop_ = 0;  // of all resting samples, as a share of the depth
+  int hops_ = 0;         // hops so far that alternated in direction
+  double last_hop_ = 0;  // last hop of all resting samples, as a share of the depth
   int frame_ = 0;
-  cv::Mat depth_;  // CV_32FC1, every kEvery_px: mean depth of resting samples, mm; 0: not measured
-  cv::Mat gray_;   // CV_32FC1, every kEvery_px: mean brightness of resting samples
-  cv::Mat age_;    // CV_32FC1, frames at rest
+  cv::Mat depth_;  // sampled every kEvery_px, CV_32FC1: mean depth at rest, mm; 0: not measured
+  cv::Mat gray_;   // sampled every kEvery_px, CV_32FC1: mean brightness at rest
+  cv::Mat age_;    // frames for which each sample is at rest, CV_32FC1
 };
 
 }  // namespace hapticast::server

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Pyramidal Lucas-Kanade optical flow (Lucas and Kanade 1981, Bouguet 2001) of an object between
-// the last frame and this frame, on Shi-Tomasi corners of its texture. RANSAC fits a similarity.
-// The segmenter moves masks with this flow, and the motion measurement starts from it. Coordinates:
-// OpenCV's, pixel centres at whole numbers. Thread: any.
+// Pyramidal Lucas-Kanade optical flow (Lucas and Kanade 1981, Bouguet 2001) of an object from the
+// last frame to this frame. It tracks Shi-Tomasi corners of the object's texture. RANSAC fits a
+// similarity (shift, rotation and scale) to the tracks. The segmenter moves masks with this
+// similarity, and the motion measurement starts from it. Coordinates are those of OpenCV: pixel
+// centres lie at whole numbers. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +13,12 @@
 
 namespace hapticast::server {
 
-/// Larger boxes use every second pixel only, for corners and for means. Chosen.
+/// Area of an object's bounding box, px. Above it, only every second pixel of the box is used, in
+/// the search for corners and in means. The value is a choice.
 inline constexpr int kDense_px = 40000;
 
-/// Points of one picture and their positions in the next picture; equal lengths, px.
+/// Points of one picture and the positions of the same points in the next picture, px. Both lists
+/// have one length: from[i] moved to to[i].
 struct PointTracks {
   std::vector<cv::Point2f> from;
   std::vector<cv::Point2f> to;
@@ -23,39 +26,46 @@ struct PointTracks {
 
 /// Motion of an object in the picture from the last frame to this frame.
 struct ObjectFlow {
-  cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< last px -> this px
-  bool reliable = false;                     ///< the shift is measured; false: it is the guess
-  bool rotation_reliable = false;            ///< scale and rotation are measured too
-  bool isStatic = false;  ///< the object rests and was not measured: its mask is the last mask
-  PointTracks tracks;     ///< tracks on the object that agree with the similarity
+  cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< maps px of the last picture to px of this picture
+  bool reliable = false;           ///< true: the shift was measured; false: it is only a guess
+  bool rotation_reliable = false;  ///< true: scale and rotation were measured too
+  bool isStatic = false;  ///< the object rests, so nothing was measured: its mask is the last mask
+  PointTracks tracks;     ///< points on the object whose motion agrees with the similarity
 
   /// Maps a point of the last picture to this picture, px.
   [[nodiscard]] cv::Point2d warp(const cv::Point2d& point) const;
-  /// Returns the scale of the similarity (1: unchanged).
+  /// Returns by which factor the object grew in the picture (1: unchanged).
   [[nodiscard]] double scale() const;
-  /// Returns the rotation in the picture, rad, from +u towards +v (clockwise in the picture).
+  /// Returns the object's rotation in the picture, rad, from +u towards +v (clockwise as
+  /// displayed).
   [[nodiscard]] double rotation_rad() const;
 };
-using Flows = std::map<std::uint32_t, ObjectFlow>;  ///< by object id
+using Flows = std::map<std::uint32_t, ObjectFlow>;  ///< flow of each object, by object id
 
-/// Tracks corners of `mask` (CV_8UC1, 0/255) from the last picture into this picture, forward and
-/// backward (error below 1 px). Fits the similarity of most corners (RANSAC, 2 px).
-/// Falls back to the median shift if there are too few corners or the scale is implausible.
-/// `guess_px` is the initial shift. Pictures: CV_8UC1 of one size.
+/// Measures the motion of an object from the last picture to this picture. It tracks corners inside
+/// `mask` (CV_8UC1, 0/255) as trackPoints() does, and fits a similarity to the tracks by RANSAC.
+/// The similarity is the one that most corners obey to 2 px. With too few corners or an implausible
+/// scale, the result has only the median shift of the corners. `mask` belongs to the last picture.
+/// `guess_px`: expected shift of the object, at which the search starts. Both pictures are CV_8UC1
+/// of one size.
 ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& mask,
                        const cv::Vec2d& guess_px);
 
-/// Tracks `points` of the last picture into this picture, forward and backward (error below 1 px).
-/// The search for each point starts at its entry in `guesses` (same length). Omits lost points.
+/// Finds `points` (px) of the last picture in this picture. Returns the points that were found,
+/// with their new positions, and omits all other points. Each found point is also tracked back into
+/// the last picture. A point counts as found only if this second track ends less than 1 px from its
+/// start. `guesses` has the expected position of each point in this picture, and the same length as
+/// `points`. Both pictures are CV_8UC1 of one size.
 PointTracks trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
                         const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses);
 
-/// Warps `image`, which covers `from_box` of the last picture, into `to_box` of this picture.
-/// Pixels without a source are 0.
+/// Moves `image` by `similarity` (last px to this px). `image` covers `from_box` of the last
+/// picture, and the result covers `to_box` of this picture. Pixels without a source are 0.
+/// `interpolation`: one of OpenCV's interpolation flags.
 cv::Mat warpImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
                   const cv::Matx23d& similarity, int interpolation);
 
-/// Converts a similarity to a 3 x 3 matrix, so that similarities can be multiplied.
+/// Returns `similarity` as a 3 x 3 matrix, so that similarities can be multiplied.
 cv::Matx33d homogeneous(const cv::Matx23d& similarity);
 
 }  // namespace hapticast::server

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Pairs each frame with the frame before it, and computes once the data that all objects share:
-// working images, depth noise, scene cut, identical repeat. Thread: the one that runs Vision.
+// Pairs each frame with the frame before it. It also computes once what all objects share: working
+// images, depth noise, whether the scene was cut, and whether the frame repeats the last frame.
+// Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,17 +12,17 @@
 
 namespace hapticast::server {
 
-// Working images of a frame: colour, grey and *working depth* in mm, the common input of all stages
-// of vision.
-// No code writes into these images (rule in rgbd_source.hpp), so stages share them without copies.
-// Thread: the one that runs Vision.
+// Working images of a frame: colour, grey and *working depth*. Working depth is the depth in mm
+// that all stages of vision use, whatever the source delivers; larger values are farther. No code
+// writes into these images (rule in rgbd_source.hpp), so stages share them without copies. Thread:
+// the one that runs Vision.
 
-/// Range of 8-bit depth, whose level 255 is near and 0 is far, if neither the source nor the author
-/// states a range. Mapped over this range a level h becomes height = h / 255 * 30 mm, as in the
-/// thesis.
+/// Working depths of 8-bit levels, if neither the source nor the author states a range. Level 255
+/// (near) becomes 600 mm and level 0 (far) becomes 1000 mm. If this range is also the mapped range,
+/// level h has the height h / 255 * 30 mm, as in the thesis.
 inline constexpr DepthRange kHeightRange{600.0, 1000.0};
 
-/// Picture width that constants in px assume, px. Larger pictures are sampled more coarsely.
+/// Picture width to which constants in px refer, px. Larger pictures are sampled more coarsely.
 inline constexpr int kUsualWidth_px = 640;
 
 /// Images of one frame, all of one size.
@@ -30,63 +31,66 @@ struct FrameImages {
   cv::Mat gray;   ///< CV_8UC1
   cv::Mat depth;  ///< CV_32FC1, working depth in mm, 0: not measured; finite
   cv::Mat mask;   ///< the source's mask: empty, or CV_8UC1 with n for object n
-  /// The author's key mask: empty in most frames, or CV_8UC1 with n for object n; then `mask` is
-  /// empty.
+  /// The author's key mask of this frame: CV_8UC1 with n for object n. It is empty in most frames.
+  /// If it is not empty, `mask` is empty.
   cv::Mat key_mask;
 };
 
-// Shot boundary detection: finds the frames at which a clip cuts to another scene, by correlation
-// of brightness and change of depth. State of the old scene is invalid after a cut.
-// Thread: the one that runs Vision.
+// Shot boundary detection: finds the frames at which a clip cuts to another scene. It compares
+// brightness and depth of successive frames. State of the old scene is invalid after a cut. Thread:
+// the one that runs Vision.
 
-/// Compares successive frames at 1/16 of their size. A cut is where both brightness and depth
-/// differ from the last frame. Motion, pans and changes of light change only one of them, or both a
-/// little.
+/// Compares successive frames at 1/16 of their size. A cut is where brightness and depth both
+/// differ strongly from the last frame. Motion, pans and changes of light change only one of them,
+/// or change both a little.
 class SceneCuts {
  public:
-  /// Returns whether a cut lies directly before this frame; false for the first frame.
+  /// Returns whether `images` is the first frame after a cut; false for the first frame of all.
+  /// Call it for each frame in order.
   bool next(const FrameImages& images);
 
  private:
-  cv::Mat gray_;   // CV_32FC1, small
-  cv::Mat depth_;  // CV_32FC1, small, mm; 0: not measured
+  cv::Mat gray_;   // last frame's grey at 1/16 of its size, CV_32FC1
+  cv::Mat depth_;  // last frame's depth at 1/16 of its size, CV_32FC1, mm; 0: not measured
 };
 
-/// Converts `frame` to working images. Depths that are not finite, not positive or beyond 100 m
+/// Returns the working images of `frame`. Depths that are not finite, not positive or beyond 100 m
 /// count as not measured. Throws SourceError if a type or a size differs from `info`.
 FrameImages makeFrameImages(const RgbdFrame& frame, const SourceInfo& info);
 
-/// Returns whether two images of one type have equal pixels. Stops at the first row that differs.
+/// Returns whether two images of one type have equal pixels. The comparison ends at the first row
+/// with a difference.
 bool equalImages(const cv::Mat& a, const cv::Mat& b);
-/// Returns whether colour, depth and masks are equal.
+/// Returns whether two frames have equal colour, depth and masks.
 bool equalImages(const FrameImages& a, const FrameImages& b);
 
 /// A frame, the frame before it, and the shared results of both.
 struct FramePair {
   FrameImages now;
-  FrameImages last;                ///< empty in the first frame of a scene
-  std::uint64_t index = 0;         ///< index of `now` in the clip
-  double clip_time_s = 0.0;        ///< of `now` in the clip, s
-  double frame_s = 0.0;            ///< one over the clip's announced rate, s
-  double last_clip_time_s = -1.0;  ///< of `last`, s; below 0 in the first frame of a clip
-  bool has_key_masks = false;      ///< the author drew key masks for some frames of the clip
-  DepthNoise noise;                ///< of the scene's depth, measured in the scene's first frame
-  bool cut = false;                ///< `now` is the first frame of another scene
-  bool identical = false;          ///< `now` equals `last`; false if the comparison is off
-  double interval_s = 0.0;         ///< between `last` and `now`, s
+  FrameImages last;          ///< empty in the first frame of a scene
+  std::uint64_t index = 0;   ///< index of `now` in the clip
+  double clip_time_s = 0.0;  ///< time of `now` in the clip, s
+  double frame_s = 0.0;      ///< duration of a frame at the source's stated frame rate, s
+  /// Time of `last` in the clip, s; below 0 in the first frame of a clip.
+  double last_clip_time_s = -1.0;
+  bool has_key_masks = false;  ///< the author drew key masks for some frames of the clip
+  DepthNoise noise;            ///< noise of the scene's depth, measured in the scene's first frame
+  bool cut = false;            ///< `now` is the first frame of another scene
+  bool identical = false;      ///< `now` equals `last`; always false if the comparison is off
+  double interval_s = 0.0;     ///< time between `last` and `now`, s
 };
 
 /// Pairs the frames of one clip.
 class FramePairs {
  public:
-  /// Copies `info`. `compare`: whether to detect frames that repeat the last frame.
+  /// Copies `info`. `compare`: whether to detect frames that repeat the frame before them.
   FramePairs(const SourceInfo& info, bool compare)
       : info_(info), compare_(compare), flicker_(info.depth_kind) {}
 
-  /// Adds the next frame in order of time and returns it with the frame before. `objects`: last
-  /// masks of the objects (CV_8UC1, 0/255, image size), or empty.
-  /// The pixels outside `objects` are the background that aligns the depth. Throws SourceError if
-  /// the frame does not match `info`.
+  /// Adds the next frame, in order of time, and returns it with the frame before it. The pixels
+  /// outside `objects` are the background, from which the alignment of the depth is measured.
+  /// `objects`: last masks of all objects (CV_8UC1, 0/255, size of the image), or empty. `time_s`:
+  /// time of the frame, s. Throws SourceError if the frame does not match `info`.
   FramePair push(const RgbdFrame& frame, double time_s, const cv::Mat& objects = {});
   [[nodiscard]] const DepthNoise& noise() const { return pair_.noise; }
 

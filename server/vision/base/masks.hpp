@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Morphology of masks (CV_8UC1, 0/255): bounding boxes, centroids, erosion, dilation, holes. No
+// Functions for masks (CV_8UC1, 0/255): bounding boxes, centroids, erosion, dilation, holes. No
 // function changes its arguments. Thread: any.
 #pragma once
 
@@ -7,21 +7,23 @@
 
 namespace hapticast::server {
 
-/// Returns the bounding rectangle of the non-zero pixels of `mask`, grown by `margin_px` and
-/// clipped to the picture. Empty if all pixels are zero.
+/// Returns the bounding rectangle of the non-zero pixels of `mask`, enlarged by `margin_px` on each
+/// side and clipped to the picture. The rectangle is empty if all pixels are zero.
 cv::Rect boxAround(const cv::Mat& mask, int margin_px);
-/// Returns `rect` grown by `margin_px` on all sides and clipped to a picture of `size`.
+/// Returns `rect`, enlarged by `margin_px` on each side and clipped to a picture of `size`.
 cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size);
 
-/// Returns the intersection over union of two masks of one size, 0..1; 0 if both are empty.
+/// Returns how far two masks of one size coincide: their intersection over their union, 0..1.
+/// Returns 0 if both are empty.
 double computeOverlap(const cv::Mat& a, const cv::Mat& b);
 
-/// Returns the centroid of `moments` in px, pixel centres at whole numbers. `corner`: position of
-/// the mask's first pixel in the picture. (0, 0) for an empty mask.
+/// Returns the centroid of a mask in the picture, px (pixel centres lie at whole numbers). Returns
+/// (0, 0) for an empty mask. `moments`: cv::moments() of the mask. `corner`: position of the mask's
+/// first pixel in the picture.
 cv::Point2d computeCentroid(const cv::Moments& moments, const cv::Point& corner);
 
-/// Erodes or dilates `mask` with a disc of `radius_px`. Pixels beyond the picture count as outside
-/// for dilation and as inside for erosion.
+/// Return `mask`, eroded or dilated by a disc of `radius_px`. Neither the erosion nor the dilation
+/// changes a pixel because of the picture's border.
 cv::Mat erodedBy(const cv::Mat& mask, int radius_px);
 cv::Mat dilatedBy(const cv::Mat& mask, int radius_px);
 

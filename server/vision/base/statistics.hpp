@@ -10,8 +10,8 @@
 
 namespace hapticast::server {
 
-/// Returns the median of `values`, the upper one of an even count; 0 for no values. Reorders
-/// `values`.
+/// Returns the median of `values`. Of an even number of values it is the upper one of the middle
+/// two. Returns 0 if there are none. Reorders `values`.
 template <class Value>
 double computeMedian(std::vector<Value>& values) {
   if (values.empty()) return 0.0;
@@ -20,16 +20,17 @@ double computeMedian(std::vector<Value>& values) {
   return static_cast<double>(*middle);
 }
 
-/// Returns the standard deviation of normal noise with these absolute deviations: 1.48 times their
-/// median (the MAD; 1 / 0.6745, Rousseeuw and Croux 1993). Reorders them. 0 for no values.
+/// Returns the standard deviation of normally distributed noise from its absolute deviations. It is
+/// 1.48 times their median (1 / 0.6745, Rousseeuw and Croux 1993). Returns 0 if there are none.
+/// Reorders `absolute_deviations`.
 template <class Value>
 double sigmaByMedian(std::vector<Value>& absolute_deviations) {
   return 1.48 * computeMedian(absolute_deviations);
 }
 
-/// Returns the mean of the middle half of `values` (midmean); 0 for no values. Up to a quarter of
-/// the values at each end may be outliers. Unlike a median, it does not jump between rounded
-/// values. Reorders `values`.
+/// Returns the mean of the middle half of `values` (midmean), or 0 if there are none. Outliers do
+/// not change it, as long as at most a quarter of the values at each end are outliers. Unlike a
+/// median, it does not jump between rounded values. Reorders `values`.
 template <class Value>
 double middleMean(std::vector<Value>& values) {
   if (values.empty()) return 0.0;

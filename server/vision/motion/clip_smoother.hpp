@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Fixed-interval smoothing: Kalman filter and Rauch-Tung-Striebel smoother over the whole track of
-// a recorded clip, whose window is the clip itself. Thread: the one that runs Vision.
+// Smooths the track of an object over a whole recorded clip (fixed-interval smoothing). It uses a
+// Kalman filter and a Rauch-Tung-Striebel smoother. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -13,43 +13,45 @@
 
 namespace hapticast::server {
 
-/// Returns the motion at every sample of a track. The states of each coordinate are {p, v, a, jerk,
-/// snap}; white noise drives the derivative of snap and disturbs the measurements.
-/// Kalman filter and Rauch-Tung-Striebel smoother, in de Jong's (1989) form, yield the likeliest
-/// states. A search finds the likeliest ratio of the two noises for this track.
-/// An impact resets the variance of the velocity. Samples at rest over `lookahead` samples on
-/// either side have exactly zero motion.
-/// `samples`: in order of time. Sets position, velocity, acceleration (relative to the background)
-/// and angles only.
+/// Returns the motion at every sample of a track: position, velocity, acceleration (relative to the
+/// background) and angles. Other fields have their defaults. A Kalman filter and a
+/// Rauch-Tung-Striebel smoother, in de Jong's (1989) form, find the likeliest motion. Each
+/// coordinate has the states {p, v, a, jerk, snap}. The model has two white noises: one changes the
+/// derivative of snap, the other disturbs the measurements. A search finds the likeliest ratio of
+/// the two for this track. At an impact the velocity may jump. A sample has exactly zero motion if
+/// the object rests over `lookahead` samples on either side. `samples` are in order of time.
 std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
                                   const std::vector<Impact>& impacts, int lookahead);
 
-/// Motion of a clip's objects, by id, from all frames of its scan.
+/// Motion of a clip's objects, computed from all frames of the clip's scan. Call add() for all
+/// frames, then smooth() once; only then are the other functions valid.
 class ClipMotion {
-  /// Motion of an object at one frame.
  public:
+  /// Motion of an object at one frame.
   struct Moment {
     Motion motion;
-    Vec3 measured_mm = Vec3::Zero();  ///< pose that was smoothed
-    double time_s = 0.0;              ///< in the clip, s
+    Vec3 measured_mm = Vec3::Zero();  ///< measured position before smoothing, nominal mm
+    double time_s = 0.0;              ///< time of the frame in the clip, s
   };
 
-  /// Adds the pose of an object in one frame of the clip; frames in order. `well`: seen and tracked
-  /// well enough to measure motion.
+  /// Adds the pose of an object in one frame of the clip; frames in order. `well`: whether the
+  /// object was visible and tracked well enough to measure its motion.
   void add(std::uint32_t id, std::uint64_t frame, double time_s, const ObjectPose& pose, bool well);
-  /// Smooths all tracks; call once after the last add(). `ended`: the clip ended there; else the
-  /// last `lookahead` frames have no result, because later frames would change it.
+  /// Smooths all tracks. `ended`: whether the scan reached the clip's end. If it did not, the last
+  /// `lookahead` frames have no result, because later frames would change it.
   void smooth(const NominalFrame& nominal, int lookahead, bool ended);
 
-  /// Returns the motion of `object` at `frame` of the clip. Null if the scan did not track it well,
-  /// or saw it 0.25 mm or more from `measured_mm`: then it was another object.
+  /// Returns the motion of `object` at `frame` of the clip. Returns null if the scan did not track
+  /// the object well there. Also returns null if the scan measured it 0.25 mm or more from
+  /// `measured_mm`: then it was another object.
   [[nodiscard]] const Moment* at(std::uint32_t object, std::uint64_t frame,
                                  const Vec3& measured_mm) const;
-  /// Returns the impacts at most `reach_s` before or after `time_s` in the clip, oldest first.
+  /// Returns the impacts of `object` at most `reach_s` before or after `time_s`, oldest first.
+  /// `time_s` is a time in the clip, s.
   [[nodiscard]] std::vector<Impact> impactsAround(std::uint32_t object, double time_s,
                                                   double reach_s) const;
-  /// Returns the magnitudes of well tracked accelerations, mm/s², more than `reach_s` from an
-  /// impact.
+  /// Returns the magnitudes of all accelerations in frames that were tracked well, mm/s². Frames at
+  /// most `reach_s` from an impact are left out.
   [[nodiscard]] std::vector<double> accelerations_mm_s2(double reach_s) const;
 
  private:

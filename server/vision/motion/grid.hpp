@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Dense motion in cells of kGridCell_px: Lucas-Kanade tracks on a lattice over the object, then a
-// median in each cell and a 3 x 3 median filter.
-// It measures the thesis's dense flow, or the residual of the rigid motion of a deforming object.
-// Thread: the one that runs Vision.
+// Measures the motion of an object in cells of kGridCell_px. Lucas-Kanade tracks points on a
+// lattice over the object. Each cell has the median of its tracks, and a 3 x 3 median filter
+// removes outliers. The result is the whole motion (thesis's dense flow), or what remains of a
+// deforming object's motion after its rigid motion is subtracted. Thread: the one that runs Vision.
 #pragma once
 
 #include <functional>
@@ -16,37 +16,39 @@
 
 namespace hapticast::server {
 
-/// Motion from the last frame to this frame in cells over the object's box: px, px and mm of
-/// working depth per frame. Empty if not measured.
+/// Motion of each cell of an object's box from the last frame to this frame: px to the right, px
+/// down and mm of depth. Empty if it was not measured.
 struct CellFlow {
   int columns = 0;
   int rows = 0;
-  double interval_s = 0.0;  ///< since the last frame
-  cv::Mat step;             ///< CV_32FC3, rows x columns; shared by copies, read-only
+  double interval_s = 0.0;  ///< time since the last frame, s
+  cv::Mat step;  ///< motion of each cell, CV_32FC3, rows x columns; copies share it; read-only
 
-  /// Returns a flow with the same cells, all at rest; empty if this flow is empty.
+  /// Returns a flow with the same cells, all without motion. Returns an empty flow if this one is
+  /// empty.
   [[nodiscard]] CellFlow atRest() const;
 };
 
-/// Measures the whole flow of an object. `kLk`: x-y only; `kDepth`: z only; `kAuto`: both.
-/// `last_mask` (CV_8UC1, 0/255, image size) and `before` belong to the last frame.
+/// Measures the whole motion of an object in cells. With `kLk` it measures x and y only, with
+/// `kDepth` z only, with `kAuto` all three. `last_mask` (CV_8UC1, 0/255, size of the image) and
+/// `before` belong to the last frame.
 CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                   const Surface& before, const Surface& now, MotionMode mode);
 
-/// Displacement of a surface point by the rigid motion: px, px and mm. `at_px`: centres at whole
-/// numbers.
+/// Function that returns how a rigid motion displaces a surface point: px to the right, px down and
+/// mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its depth.
 using PredictedMotion = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
 
-/// Measures the residual flow, which `explained` does not predict: px, px and mm of working depth
-/// per frame. Cells without a measurement are 0.
+/// Measures the residual motion in cells: the measured motion less the motion that `explained`
+/// predicts. Cells without a measurement have motion 0.
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
                       const Surface& now, const PredictedMotion& explained);
 
-/// Returns the grid of frame `at` from the flows of the frames around it. Flows of other sizes
-/// match by relative position in the box. Null if the flow of `at` is empty.
-/// Velocity is the mean of the steps into and out of the frame. Acceleration is the change of mean
-/// velocity from the steps before to the steps after.
-/// `mm_per_step`: nominal mm per px right, px down and mm of working depth.
+/// Returns the motion grid of frame `at` from the flows of the frames around it. Returns null if
+/// the flow of `at` is empty. The velocity is the mean of the motions into and out of the frame.
+/// The acceleration is the mean velocity after the frame less the one before it, divided by the
+/// time between them. If flows have different sizes, cells correspond by their relative position in
+/// the box. `mm_per_step`: nominal mm for each px to the right, px down and mm of depth.
 std::shared_ptr<const MotionGrid> makeMotionGrid(const std::vector<const CellFlow*>& flows,
                                                  std::size_t at, const Vec3& mm_per_step);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Impact detection: extrapolates one parabola through three frames before and one through three
-// frames after an interval. An impact is where the two meet with different velocities.
-// One finder for each object. Thread: the one that runs Vision.
+// Impact detection: finds the instants at which an object's velocity jumps, as at a bounce. It
+// examines each interval between two frames. One parabola fits the last three frames before the
+// interval, another the first three frames after it. An impact is where the two parabolas meet with
+// different velocities. Each object has a finder of its own. Thread: the one that runs Vision.
 #pragma once
 
 #include <deque>
@@ -13,18 +14,21 @@
 
 namespace hapticast::server {
 
-/// Impacts of one object.
+/// Finds the impacts of one object and stores the newest ones.
 class ImpactFinder {
  public:
-  static constexpr std::size_t kSide = 3;  ///< frames on either side, at most the lookahead
+  /// Number of frames on either side of an interval to which a parabola is fitted; at most the
+  /// lookahead.
+  static constexpr std::size_t kSide = 3;
 
-  /// Tests the interval from samples[at] to the next sample. Call once for each frame in order of
-  /// time; `time_s` of the samples is media time. Finds nothing without kSide samples up to `at`
-  /// and kSide samples after it.
+  /// Searches for an impact between samples[at] and the next sample, and stores it for around(). It
+  /// finds none if there are fewer than kSide samples up to `at` or fewer than kSide samples after
+  /// it. An impact late in its interval may be found with the next call only. The times of
+  /// `samples` are media times. Call it once for each frame in order of time.
   void test(const std::vector<Sample>& samples, std::size_t at);
 
-  /// Returns the newest impacts at most `reach_s` before or after `time_s`, oldest first; at most
-  /// kMaxImpacts.
+  /// Returns the stored impacts at most `reach_s` before or after the media time `time_s`, oldest
+  /// first. The finder stores the newest kMaxImpacts impacts.
   [[nodiscard]] std::vector<Impact> around(double time_s, double reach_s) const;
 
  private:
@@ -32,16 +36,17 @@ class ImpactFinder {
     double time_s = 0.0;
     Vec3 delta_mm_s = Vec3::Zero();
     double middle_mm_s = 0.0;  // magnitude of the change in the middle between the frames
-    double place = 0.0;        // 0 at the first frame, 1 at the second
-    double bend = 0.0;         // change of acceleration over a frame, relative to the jump
+    double place = 0.0;        // instant of the jump: 0 at the first frame, 1 at the second
+    double bend = 0.0;         // change of acceleration x frame's duration, relative to the jump
     bool clean = false;        // the parabolas meet with similar curvature
   };
   static std::optional<Jump> jumpAfter(const std::vector<Sample>& samples, std::size_t at);
   [[nodiscard]] bool aboveNoise(const Jump& jump) const;
   void accept(const Jump& jump);
 
-  std::deque<double> usual_mm_s_;  // jumps of the last frames
-  std::optional<Jump> waiting_;    // late in its interval; the next interval decides
+  std::deque<double> usual_mm_s_;  // changes of velocity in the last frames
+  // Jump late in its interval; the next interval decides whether it counts.
+  std::optional<Jump> waiting_;
   std::deque<Impact> found_;
 };
 

@@ -11,32 +11,36 @@
 
 namespace hapticast::server {
 
-/// Reference point in the picture (px, pixel centres at +0.5) and in depth, and the rotation about
-/// the viewing axis.
+/// Pose of an object in one frame: position of its reference point in the picture, depth of this
+/// point, and rotation about the viewing axis. Positions are in px, with pixel centres at +0.5.
 struct ObjectPose {
   double u_px = 0.0;
   double v_px = 0.0;
-  double depth_mm = 0.0;   ///< working depth
-  double angle_rad = 0.0;  ///< about +z (towards the viewer), right-handed
-  bool seen = true;        ///< false: too little was visible, the position is a prediction
-  bool depth_seen = true;  ///< false: this frame repeats the last frame's depth
-  /// False: alignment failed and a fallback was used; its error may be a jump.
+  double depth_mm = 0.0;   ///< depth of the reference point, mm; larger is farther
+  double angle_rad = 0.0;  ///< rotation about +z (towards the viewer), right-handed
+  bool seen = true;        ///< false: too little was visible, and the position is a prediction
+  /// False: the depth is that of the last frame, because the source repeated it.
+  bool depth_seen = true;
+  /// False: the rigid alignment failed, and a less exact method found the pose. A jump to this pose
+  /// may then be an error.
   bool confident = true;
   ReferencePoint point = ReferencePoint::kVisibleCentroid;
-  /// Motion of the background here since the track began; 0 without pan compensation.
+  /// Sum of the background's motion at the object since its track began, px; 0 without pan
+  /// compensation.
   cv::Vec2d background_px{0, 0};
 };
 
 // Conversion of poses in the picture to nominal units. Thread: any.
 
-/// The announced workspace, and the range of working depth that becomes its heights.
+/// The workspace of the stream, and the mapped range (depths that become heights 30 and 0). Both
+/// together convert px and mm of depth to nominal mm.
 struct NominalFrame {
   Workspace workspace;
   DepthRange range;
 
-  /// Converts `pose` to nominal mm. `time_s`: time of its frame.
+  /// Returns `pose` in nominal mm. `time_s`: time of its frame, s.
   [[nodiscard]] Sample sample(const ObjectPose& pose, double time_s) const;
-  /// Returns nominal mm per px right, px down and mm of working depth.
+  /// Returns the nominal mm that correspond to 1 px to the right, 1 px down and 1 mm of depth.
   [[nodiscard]] Vec3 mmPerStep() const;
 };
 

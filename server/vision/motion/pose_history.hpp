@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// History of all objects' poses and cells over the frames around the described frame. Thread: the
-// one that runs Vision.
+// Stores the poses and cell motions of all objects over the frames around the frame whose motion is
+// computed. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstddef>
@@ -16,17 +16,19 @@
 
 namespace hapticast::server {
 
-/// Poses of an object over the frames around one frame, in order of time.
+/// Poses of an object in a window of frames, in order of time. The window lies around one frame.
 struct MotionWindow {
   std::vector<Sample> samples;
-  std::optional<std::size_t> at;  ///< index of that frame; nullopt: the object was lost there
-  ReferencePoint point = ReferencePoint::kVisibleCentroid;  ///< in that frame
+  /// Index of that frame in `samples`; nullopt: the object was lost there.
+  std::optional<std::size_t> at;
+  /// Kind of reference point in that frame.
+  ReferencePoint point = ReferencePoint::kVisibleCentroid;
 };
 
-/// Poses and cells of all objects, by object id.
+/// Poses and cell motions of all objects, by object id.
 class MotionHistory {
  public:
-  /// One object in one frame.
+  /// Pose and cell motion of one object in one frame.
   struct Entry {
     std::uint64_t frame = 0;
     double time_s = 0.0;
@@ -34,23 +36,26 @@ class MotionHistory {
     CellFlow cells;
   };
 
-  /// Adds an entry; frames in order. A lost object has no entry in that frame.
+  /// Adds the entry of object `id`; frames in order. Add none in frames in which the object is
+  /// lost.
   void add(std::uint32_t id, Entry entry) { entries_[id].push_back(std::move(entry)); }
-  /// Drops entries that no window of `frame` or a later frame reaches. The last entry of a lost
-  /// object stays for `keep_lost` frames, because the object rests there.
+  /// Deletes entries that no window of `frame` or of a later frame contains. The last entry of a
+  /// lost object remains for `keep_lost` frames, because the object is assumed to rest there.
   void dropBefore(std::uint64_t frame, std::uint64_t keep_lost);
 
-  /// Returns the samples of object `id` at most `lookahead` frames away from `frame`, in nominal
-  /// mm.
+  /// Returns the poses of object `id` in the frames at most `lookahead` frames from `frame`, in
+  /// nominal mm.
   [[nodiscard]] MotionWindow window(std::uint32_t id, std::uint64_t frame, int lookahead,
                                     const NominalFrame& nominal) const;
-  /// Returns the motion of object `id` at the frame of the window `around`. Without an entry there
-  /// (lost object) it rests at its last pose.
+  /// Returns the motion of object `id` at the frame of `around`. If the object was lost in this
+  /// frame, the motion is zero and the position is its last pose.
   [[nodiscard]] Motion motion(std::uint32_t id, const MotionWindow& around, int lookahead,
                               const NominalFrame& nominal) const;
-  /// Returns whether all frames of the window around `frame` have measured cells.
+  /// Returns whether the cell motion of object `id` was measured in all frames of the window around
+  /// `frame`.
   [[nodiscard]] bool hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const;
-  /// Returns the grid of `frame`; null if no cells were measured.
+  /// Returns the motion grid of object `id` at `frame`. Returns null if no cell motion was
+  /// measured.
   [[nodiscard]] std::shared_ptr<const MotionGrid> grid(std::uint32_t id, std::uint64_t frame,
                                                        int lookahead,
                                                        const NominalFrame& nominal) const;

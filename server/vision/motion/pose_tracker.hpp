@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Pose tracking: follows a body-fixed reference point from frame to frame by rigid alignment of
-// colour and depth (direct RGB-D alignment).
-// The thesis's special cases are available too: Lucas-Kanade in x-y, depth differences in z.
-// README.md of server/vision compares them. Thread: the one that runs Vision.
+// Pose tracking: measures from frame to frame how a point that is fixed to the body moves. It
+// aligns colour and depth of the object rigidly (direct RGB-D alignment). The thesis's special
+// cases are available too: Lucas-Kanade in x-y, depth differences in z. README.md of server/vision
+// compares the methods. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -16,49 +16,52 @@
 
 namespace hapticast::server {
 
-/// Observation of one object in a frame.
+/// What the tracker needs about one object in a frame.
 struct Observation {
-  const ObjectFlow& flow;         ///< from the last frame
-  const cv::Mat& gray;            ///< whole picture, CV_8UC1
-  const Surface& surface;         ///< of the object in this frame
-  bool repeated = false;          ///< the depth repeats the last frame, the colour does not
-  bool at_rest = false;           ///< all of the surface is held: the pose remains exactly the same
-  double visible_fraction = 1.0;  ///< of the whole object, 0..1
+  const ObjectFlow& flow;  ///< motion in the picture from the last frame to this frame
+  const cv::Mat& gray;     ///< whole picture, CV_8UC1
+  const Surface& surface;  ///< surface of the object in this frame
+  bool repeated = false;   ///< the depth is that of the last frame, the colour is new
+  bool at_rest = false;    ///< the whole surface is at rest: the pose remains exactly the same
+  double visible_fraction = 1.0;  ///< visible share of the whole object, 0..1
 };
 
 /// Settings of a whole track.
 struct PoseSettings {
   MotionMode mode = MotionMode::kAuto;
-  bool rigid = true;         ///< auto and rgbd align; the thesis's method does not
-  bool exact_masks = false;  ///< the source's own masks
+  /// Whether modes `auto` and `rgbd` align rigidly; false for the thesis's method.
+  bool rigid = true;
+  bool exact_masks = false;  ///< whether the masks are the source's own
   CameraModel camera;
   cv::Size picture;  ///< size of the picture, px
 };
 
-/// Pose of one object. In modes `auto` and `rgbd` the rigid alignment moves a point in the middle
-/// of the body. Outline and depth pull this point slowly (3.5 % a frame) to their centre.
-/// If alignment fails, and in modes `lk` and `depth`, the robust flow moves the point and the
-/// mask's centroid pulls it. In mode `auto` with exact masks the point follows the centroid itself.
-/// Depth then changes by the mean difference over the warped, eroded mask.
+/// Tracks the pose of one object. In modes `auto` and `rgbd`, rigid alignment moves a point in the
+/// middle of the body. The centre of outline and depth corrects this point slowly, by 3.5 % a
+/// frame. If alignment fails, and in modes `lk` and `depth`, the optical flow moves the point. The
+/// mask's centroid then corrects it slowly. In mode `auto` with exact masks, such a point moves
+/// with the centroid alone. Without alignment the depth changes by the mean difference between the
+/// last surface and this surface.
 class PoseTracker {
  public:
-  /// Starts at the surface `first`. `gray`: the whole picture, CV_8UC1.
+  /// Begins the track at the surface `first`. `gray`: the whole picture, CV_8UC1.
   PoseTracker(const PoseSettings& settings, const cv::Mat& gray, const Surface& first);
 
-  /// Aligns the object's template with this frame, whose mask is unknown yet. Returns its flow;
-  /// nullopt if not found. Call at most once before advance().
+  /// Searches for the object in this frame before its mask has been computed. Returns the object's
+  /// motion in the picture, or nullopt if it was not found. Call it at most once before advance().
   std::optional<ObjectFlow> find(const FrameImages& images);
-  /// Adds the next frame and returns its pose.
+  /// Adds the object's observation in the next frame and returns its pose there.
   ObjectPose advance(const Observation& seen);
   [[nodiscard]] const ObjectPose& pose() const { return pose_; }
-  /// Returns whether the last advance() was a rigid alignment.
+  /// Returns whether the last call of advance() aligned the object rigidly.
   [[nodiscard]] bool aligned() const { return aligned_; }
-  /// Returns the displacement of a point of the last frame's surface by that alignment: px, px and
-  /// mm. `at_px`: centres at whole numbers.
+  /// Returns how this alignment displaced a point of the last frame's surface: px to the right, px
+  /// down and mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its
+  /// depth.
   [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
 
  private:
-  struct Shape {  // outline in one frame
+  struct Shape {  // the object's outline in one frame
     cv::Point2d centroid;
     double area_px = 0.0;
     bool entire = false;  // does not touch the picture's border
@@ -75,17 +78,19 @@ class PoseTracker {
   PoseSettings settings_;
   ObjectPose pose_;
   Shape last_;
-  Surface fresh_;                                 // last surface whose depth was no repeat
-  cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // maps its px to the last frame's px
+  Surface fresh_;                                 // last surface whose depth was new
+  cv::Matx33d since_fresh_ = cv::Matx33d::eye();  // maps px of fresh_ to px of the last frame
   RigidTemplate template_;                        // the object in the last frame
-  RigidStep step_;                                // from the template to this frame, since find()
+  RigidStep step_;  // motion from the template to this frame, as find() measured it
   RigidStep last_step_;
   bool aligned_ = false;
   Vec3 aligned_about_mm_ = Vec3::Zero();  // pivot of last_step_
 };
 
-/// Returns the mean of now - before, mm, over the warped, eroded overlap of two surfaces. Values
-/// beyond 3 MAD (at least `floor_mm`) do not count. nullopt with fewer than 20 common pixels.
+/// Returns the mean change of depth from `before` to `now`, mm. Returns nullopt if the surfaces
+/// have fewer than 20 pixels in common. `similarity` moves `before` onto `now`; pixels near the
+/// edge of the overlap do not count. Changes beyond 3 median absolute deviations, at least
+/// `floor_mm`, do not count either.
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
                                          const cv::Matx23d& similarity, double floor_mm);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Reference point: estimates the centre of a body from its visible surface by a sphere fit, an
-// ellipsoid fit or a heuristic.
-// Motion refers to this centre, because the visible surface of a turning or approaching body moves
-// differently from the body. Thread: any.
+// Reference point: estimates the centre of a body from its visible surface. It fits a sphere or an
+// ellipsoid; if both fail, it estimates the centre from the spread of the depths. Motion refers to
+// this centre, because the visible surface of a turning or approaching body moves differently from
+// the body. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,16 +14,16 @@ namespace hapticast::server {
 
 /// Estimated centre of a body.
 struct BodyCentre {
-  Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();  ///< camera frame
-  bool sphere = false;  ///< centre of a fitted sphere; false: of an ellipsoid or another body
+  Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();  ///< position in the camera frame, mm
+  bool sphere = false;  ///< true: centre of a fitted sphere; false: of an ellipsoid, or an estimate
 };
 
-/// Returns the centre of the body behind `surface` (depth in mm); position 0 if it has too little
-/// depth.
-/// A sphere needs a round outline, a good fit and a matching radius. Otherwise it is the centre of
-/// the ellipsoid that fits outline and depths.
-/// If that fit fails too, it is the outline's centroid, set behind the mean depth in proportion to
-/// the spread of the depths (0 for a flat object).
+/// Returns the centre of the body whose visible surface is `surface` (depth in mm). The position is
+/// 0 if the surface has too few measured depths. The body counts as a sphere if its outline is
+/// round and a sphere of matching radius fits the depths well. Otherwise the result is the centre
+/// of the ellipsoid that fits outline and depths. If that fit fails too, the result is the
+/// outline's centroid, moved backwards from the mean depth. The distance grows with the spread of
+/// the depths and is 0 for a flat object.
 BodyCentre computeCentre(const Surface& surface, const CameraModel& camera);
 
 }  // namespace hapticast::server

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Direct rigid alignment of colour and depth from one frame to the next: robust Gauss-Newton on two
-// levels, with an exhaustive coarse search if the prediction fails. Thread: any.
+// Finds the rigid motion of an object from one frame to the next, by direct alignment of colour and
+// depth. The method is robust Gauss-Newton on two levels of an image pyramid. If the predicted
+// motion leads to no good alignment, an exhaustive coarse search finds a new start. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,19 +15,21 @@
 
 namespace hapticast::server {
 
-/// Template of one object in a frame: the points to find in the next frame.
+/// Template of one object: points of its surface in one frame, which find() searches in the next
+/// frame.
 class RigidTemplate {
  public:
   RigidTemplate() = default;
-  /// Costs one blur of the object's box. `gray`: the whole picture, CV_8UC1. `surface`: the
-  /// object's cleaned surface.
+  /// Makes the template. `gray`: the whole picture, CV_8UC1. `surface`: the object's surface, after
+  /// cleanSurface(). The time is about that of one blur of the object's box.
   RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
 
   /// Returns whether the object has too few points for an alignment.
   [[nodiscard]] bool empty() const { return levels_.empty(); }
-  /// Finds the object in `images`: near the prediction `guess`, else within about its own size.
-  /// `pivot_mm`: centre of the rotation, camera frame.
-  /// The result is not reliable if there were too few points, or fewer than half of them agree.
+  /// Returns the motion of the object from the template to `images`. The search begins at the
+  /// predicted motion `guess`. If no good alignment is there, a second search covers 2.5 times the
+  /// object's size in each direction. The result is marked not reliable if there were too few
+  /// points, or if fewer than half of them agree. `pivot_mm`: centre of the rotation, camera frame.
   [[nodiscard]] RigidStep find(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                const RigidStep& guess) const;
 
@@ -35,13 +38,13 @@ class RigidTemplate {
     int factor = 1;  // px of the picture for each px of this level, each way
     std::vector<RigidPoint> points;
   };
-  struct Coarse {  // for the search if the prediction fails
+  struct Coarse {  // reduced images for the exhaustive search
     int factor = 1;
-    cv::Rect box_px;            // whole pixels of the coarse picture
-    cv::Mat gray, depth, mask;  ///< of one size; mask 0..255
+    cv::Rect box_px;            // the object's box in pixels of the coarse picture
+    cv::Mat gray, depth, mask;  ///< all of one size; mask 0..255
 
-    /// Returns the similarity of the template to another picture of this scale, with the template's
-    /// first pixel at `at`. Larger is better.
+    /// Returns how similar this template is to a part of another picture of the same scale. `at`:
+    /// position of the template's first pixel there. A larger value is better.
     [[nodiscard]] double likeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
                                   const cv::Point& at) const;
   };
@@ -50,22 +53,23 @@ class RigidTemplate {
   [[nodiscard]] Eigen::Vector3d unproject(int u, int v, double depth_mm, int factor) const;
   [[nodiscard]] RigidStep align(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                 const RigidStep& guess) const;
-  /// Returns a first guess: an exhaustive comparison of the coarse picture within about the
-  /// object's size.
+  /// Returns a first guess of the motion from an exhaustive comparison of coarse pictures. It
+  /// covers 2.5 times the object's size in each direction.
   [[nodiscard]] RigidStep searched(const FrameImages& images,
                                    const Eigen::Vector3d& pivot_mm) const;
-  /// Returns the similarity nearest to the motion of the outline in `step`.
+  /// Returns the similarity transform of the picture that best fits the outline's motion by `step`.
   [[nodiscard]] cv::Matx23d computeSimilarity(const Eigen::Vector3d& pivot_mm,
                                               const RigidStep& step) const;
-  /// Returns the part of the picture to search after `step`.
+  /// Returns the part of the picture in which the object lies after the motion `step`, with a
+  /// margin.
   [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
                                    const cv::Size& picture) const;
 
   CameraModel camera_;
   cv::Rect box_;
-  DepthRange depth_;                         // depths of the points
-  std::vector<Level> levels_;                // fine, coarse
-  std::vector<Eigen::Vector3d> outline_mm_;  // surface just inside the mask's edge
+  DepthRange depth_;                         // range of the depths of the points
+  std::vector<Level> levels_;                // the fine level, then the coarse one
+  std::vector<Eigen::Vector3d> outline_mm_;  // points of the surface just inside the mask's edge
   Coarse coarse_;
 };
 

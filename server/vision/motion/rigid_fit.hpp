@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Gauss-Newton on colour and depth together: finds the motion of a rigid body's points that agrees
-// with a picture. Forward compositional (Baker and Matthews 2004), robust by Tukey's weights
-// (Beaton and Tukey 1974). Thread: any.
+// Gauss-Newton on colour and depth together: finds the rigid motion after which a body's points
+// agree best with a picture. The scheme is forward compositional (Baker and Matthews 2004). Tukey's
+// weights (Beaton and Tukey 1974) make it robust against outliers. Thread: any.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,39 +11,40 @@
 
 namespace hapticast::server {
 
-/// Rigid motion: X' = rotation (X - pivot) + pivot + shift_mm, in the camera frame (X right, Y
-/// down, Z forward, mm).
+/// Rigid motion of a point X to X' = rotation (X - pivot) + pivot + shift_mm. Coordinates are of
+/// the camera frame (X right, Y down, Z forward, mm).
 struct RigidStep {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();  ///< of the pivot
+  Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();  ///< displacement of the pivot
   double inliers = 0.0;  ///< share of the points that agree in colour and depth, 0..1
   bool reliable = false;
-  /// Maps last px to this px (OpenCV's coordinates, pixel centres at whole numbers); the similarity
-  /// nearest to the motion of the outline.
+  /// Maps px of the last picture to px of this picture (OpenCV's coordinates, pixel centres at
+  /// whole numbers). It is the similarity that best fits the motion of the outline.
   cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
 };
 
-/// Converts a rotation to its axis times its angle, rad.
+/// Returns the axis of `rotation` times its angle, rad.
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation);
 
 /// A point of the body in the last frame.
 struct RigidPoint {
-  Eigen::Vector3d position_mm;  ///< camera frame
-  float gray;                   ///< level, 0..255
+  Eigen::Vector3d position_mm;  ///< position in the camera frame
+  float gray;                   ///< grey level, 0..255
 };
 
-/// Alignment of one object with one picture.
+/// Aligns the points of one object with one picture.
 class RigidFit {
  public:
-  /// All arguments must outlive RigidFit. `expected_turn_rad`: the rotation without other evidence.
+  /// All arguments must outlive RigidFit. `expected_turn_rad`: rotation that the result approaches
+  /// where the picture does not determine the rotation (axis times angle).
   RigidFit(const CameraModel& camera, const RigidRoi& crop, const std::vector<RigidPoint>& points,
            const Eigen::Vector3d& pivot_mm, const Eigen::Vector3d& expected_turn_rad);
-  /// Improves `step` until it converges, at most eight times, and sets its share of inliers.
-  /// Returns false if there is no solution; then `step` is invalid.
+  /// Improves the motion `step` until it converges, in at most eight iterations, and sets its share
+  /// of inliers. Returns false if there is no solution; then `step` is invalid.
   bool improve(RigidStep& step);
 
  private:
-  struct Residual {  // of one point for the present estimate
+  struct Residual {  // differences at one point, for the present estimate
     Eigen::Vector3d position_mm;
     Texel texel;
     double gray_residual = 0.0;
@@ -64,7 +65,7 @@ class RigidFit {
   Eigen::Vector3d pivot_mm_;
   Eigen::Vector3d expected_turn_rad_;
   std::vector<Residual> residuals_;
-  std::vector<float> off_;  // scratch
+  std::vector<float> off_;  // temporary values
 };
 
 }  // namespace hapticast::server

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Background rejection: separates the object's depth pixels inside a mask from background, mixed
-// (flying) and isolated pixels. Thread: any.
+// Background rejection: finds those depth pixels inside a mask that are not the object's. They are
+// background, isolated pixels, or mixtures of object and background at the rim (flying pixels).
+// Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,16 +10,17 @@
 
 namespace hapticast::server {
 
-inline constexpr int kGateReach_px = 15;  ///< required depth around a mask
+/// Width of the depth that foregroundPixels() needs around a mask.
+inline constexpr int kGateReach_px = 15;
 
-/// Returns those pixels of `known` that belong to the object. `known`: measured pixels inside
-/// `mask` (all CV_8UC1, 0/255).
-/// `depth`: working depth (CV_32FC1, mm), which extends kGateReach_px beyond the mask.
+/// Returns a mask (CV_8UC1, 0/255) of those pixels of `known` that belong to the object. `known`:
+/// the pixels inside `mask` whose depth was measured. Both are CV_8UC1, 0/255. `depth`: CV_32FC1,
+/// mm; it must extend kGateReach_px beyond the mask.
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                          const DepthNoise& noise);
 
-/// Returns whether mask and depth end at the same contour: nearly all rim pixels continue the
-/// surface.
+/// Returns whether `mask` and the object's depth end at the same contour. That is so if nearly all
+/// pixels at the rim of the mask continue the object's surface.
 bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                    const DepthNoise& noise);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Surface reconstruction: from raw depth and a mask to a relief. Rejects background depth at the
-// rim, fills holes from the object, maps one range for the whole clip, smooths inside the mask.
-// README.md of server/vision compares the steps. Thread: any.
+// Surface reconstruction: converts the depth inside an object's mask to a relief. It rejects depth
+// of the background at the rim of the mask and fills holes with depth of the object. One mapped
+// range for the whole clip converts depths to heights, which are then smoothed inside the mask.
+// README.md of server/vision compares methods for these steps. Thread: any.
 #pragma once
 
 #include <memory>
@@ -19,10 +20,12 @@ namespace hapticast::server {
 struct Surface {
   cv::Rect box;  ///< px of the picture
   cv::Mat mask;  ///< CV_8UC1, 0/255
-  /// CV_32FC1, working depth, mm; inside the mask without holes unless nothing was measured.
+  /// Depth, CV_32FC1, mm; larger is farther. Inside the mask it has no holes after cleanSurface(),
+  /// unless nothing was measured.
   cv::Mat depth;
-  cv::Mat measured;         ///< CV_8UC1, 255: `depth` is the sensor's own
-  double quantum_mm = 0.0;  ///< > 0: step of rounded, otherwise clean depth (8-bit), mm
+  cv::Mat measured;  ///< CV_8UC1, 255 where `depth` was measured, 0 where it was filled
+  /// Step between the values of 8-bit depth without other noise, mm; else 0.
+  double quantum_mm = 0.0;
 
   /// Returns whether every pixel of the mask was measured and none was rejected.
   [[nodiscard]] bool allMeasured() const {
@@ -30,28 +33,31 @@ struct Surface {
   }
 };
 
-/// Rejects background pixels (two-sided gate at the 5 px rim, isolated pixels) and fills the holes.
-/// `exact_mask`: the source's own mask; if depth ends at its contour, nothing is rejected.
-/// The thesis's method uses all measured depth and fills nothing (holes are 0). Time is linear in
-/// the box.
+/// Returns the surface of `mask`: rejects background at the rim (5 px wide) and isolated pixels,
+/// and fills the holes. `exact_mask`: the mask is the source's own. If the depth ends at the
+/// contour of such a mask, nothing is rejected. The thesis's method uses all measured depth and
+/// fills nothing (holes are 0). Time is linear in the box.
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
                      Method method, bool exact_mask = false);
 
-/// Returns the measured depth without rejection or filling: sufficient for clean depth.
+/// Returns the surface of `mask` with the measured depth, without rejection or filling. That
+/// suffices for clean depth.
 Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise);
 
-/// Warps the last surface into `mask` (CV_8UC1, 0/255, image size) by the object's motion in the
-/// picture. For frames without new depth of the object.
+/// Returns the surface of `mask` (CV_8UC1, 0/255, size of the image), made from the last surface
+/// `before`. `similarity` moves it from the last picture to this picture. Use it for frames without
+/// new depth of the object.
 Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity);
 
-/// Returns whether at least 2 % of `mask` have depth, enough for a surface.
+/// Returns whether the depth was measured in at least 2 % of `mask`, which is enough for a surface.
 bool hasDepth(const cv::Mat& depth, const cv::Mat& mask);
 
-/// Returns the relief: heights (far - z) / (far - near) x depth_mm, clamped to 0..depth_mm.
-/// `smooth`: a local quadratic fit with Gaussian weights inside the mask (sigma 0.65 mm). For 8-bit
-/// depth sigma is up to 2.6 mm where the fit stays within half a step of the measurement; this
-/// removes terraces.
-/// The thesis's method smooths by a Gaussian (sigma 2 px), with zero outside the mask.
+/// Returns the relief of `surface`. Its heights are (far - z) / (far - near) x depth_mm of the
+/// workspace, clamped to 0..depth_mm. `range` is the mapped range. With `smooth`, a local quadratic
+/// fit with Gaussian weights (sigma 0.65 mm) smooths the heights inside the mask. For 8-bit depth a
+/// wider sigma of up to 2.6 mm removes terraces. The wider sigma applies only where the fit stays
+/// within half a step of the measurement. The thesis's method smooths by a Gaussian (sigma 2 px),
+/// with height 0 outside the mask.
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
                                          const Workspace& workspace, Method method,
                                          bool smooth = true);

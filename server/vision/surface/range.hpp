@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Depth range estimation: finds one range of depths for a whole clip, from robust quantiles of the
-// objects' depths. Thread: any.
+// Depth range estimation: finds one mapped range for a whole clip, from robust quantiles of the
+// objects' depths in all frames. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,11 @@
 
 namespace hapticast::server {
 
-/// Depths that become heights, with the usual extent of the objects.
+/// Mapped range (depths that become heights 30 and 0), with the usual extent of the objects in
+/// depth.
 struct MappedRange {
   DepthRange range;
-  double usual_mm = 0.0;  ///< depth extent of an object, median over the frames
+  double usual_mm = 0.0;  ///< extent of an object in depth, median over the frames
   /// The range is far wider than the objects: they move in depth, or their masks include
   /// background.
   bool wide = false;
@@ -24,24 +25,25 @@ struct MappedRange {
 /// Collects quantiles of the objects' depths for each frame, and computes the range.
 class RangeFinder {
  public:
-  /// Adds a frame of the object with id `object`. Uses pixels measured at least 3 px inside the
-  /// mask.
+  /// Adds the surface of object `object` in one frame. It uses pixels that were measured and lie at
+  /// least 3 px inside the mask.
   void add(std::uint32_t object, const Surface& surface, const DepthNoise& noise);
-  /// Returns the range from the nearest front to the farthest back of all frames, without 2 % of
-  /// them at each end. Both sides are widened by `margin`, a share of the range.
-  /// Depths much farther from a frame's median than usual for the object do not count.
-  /// The range is at least 50 mm or 60 sigma wide, for 8-bit depth 16 levels or 20 sigma. A
-  /// narrower range would turn noise into force. nullopt if no frame was added.
+  /// Returns the mapped range, or nullopt if no frame was added. It extends from the nearest front
+  /// to the farthest back of the objects in all frames, without 2 % of the frames at each end. Both
+  /// sides are widened by `margin`, a share of the range. Depths that lie much farther from the
+  /// frame's median than usual for the object do not count. The range is at least 50 mm or 60
+  /// standard deviations of the noise wide. For 8-bit depth it is at least 16 levels or 20 standard
+  /// deviations wide. A narrower range would turn noise into force.
   [[nodiscard]] std::optional<MappedRange> range(double margin) const;
 
  private:
   struct Voice {
     double near_mm, middle_mm, far_mm;
-    double half_mm = 0.0;  // distance from the median to the end of the middle four fifths
+    double half_mm = 0.0;  // half of the extent of the middle four fifths of the depths
   };
   [[nodiscard]] double reach_mm(const std::vector<Voice>& voices) const;
 
-  std::map<std::uint32_t, std::vector<Voice>> voices_;  // by object
+  std::map<std::uint32_t, std::vector<Voice>> voices_;  // quantiles of all frames, by object
   double least_mm_ = 0.0;                               // least width for the noise
   double slack_mm_ = 0.0;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Static-region filter: holds depth and outline of tiles at rest constant (temporal averaging, then
-// a freeze), so that a static scene causes no force noise. One for each object. Thread: the one
-// that runs Vision.
+// Static-region filter: holds depth and outline of an object constant in those tiles of the picture
+// that are at rest. A static scene then causes no noise of the force. In a tile at rest, depth is
+// first averaged over some frames and then frozen. Each object has a filter of its own. Thread: the
+// one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -14,26 +15,29 @@
 
 namespace hapticast::server {
 
-/// Returns the noise of the depth of `surface` at rest.
+/// Returns how much the depth of `surface` may change while it rests. `noise`: noise of the scene's
+/// depth.
 StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface);
 
-/// Filter of one object.
+/// Filters the surface of one object, frame by frame.
 class StaticRegionFilter {
  public:
-  /// Returns the filtered surface of the next frame: depth and mask of tiles at rest are averaged
-  /// over their first 16 frames and then constant. Other tiles are those of `now`.
-  /// `gray`: the whole picture, CV_8UC1. `repeated`: the depth is no new observation. Reads the
-  /// object's box only.
+  /// Returns the filtered surface of the next frame. In tiles at rest, depth and mask are averaged
+  /// over the tile's first 16 frames at rest, and do not change after that. In all other tiles the
+  /// result is that of `now`, the unfiltered surface. Pixels outside the object's box have no
+  /// influence. `gray`: the whole picture, CV_8UC1. `repeated`: whether the depth is that of the
+  /// last frame and thus no new measurement. Call it once for each frame.
   Surface apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise, bool repeated);
 
-  /// Returns whether the frame shows the held object, all of it at rest; then it counts the frame
-  /// like apply(). Otherwise the filter does not change.
+  /// Returns whether the whole object is at rest and this frame shows it unchanged. If so, it
+  /// counts the frame as apply() does. If not, the filter does not change; call apply() then.
   bool isUnchanged(const FrameImages& images, const StaticNoise& noise);
 
-  /// Returns the share of the object, 0..1, in tiles at rest that this frame did not change. 1: the
-  /// surface equals the last one bit by bit.
+  /// Returns which share of the object, 0..1, lies in tiles at rest that this frame did not change.
+  /// If it is 1, the surface equals the last one bit by bit.
   [[nodiscard]] double share() const { return share_; }
-  /// Returns the cause of the last frame's release; kNone: no release.
+  /// Returns why tiles were released in the last frame: what changed in them, so that they no
+  /// longer rest. kNone: no tile was released.
   [[nodiscard]] Cause cause() const { return tiles_.cause(); }
 
  private:
@@ -53,11 +57,12 @@ class StaticRegionFilter {
   void countShare();
   [[nodiscard]] Surface surface(double quantum_mm) const;
 
-  cv::Rect area_;    // px, corners on tiles
-  HoldImages held_;  // over area_; gray: the reference. No other object shares these images
+  cv::Rect area_;  // px, corners on tiles
+  // Held values over area_; gray: the reference. No other object shares these images.
+  HoldImages held_;
   cv::Mat last_gray_;
   StaticTiles tiles_;
-  std::vector<int> pixels_;  // of the object, for each tile
+  std::vector<int> pixels_;  // number of the object's pixels in each tile
   double share_ = 0.0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Change detection in tiles: compares a frame with the held values, with temporal evidence, and
-// decides which tiles are at rest. Part of StaticRegionFilter.
+// Change detection in tiles: decides which tiles of 16 x 16 px are at rest. It compares each frame
+// with the held values (the constant values of tiles at rest), over several frames. If a tile has
+// changed, it is released: the held values are replaced by new ones. Part of StaticRegionFilter.
 // Thread: the one that runs Vision.
 #pragma once
 
@@ -10,59 +11,63 @@
 
 namespace hapticast::server {
 
-/// Images of one object over a box of whole tiles (or up to the picture's border), all of the box's
-/// size.
+/// Images of one object over a box that consists of whole tiles, or ends at the picture's border.
+/// All have the size of the box.
 struct HoldImages {
-  cv::Mat gray;      ///< CV_32FC1, mean of 3x3; of the held images the reference
-  cv::Mat depth;     ///< CV_32FC1, working depth in mm
-  cv::Mat mask;      ///< CV_8UC1, 0/255
-  cv::Mat measured;  ///< CV_8UC1, 255: `depth` is the sensor's own
+  cv::Mat gray;   ///< CV_32FC1, mean of 3 x 3 px; among held values: the reference for comparisons
+  cv::Mat depth;  ///< CV_32FC1, depth in mm; larger is farther
+  cv::Mat mask;   ///< CV_8UC1, 0/255
+  cv::Mat measured;  ///< CV_8UC1, 255 where `depth` was measured, 0 where it was filled
 };
 
-/// Cause of a tile's release.
+/// What changed in a tile, so that it was released. kNew: the tile is new. kAllDepth: the depth of
+/// the whole object changed.
 enum class Cause : std::uint8_t { kNone, kNew, kColor, kOutline, kDepth, kAllDepth };
 
 /// State of one tile.
 struct Tile {
-  // Tuned on noisy static scenes and on slow motion; chosen so that no motion is suppressed.
+  // The values were tuned on noisy static scenes and on slow motion, so that no motion is
+  // suppressed.
   static constexpr int kSize_px = 16;
-  static constexpr int kFrames = 16;      ///< frames of the average; then the value is constant
-  static constexpr int kColorFrames = 3;  ///< frames of the reference's average
+  static constexpr int kFrames = 16;  ///< frames of the depth's average; after them it is constant
+  static constexpr int kColorFrames = 3;  ///< frames of the average of the reference's grey
   static constexpr int kMaskFrames = 3;   ///< frames until the mask is held
-  /// Weight beside a released tile, relative to that tile's.
+  /// Weight of new values in the tiles beside a released tile, relative to that tile's weight.
   static constexpr double kNeighbour = 0.6;
-  static constexpr int kBlend = 4;  ///< frames of a soft transition, without a perceptible step
+  /// Frames of a transition to new values, so that no step is perceptible.
+  static constexpr int kBlend = 4;
 
-  int frames = 0;              ///< frames held so far, at most kFrames
-  double evidence = 0;         ///< of another depth or outline, over successive frames
-  double weight = 1.0;         ///< of this frame in the held value, 0..1
-  Cause cause = Cause::kNone;  ///< of a release in this frame
-  /// Remaining frames of the transition from held to new values, including this one: one after
-  /// motion, more after a change of depth or outline only.
+  int frames = 0;              ///< frames at rest so far, at most kFrames
+  double evidence = 0;         ///< evidence that depth or outline changed, added up over frames
+  double weight = 1.0;         ///< weight of this frame's values in the held values, 0..1
+  Cause cause = Cause::kNone;  ///< cause if the tile was released in this frame
+  /// Remaining frames of the transition from held to new values, including this one. The transition
+  /// lasts one frame after motion, and more frames after a change of depth or outline only.
   int blending = 0;
   bool mask_held = false;
 
   [[nodiscard]] bool loose() const { return cause != Cause::kNone || blending > 0; }
 };
 
-/// Noise of depth at rest.
+/// How much measured depth changes while the surface rests.
 struct StaticNoise {
-  double sigma_mm = 0.0;  ///< standard deviation of a pixel
-  double drift_mm = 1.0;  ///< drift of a tile: 1 mm for sensors (chosen), less for clean depth
-  bool clean = false;     ///< no noise at all
+  double sigma_mm = 0.0;  ///< standard deviation of a pixel's depth
+  double drift_mm = 1.0;  ///< slow drift of a tile's mean depth; 1 mm for sensors is a choice
+  bool clean = false;     ///< the depth has no noise at all
 };
 
-/// The tiles of one object, with the noise estimates that judge them. Thread: the one that runs
-/// Vision.
+/// The tiles of one object, with estimates of the noise by which changes are judged. Thread: the
+/// one that runs Vision.
 class StaticTiles {
  public:
   /// Moves the tiles to another box (px, corners on tiles). Tiles within both boxes retain their
   /// state.
   void moveTo(const cv::Rect& box);
-  /// Compares a frame with the held values and decides for each tile: release, weight, held mask.
-  /// Counts the frame.
-  /// `held`, `last_gray` (the frame before) and `now` cover the box. `repeated`: the depth is no
-  /// new observation. Returns the grey of `now` without changes of exposure.
+  /// Compares a frame with the held values. Decides for each tile whether it is released, the
+  /// weight of the new values, and whether its mask is held. Counts the frame. Returns the grey of
+  /// `now`, corrected by changes of exposure. `held` (held values), `last_gray` (of the frame
+  /// before) and `now` cover the box. `repeated`: the depth is that of the last frame and thus no
+  /// new measurement.
   cv::Mat judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& now,
                 const StaticNoise& noise, bool repeated);
 
@@ -71,9 +76,9 @@ class StaticTiles {
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
-  /// Cause of most releases of the object in this frame; kNone: no release.
+  /// Returns the cause of most of this frame's releases; kNone: no tile was released.
   [[nodiscard]] Cause cause() const { return cause_; }
-  /// Returns the pixels of a tile within the box.
+  /// Returns the rectangle of a tile, px of the box.
   [[nodiscard]] cv::Rect tileRect(int column, int row) const;
 
  private:
@@ -96,9 +101,9 @@ class StaticTiles {
   int rows_ = 0;
   std::vector<Tile> tiles_;
   Cause cause_ = Cause::kNone;
-  double color_noise_ = kLargestColorNoise;  // levels between successive frames
-  double depth_noise_mm_ = -1.0;             // of a tile; < 0: not measured yet
-  double evidence_of_all_ = 0;               // of another depth of the whole object
+  double color_noise_ = kLargestColorNoise;  // noise of the grey levels between successive frames
+  double depth_noise_mm_ = -1.0;             // noise of a tile's mean depth; < 0: not measured yet
+  double evidence_of_all_ = 0;               // evidence that the depth of the whole object changed
 
   // A clip that starts in motion must not count its motion as noise.
   static constexpr double kLargestColorNoise = 1.2;

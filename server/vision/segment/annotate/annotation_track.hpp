@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Annotations of the author by frame: points (--object and --not, with their times) and key masks.
-// Thread: the one that runs Vision.
+// The author's annotations, in the frames to which they belong: points (flags --object and --not,
+// with their times) and key masks. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,18 +13,19 @@
 
 namespace hapticast::server {
 
-inline constexpr int kPoint_px = 5;  ///< radius of the pixels that a point means; chosen
+/// A point of the author marks the pixels in this radius around it. The value is a choice.
+inline constexpr int kPoint_px = 5;
 
 /// The author's annotation of one frame.
 struct Annotation {
-  std::vector<cv::Point> on;   ///< points on the object, px
-  std::vector<cv::Point> off;  ///< points on other objects, px
+  std::vector<cv::Point> on;   ///< points on an object (--object), px
+  std::vector<cv::Point> off;  ///< points that are not on the object (--not), px
   cv::Mat masks;               ///< key mask: empty, or CV_8UC1 with n for object n
 
   [[nodiscard]] bool empty() const { return on.empty() && off.empty() && masks.empty(); }
 };
 
-/// Annotations of a clip, by time.
+/// Stores the annotations of a clip and returns those of each frame.
 class AnnotationTrack {
  public:
   /// Copies the points of `settings`.
@@ -32,13 +33,13 @@ class AnnotationTrack {
 
   /// Returns the points of the clip's first frame, without a key mask.
   [[nodiscard]] const Annotation& atStart() const { return start_; }
-  /// Returns the annotations of the present frame of `frames`: its key mask, and the points nearest
-  /// to it in time but not nearer to the frame before.
+  /// Returns the annotations of the present frame of `frames`: its key mask, and the points whose
+  /// times belong to it. A point belongs to the frame that is nearest to its time.
   [[nodiscard]] Annotation annotationAt(const FramePair& frames) const;
-  /// Returns whether the author marked an object after the first frame.
+  /// Returns whether the author marked an object (--object) at a time after the first frame.
   [[nodiscard]] bool pointsLater() const { return !on_.empty(); }
-  /// Returns whether points annotate a frame after the present one. Key masks of later frames are
-  /// unknown.
+  /// Returns whether points of the author belong to frames after the present one. It does not count
+  /// key masks, because those of later frames are unknown.
   [[nodiscard]] bool hasLaterAnnotation(const FramePair& frames) const;
 
  private:
@@ -47,12 +48,12 @@ class AnnotationTrack {
   std::vector<AuthorPoint> off_;
 };
 
-/// Returns the mask (0/255, size of `view`) of the pixels connected to `at` whose colours resemble
-/// those of a disc of `radius_px` around it.
+/// Returns a mask (0/255, size of `view`) of pixels around `at` that have similar colours and are
+/// connected. Their colours resemble those of a disc of `radius_px` around `at`.
 cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
 
-/// Adds the colours of the region at `point` (px of the picture), connected in colour and space, to
-/// `colors`. Ignores a region narrower than 25 mm.
+/// Adds colours to `colors`: those of the connected region of similar colour around `point` (px of
+/// the picture). A region narrower than 25 mm is ignored.
 void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Results of a clip's scan that each playback uses: the initial state, and masks that later
-// annotations imply for earlier frames (backward propagation).
+// Results of a clip's scan that each playback uses. They are the state in which the segmentation
+// begins and masks for frames before an annotation, which the scan propagated backwards from it.
 // Thread: the one that runs Vision.
 #pragma once
 
@@ -14,29 +14,32 @@
 
 namespace hapticast::server {
 
-/// Colours of the author's negative points (--not), which separate objects from them.
+/// Colours around the author's negative points (--not). Pixels of these colours are probably not
+/// the object's.
 struct NegativeColors {
   ColorHistogram histogram;
   cv::Mat samples;  ///< CV_32FC3, Lab (L 0..100), one column; empty: no negative points
 };
 
-/// Mask of an object in a frame, from an annotation of this frame or of a later frame.
+/// Mask of an object in one frame. Its origin is an annotation of this frame or of a later frame.
 struct PropagatedMask {
   int number = 0;      ///< number of the object; see TrackedMask::number()
-  cv::Rect box;        ///< of the picture; empty: not visible
+  cv::Rect box;        ///< part of the picture, px; empty: the object is not visible
   cv::Mat mask;        ///< CV_8UC1, 0/255, over the box
-  bool given = false;  ///< the author's key mask of this frame
+  bool given = false;  ///< true: the mask is the author's key mask of this frame
 };
 
 struct InitialState;  // follow/narrow_band_tracker.hpp
 
-/// Annotations of a clip, in a form that its playbacks share.
+/// Results of the author's annotations of a clip, which all its playbacks share.
 struct ClipAnnotations {
-  /// Initial state; its computation costs as much as ten frames. Null before.
+  /// State in which the segmentation of the clip begins; null until it has been computed. The
+  /// computation lasts as long as ten frames.
   std::shared_ptr<const InitialState> start;
-  NegativeColors avoided;                                      ///< of the author's negative points
-  std::map<std::uint64_t, std::vector<PropagatedMask>> masks;  ///< by frame of the clip
-  /// True during a scan; then annotations of later frames propagate backward.
+  NegativeColors avoided;  ///< colours of the author's negative points
+  /// Masks by index of the frame in the clip.
+  std::map<std::uint64_t, std::vector<PropagatedMask>> masks;
+  /// True during a scan. Only then are annotations of later frames propagated backwards.
   bool open = false;
 };
 

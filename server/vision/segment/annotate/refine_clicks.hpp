@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Interactive segmentation (Boykov and Jolly 2001): corrects a mask by the author's points with one
-// minimum cut. Pixels far from the points keep their label. Thread: the one that runs Vision.
+// minimum cut. Pixels far from the points do not change. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,8 +10,9 @@
 
 namespace hapticast::server {
 
-/// Returns `mask` (CV_8UC1, 0/255, image size) with the regions of the positive points of
-/// `annotation` and without those of its negative points. Empty (all 0) if no pixel remains.
+/// Returns `mask`, corrected by the author's points. The regions of positive points are added, and
+/// the regions of negative points are removed. All pixels are 0 if nothing remains. `mask` and the
+/// result: CV_8UC1, 0/255, size of the image.
 cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
                          const Annotation& annotation);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Colour histograms of 16 x 16 x 16 bins, their Bhattacharyya similarity, and the log likelihood
-// ratio of object against background. Thread: any.
+// Colour histograms of 16 x 16 x 16 bins. Functions compare two histograms (Bhattacharyya) and
+// compute for each colour how much it speaks for the object or for the background. Thread: any.
 #pragma once
 
 #include <array>
@@ -9,7 +9,8 @@
 
 namespace hapticast::server {
 
-/// Fraction of pixels for each colour bin. The sum is 1, or 0 for an empty histogram.
+/// Colour histogram: the fraction of pixels in each colour bin. The sum of all fractions is 1, or 0
+/// for an empty histogram.
 class ColorHistogram {
  public:
   static constexpr std::size_t kBins = std::size_t{16} * 16 * 16;
@@ -21,17 +22,19 @@ class ColorHistogram {
   /// Returns the histogram of the pixels of `color` (CV_8UC3) where `mask` is not 0.
   static ColorHistogram fromImage(const cv::Mat& color, const cv::Mat& mask);
 
-  /// Counts a pixel. Call finish() after the last pixel, before any other function.
+  /// Adds a pixel. Call finish() after the last pixel, before any other function.
   void count(const cv::Vec3b& bgr) {
     fraction_[binIndex(bgr)] += 1.0F;
     ++count_;
   }
-  /// Converts counts to fractions, smoothed by 1-2-1 along each channel.
+  /// Converts the counts to fractions and smooths them with weights 1-2-1 along each colour
+  /// channel.
   void finish();
 
-  /// Moves the fractions towards `other` by `share` (0..1). An empty histogram becomes `other`.
+  /// Moves each fraction towards that of `other`: 0 leaves it, 1 replaces it. An empty histogram
+  /// becomes `other`.
   void adapt(const ColorHistogram& other, double share);
-  /// Raises each bin to at least `share` of the bin of `other`. The sum may then exceed 1.
+  /// Raises each fraction to at least `share` times that of `other`. The sum may then exceed 1.
   void raise(const ColorHistogram& other, double share);
   [[nodiscard]] bool empty() const { return empty_; }
   [[nodiscard]] float operator[](std::size_t bin) const { return fraction_[bin]; }
@@ -42,15 +45,19 @@ class ColorHistogram {
   bool empty_ = true;
 };
 
-/// Returns the Bhattacharyya coefficient of two histograms: 0 disjoint, 1 equal.
+/// Returns the Bhattacharyya coefficient of two histograms, a measure of similarity: 0 if they have
+/// no colour in common, 1 if they are equal.
 double computeOverlap(const ColorHistogram& a, const ColorHistogram& b);
 
-/// Returns for each bin log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), clamped to
-/// +-2.5. The larger floor in the denominator makes an unseen colour background.
+/// Returns the evidence of each colour bin: above 0 if the colour is the object's, below 0 if it is
+/// the background's. The value is log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), within
+/// +-2.5. `first` and `now` are the object's colours at the start and at present. A colour in no
+/// histogram counts as background, because the constant of the denominator is larger.
 std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,
                                  const ColorHistogram& background);
 
-/// Returns the evidence of each pixel's colour bin, CV_32FC1. `color`: CV_8UC3.
+/// Returns an image (CV_32FC1) with the evidence of each pixel's colour. `color`: CV_8UC3.
+/// `evidence`: result of colorEvidence().
 cv::Mat mapEvidence(const cv::Mat& color, const std::vector<float>& evidence);
 
 }  // namespace hapticast::server

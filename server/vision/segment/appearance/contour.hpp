@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Narrow-band contour decision: labels the pixels in a band around an object's contour anew, from
-// colour, depth, planes and the last mask. A guided filter (He, Sun and Tang 2010) aligns the
-// result with edges.
-// Pixels outside the band do not change. README.md of server/vision has the sum. Thread: the one
-// that runs Vision.
+// Narrow-band contour decision: decides which pixels of a band around an object's contour belong to
+// the object. It adds up evidence of colour, depth, planes and the last decision. A guided filter
+// (He, Sun and Tang 2010) aligns the result with edges of the picture. Pixels outside the band do
+// not change. README.md of server/vision has the formula. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -15,36 +14,40 @@
 
 namespace hapticast::server {
 
-/// Appearance model of an object across frames.
+/// Appearance model of an object, which is carried from frame to frame.
 struct ContourMemory {
-  ColorHistogram first;       ///< of the first mask; constant
-  ColorHistogram now;         ///< of recent masks, adapts slowly
-  ColorHistogram background;  ///< of the ring around the object
-  ColorHistogram elsewhere;   ///< of the first picture without the object; may be empty
-  ColorHistogram avoided;     ///< of the author's negative points; may be empty
-  cv::Mat evidence;           ///< CV_32FC1 over a patch: the last decision, > 0: object
+  ColorHistogram first;       ///< colours of the first mask; constant
+  ColorHistogram now;         ///< colours of recent masks; adapts slowly
+  ColorHistogram background;  ///< colours of the ring around the object
+  ColorHistogram elsewhere;   ///< colours of the first picture without the object; may be empty
+  ColorHistogram avoided;     ///< colours of the author's negative points; may be empty
+  cv::Mat evidence;           ///< evidence of the last decision, CV_32FC1 over a patch; > 0: object
   cv::Matx33d to_picture;     ///< maps px of `evidence` to px of the picture
 };
 
-/// Warps the last decision into `patch`, the region of this frame.
+/// Moves the evidence of the last decision by `similarity` into `patch`, the region of this frame.
+/// `similarity` maps px of the last picture to px of this picture.
 void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 
-/// Returns the evidence for each colour bin, above 0 for the object; see colorEvidence().
+/// Returns the evidence of each colour bin from the histograms of `memory`: above 0 for colours of
+/// the object. See colorEvidence().
 std::vector<float> computeColorEvidence(const ContourMemory& memory);
 
 /// Result of a contour decision.
 struct ContourResult {
   cv::Mat mask;               ///< CV_8UC1, 0/255, over the patch's box at full size
-  double inside_color = 0.0;  ///< mean colour evidence inside; below 0: not the object
+  double inside_color = 0.0;  ///< mean colour evidence inside the mask; below 0: not the object
 };
 
-/// Decides the contour in `patch`. Requires `memory.evidence` warped to `patch`, or empty. Replaces
-/// `memory.evidence` by this frame's decision. Leaves the histograms unchanged; see updateMemory().
+/// Decides which pixels of the band in `patch` belong to the object, and returns the new mask.
+/// Replaces `memory.evidence` by the evidence of this frame. Call warpEvidence() before, or leave
+/// `memory.evidence` empty. The histograms do not change; see updateMemory().
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
 
-/// Adds the colours of `mask` (CV_8UC1, 0/255, over the patch's box at full size) and of the ring
-/// around it to `memory`. Requires a contour at most one band away from the patch's contour.
+/// Updates the histograms of `memory` with the colours of `mask` and of the ring around it. `mask`:
+/// CV_8UC1, 0/255, over the patch's box at full size. The contour of `mask` must be at most one
+/// band's width away from the contour of the patch.
 void updateMemory(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory);
 
 }  // namespace hapticast::server

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Graph cut segmentation: Gaussian mixtures of colours in Lab and the minimum cut of a graph of
-// pixels.
-// Sources: Boykov and Jolly 2001; the mixtures are those of GrabCut (Rother, Kolmogorov and Blake
-// 2004). Thread: the one that runs Vision.
+// Graph cut segmentation: models colours by Gaussian mixtures in Lab. The minimum cut of a graph of
+// pixels then separates object and background (Boykov and Jolly 2001). The mixtures are those of
+// GrabCut (Rother, Kolmogorov and Blake 2004). Thread: the one that runs Vision.
 #pragma once
 
 #include <array>
@@ -13,15 +12,15 @@
 
 namespace hapticast::server {
 
-/// Gaussian mixture of up to five parts over colours in Lab.
+/// Distribution of colours in Lab, as a mixture of up to five Gaussians.
 class ColorMixture {
  public:
   ColorMixture() = default;
-  /// Fits the pixels of `lab` (CV_32FC3) where `where` is not 0. Empty if there are fewer than
-  /// eight.
+  /// Fits the mixture to the pixels of `lab` (CV_32FC3) where `where` is not 0. The mixture is
+  /// empty if there are fewer than eight such pixels.
   ColorMixture(const cv::Mat& lab, const cv::Mat& where);
   [[nodiscard]] bool empty() const { return parts_.empty(); }
-  /// Returns the log density at `lab`, at least kLeast.
+  /// Returns the logarithm of the density at the colour `lab`, but at least kLeast.
   [[nodiscard]] float logDensity(const cv::Vec3f& lab) const;
 
   static constexpr float kLeast = -30.0F;
@@ -35,11 +34,12 @@ class ColorMixture {
   std::vector<Part> parts_;
 };
 
-/// Returns the log densities of all pixels of `lab`, CV_32FC1.
+/// Returns the logarithms of the densities at all pixels of `lab` (CV_32FC3), as CV_32FC1.
 cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab);
 
-/// Returns the labelling of least energy (255: object). `unary`: CV_32FC1, above 0 for the object.
-/// Cuts between neighbours of similar colour and depth cost most.
+/// Returns a mask (255: object) by the minimum cut of the graph of all pixels. It follows `unary`,
+/// but avoids borders between neighbouring pixels of similar colour and depth. `unary`: evidence of
+/// each pixel, CV_32FC1, above 0 for the object.
 cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise& noise);
 
 }  // namespace hapticast::server

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Region of interest (ROI) of one object for the narrow-band step: full size for a small object, a
-// half or a third of it for a large one.
-// The band's width in px is constant, so it covers more of the scene there, and the cost is
-// bounded. Thread: the one that runs Vision.
+// Region of interest (ROI) of one object for the narrow-band step. It has full size for a small
+// object, and a half or a third of the size for a large one. That bounds the cost. The band has a
+// constant width in px, so it covers more of the scene if the size is reduced. Thread: the one that
+// runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,10 +17,10 @@
 
 namespace hapticast::server {
 
-// Region of interest (ROI) for graph cuts: a part of the picture, reduced so that each of its
-// pixels can be a node of a graph. Thread: the one that runs Vision.
+// Region of interest (ROI) for graph cuts. It is a part of the picture, reduced so far that each
+// pixel can be a node of a graph. Thread: the one that runs Vision.
 
-/// A frame, and the model of the scene behind its objects.
+/// Images of a frame, and the model of its scene: planes, depth noise and skin colours.
 struct FrameContext {
   const FrameImages& images;
   const std::vector<Plane>& planes;
@@ -28,44 +28,50 @@ struct FrameContext {
   const SkinColors& skin;
 };
 
-/// Images of the region, all of size().
+/// Region of the picture for a graph cut. All images have the size of size().
 struct GraphRoi {
-  cv::Rect box;         ///< of the picture
+  cv::Rect box;         ///< part of the picture that the region covers, px
   double shrink = 1.0;  ///< px of the ROI for each px of the picture, at most 1
   cv::Mat color;        ///< CV_8UC3, BGR
   cv::Mat lab;          ///< CV_32FC3, L 0..100
   cv::Mat depth;        ///< CV_32FC1, working depth, mm, 0: not measured
-  cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a support
+  cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
   cv::Mat skin;         ///< CV_8UC1, 255: skin
 
-  /// Returns the ROI of `box` (px of the picture) with at most `most_px` pixels.
+  /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
   static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
-  /// Converts a mask (0/255) of the whole picture to this ROI, and a mask of this ROI to the whole
-  /// picture.
+  /// shrunk() converts a mask of the whole picture to this region. inPicture() converts a mask of
+  /// this region to the whole picture. Masks are 0/255.
   [[nodiscard]] cv::Mat shrunk(const cv::Mat& mask) const;
   [[nodiscard]] cv::Mat inPicture(const cv::Mat& mask, const cv::Size& picture) const;
-  /// Returns the largest depth step between neighbours of the ROI on one surface, mm.
+  /// Returns the largest difference of depth that neighbouring pixels of this region can have on
+  /// one surface, mm.
   [[nodiscard]] float step_mm(const DepthNoise& scene, float depth_mm) const {
     return static_cast<float>((0.5 + 0.5 / shrink) * scene.step_mm(double(depth_mm)));
   }
-  /// Converts a position in the picture to the ROI, px.
+  /// Returns the pixel of this region for a position `at` in the picture, px.
   [[nodiscard]] cv::Point toRoi(const cv::Point& at) const;
 };
 
-/// Returns the px of the picture for one mm at `depth_mm`, for a camera with a usual field of view.
+/// Returns how many px of the picture one mm covers at `depth_mm`, for a camera with a usual field
+/// of view.
 double pixelsPerMm(double depth_mm, const cv::Size& picture);
 
-inline constexpr int kBand_px = 7;   ///< px of the patch: pixels decided anew, inwards and outwards
-inline constexpr int kRing_px = 20;  ///< px of the patch: background beyond the band
+/// Half of the band's width, px of the patch: each frame decides pixels this near to the contour
+/// anew.
+inline constexpr int kBand_px = 7;
+/// Width of the ring of background around the band, px of the patch.
+inline constexpr int kRing_px = 20;
 
-/// The patch: images around an object. Empty if there is no object.
+/// Patch: the images of a region around an object, with its expected mask. Empty if there is no
+/// object.
 struct ObjectRoi {
-  cv::Rect box;      ///< of the picture; multiples of `factor`
+  cv::Rect box;      ///< part of the picture, px; multiples of `factor`
   int factor = 1;    ///< px of the picture for each px of the patch, each way
   cv::Mat color;     ///< CV_8UC3
   cv::Mat depth;     ///< CV_32FC1, working depth, mm
-  cv::Mat gray;      ///< CV_8UC1, at full size: guide for the contour
+  cv::Mat gray;      ///< CV_8UC1, at full size, for the guided filter of the contour
   cv::Mat inside;    ///< CV_8UC1, 0/255: the object is expected and not hidden
   cv::Mat hidden;    ///< CV_8UC1, 0/255: the object is expected, but a nearer surface hides it
   cv::Mat nearer;    ///< CV_8UC1, 0/255: nearer than the object can be, or a hand. Empty: unknown
@@ -73,52 +79,59 @@ struct ObjectRoi {
   cv::Mat distance;  ///< CV_32FC1, px of the patch: distance to the contour, inside > 0
 
   [[nodiscard]] bool empty() const { return box.empty(); }
-  /// Returns the position in the picture of a pixel of the patch (pixel centres at whole numbers).
+  /// Return the position in the picture of column u or row v of the patch (pixel centres lie at
+  /// whole numbers).
   [[nodiscard]] double pictureU(int u) const { return box.x + factor * (u + 0.5) - 0.5; }
   [[nodiscard]] double pictureV(int v) const { return box.y + factor * (v + 0.5) - 0.5; }
-  /// Returns pictureU() and pictureV() as a matrix.
+  /// Returns the matrix that maps pixels of the patch to the picture, as pictureU() and pictureV()
+  /// do.
   [[nodiscard]] cv::Matx33d toPicture() const;
 };
 
-/// Limits of the object: nearer pixels and hands hide it, farther pixels are background.
+/// What the object's pixels can be: nearer pixels and hands hide the object, farther pixels are
+/// background.
 struct ObjectLimits {
   double nearest_mm = 0.0;           ///< 0: unknown
   double farthest_mm = 0.0;          ///< 0: unknown
-  const SkinColors* hand = nullptr;  ///< null: the object's own colours resemble skin
+  const SkinColors* hand = nullptr;  ///< skin colours; null: the object itself resembles skin
   /// Colours of the object itself, even if they resemble skin; null: unknown.
   const ColorHistogram* own = nullptr;
 };
-/// Returns the patch around `mask` (of the last picture, 0/255) moved by `similarity` (last px ->
-/// this px).
+/// Returns the patch around the object, whose mask in the last picture was `mask` (0/255).
+/// `similarity` maps px of the last picture to px of this picture.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
                       const ObjectLimits& limits);
-/// Returns the patch around `mask` (0/255) of this picture, without limits.
+/// Returns the patch around the object, whose mask in this picture is `mask` (0/255). It has no
+/// limits of depth or skin.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 
-/// Warps `image`, which covers `from` of the last picture, into patch `to` of this picture. Pixels
-/// without a source are 0.
+/// Moves `image` from the last picture into the patch `to` of this picture by `similarity` (px of
+/// the last picture to px of this one). Pixels without a source are 0. `from` maps pixels of
+/// `image` to px of the last picture.
 cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
                   const cv::Matx23d& similarity);
 
-/// Converts a mask between the patch's size and the full size of the patch's box.
+/// Convert a mask from the patch's size to the full size of the patch's box, and back.
 cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch);
 cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch);
 
-/// Returns a mask of image size from a mask over the patch's box at full size.
+/// Returns a mask of the whole picture from `mask`, which covers the patch's box at full size.
 cv::Mat wholePicture(const cv::Mat& mask, const ObjectRoi& patch, const FrameImages& images);
 
-/// Returns 255 in the band where the depth is on a plane or behind a support; size of the patch.
+/// Returns a mask of the patch's size: 255 in the band where the depth is on a plane or behind a
+/// supporting plane.
 cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes);
 
 /// Depths of an object in one frame: its 10 %, 50 % and 90 % quantiles, mm.
 struct DepthSpan {
   double near_mm = 0.0, middle_mm = 0.0, far_mm = 0.0;
 
-  /// Return the depths, mm, beyond which a pixel cannot be the object's; 0: unknown.
+  /// Return the nearest and the farthest depth that a pixel of the object can have, mm; 0: unknown.
   [[nodiscard]] double nearest_mm(const DepthNoise& noise) const;
   [[nodiscard]] double farthest_mm(const DepthNoise& noise) const;
 };
-/// Returns the depths of the pixels of `inside` (0/255); nullopt if fewer than ten are measured.
+/// Returns the quantiles of the depths where `inside` (0/255) is set. Returns nullopt if fewer than
+/// ten pixels were measured.
 std::optional<DepthSpan> depthSpan(const ObjectRoi& patch, const cv::Mat& inside);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Skin detection by colour: finds possible hands in the light of this scene, with a white balance
-// by the grey pixels. Thread: the one that runs Vision.
+// Skin detection by colour: finds pixels that may be hands. It adapts to the light of the scene by
+// a white balance from the nearly grey pixels. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,17 +8,17 @@
 
 namespace hapticast::server {
 
-/// Skin colours in one light.
+/// The colours that skin can have in the light of one scene.
 class SkinColors {
  public:
   SkinColors() = default;
-  /// Returns the skin colours in the light of `color` (CV_8UC3), corrected by the cast of its
-  /// nearly grey pixels.
+  /// Returns the skin colours in the light of the picture `color` (CV_8UC3). The nearly grey pixels
+  /// show the colour of the light.
   static SkinColors adaptedToLight(const cv::Mat& color);
 
   [[nodiscard]] bool empty() const { return is_skin_.empty(); }
-  /// Returns a mask: 255 where `color` shows skin at least as wide as a finger, so that specks do
-  /// not count. `color`: CV_8UC3, a picture about 640 px wide, or a part of it.
+  /// Returns a mask: 255 where `color` has the colour of skin. Areas narrower than a finger do not
+  /// count. `color`: CV_8UC3, a picture about 640 px wide, or a part of it.
   [[nodiscard]] cv::Mat in(const cv::Mat& color) const;
 
  private:

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Narrow-band tracking for real scenes: after an initial mask, each frame moves the mask with the
-// object and decides a band around its contour anew.
-// A lost object is searched by its colours (re-detection) and continues under a new id. Thread: the
-// one that runs Vision.
+// Narrow-band tracking for real scenes. After an initial mask, each frame moves the mask with the
+// object and decides the pixels of a band around its contour anew. A lost object is searched by its
+// colours (re-detection). If found, it continues under a new id. Thread: the one that runs Vision.
 #pragma once
 
 #include <deque>
@@ -15,8 +14,8 @@
 
 namespace hapticast::server {
 
-/// Initial state of a clip, and the frame it belongs to. Shares its images; no code writes into
-/// them.
+/// Objects and scene model at the start of a clip, with the frame to which they belong. It shares
+/// that frame's images; no code writes into them.
 struct InitialState {
   cv::Mat color;
   cv::Mat depth;
@@ -27,7 +26,8 @@ struct InitialState {
 /// Segmenter for clips and live sources without masks.
 class NarrowBandTracker final : public Segmenter {
  public:
-  /// `next_id` and `annotations`: see makeSegmenter().
+  /// Creates a segmenter without objects; the first call of next() finds them. `next_id` and
+  /// `annotations`: see makeSegmenter().
   NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
                     ClipAnnotations* annotations);
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override;
@@ -43,7 +43,7 @@ class NarrowBandTracker final : public Segmenter {
   [[nodiscard]] bool choosesByItself(const FramePair& frames) const;
   void chooseByItself(const FrameImages& images);
   void add(TrackedMask object, int number);
-  /// Returns whether `found` is an object that is tracked already.
+  /// Returns whether `found` covers an object that is tracked already.
   [[nodiscard]] bool isAnother(const TrackedMask& found) const;
   void shareOut();
   void remember(const FrameImages& images);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Re-detection: searches for an object by its appearance model with one graph cut, around its
-// expected position or in the whole picture. Thread: the one that runs Vision.
+// Re-detection: searches a lost object by its appearance model with one graph cut. It searches
+// around the expected position or in the whole picture. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,20 +10,21 @@
 
 namespace hapticast::server {
 
-/// Model of the object to search for.
+/// Model of the object to search: its appearance, its limits of depth, and its usual size.
 struct KnownObject {
   const ContourMemory& memory;
   ObjectLimits limits;
-  double usual_px = 0.0;  ///< usual area in the picture without occlusion
-  cv::Mat mask;           ///< expected mask, 0/255, image size; empty: anywhere
+  double usual_px = 0.0;  ///< area in the picture when nothing hides the object, px
+  cv::Mat mask;           ///< expected mask, 0/255, size of the image; empty: search everywhere
 };
 
-/// Searches this frame for the object. Returns its mask (CV_8UC1, 0/255, image size); empty if no
-/// piece was found.
+/// Searches the object in this frame. Returns its mask (CV_8UC1, 0/255, size of the image), or an
+/// empty mask if nothing was found.
 cv::Mat redetect(const FrameContext& scene, const KnownObject& known);
 
-/// Returns the score of `mask` as this object: objectness, similarity to its first colours, usual
-/// area. About 4 for a good mask; higher is better.
+/// Returns how likely `mask` is the object `known`: a score of about 4 for a good mask, higher is
+/// better. The score adds up objectness(), similarity to the object's first colours, and similarity
+/// to its usual area.
 double reidentificationScore(const FrameContext& scene, const KnownObject& known,
                              const cv::Mat& mask);
 

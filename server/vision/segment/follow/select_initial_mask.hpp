@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Initial mask selection: scores the candidate masks of a point by objectness and selects the best.
-// Runs once for each object, about 0.3 s. Thread: the one that runs Vision.
+// Initial mask selection: computes candidate masks at the author's point, and selects the one that
+// most probably covers one object. Runs once for each object and lasts about 0.3 s. Thread: the one
+// that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,13 +14,13 @@ namespace hapticast::server {
 
 /// Result of the selection.
 struct ChosenStart {
-  std::optional<TrackedMask> object;  ///< without an id yet; nullopt: no object
+  std::optional<TrackedMask> object;  ///< the object, still without an id; nullopt: there is none
   const char* why_not = nullptr;      ///< the cause if there is no object, else null
-  std::vector<Plane> planes;          ///< planes of the scene without those through the object
+  std::vector<Plane> planes;          ///< planes of the scene, without those through the object
 };
 
-/// Selects the mask of the object at `point`, without the objects at `not_points` (px of the
-/// picture).
+/// Returns the object at `point` with its mask, or the cause if there is none. The mask excludes
+/// the objects at `not_points`. All points are px of the picture.
 ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
                               const cv::Point& point, const std::vector<cv::Point>& not_points);
 

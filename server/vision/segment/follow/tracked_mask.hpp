@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// State of one object in narrow-band tracking: its mask, its part hidden by nearer surfaces, and
-// its appearance model. Thread: the one that runs Vision.
+// State of one object in narrow-band tracking: its visible mask, its part that nearer surfaces
+// hide, and its appearance model. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -30,51 +30,55 @@ struct SceneContext {
   }
 };
 
-/// One tracked object.
+/// Mask and appearance of one object, updated from frame to frame.
 class TrackedMask {
  public:
-  /// Starts with a first mask (CV_8UC1, 0/255, image size). Repeats the band step on this frame
-  /// until the mask converges, at most `most_rounds` times.
+  /// Begins with the first mask (CV_8UC1, 0/255, size of the image). It decides the band in this
+  /// frame again and again until the mask no longer changes, at most `most_rounds` times.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
-  static constexpr int kSettleRounds = 25;  ///< measured: 5 to 19 are needed
+  /// Usual limit of the repetitions. The value was measured: 5 to 19 repetitions are needed.
+  static constexpr int kSettleRounds = 25;
 
-  /// Stores the score of the present mask as the reference for later comparisons.
+  /// Stores the score of the present mask, with which later masks are compared (see likeness()).
   void rememberAppearance(const FrameImages& images, const SceneContext& scene);
-  /// Returns the score of `mask` as this object; see reidentificationScore().
+  /// Returns how likely `mask` is this object; see reidentificationScore().
   [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
                                 const cv::Mat& mask) const;
-  /// Corrects the mask by the author's points: positive ones belong to the object, negative ones do
-  /// not. Loses the object if no pixel remains.
+  /// Corrects the mask by the author's points: pixels around positive points belong to the object,
+  /// those around negative points do not. Marks the object as lost if no pixel remains.
   void correct(const FrameImages& images, const SceneContext& scene, const Annotation& annotation);
-  /// Adopts `mask` as the object's mask and computes the appearance model anew. `given`: a key
-  /// mask, which contains no hand.
+  /// Replaces the object's mask by `mask` and computes the appearance model anew. `given`: whether
+  /// `mask` is a key mask, which contains no hand.
   void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
-  /// Updates the mask for the next frame: moves it by `flow` and decides its band anew.
+  /// Updates the mask for the next frame: moves it by `flow` and decides the pixels of its band
+  /// anew.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
-  /// Counts a frame of loss. Every third such frame it searches the whole picture, by the first
-  /// colours and near the last depth. Returns the object if found, without a new id yet; else
-  /// nullopt.
+  /// Counts a frame in which the object is lost. In every third such frame it searches the whole
+  /// picture, by the object's first colours and near its last depth. Returns the object if it was
+  /// found, still without a new id; otherwise nullopt.
   [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
                                                   const SceneContext& scene);
-  /// Removes the pixels that `other` has too. Loses the object if almost none remains.
+  /// Removes the pixels that belong to `other` too. Marks the object as lost if almost none
+  /// remains.
   void yieldTo(const TrackedMask& other);
   /// Marks the object as lost.
   void lose();
-  /// Returns the share of its pixels, 0..1, that `other` has too.
+  /// Returns the share of this object's pixels, 0..1, that belong to `other` too.
   [[nodiscard]] double overlapShare(const TrackedMask& other) const;
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
   void rename(std::uint32_t id) { id_ = id; }
-  /// The author's number of the object: n for the n-th point, and for the value n of a key mask.
-  /// Constant.
+  /// Returns the object's number, which is constant. Number n belongs to the author's n-th point,
+  /// or to the value n of a key mask.
   [[nodiscard]] int number() const { return number_; }
   void setNumber(int number) { number_ = number; }
-  /// Mask of the visible part: CV_8UC1, 0/255, image size.
+  /// Returns the mask of the visible part: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
-  /// 1: decided in this frame; less: only propagated.
+  /// Returns 1 if this frame's pixels decided the mask, or less if it was only moved from the last
+  /// frame.
   [[nodiscard]] double quality() const { return quality_; }
-  /// Returns whether the last frame's mask was decided by its pixels; false: only propagated.
+  /// Returns whether the pixels of the last frame decided the mask; false if it was only moved.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
@@ -101,12 +105,13 @@ class TrackedMask {
   double quality_ = 1.0;
   int weak_ = 0;        // successive frames without a plausible decision
   int lost_ = 0;        // frames since the loss; 0: present
-  double area_px_ = 0;  // in its last good frame
+  double area_px_ = 0;  // area in its last frame with a plausible mask
   double usual_px_ = 0;
-  int since_search_ = 0;   // frames
+  int since_search_ = 0;   // frames since the last search
   double likeness_ = 0.0;  // score of its initial mask
   DepthSpan depth_;
-  ColorHistogram own_;      // of added pixels: no hand, even if skin-coloured
+  // Colours of pixels that the author added: no hand, even if they resemble skin.
+  ColorHistogram own_;
   bool like_skin_ = false;  // its colours resemble skin
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Candidate masks of a click: iterated graph cuts of several reaches around it (GrabCut, Rother,
-// Kolmogorov and Blake 2004), and an objectness score. Runs once for each object. Thread: the one
-// that runs Vision.
+// Candidate masks for a point of the author (click): iterated graph cuts in regions of several
+// sizes around it (GrabCut, Rother, Kolmogorov and Blake 2004). A score (objectness) compares them.
+// Runs once for each object. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -12,34 +12,35 @@
 
 namespace hapticast::server {
 
-// Merges the visible parts of an object that an occluder (for example, fingers) splits into pieces.
-// Thread: the one that runs Vision.
+// Merges the visible parts of an object that a nearer surface (for example, fingers) splits into
+// pieces. Thread: the one that runs Vision.
 
-/// Returns the piece `main` with the pieces of `mask` (0/255, size of `view`) that connect to it
-/// behind an occluder. Fills small holes. `px_per_mm`: px of the view.
-/// A piece connects if no pixel between both lies behind both, and if it does not reach the view's
-/// border.
+/// Returns the piece `main`, together with those pieces of `mask` that probably are the same object
+/// behind a nearer surface. Fills small holes. A piece is added if no pixel between it and `main`
+/// lies behind both, and if it does not reach the border of the region. `mask`: 0/255, size of
+/// `view`. `px_per_mm`: pixels of `view` for each mm.
 cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
                            double px_per_mm);
 
-/// A point of the author, and the negative samples.
+/// A point of the author on an object (click), with the author's negative points and their colours.
 struct Click {
   cv::Point at;
   const std::vector<cv::Point>& not_points;
   const NegativeColors& avoided;
-  cv::Mat component;  ///< its connected component in depth, 0/255; empty: unknown
+  cv::Mat component;  ///< component of connected depth at the point, 0/255; empty: unknown
 };
 
-/// Returns up to eight different masks (CV_8UC1, 0/255, image size) that contain the click.
+/// Returns up to eight different masks that contain the click (CV_8UC1, 0/255, size of the image).
 std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click);
 
-/// Returns the objectness of `mask`: high if it covers one object and nothing else. About 3 for a
-/// good mask; the higher of two is better.
-/// Criteria: colours unlike the ring's, a contour on edges of colour and depth, a solid shape, a
-/// size that fits a hand, measured depth, no skin.
+/// Returns how well `mask` covers one object and nothing else (objectness): about 3 for a good
+/// mask, higher is better. The score is high if the colours differ from those of the ring around
+/// the mask. It is also high if the contour lies on edges of colour and depth. The shape should be
+/// solid, and its size should fit a hand. Measured depth raises the score, and skin lowers it.
 double objectness(const FrameContext& scene, const cv::Mat& mask);
 
-/// Returns the diameter of a disc with the mask's area at the mask's depth, mm.
+/// Returns the object's width in space, mm: the diameter of a disc with the area of `mask` at the
+/// depth of `mask`.
 double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask);
 
 }  // namespace hapticast::server
