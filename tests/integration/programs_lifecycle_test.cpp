@@ -301,7 +301,7 @@ TEST_F(ProgramsLifeTest, TheFieldOfViewOverrulesTheClipWithALine) {
   (void)write("clip/meta.json", R"({"fov_deg": 60})");
   const auto server = startServer({"--source", clip, "--fov", "75", "--frames", "1"});
   EXPECT_EQ(server->wait(kStart), 0) << server->output();
-  EXPECT_EQ(countOf("--fov 75: overrules", server->output()), 1U) << server->output();
+  EXPECT_EQ(countOf("--fov 75: replaces", server->output()), 1U) << server->output();
   EXPECT_EQ(countOf("(60.0 degrees)", server->output()), 1U) << server->output();
 }
 
