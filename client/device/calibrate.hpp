@@ -15,8 +15,8 @@
 
 namespace hapticast::client {
 
-/// PID controller that moves the grip to the middle of the workspace, and against forces back to
-/// it. It uses no device and no clock. Call hold() once a tick.
+/// PID controller that moves the grip to the middle of the workspace and holds it there against
+/// outside forces. It uses no device and no clock. Call hold() once a tick.
 class GripHolder {
  public:
   /// Returns the force (N) that moves the grip from `position_mm` to the middle.

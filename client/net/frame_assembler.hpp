@@ -69,8 +69,8 @@ class FrameAssembler {
 
   /// Starts a connection, with a new numbering and a new epoch.
   void restart();
-  /// Returns the client-side epoch of the next frame. It is one higher if the server starts a new
-  /// epoch with that frame.
+  /// Returns the client-side epoch of the next frame, if that frame continues the epoch. A frame
+  /// with which the server starts a new epoch gets the returned value plus one.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   /// Adds a whole frame that arrived over TCP. Returns false, and drops the frame, if it is a
   /// duplicate or older than the last frame that left. If the step of the id exceeds kLargestJump,

@@ -100,8 +100,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Calls `visit` later on the thread of io. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
-  /// Sends `what` to each viewer. If newer calls wait already, it only adds `what` to the viewers'
-  /// queues.
+  /// Adds `what` to the queue of each viewer, then starts the sending. If a later call of this
+  /// function waits already, that call starts the sending instead.
   template <class... What>
   void sendAll(const What&... what);
   /// Returns whether the frame exceeds the limit of a message, so that viewers would close the

@@ -21,9 +21,9 @@ std::vector<std::uint8_t> readFalconFirmware(const std::string& file);
 /// ~/.local/share. Returns an empty text if there is no such file.
 std::string usualFalconFirmware();
 
-/// Returns true if the firmware runs, which means that it answers a request with zero torque. Sets
-/// up the serial chip for the running firmware. `event_character`: the chip sends a reply at its
-/// last character, without a delay. Throws FalconError.
+/// Sets up the serial chip for the running firmware, then sends a request that commands zero
+/// torque. Returns whether the firmware answers, which means that it runs. `event_character`: if
+/// true, the chip passes a reply on at its last character, without a delay. Throws FalconError.
 bool falconRuns(FalconUsb& usb, bool event_character);
 
 /// Loads the firmware `image` into the device, in a single attempt. Calls `progress` with the

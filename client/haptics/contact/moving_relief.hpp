@@ -5,9 +5,9 @@
 // The reliefs of the two frames around play time are transformed into the object's frame, and
 // blended there. So a rigid motion has no effect on the blend:
 //   H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z)
-// with the blend s, and the poses p of the object in the frames a and b. The same formula holds for
-// the edge distance. The two parts of a sample are therefore valid until the pair of frames
-// changes. Only the blend s changes with every tick.
+// with the blend s, and the positions p of the reference point in the frames a and b (the formula
+// omits the rotation). The same formula holds for the edge distance. The two terms in brackets do
+// not depend on s. They stay valid until the pair of frames changes, while s changes in every tick.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

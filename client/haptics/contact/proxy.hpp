@@ -166,7 +166,8 @@ struct Bracket {
     const double span = high_value - low_value;
     return span > 0.0 ? std::clamp(low - low_value * (high - low) / span, low, high) : high;
   }
-  /// Replaces one end of the bracket: `value` is the value of the function at `t`.
+  /// Narrows the bracket to `t`, where the function has the value `value`. A positive value
+  /// replaces the high end, any other value the low end.
   void push(double t, double value) noexcept {
     (value > 0.0 ? high : low) = t;
     (value > 0.0 ? high_value : low_value) = value;

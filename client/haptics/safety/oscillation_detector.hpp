@@ -68,8 +68,9 @@ class BounceDetector {
   };
   explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
-  /// Processes one tick. `delay_ticks` is the delay that the safety chain uses. Returns true if
-  /// this tick completes an alarm. The detector then starts again.
+  /// Processes one tick. `delay_ticks`: ticks from the reading of a position to the effect of its
+  /// force, as the safety chain assumes them. Returns true if this tick completes an alarm. The
+  /// detector then starts again.
   bool alarmed(const Tick& tick, int delay_ticks) noexcept;
 
  private:

@@ -88,9 +88,9 @@ class PoseTracker {
 };
 
 /// Returns the mean change of depth from `before` to `now`, mm. Returns nullopt if the surfaces
-/// have fewer than 20 pixels in common. `similarity` moves `before` onto `now`; pixels near the
-/// edge of the overlap do not count. Changes beyond 3 median absolute deviations, at least
-/// `floor_mm`, do not count either.
+/// have fewer than 20 pixels in common. `similarity` moves `before` onto `now`. Two kinds of pixels
+/// do not count: those near the edge of the overlap, and those whose change differs too much from
+/// the median change. The limit is the larger of 3 median absolute deviations and `floor_mm`.
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
                                          const cv::Matx23d& similarity, double floor_mm);
 

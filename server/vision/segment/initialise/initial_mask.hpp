@@ -37,8 +37,8 @@ struct ObjectStart {
   const char* why_not = nullptr;
   std::vector<Plane> planes;
 };
-/// Returns the object at `point`. A plane through the point may be a side of the object. If that
-/// plane covers a fifth of the picture, there is no object.
+/// Returns the object at `point`. A plane through the point counts as a side of the object, unless
+/// the plane covers a fifth of the picture or more. Then it is background, and the mask is empty.
 ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
                        std::vector<Plane> planes);
 
