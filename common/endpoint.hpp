@@ -19,7 +19,7 @@ struct Endpoint {
 };
 
 /// Returns the endpoint in `text`, which has the form HOST, HOST:PORT, PORT or :PORT. An IPv6
-/// address has the form [ADDRESS], [ADDRESS]:PORT, or ADDRESS alone. A missing part is that of
+/// address has the form [ADDRESS], [ADDRESS]:PORT, or ADDRESS alone. A missing part is taken from
 /// `otherwise`. Returns nullopt for other texts.
 [[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text,
                                                     const Endpoint& otherwise);

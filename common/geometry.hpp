@@ -50,13 +50,13 @@ struct Workspace {
     const Vec2 each(width_px / width_mm, height_px / height_mm);
     return stretch ? each : Vec2::Constant(each.maxCoeff());
   }
-  /// Converts nominal mm to px by Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y. The picture's
-  /// top-left corner is (x_min, y_max).
+  /// Converts nominal mm to px by Eq. 7-10: u = (x - x_min)/s_x, v = (y_max - y)/s_y. (s_x, s_y) is
+  /// mmPerPixel(). The picture's top-left corner is (x_min, y_max).
   [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept {
     return toImage(nominal_mm, pixelsPerMm());
   }
-  /// Converts nominal mm to px with the result of pixelsPerMm(). It needs no division, because
-  /// divisions limit the speed of the loop.
+  /// Converts nominal mm to px. `px_per_mm` is the result of pixelsPerMm(). The conversion needs no
+  /// division, because divisions limit the speed of the loop.
   [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm, const Vec2& px_per_mm) const noexcept {
     return {nominal_mm.x() * px_per_mm.x() + 0.5 * width_px,
             0.5 * height_px - nominal_mm.y() * px_per_mm.y()};
@@ -71,10 +71,10 @@ struct DeviceMapping {
   double scale = 1.0;
   Vec3 centre_nominal_mm = Vec3::Zero();
 
-  /// Returns the mapping with the largest scale at which the nominal workspace fits into the
-  /// device's workspace. The nominal box has the width and height of `workspace` and is 70 mm deep.
-  /// The 70 mm are 5 mm behind the picture, 30 mm of relief and 35 mm of air before it. The
-  /// device's workspace has the size `device_mm` about its origin.
+  /// Returns the mapping with the largest scale at which the nominal box fits into the device's
+  /// workspace. The nominal box has the width and height of `workspace` and is 70 mm deep. The 70
+  /// mm are 5 mm behind the picture, 30 mm of relief, and 35 mm of air in front of it. The device's
+  /// workspace has the size `device_mm`, and its centre is the device's origin.
   static DeviceMapping fit(const Workspace& workspace, const Vec3& device_mm) noexcept;
 
   [[nodiscard]] Vec3 toDevice(const Vec3& nominal_mm) const noexcept;

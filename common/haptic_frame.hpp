@@ -49,7 +49,8 @@ struct Relief {
 
 /// Motion of the surface relative to the object's own motion: velocity and acceleration of each
 /// cell. In the thesis's method it is the difference between the dense optical flow and the
-/// object's motion. The cells have kGridCell_px. They cover the relief's rectangle, row by row.
+/// object's motion. A cell is a square with sides of kGridCell_px. The cells cover the relief's
+/// rectangle, row by row.
 struct MotionGrid {
   int columns = 0;
   int rows = 0;
@@ -93,7 +94,7 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// One object of a frame. `Shape` is the type of its heights. It is Relief for production and
+/// One object of a frame. `Shape` is the type of its relief. It is Relief for production and
 /// contact, and CodedRelief (common/codec/coded_frame.hpp) for transport.
 template <class Shape>
 struct ObjectOf {
@@ -147,7 +148,7 @@ struct StreamDescription {
   Workspace workspace;  ///< includes the picture's size in px
   Method method = Method::kHapticast;
   Duration pipeline_latency{0};  ///< time from the capture of a frame until it is complete
-  /// Of the whole clip; of a live source so far; 0: unknown.
+  /// Largest acceleration in the whole clip, or in a live source so far. 0 means unknown.
   double largest_acceleration_mm_s2 = 0.0;
   std::optional<double> mass_kg;  ///< mass of the object by its author
   bool operator==(const StreamDescription&) const = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Small linear least squares problems. The normal equations are solved by LDL^T decomposition. The
-// rectangular system is solved by QR decomposition with column pivoting.
+// Small linear least squares problems. LDL^T decomposition solves normal equations. QR
+// decomposition with column pivoting solves rectangular systems.
 //
 // Eigen's decompositions cost 5 s of compilation in every source that includes them (g++ -O3). So
 // they have a source of their own. Thread: any.

@@ -16,7 +16,8 @@ namespace hapticast {
 
 class LogRateLimiter {
  public:
-  /// A choice: with kRefill at most 10 lines in a minute.
+  /// Number of tokens at the start, and time between two new tokens. The values are a choice: they
+  /// allow at most 10 lines in a minute.
   static constexpr std::int64_t kBurst = 6;
   static constexpr Duration kRefill = std::chrono::seconds(15);
 
@@ -36,8 +37,8 @@ class LogRateLimiter {
     --tokens_;
     return true;
   }
-  /// Returns `line`, with the number of lines that were dropped before it. Returns nullopt if this
-  /// line is dropped as well.
+  /// Returns `line` if a token is available, and appends the number of lines that were dropped
+  /// before it. Otherwise drops the line and returns nullopt.
   [[nodiscard]] std::optional<std::string> admit(std::string line, LocalTime now) {
     if (!allow(now)) return std::nullopt;
     const std::uint64_t dropped = popDropped();
@@ -65,7 +66,7 @@ class LogInterval {
   /// Returns true if no line was logged within the interval before `now`.
   [[nodiscard]] bool isDue(LocalTime now) const { return !last_ || now - *last_ >= interval_; }
   void onLogged(LocalTime now) { last_ = now; }
-  /// Returns isDue(). If it is true, the call also registers a line at `now`.
+  /// Returns isDue(now). If the result is true, the call also registers a line at `now`.
   [[nodiscard]] bool allow(LocalTime now) {
     if (!isDue(now)) return false;
     onLogged(now);

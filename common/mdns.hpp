@@ -12,8 +12,8 @@
 namespace hapticast {
 
 inline constexpr const char* kServiceType = "_hapticast._tcp";
-/// Keys of the TXT record. The first value is the version of the protocol as a number. The second
-/// value is the stream's name.
+/// Keys of the TXT record. The value of the first key is the version of the protocol, as a number.
+/// The value of the second key is the stream's name.
 inline constexpr const char* kServiceVersionKey = "version";
 inline constexpr const char* kTxtTitleKey = "plays";
 inline constexpr std::size_t kMaxServiceName_bytes = 63;    ///< RFC 6763, section 4.1.1

@@ -21,7 +21,7 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 
 /// Returns `text` without white space (blank, tab, carriage return) at its begin and end.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
-/// Returns `text` in quotes for an error message. A longer text is cut after 40 bytes.
+/// Returns `text` in quotes for an error message. Only the first 40 bytes of a longer text appear.
 [[nodiscard]] std::string quote(std::string_view text);
 /// Returns the words, joined with `separator`, for example "a, b, c".
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
@@ -58,8 +58,8 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
 
 /// Returns "; did you mean X?" with the word of `words` that is nearest to `typed`. Returns an
 /// empty text if no word is near enough. The distance is the number of edits. An edit replaces,
-/// omits, adds or swaps a letter. A word is near with one edit for every three of its letters, and
-/// at least with one.
+/// omits or adds a letter, or swaps two adjacent letters. A word is near enough if its distance is
+/// at most a third of its letters. A distance of 1 is near enough for a short word too.
 [[nodiscard]] std::string spellingHint(std::string_view typed,
                                        const std::vector<std::string>& words);
 

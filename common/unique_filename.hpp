@@ -8,8 +8,8 @@
 
 namespace hapticast {
 
-/// Returns the first name of hapticast-1.csv, hapticast-2.csv, ... that does not exist in the
-/// working folder. `ending` is the extension, such as ".csv".
+/// Returns the first of the names hapticast-1, hapticast-2, ... that does not exist in the working
+/// folder. Each name has the extension `ending`, such as ".csv".
 inline std::string nextFreeFilename(const std::string& ending) {
   std::string name;
   std::error_code unknown;  // an error counts as not existing

@@ -20,21 +20,23 @@ namespace hapticast {
 /// Returns the two finite numbers of a text "A,B". Returns nullopt for other texts.
 std::optional<Vec2> parsePair(const std::string& text);
 
-/// Parses `text` like parseEndpoint(), with `otherwise` for missing parts. Throws
-/// CLI::ValidationError if `text` is invalid, or if its port is below `least_port`. The message has
-/// the flag `name` and the expected `form`.
+/// Returns the endpoint in `text`, as parseEndpoint() does, with missing parts from `otherwise`.
+/// Throws CLI::ValidationError if `text` is invalid, or if its port is below `least_port`. The
+/// error message has the flag `name` and the expected `form`.
 [[nodiscard]] Endpoint parseEndpointOr(const std::string& text, const Endpoint& otherwise,
                                        const std::string& name, std::uint16_t least_port,
                                        const std::string& form);
 
-/// Adds an option to `app` that parses an endpoint into `value`. `form` is the expected text for
-/// error messages, for example "HOST:PORT". `help` is its line in --help.
+/// Adds an option to `app` that parses an endpoint into `value`. Missing parts keep the values that
+/// `value` has now. A port below `least_port` is an error. `form` is the expected text for error
+/// messages, for example "HOST:PORT". `help` is the option's line in --help.
 CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value,
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
-/// Adds an option to `app` for two numbers "A,B". It calls `set_pair` with the numbers. `set_pair`
-/// returns false if they are outside the allowed range.
+/// Adds an option to `app` for two numbers "A,B". The option passes the numbers to `set_pair`.
+/// `set_pair` returns false if the numbers are outside the allowed range, which causes an error
+/// message with `form`.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help);
@@ -78,8 +80,8 @@ CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>&
       ->allow_extra_args(false);
 }
 
-/// Adds an option to `app` whose text must be a key of `choices`. Its value is written to `value`.
-/// `choices` must outlive `app`.
+/// Adds an option to `app` whose text must be a key of `choices`. The option writes the value of
+/// that key to `value`. `choices` must outlive `app`.
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {
@@ -100,8 +102,9 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
 
 // Version text of a program, with its optional packages. Thread: any.
 
-/// Adds the flag --version, and appends the same text to --help. The text is "PROGRAM VERSION
-/// (`built_in`)", then a line with the optional packages of this build.
+/// Adds the flag --version, and appends the text of --version to --help. The text is "PROGRAM
+/// VERSION (BUILT_IN)", where BUILT_IN is `built_in`. A second line has the optional packages of
+/// this build.
 void addVersion(CLI::App& app, const std::string& built_in);
 
 // Config file (--config FILE) with lines `key = value` (readKeyValues()). Every flag is a key of

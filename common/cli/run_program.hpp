@@ -11,9 +11,9 @@ namespace hapticast {
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
-/// Sets up the logger, calls `run`, and returns its exit code. The log lines are on stderr, with
-/// the program's name `name`. With `quiet` only warnings and errors are logged. If `run` throws an
-/// exception, it becomes one line in the log, and the exit code is kFailed.
+/// Sets up the logger with the name `name`, calls `run`, and returns the exit code of `run`. Log
+/// lines go to stderr. If `quiet` is true, only warnings and errors are logged. If `run` throws an
+/// exception, its message becomes one line in the log, and the exit code is kFailed.
 int runProgram(const std::string& name, bool quiet, const std::function<int()>& run);
 
 // Handling of the signal SIGHUP at the program's start. Thread: main, at start-up.

@@ -15,8 +15,8 @@
 
 namespace hapticast {
 
-/// A relief in coded form: the slices that are present, which do not overlap. On the receiver
-/// slices may be missing.
+/// A relief in coded form. `slices` has the slices that are present, which do not overlap. On the
+/// receiver, some slices of the relief may be missing.
 struct CodedRelief {
   PixelRect rect;  ///< inside the picture
   std::vector<SliceBytes> slices;
@@ -32,7 +32,7 @@ struct CodedRelief {
 using CodedObject = ObjectOf<CodedRelief>;
 using CodedFrame = FrameOf<CodedRelief>;
 
-/// Returns a copy of the object `from` with another relief.
+/// Returns a copy of the object `from` that has `relief` in place of its own relief.
 template <class To, class From>
 ObjectOf<To> withRelief(const ObjectOf<From>& from, std::shared_ptr<const To> relief) {
   return {from.id,     from.layer, from.changed_in_frame, std::move(relief),

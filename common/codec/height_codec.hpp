@@ -24,8 +24,9 @@
 
 namespace hapticast {
 
-/// Default bound of the height error. The effect was measured (hapticast-evaluate codec): with the
-/// coarse step below, the codec adds less than half a percentage point to the force's error.
+/// Default for the largest error of a pixel's height. Its effect was measured (hapticast-evaluate
+/// codec). With the default of `coarse_sixteenths`, the codec adds less than half a percentage
+/// point to the force's error.
 inline constexpr double kDefaultHeightError_mm = 0.02;
 /// Largest size of a slice. A datagram also has its header, its signature, and the ids of object
 /// and relief. With all of them it stays below 1280 bytes, the smallest MTU of IPv6.
@@ -35,9 +36,9 @@ inline constexpr std::size_t kMostSliceBytes = 1100;
 struct SliceSettings {
   double error_mm = kDefaultHeightError_mm;  ///< largest error of a pixel's height, 0.002..0.499
   /// Quantiser step of the coarser points, in sixteenths of the pixels' step, 1..16. A smaller step
-  /// yields a smoother surface with the same bound, and more bytes. The effect was measured. At 16,
-  /// slices add 0.75 percentage points to the force's error. At 10, they add 0.49 points, for 11 %
-  /// more bytes.
+  /// yields a smoother surface with the same largest error, but it needs more bytes. The effect was
+  /// measured. At 16, slices add 0.75 percentage points to the force's error. At 10, they add 0.49
+  /// points, and they have 11 % more bytes.
   int coarse_sixteenths = 10;
   std::size_t most_bytes = kMostSliceBytes;  ///< largest size of a slice, 300 or more
 
@@ -49,9 +50,9 @@ using SliceBytes = std::vector<std::uint8_t>;
 /// Encodes reliefs as slices.
 class HeightEncoder {
  public:
-  /// Returns the slices of `relief`, or none if its mask is empty. Heights are clamped to -1..1000
-  /// mm, and NaN counts as 0. Requires mask and heights of the size of the rectangle, at most 1920
-  /// x 1080 px.
+  /// Returns the slices of `relief`. Returns no slices if its mask is empty. Heights are clamped to
+  /// -1..1000 mm, and NaN counts as 0. Requires mask and heights of the size of relief.rect, at
+  /// most 1920 x 1080 px.
   [[nodiscard]] std::vector<SliceBytes> encode(const Relief& relief,
                                                const SliceSettings& settings = {});
 
@@ -73,7 +74,7 @@ class HeightEncoder {
   void beginSlice(const Part& part, const codec::Shape& shape);
   [[nodiscard]] codec::Header makeHeader(const Part& part, codec::Mode mode) const;
 
-  /// Appends the slices of `wanted` to `out`. It splits the part into as many slices as necessary.
+  /// Appends the slices of `wanted` to `out`. Splits `wanted` into as many slices as necessary.
   void codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out);
   void split(const Part& part, int pieces, std::vector<SliceBytes>& out);
   [[nodiscard]] std::ptrdiff_t offset(const Part& part) const;
@@ -96,15 +97,16 @@ class HeightEncoder {
 /// Decodes slices into a relief.
 class HeightDecoder {
  public:
-  /// Returns the rectangle of pixels that the slice covers, relative to the rectangle `object`. It
-  /// reads only the header of the slice. Returns an error if the header is invalid.
+  /// Returns the rectangle of pixels that the slice covers. The rectangle is relative to the
+  /// top-left pixel of `object`, the rectangle of the whole relief. The function reads only the
+  /// header of the slice. Returns an error if the header is invalid.
   [[nodiscard]] static Result<PixelRect, WireError> covers(std::span<const std::uint8_t> slice,
                                                            const PixelRect& object);
 
   /// Decodes `slice` and writes its pixels to `relief`: the mask, and the heights (0 outside the
-  /// mask). Returns their rectangle. After an error it has written nothing. Time and memory are
-  /// bounded by the number of covered pixels. Requires mask and heights of the size of the
-  /// rectangle, at most 1920 x 1080 px.
+  /// mask). Returns the rectangle of these pixels, relative to relief.rect. If it returns an error,
+  /// `relief` is unchanged. Time and memory are bounded by the number of covered pixels. Requires
+  /// mask and heights of the size of relief.rect, at most 1920 x 1080 px.
   [[nodiscard]] Result<PixelRect, WireError> decode(std::span<const std::uint8_t> slice,
                                                     Relief& relief);
 

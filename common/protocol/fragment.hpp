@@ -23,7 +23,8 @@ namespace hapticast {
 /// The part of one object that a fragment carries.
 struct ObjectPiece {
   CodedObject object;  ///< the object, but only with the slices and grid cells of this fragment
-  bool head = false;   ///< true: has the motion, impacts, material and the rectangle of the relief
+  /// True: `object` has motion, impacts, material and the rectangle of the relief.
+  bool head = false;
   /// Index of the first grid cell in this fragment. `columns` and `rows` of the grid are those of
   /// the whole grid.
   std::size_t first_cell = 0;
@@ -31,8 +32,8 @@ struct ObjectPiece {
 /// Content of one fragment.
 struct FramePiece {
   std::vector<ObjectPiece> objects;
-  /// Number of objects of the whole frame. It is present if the fragment has the head of an object,
-  /// or no objects. A head is an ObjectPiece with `head`.
+  /// Number of objects of the whole frame. It is present if `objects` is empty, or if it has an
+  /// ObjectPiece with `head`.
   std::optional<std::size_t> object_count = std::nullopt;
 };
 

@@ -52,8 +52,9 @@ struct Welcome {
 /// Request of a client: how it wants to receive frames from now on.
 struct Delivery {
   bool on_tcp = true;
-  bool datagrams = true;  ///< send datagrams, once the client has returned its token (echo)
-  /// Number of times that each datagram is sent, 1..limits::kMostCopies; also for the group.
+  bool datagrams = true;  ///< true: send datagrams once the client has returned its token (echo)
+  /// Number of times that the server sends each datagram, 1..limits::kMostCopies. A client of the
+  /// multicast group states the number that it needs.
   std::uint32_t copies = 1;
   bool operator==(const Delivery&) const = default;
 };

@@ -13,10 +13,10 @@
 
 namespace hapticast {
 
-/// Checks the number of repeated fields in the bytes of a message, before the parser allocates
+/// Counts the entries of repeated fields in the bytes of a message, before the parser allocates
 /// memory for them. Records an error in `check` if there are too many.
 void boundCounts(std::span<const std::uint8_t> message, Check& check);
-/// Does the same for the bytes of a frame or of a fragment.
+/// Counts the entries of repeated fields in the bytes of a frame or of a fragment.
 void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 
 /// Return the struct of a parsed frame or fragment. They record an error in `check` for every

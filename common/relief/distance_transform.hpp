@@ -39,12 +39,14 @@ std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, 
 /// Smooths `distance_mm` in place. It has the signed distance of each pixel to the edge of a mask,
 /// row by row, in mm, positive inside.
 ///
-/// A Gaussian of 1.8 px smooths all distances. Within 4 px of the edge, a quadratic along the edge
-/// replaces them. The quadratic extends 8 to 24 px to either side. It extends as far as it differs
-/// by at most about half a pixel from the Gaussian's distances (Lepski's choice of a bandwidth).
+/// A Gaussian of 1.8 px smooths all distances. Within 4 px of the edge, the values of a fitted
+/// quadratic replace the smoothed distances. Each fit uses the distances on a line along the edge,
+/// which extends 8 to 24 px to either side. The line is the longest one on which fit and distances
+/// differ by at most about half a pixel (Lepski's choice of a bandwidth).
 ///
-/// The result serves as the coefficients of a uniform cubic B-spline. The edge of a circle then has
-/// its true radius. Requires distance_mm.size() == width * height, both above 0, and finite values.
+/// The caller uses the result as the coefficients of a uniform cubic B-spline. The edge of a circle
+/// then has its true radius. Requires distance_mm.size() == width * height, both above 0, and
+/// finite values.
 void smoothEdgeDistance(std::vector<float>& distance_mm, int width, int height,
                         const Vec2& mm_per_px);
 

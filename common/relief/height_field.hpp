@@ -59,9 +59,10 @@ class HeightField {
   /// Returns height, gradient and second derivatives of a uniform cubic B-spline that has the
   /// heights as coefficients. Otherwise it is like bilinear().
   [[nodiscard]] CurvedSample spline(const Vec2& image_px) const noexcept;
-  /// Returns the signed distance to the mask's edge and its gradient, clamped to +-kMargin_px. It
-  /// is a cubic B-spline of the smoothed distances. `image_px` and the requirement are as for
-  /// bilinear().
+  /// Returns the signed distance to the mask's edge, and the gradient of the distance. Beyond
+  /// +-kMargin_px the distance is constant. Both values are those of a cubic B-spline of the
+  /// smoothed distances. Any `image_px` is valid, as for bilinear(). Requires a field that is not
+  /// empty.
   [[nodiscard]] EdgeSample edge(const Vec2& image_px) const noexcept;
   /// Returns an upper bound of the height that spline() returns, mm.
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
@@ -69,7 +70,7 @@ class HeightField {
   /// Returns the centre of the pixel in the mask that is farthest from the mask's edge, px. Returns
   /// (0, 0) if the field is empty.
   [[nodiscard]] const Vec2& deepestPoint_px() const noexcept { return deepest_px_; }
-  /// Returns the height of that pixel, mm.
+  /// Returns the height at deepestPoint_px(), mm.
   [[nodiscard]] double deepestPointHeight_mm() const noexcept { return deepest_height_mm_; }
 
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle

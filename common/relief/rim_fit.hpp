@@ -12,14 +12,16 @@ namespace hapticast {
 class RimFit {
  public:
   /// Fits the quadratic about the pixel (u, v), which must be inside the mask. The fit uses the
-  /// pixels of the mask within 5 px, with Gaussian weights of 2.5 px. It is exact for planes. In a
-  /// thin mask the pixels may not determine the curvature. A small ridge term then makes it small.
+  /// pixels of the mask within 5 px. Their weights are a Gaussian with a standard deviation of 2.5
+  /// px. The fit is exact for planes. In a thin mask the pixels may not determine the curvature. A
+  /// small ridge term then keeps the curvature small.
   RimFit(const std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask, int width,
          int height, int u, int v);
 
-  /// Returns the height at the distance (du, dv) px from the pixel, mm. It is that of the quadratic
-  /// up to 4 px, of its tangent up to 12 px, and constant beyond. It differs by at most 2 mm from
-  /// the weighted mean of the heights around the pixel.
+  /// Returns the height at the offset (du, dv) px from the pixel, mm. Up to a distance of 4 px it
+  /// follows the quadratic. From 4 to 12 px it follows the tangent of the quadratic, and beyond 12
+  /// px it is constant. It differs by at most 2 mm from the weighted mean of the heights around the
+  /// pixel.
   [[nodiscard]] double at(double du, double dv) const;
 
  private:

@@ -43,8 +43,8 @@ class Channel {
   /// Writes as much of a payload (1..kMaxMessageBytes bytes) as possible without waiting. Returns
   /// true if it has written all of it. Do not call it while write() runs.
   ///
-  /// After false, the caller must call write() with the same payload. That call writes the rest,
-  /// and it reports if the connection has ended.
+  /// If it returns false, the caller must call write() with the same payload. That call writes the
+  /// rest, and its result states whether the connection has ended.
   [[nodiscard]] virtual bool writeNow(const SharedBytes& payload) noexcept = 0;
   /// Writes one payload and returns true. Returns false if the connection has ended. Only one write
   /// may run at a time.

@@ -15,7 +15,8 @@ class ClockSync {
  public:
   static constexpr std::size_t kBurst = 16;  ///< number of quick pings at the start of a connection
   static constexpr std::size_t kNeeded = 5;  ///< number of answered pings before the first offset
-  /// Number of stored pings. The value is a choice: with fewer pings the drift is mostly jitter.
+  /// Number of stored pings. The value is a choice: with fewer pings the estimated drift would be
+  /// mostly jitter.
   static constexpr std::size_t kWindow = 256;
   static constexpr double kMaxDrift = 5e-4;  ///< largest rate of change of the offset
 

@@ -60,8 +60,8 @@ struct Datagram {
 [[nodiscard]] std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
                                                    std::span<const std::uint8_t> payload,
                                                    SigningKey& key);
-/// Returns the bytes of a probe that follow the token. A probe has the full size: if it arrives,
-/// every datagram can arrive.
+/// Returns the bytes of a probe that follow the token. A probe has the size of the largest
+/// datagram. So if a probe arrives, datagrams of every size can arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);
 /// Returns the token in the byte order of the wire.
 [[nodiscard]] TokenBytes tokenBytes(std::uint64_t token) noexcept;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Connection to avahi-daemon, which reconnects automatically. The owner creates objects of the
-// Avahi library. This class calls it when it can create them, and when it must free them. Thread:
-// Avahi's own for the events; the owner's for the rest.
+// Connection to avahi-daemon, which reconnects automatically. The owner of the session creates
+// objects of the Avahi library. The session informs the owner when these objects can be created,
+// and when they must be freed. Thread: Avahi's own for the events; the owner's for the rest.
 #pragma once
 
 #include <functional>
@@ -19,10 +19,12 @@ class AvahiSession {
  public:
   /// Callbacks that the owner implements.
   struct Events {
-    std::function<void(AvahiClient*)> runs;  ///< the daemon runs: create objects of this client
-    std::function<void()> over;              ///< free these objects now, if there are any
-    /// No daemon runs; the argument is the cause. It is called only once, until the daemon runs
-    /// again.
+    /// The daemon runs: the owner can create objects of this client.
+    std::function<void(AvahiClient*)> runs;
+    /// The owner must free these objects now, if there are any.
+    std::function<void()> over;
+    /// No daemon runs; the argument is the cause. The session does not call it again until the
+    /// daemon has run.
     std::function<void(const std::string&)> absent;
   };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Covered cells of a relief. It detects slices that overlap, because no two slices may cover the
-// same cell. Thread: any, one for each object.
+// Set of the cells that the slices of a relief cover. No two slices may cover the same cell, so the
+// set detects slices that overlap. Thread: any, one for each object.
 #pragma once
 
 #include <cstddef>
@@ -44,13 +44,14 @@ class CoveredCells {
 // the nodes, and the details. A detail is the difference between a point and its interpolation.
 // Thread: any.
 
-/// Computes the base heights, nodes, details and flags of `field`, which must be reset for an
-/// encoder. `object` has the heights to code. Afterwards every pixel inside the mask has an error
-/// of at most half of steps.px.
+/// Computes the base heights, nodes, details and flags of `field`. Requires a field after
+/// reset(true). `object` has the heights to code. Afterwards every pixel inside the mask has an
+/// error of at most half of steps.px.
 void analyse(Field& field, const Surroundings& object, const Steps& steps);
 
-/// Return the estimated number of bits of one cell. The first function needs a field after
-/// analyse(). The second one needs the level indices of rough mode.
+/// Return the estimated number of bits of one cell. The first function is for smooth mode, and it
+/// needs a field after analyse(). The second one is for rough mode, and it needs the level indices
+/// `numbers`.
 float estimateCost(const Field& field, int cell_x, int cell_y);
 float estimateCost(const Numbers& numbers, const Field& field, int cell_x, int cell_y);
 

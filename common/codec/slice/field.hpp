@@ -24,7 +24,7 @@ inline constexpr std::int32_t kHighest = 1 << 22;
 /// Quantiser steps in units, for the pixels and for the coarser points.
 struct Steps {
   int px = 0;
-  std::array<int, 3> level{};  ///< steps of the points 4, 2 and 1 px apart
+  std::array<int, 3> level{};  ///< steps of the three levels, whose points are 4, 2 and 1 px apart
   int base = 0;                ///< step of the nodes
 
   /// Returns all steps. `px` is the step of the pixels, 9..4095. `sixteenths` is the step of the
@@ -37,8 +37,9 @@ struct Steps {
 
 /// Size of a slice.
 struct Shape {
-  int columns = 0, rows = 0;  ///< cells
-  int width = 0, height = 0;  ///< number of pixels of these cells inside the object's rectangle
+  int columns = 0, rows = 0;  ///< size in cells
+  /// Size in px of the part of these cells inside the object's rectangle.
+  int width = 0, height = 0;
 };
 
 /// Mask of a slice: 1 inside, 0 outside. It has a margin of kMargin_px.
@@ -59,8 +60,8 @@ struct Patch {
   std::int32_t change = 0;
 };
 
-/// One level of the pyramid: points `step` px apart. Those in even rows and even columns belong to
-/// the coarser level.
+/// One level of the pyramid. Its points are `step` px apart. The points in even rows and even
+/// columns belong to the coarser level.
 struct Level {
   int step = 0;
   /// Number of points; the last row and column belong to the next slice.
@@ -94,8 +95,8 @@ struct Field {
 
   /// Begins a slice of this shape with an empty mask.
   void begin(const Shape& slice);
-  /// Prepares all other members. Call it when the mask is complete. `encodes` allocates the details
-  /// of an encoder.
+  /// Prepares all other members. Call it when the mask is complete. If `encodes` is true, the call
+  /// also allocates the details of an encoder.
   void reset(bool encodes);
 
   /// Returns the index of a cell in `occupied` and `flags`.

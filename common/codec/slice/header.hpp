@@ -41,7 +41,7 @@ struct Header {
 };
 
 /// Returns the quantiser step of the pixels for the error bound `error_mm`, in units. It is the
-/// largest odd step of which the half stays within the bound. The bound includes the error of the
+/// largest odd step whose half does not exceed the bound. The bound also covers the error of the
 /// rounding to units.
 inline int stepFor(double error_mm) {
   const double units = std::clamp(error_mm, 0.0, 1.0) * kUnitsPerMm;

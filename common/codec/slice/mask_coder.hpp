@@ -17,8 +17,8 @@
 
 namespace hapticast::codec {
 
-/// A change between outside and inside in a row. `shift` is its distance from the edge of the row
-/// above that it belongs to.
+/// A change between outside and inside, at the pixel `at` of a row. `shift` is its distance from
+/// the related edge of the row above, within -7..7. It is 0 if there is no related edge.
 struct Edge {
   int at = 0;
   int shift = 0;
@@ -86,7 +86,8 @@ class MaskCoder {
 
  private:
   static constexpr int kFarthest = 7;
-  /// Marks no edge: an edge of the row above has no counterpart here.
+  /// Value of Edge::shift that marks no edge of this row. It means that an edge of the row above
+  /// has no counterpart here.
   static constexpr int kPassed = 99;
 
   template <class Coder>

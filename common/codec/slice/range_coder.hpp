@@ -3,8 +3,8 @@
 // adapts its probability to the bits that were coded with it.
 //
 // Encoder and decoder have the same two operations, `bit(model, value)` and `raw(value)`, which
-// return the bit. A decoder ignores `value` and returns the decoded bit. So one template over the
-// coder encodes and decodes. "To code" is either of both.
+// return the bit. A decoder ignores `value` and returns the decoded bit. So one template with the
+// coder as a parameter can encode and decode. "To code" means to encode or to decode.
 // Thread: any.
 #pragma once
 
@@ -25,7 +25,8 @@ struct BitModel {
 };
 
 inline constexpr unsigned kMostSeen = 32;
-/// Rate of adaptation after each number of coded bits: the share of the difference, in 1/65536.
+/// Rate of adaptation, by the number of coded bits. It is the share of the difference between
+/// probability and bit that one bit removes, in 1/65536.
 inline constexpr auto kRates = [] {
   std::array<std::uint16_t, kMostSeen + 1> rates{};
   for (unsigned n = 0; n <= kMostSeen; ++n)
@@ -33,8 +34,8 @@ inline constexpr auto kRates = [] {
   return rates;
 }();
 
-/// Moves the probability of the model towards the bit `one`. It remains within limits that exclude
-/// 0 and 1.
+/// Moves the probability of the model towards the bit `one`. The probability remains within limits
+/// that exclude 0 and 1.
 inline void update(BitModel& model, bool one) noexcept {
   constexpr unsigned kLeast = 96;
   constexpr unsigned kMost = 65440;
@@ -47,8 +48,8 @@ inline void update(BitModel& model, bool one) noexcept {
 }
 
 inline constexpr std::uint32_t kLeastRange = 1U << 24U;
-/// Largest number of trailing zero bytes that an encoder omits. If a decoder reads beyond that, the
-/// bytes are invalid.
+/// Largest number of trailing zero bytes that an encoder omits. If a decoder has to read beyond
+/// these bytes, its input is invalid.
 inline constexpr std::size_t kMostZerosDropped = 16;
 
 /// Decoder for the bytes of one slice.
@@ -68,7 +69,7 @@ class RangeDecoder {
     return one;
   }
 
-  /// Decodes a bit with the mean probability of two models.
+  /// Decodes a bit with the mean probability of two models. Both models then adapt.
   bool bit(BitModel& model, BitModel& other, bool /*value*/ = false) noexcept {
     const bool one = decide((std::uint32_t{model.zero} + other.zero) >> 2U);
     update(model, one);
@@ -137,7 +138,7 @@ class RangeEncoder {
     return one;
   }
 
-  /// Encodes a bit with the mean probability of two models.
+  /// Encodes a bit with the mean probability of two models. Both models then adapt.
   bool bit(BitModel& model, BitModel& other, bool one) {
     write((std::uint32_t{model.zero} + other.zero) >> 2U, one);
     update(model, one);
@@ -153,8 +154,8 @@ class RangeEncoder {
     return one;
   }
 
-  /// Writes the last bytes: the shortest number inside the range of the coder. Omits trailing zero
-  /// bytes. Call it once, at the end.
+  /// Writes the last bytes: the shortest number inside the range of the coder. Omits at most
+  /// kMostZerosDropped trailing zero bytes. Call it once, at the end.
   void finish() {
     const std::size_t begin = out_.size();
     for (unsigned bits = 32; bits > 0; --bits) {
@@ -189,8 +190,8 @@ class RangeEncoder {
       shift();
     }
   }
-  /// Outputs the top byte. A byte that a carry may still change waits, with the 0xFF bytes after
-  /// it.
+  /// Outputs the top byte of low_. A byte that a carry may still change waits, and the 0xFF bytes
+  /// after it wait too.
   void shift() {
     constexpr std::uint64_t kCarry = std::uint64_t{1} << 32U;
     if (low_ < 0xFF000000U || low_ >= kCarry) {
@@ -216,14 +217,14 @@ class RangeEncoder {
 inline constexpr int kMostExponent = 22;
 inline constexpr int kPlaceExponents = 8;
 
-/// Models of an integer. They cover the question whether it is zero, its sign, its exponent (in
-/// unary), and the highest bit of its mantissa.
+/// Models for the bits of an integer. They code whether the integer is zero, its sign, its exponent
+/// (in unary), and the highest bit of its mantissa.
 struct NumberModel {
   BitModel zero, sign;
   std::array<BitModel, kMostExponent + 1> exponent, mantissa;
 };
 
-/// Additional models of an integer, chosen by its place. They cover the question whether it is
+/// Additional models of an integer, selected by the integer's position. They code whether it is
 /// zero, and the first bits of its exponent.
 struct PlaceModel {
   BitModel zero;
@@ -231,7 +232,8 @@ struct PlaceModel {
 };
 
 /// Encodes or decodes a number of at least 1, as an Elias gamma code with models. Returns the
-/// number, which has at most kMostExponent + 1 bits. `place` may be null.
+/// number, which has at most kMostExponent + 1 bits. `place` has additional models; null means that
+/// there are none.
 template <class Coder>
 int codeMagnitude(Coder& coder, NumberModel& model, PlaceModel* place, int value) {
   const int wanted = Coder::kDecodes ? 0 : std::bit_width(static_cast<unsigned>(value)) - 1;

@@ -22,7 +22,7 @@ using Levels = std::vector<std::int32_t>;
 inline constexpr std::size_t kMostLevels = 65536;
 
 /// Encodes or decodes the levels. `usual_gap` is the expected distance of two levels. Returns false
-/// if there are too many levels, or if one exceeds the range of heights.
+/// if there are too many levels, if they do not ascend, or if one exceeds the range of heights.
 template <class Coder>
 bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
   NumberModel first;
@@ -47,10 +47,10 @@ bool codeLevels(Coder& coder, Levels& levels, std::int32_t usual_gap) {
 
 /// Probability models of rough mode.
 struct RoughModels {
-  /// Models of the prediction error, by Around::unrest() and by the errors of the pixels to the
-  /// left and above.
+  /// Models of the prediction error. The first index is Around::unrest(). The second index is a
+  /// class of the errors of the pixels to the left and above.
   std::array<std::array<NumberModel, 3>, 7> rest;
-  std::array<BitModel, 9> sign;  ///< models of its sign, by Around::fall()
+  std::array<BitModel, 9> sign;  ///< models of the prediction error's sign, by Around::fall()
 };
 
 /// Level indices of four pixels around a pixel.
@@ -69,15 +69,15 @@ struct Around {
     if (sum < 3) return static_cast<std::size_t>(sum);
     return sum < 5 ? 3 : sum < 9 ? 4 : sum < 17 ? 5 : 6;
   }
-  /// Returns a class (0..8) for the signs of the horizontal and the vertical difference.
+  /// Returns a class (0..8) for the signs of up - up_left and left - up_left.
   [[nodiscard]] std::size_t fall() const {
     const auto sign = [](int value) { return (value > 0 ? 2 : 0) + (value == 0 ? 1 : 0); };
     return static_cast<std::size_t>(3 * sign(up - up_left) + sign(left - up_left));
   }
 };
 
-/// Level index of each pixel, and the size of its prediction error. There is a margin of one pixel
-/// to the left and right of each row, and of one row above.
+/// Level index of each pixel, and the size of its prediction error. Both arrays have a margin of
+/// one pixel to the left and right of each row, and of one row above.
 struct Numbers {
   std::ptrdiff_t stride = 0;
   std::vector<std::int32_t> level;
@@ -97,8 +97,9 @@ struct Numbers {
 Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t farthest,
                   Numbers& numbers);
 
-/// Returns the level indices of the four pixels around a pixel. A pixel outside the mask is
-/// replaced by another one: the pixel above or to the left, or the last coded pixel.
+/// Returns the level indices of the four pixels around a pixel. For a pixel outside the mask, it
+/// uses one of the other indices, or `last` (the index of the last coded pixel). `top`, `at_left`
+/// and `at_right` are true if the pixel lies at that border of the slice.
 inline Around loadNeighbours(const std::int32_t* level, std::ptrdiff_t stride,
                              const std::uint8_t* inside, std::ptrdiff_t mask_stride, bool top,
                              bool at_left, bool at_right, std::int32_t last) {

@@ -12,7 +12,8 @@
 
 namespace hapticast::codec {
 
-/// Class of the model for a point (0..4), by the sum of the sizes of the details around it.
+/// Class (0..4) of the model for a point. The index is the sum of the sizes of the details around
+/// the point.
 inline constexpr auto kDetailClass = [] {
   std::array<std::uint8_t, 6 * kMostSize + 1> out{};
   for (std::size_t i = 0; i < out.size(); ++i)
@@ -23,11 +24,11 @@ inline constexpr auto kDetailClass = [] {
 /// Probability models of smooth mode.
 struct SymbolModels {
   std::array<NumberModel, 4> base;
-  /// Models of one level, separate for even and odd rows.
+  /// Models of one level. The first index of each array is 0 for even rows and 1 for odd rows.
   struct Details {
-    std::array<std::array<NumberModel, 5>, 2> number;  ///< by kDetailClass
-    std::array<std::array<PlaceModel, 12>, 2> place;   ///< by pixelIndex()
-    std::array<std::array<BitModel, 9>, 2> sign;       ///< by signClass()
+    std::array<std::array<NumberModel, 5>, 2> number;  ///< second index: kDetailClass
+    std::array<std::array<PlaceModel, 12>, 2> place;   ///< second index: pixelIndex()
+    std::array<std::array<BitModel, 9>, 2> sign;       ///< second index: signClass()
   };
   std::array<Details, 3> detail;
   std::array<std::array<std::array<BitModel, 3>, 2>, 3> flag;
@@ -66,9 +67,9 @@ void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& ste
   }
 }
 
-/// Returns the class of the additional model for a point of level I (0..11). It depends on three
-/// questions: is the mask's edge nearby, is the point in the middle of four coarser points, and
-/// does the coarser level have details around it?
+/// Returns the class (0..11) of the additional model for a point of level I. The class depends on
+/// three questions: is the mask's edge nearby, is the point in the middle of four coarser points,
+/// and does the coarser level have details around it?
 template <std::size_t I>
 std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int y) {
   constexpr std::ptrdiff_t kPx = 4 >> I;
@@ -84,7 +85,7 @@ std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int 
   return (inner ? 0U : 6U) + ((x & y & 1) != 0 ? 3U : 0U) + busy;
 }
 
-/// Returns the class of a detail's sign (0..8), by the signs of the nearest details to the left and
+/// Returns the class (0..8) of a detail's sign, by the signs of the nearest details to the left and
 /// above.
 inline std::size_t signClass(const std::uint8_t* sign, std::ptrdiff_t stride) {
   const unsigned left = sign[-1] != 0 ? sign[-1] : sign[-2];
@@ -120,8 +121,8 @@ void codePoint(Coder& coder, SymbolModels::Details& models, Field& field, const 
   }
 }
 
-/// Encodes or decodes the details of one cell of level I, for the points inside the mask. The
-/// points of the coarser level (even rows and columns) are omitted.
+/// Encodes or decodes the details of one cell of level I. Omits points outside the mask, and points
+/// of the coarser level (even rows and columns).
 template <std::size_t I, class Coder>
 void codeCell(Coder& coder, SymbolModels& models, Field& field, int cell_x, int cell_y, int step) {
   constexpr int kPx = 4 >> I;
