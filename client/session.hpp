@@ -26,7 +26,7 @@ class Session {
   };
 
   /// Prepares a session that writes frames to `pool` and the timing to `stream`. Both must outlive
-  /// the session. `wants_video` states whether a view needs pictures.
+  /// the session. `wants_video` is true if a view needs pictures.
   Session(const Settings& settings, const Clock& clock, FramePool& pool,
           LatestValue<StreamTiming>& stream, bool wants_video, Events events);
   ~Session();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Calibration of a Falcon's motors (--falcon-calibrate) with a known weight. A position controller
-// moves the grip to the middle, first without and then with the weight on it. The force of the
-// controller has to increase by exactly the weight. The ratio of the weight to the measured
-// increase corrects the gain.
-// Thread: one, which runs the ticks of the device.
+// moves the grip to the middle and holds it there, first without the weight and then with it. The
+// force of the controller has to increase by exactly the weight. The ratio of the weight to the
+// measured increase corrects the gain. Thread: one, which runs the ticks of the device.
 #pragma once
 
 #include <atomic>

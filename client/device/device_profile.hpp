@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Device profiles: the constants of a device class. They are built in, or a file of `key = value`
-// lines has them.
+// Device profiles: the constants of a device class. A profile is built in, or it is a file of `key
+// = value` lines.
 // Thread: any, before the loop; the functions may allocate and throw.
 #pragma once
 
@@ -23,8 +23,8 @@ struct PlantProfile : DeviceProfile {
 /// three numbers, and `#` begins a comment. Missing members have the values of `omni`. Throws
 /// std::runtime_error with one line: file, line, key and the allowed values.
 PlantProfile loadDeviceProfile(const std::string& name_or_file);
-/// Reads a profile from the text of such a file. `file` is its name for error messages. Throws like
-/// loadDeviceProfile().
+/// Reads a profile from the text of a profile file. `file` is the file's name for error messages.
+/// Throws like loadDeviceProfile().
 PlantProfile readDeviceProfile(std::istream& in, const std::string& file);
 
 }  // namespace hapticast::client

@@ -40,7 +40,7 @@ struct DeviceRequest {
   std::string profile = {};
   std::string hand = "press";  ///< --hand: name of a script, or a CSV file
   const Clock& clock;
-  /// Target of the window's pointer, or null without a window. Only the device may read it.
+  /// Target of the window's pointer, or null if there is no window. Only the device may read it.
   LatestValue<PointerTarget>* pointer = nullptr;
   FalconSettings falcon = {};
   /// Receives lines about the progress while the device opens.
@@ -70,20 +70,21 @@ struct DeviceKind {
   bool by_itself = true;  ///< true: --device auto may select this kind
 };
 
-/// Returns all kinds of this build. For --device auto the client opens the result of findDevice().
-/// If that is null, it opens the mouse if there is a window, else the first kind.
+/// Returns all kinds of this build. For --device auto the client uses the device that findDevice()
+/// returns. If that is null, it opens the mouse if there is a window, else the first kind.
 std::span<const DeviceKind> deviceKinds() noexcept;
 
 /// Returns the profile `name_or_file` (loadDeviceProfile()). For an empty name it returns the
 /// profile `own`. Throws like OpenDevice.
 PlantProfile loadProfile(const std::string& name_or_file, const std::string& own = "omni");
 
-/// Opens a device of the kind `name` and returns it. For `auto` it detects nothing: it opens the
-/// mouse or the first kind. Throws like OpenDevice, and also for an unknown name.
+/// Opens a device of the kind `name` and returns it. If `name` is "auto", it opens the mouse if
+/// request.pointer is not null, else the first kind. It then detects no devices. Throws like
+/// OpenDevice, and also for an unknown name.
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request);
 
-/// Opens the first detected device that answers, and returns it. Returns null if there is none.
-/// Logs detected devices that do not answer.
+/// Opens the first detected device that answers, and returns it. Returns null if no detected device
+/// answers. Logs detected devices that do not answer.
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request);
 
 /// Returns the text of --list-devices. It has one line for each kind, with the detected devices of

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A virtual device in a light hand that follows a pointer or a stick. Their positions change in
-// steps. So the hand's target follows them with critical damping.
+// A virtual device in a light hand that follows a pointer or a stick. The position of such an input
+// changes in steps. So the hand's target follows the input with critical damping.
 // Thread: loop.
 #pragma once
 
@@ -20,7 +20,7 @@ class PointedHand {
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept {
     return device_.exchange(force_N, report);
   }
-  /// Returns the simulated position of the HIP, before it is rounded to counts. Device frame.
+  /// Returns the simulated position of the HIP in the device frame, before it is rounded to counts.
   [[nodiscard]] Vec3 tip_mm() const noexcept { return device_.truePosition_mm(); }
 
   /// Moves the target of the hand for one tick towards `wanted_mm` (device frame, finite). Before

@@ -22,8 +22,8 @@ struct FoundServer {
   bool operator==(const FoundServer&) const = default;
 };
 
-/// Returns each server once, with one address: IPv4 is preferred to IPv6, and then the first
-/// interface by name.
+/// Returns each server of `found` once, with one of its addresses. An IPv4 address is preferred to
+/// an IPv6 address. Among addresses of the same kind, the first interface by name is preferred.
 [[nodiscard]] std::vector<FoundServer> eachOnce(std::vector<FoundServer> found);
 
 /// Returns the server that is announced as `name`, if there is exactly one. Otherwise returns
@@ -37,7 +37,7 @@ struct FoundServer {
 constexpr std::size_t kMaxListedServers = 32;
 
 /// Returns one line for each server. If there are more than kMaxListedServers, the last line states
-/// that. The last line has no line end. Control characters are replaced.
+/// that there are more. The last line has no line end. Control characters are replaced.
 [[nodiscard]] std::string toText(const std::vector<FoundServer>& servers);
 
 }  // namespace hapticast::client

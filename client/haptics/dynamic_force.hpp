@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Dynamic force of the touched object (thesis, Eq. 6): F = beta m_object a_object - m_cursor
-// a_cursor. The second term is virtual inertia: the HIP behaves as if it had the mass m_cursor. An
-// impact of the object adds a short pulse. client/haptics/README.md, section 2, states the limits
-// of both masses.
+// a_cursor. beta is the scale from the nominal frame to the device frame. The second term is
+// virtual inertia: the HIP behaves as if it had the mass m_cursor. An impact of the object adds a
+// short pulse. client/haptics/README.md, section 2, states the limits of both masses.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -27,15 +27,15 @@ class DynamicForce {
   /// Returns the dynamic force of this tick in N, device frame. The force is zero if `object` is
   /// null, if there is no contact, or if the result is not finite.
   ///
-  /// `penetration_mm` is the penetration; below 0.2 mm the force is proportional to it.
+  /// `penetration_mm` is the penetration. Below 0.2 mm the force is proportional to it.
   /// `cursor_acceleration_m_s2` is the acceleration of the HIP in device m/s². `scale` converts
   /// nominal mm to device mm. `contact_mm` (nominal) is the point where the object's rotation and
   /// motion grid are evaluated. If it is null, that point is the object's reference point.
   ///
   /// The object's part of the force is at most half of the device's peak, and the whole force is at
-  /// most the peak. Impacts are no part of that half. An impact pushes along its change of
-  /// velocity, by a half-sine of 15 ms that begins at the time of the impact. Acceleration,
-  /// rotation, motion grid and impact of the object count only up to their plausibility bounds.
+  /// most the peak. An impact may add more than that half. It pushes along its change of velocity,
+  /// by a half-sine of 15 ms that begins at the time of the impact. Acceleration, rotation, motion
+  /// grid and impact of the object count only up to their plausibility bounds.
   Vec3 evaluate(const InterpolatedObject* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamTiming& stream, double scale,
@@ -50,8 +50,8 @@ class DynamicForce {
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
   /// Returns m_object in kg, finite and at least 0. It is the author's mass, or 0.5 kg if the
-  /// author states none. It is at most 5 kg and at least 10 m_cursor. One further bound may lower
-  /// it below 10 m_cursor: the continuous force of the device, divided by the largest acceleration
+  /// author states none. It is at most 5 kg, and at least 10 times m_cursor. One further bound may
+  /// lower it below that: the continuous force of the device, divided by the largest acceleration
   /// of the stream.
   [[nodiscard]] double objectMass_kg(const StreamTiming& stream, double scale) const noexcept;
 

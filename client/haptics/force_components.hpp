@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Splits the rendered force into a sustained and a transient component. Outputs with less bandwidth
-// than a haptic device (rumble and sound) need the two. A one-pole low-pass of 50 ms separates
-// them. A peak hold with the same time constant makes a short transient last longer.
+// than a haptic device (rumble and sound) use the components. A one-pole low-pass of 50 ms
+// separates them. A peak hold with the same time constant makes a short transient last longer.
 // Thread: any, one at a time.
 #pragma once
 
@@ -19,7 +19,8 @@ struct ForceComponents {
   double transient_N = 0.0;
 };
 
-/// Computes the two components tick by tick. Its state is that of the low-pass and the peak hold.
+/// Computes the two components tick by tick. The object stores the state of the low-pass and of the
+/// peak hold.
 class TransientDetector {
  public:
   /// Returns the components of the force in `report`. Call it once for every tick, in order.

@@ -49,8 +49,8 @@ struct DeviceProfile {
   Vec3 workspace_mm = {160.0, 120.0, 70.0};
 };
 
-/// Status of a reading. kNoData: the device has no new position in this tick. kLost: the device
-/// does not answer any more.
+/// Status of a reading. kOk: the reading has a new position. kNoData: the device has no new
+/// position in this tick. kLost: the device does not answer any more.
 enum class DeviceStatus : std::uint8_t { kOk = 0, kNoData = 1, kLost = 2 };
 
 /// One reading of the device.

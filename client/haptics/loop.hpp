@@ -22,7 +22,7 @@ struct LoopStats {
   Histogram tick_ns;      ///< time that the renderer needed for each tick
   Histogram exchange_ns;  ///< time that HapticDevice::exchange() needed in each tick
   std::array<std::uint64_t, kLookupKinds> lookup{};
-  /// The same, for the ticks in contact only.
+  /// Number of ticks in contact for each Lookup. `lookup` counts all ticks.
   std::array<std::uint64_t, kLookupKinds> contact_lookup{};
   std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
   /// Number of faults of each kind; the index is a Fault.
@@ -44,9 +44,9 @@ struct LoopStats {
 /// a last force of zero.
 ///
 /// Each tick has a deadline for its begin, on a grid of 1 ms. After a stall the loop skips the
-/// missed deadlines, without a burst of ticks. A device whose reply ends the wait early moves the
-/// grid, so the next deadline is at most one period away. So the deadline starts a tick even if a
-/// device stops to reply. All arguments must outlive the call. Thread: the loop's own.
+/// missed deadlines, without a burst of ticks. If a device ends the wait early, the grid moves: the
+/// next deadline is one period after the begin of that tick. So a tick begins in time even if the
+/// device no longer replies. All arguments must outlive the call. Thread: the loop's own.
 void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
              const std::atomic<bool>& stop, LoopStats& stats) noexcept;
 

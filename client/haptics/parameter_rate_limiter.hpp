@@ -17,9 +17,9 @@ namespace hapticast::client {
 /// Limits how fast one parameter changes.
 class ParameterRateLimiter {
  public:
-  /// Returns the value to use in this tick for the requested value `wanted`. Without a contact it
-  /// is `wanted` at once. A `wanted` that is not finite is returned unchanged, and the state
-  /// remains as it was.
+  /// Returns the value to use in this tick for the requested value `wanted`. If `in_contact` is
+  /// false, the result is `wanted`. If `wanted` is not finite, the result is `wanted` too, and the
+  /// state does not change.
   double step(double wanted, bool in_contact) noexcept {
     if (!std::isfinite(wanted)) return wanted;  // the safety chain rejects it
     if (!in_contact) value_ = goal_ = wanted;
@@ -49,8 +49,9 @@ class UserForceMix {
   UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 
-  /// Applies the user's controls of this tick. Returns true if the surface in contact is now
-  /// another one. The caller then has to fade in its force from zero.
+  /// Applies the user's controls of this tick. Returns true if the method or the surface model is
+  /// another one, or if the static force is on again. The caller then has to fade in the force from
+  /// zero.
   bool update(const UserControls& user) noexcept {
     const Method method = user.method.value_or(own_method_);
     const SurfaceKind surface = user.surface.value_or(own_surface_);

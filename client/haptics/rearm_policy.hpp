@@ -16,16 +16,16 @@ class RearmPolicy {
   /// Largest number of automatic re-armings after a loss of trust, per run. The value is a choice.
   static constexpr int kMaxCount = 3;
 
-  /// `by_itself`: the client re-arms automatically. `by_key`: the user can re-arm with a key of the
-  /// window.
+  /// If `by_itself` is true, the client re-arms automatically. If `by_key` is true, the user can
+  /// re-arm with a key of the window.
   explicit RearmPolicy(bool by_itself, bool by_key = false)
       : by_itself_(by_itself), by_key_(by_key) {}
 
   /// Processes one report. Returns true if the caller has to re-arm the force now. Without
   /// automatic re-arming it always returns false.
   [[nodiscard]] bool onReport(const TickReport& report);
-  /// Returns true if the client re-arms automatically. The number of re-armings after the return of
-  /// a device has no limit.
+  /// Returns true if the client re-arms automatically. After the return of a device, the number of
+  /// automatic re-armings has no limit.
   [[nodiscard]] bool automatic() const { return by_itself_; }
   /// Returns true if the user can re-arm with a key of the window.
   [[nodiscard]] bool manual() const { return by_key_; }

@@ -29,10 +29,12 @@ struct RendererSettings {
   DeviceProfile profile;
   SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
-  /// KThesis interpolates displacements between frames (thesis_interpolation.hpp).
+  /// With kThesis the renderer interpolates displacements between frames
+  /// (thesis_interpolation.hpp).
   Method method = Method::kHapticast;
-  bool unconfirmed = false;  ///< the device was detected automatically: no force before a re-arming
-  double stiffness_N_mm = 0.0;  ///< above 0 it replaces the stiffness of author and profile
+  /// True: the device was detected automatically, so there is no force before a re-arming.
+  bool unconfirmed = false;
+  double stiffness_N_mm = 0.0;  ///< if above 0, it replaces the stiffness of author and profile
   /// Limit of the stiffness that an author requests. 0 selects three times the profile's stiffness.
   double stiffness_limit_N_mm = 0.0;
 };

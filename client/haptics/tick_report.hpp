@@ -57,13 +57,16 @@ struct TickReport {
   // The object nearest to the HIP, for the window and for scripted hands.
   bool object_present = false;
   std::uint32_t object_id = 0;
-  Vec3 object_position_mm = Vec3::Zero();  ///< position of its reference point at play time
+  /// Position of the object's reference point at play time.
+  Vec3 object_position_mm = Vec3::Zero();
   Vec3 object_velocity_mm_s = Vec3::Zero();
-  /// Point of its mask that is farthest from the mask's edge.
+  /// Point of the object's mask that is farthest from the mask's edge.
   Vec2 object_centre_mm = Vec2::Zero();
   double object_centre_height_mm = 0.0;  ///< height of the surface at object_centre_mm
-  bool over_object = false;              ///< in the picture, the HIP lies inside the object's mask
-  double height_at_hip_mm = 0.0;  ///< height of the surface under the HIP; 0 without over_object
+  /// True: in the picture, the HIP lies inside the object's mask.
+  bool over_object = false;
+  /// Height of the surface under the HIP; 0 if over_object is false.
+  double height_at_hip_mm = 0.0;
 };
 
 /// Returns true if a device that was lost answers again, and the force still waits for

@@ -17,7 +17,7 @@ namespace hapticast::client {
 
 enum class SurfaceKind : std::uint8_t {
   kPerturbed,  ///< Eq. 3 of the thesis, divided by its stiffness k
-  kNormal,     ///< distance to the tangent plane: d / (1 + |g|²) along M
+  kNormal,     ///< shortest vector to the tangent plane of the surface
   kProxy,      ///< god-object proxy (proxy_surface.hpp); only this model has a state
 };
 
@@ -28,8 +28,8 @@ struct UserControls {
   /// loop starts with the stream as at a new connection. It drops the earlier frames, and the force
   /// fades in from zero.
   bool paused = false;
-  /// A new value re-arms the force, which then fades in. A force needs that after the return of a
-  /// lost device, after a loss of trust, and for a device that the user has not confirmed.
+  /// A new value re-arms the force, which then fades in. Re-arming is necessary after the return of
+  /// a lost device, after a loss of trust, and for a device that the user has not confirmed.
   std::uint32_t rearm = 0;
   /// Enable the static and the dynamic force. If the static force is enabled again, it fades in
   /// from zero.

@@ -31,7 +31,7 @@ struct ConnectionSettings {
   Duration connect_deadline = std::chrono::seconds(5);
   /// Longest time without a message from the server. After it the connection counts as lost.
   Duration silence_limit = std::chrono::seconds(3);
-  /// First pause before a retry; each further pause is doubled, up to last_retry.
+  /// First pause before a retry. Each further pause is twice as long, but at most last_retry.
   Duration first_retry = std::chrono::milliseconds(200);
   Duration last_retry = std::chrono::seconds(1);
   /// A connection that delivered frames for this long was good. Only a good connection resets the
@@ -69,8 +69,8 @@ class Connection {
 
   /// Begins to connect. Call it once.
   void start();
-  /// Ends the connection for good, so that `io` has no more work. A look-up that is running may
-  /// last some seconds longer. Thread: any.
+  /// Ends the connection without a retry, so that `io` has no more work. A look-up that is running
+  /// may last some seconds longer. Thread: any.
   void stop();
   /// Sets the contact flag that the next reports to the server have.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
@@ -95,9 +95,9 @@ class Connection {
   /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
   /// useless.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless. That is so if the server has another protocol version. If
-  /// no server was ever reached, it is also so in two more cases. The host name does not exist, or
-  /// the peer uses another protocol.
+  /// Returns true if a retry is useless. It is useless if the server has another protocol version.
+  /// Before the first welcome of a server, two more causes make it useless: the host name does not
+  /// exist, or the peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);

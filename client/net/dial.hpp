@@ -22,7 +22,7 @@ class DialCancellation {
     if (on_stop_) on_stop_();
   }
   [[nodiscard]] bool stopped() const { return stopped_; }
-  /// Sets what stop() does to the running dial. An empty function removes the action.
+  /// Sets the function with which stop() cancels the running dial. An empty function removes it.
   void onStop(std::function<void()> action) { on_stop_ = std::move(action); }
 
  private:
@@ -43,9 +43,9 @@ using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const 
                                                     Duration deadline, DialCancellation& stop)>;
 
 /// Looks up the server's name and connects over TCP. Each step lasts at most `deadline` of the
-/// steady clock. Returns the channel or an error. After a timeout or stop() the function returns,
-/// although a look-up cannot be interrupted. The look-up then ends later, without effect. `stop`
-/// must outlive the call.
+/// steady clock. Returns the channel or an error. After a timeout or stop() the function returns an
+/// error without waiting for the look-up, which cannot be interrupted. The look-up then ends later,
+/// without effect. `stop` must outlive the call.
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
 

@@ -69,12 +69,12 @@ class FrameAssembler {
 
   /// Starts a connection, with a new numbering and a new epoch.
   void restart();
-  /// Returns the client-side epoch of the next frame, if that frame continues the epoch. A frame
-  /// with which the server starts a new epoch gets the returned value plus one.
+  /// Returns the present client-side epoch. A next frame that continues the server's epoch gets
+  /// this value. A next frame that begins a new epoch of the server gets this value plus one.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
-  /// Adds a whole frame that arrived over TCP. Returns false, and drops the frame, if it is a
-  /// duplicate or older than the last frame that left. If the step of the id exceeds kLargestJump,
-  /// a new numbering and a new epoch begin. Frames that wait are then dropped.
+  /// Adds a whole frame that arrived over TCP and returns true. If the frame is a duplicate or
+  /// older than the last frame that left, drops it and returns false. If the step of the id exceeds
+  /// kLargestJump, a new numbering and a new epoch begin. Frames that wait are then dropped.
   bool add(CodedFrame frame, LocalTime arrived);
 
   /// Classes of a fragment, by the frames that arrived so far.
@@ -85,20 +85,20 @@ class FrameAssembler {
   };
   /// Returns the class of the fragment with the header `part`. The payload is not needed.
   [[nodiscard]] Want setTransport(const DatagramHeader& part) const;
-  /// Adds a fragment of the class kNew. Returns true if the fragment completes its frame. It does
-  /// so even if the same frame has already arrived over TCP. If the fragment contradicts the
-  /// earlier ones, it returns an error, and the frame is dropped.
+  /// Adds a fragment of the class kNew. Returns true if the fragment completes its frame, even if
+  /// the same frame has already arrived over TCP. If the fragment contradicts the earlier ones,
+  /// returns an error and drops the fragments of the frame.
   Result<bool, WireError> add(const DatagramHeader& part, std::span<const std::uint8_t> payload,
                               LocalTime arrived);
 
   /// Returns the media time of the last frame that left. The next frame is due when play time
   /// reaches that time.
   [[nodiscard]] std::optional<MediaTime> lastLeft() const;
-  /// Returns when the last fragment of the oldest waiting frame arrived. Returns nullopt if no
-  /// frame waits. A waiting frame that next() does not return leaves when it is due.
+  /// Returns the time of the last arrival for the oldest waiting frame. Returns nullopt if no frame
+  /// waits.
   [[nodiscard]] std::optional<LocalTime> oldestCame() const;
-  /// Returns the next frame in order that may leave, or nullopt. `due` states that the waiting
-  /// frames are due now, so they may leave incomplete.
+  /// Returns the next frame in order that may leave, or nullopt if none may leave. If `due` is
+  /// true, waiting frames are due now, so they may leave incomplete.
   [[nodiscard]] std::optional<AssembledFrame> next(bool due);
   /// Returns a frame whose last fragment arrived too late. Returns each such frame once, and
   /// nullopt if there is none.

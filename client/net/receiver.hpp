@@ -25,7 +25,7 @@ struct ReceiverCounts {
   std::uint64_t lost = 0;      ///< frames whose id never arrived
   /// Frames that arrived after they were due; the loop receives them nevertheless.
   std::uint64_t late = 0;
-  /// Lost frames, if the next frame arrived in time for the interpolation.
+  /// Number of lost frames before a frame that arrived in time for the interpolation.
   std::uint64_t concealed = 0;
   std::uint64_t duplicates = 0;  ///< frames that arrived twice or out of order: dropped
   std::uint64_t malformed = 0;   ///< frames with contradicting fragments: dropped

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Cache of the stream's reliefs, one for each object. A frame that declares a relief unchanged
-// refers to it. The cache stores a relief in coded form until a played frame needs it. Then it
-// decodes and prepares the relief once. So a dropped frame costs no decoding.
+// Cache of the stream's reliefs, one for each object. If a frame declares a relief unchanged, the
+// client uses the relief in the cache. The cache stores a relief in coded form until a played frame
+// needs it. Then it decodes and prepares the relief once. So a dropped frame costs no decoding.
 //
 // The slices remain in the cache after the decoding. So if the server sends the same relief again,
 // no second preparation is necessary. Error concealment replaces lost slices by the previous
@@ -31,9 +31,9 @@ struct PosedRelief {
   Motion motion;
 };
 
-/// Returns where the relief of `before` lies after its object has moved to the pose of `now`. The
-/// result is the smallest rectangle of pixels around the moved relief, clipped to the picture. It
-/// is empty if the relief has moved out of the picture.
+/// Returns the rectangle of the relief of `before` after its object has moved to the pose of `now`.
+/// It is the smallest rectangle of pixels around the moved relief, clipped to the picture. It is
+/// empty if the relief has moved out of the picture.
 [[nodiscard]] PixelRect warpedRect(const PosedRelief& before, const Motion& now,
                                    const Workspace& workspace);
 

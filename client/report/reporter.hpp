@@ -24,12 +24,12 @@ class Reporter {
   /// be written.
   explicit Reporter(const Files& files);
 
-  /// Writes the report of a tick to the log file, and logs a line about the force if it has
+  /// Writes the report of a tick to the log file. Logs a line if the state of the force has
   /// changed. Sets `report.time` to the time since the first tick. Call it before `rearm` receives
   /// the report.
   void onReport(TickReport& report, const RearmPolicy& rearm);
-  /// Writes a fault file if a fault has frozen `recorder`. A fault of the very first tick waits for
-  /// the report of that tick.
+  /// Writes a fault file if a fault has frozen `recorder`. If the fault is in the first tick, it
+  /// does so only after the report of that tick.
   void writeFaults(FlightRecorder& recorder);
   /// Closes the log file and writes the summary. Throws std::runtime_error with the name of the
   /// file.

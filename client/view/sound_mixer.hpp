@@ -37,7 +37,7 @@ class SoundMixer {
     double next(double wanted) noexcept;
   };
   // The values are a choice: pitches that a small loudspeaker can play and that differ clearly. The
-  // hum has a slower change than a blow, which must not be late.
+  // hum changes slowly. The high sound changes fast, because a blow must not be late.
   Voice sustained_{.pitch_Hz = 220.0, .smoothing_s = 0.015};
   Voice transient_{.pitch_Hz = 1100.0, .smoothing_s = 0.003};
   std::uint64_t tick_ = 0;

@@ -34,7 +34,7 @@ struct UiState {
   UserControls user;       ///< controls of the user; a view may change them
   PointerTarget pointer;   ///< only the view with points() writes it
   ConnectionStats stream;  ///< state of the connection; views only read it
-  bool record = false;     ///< a view sets it to log into a new file, as long as it is true
+  bool record = false;     ///< a view sets it; while it is true, the client logs into a new file
   std::string recording;   ///< name of that log file, or an error; empty before the first one
 };
 

@@ -2,9 +2,9 @@
 // Connection to a Falcon. It opens the device, loads its firmware, and passes the device's replies
 // to the loop. It detects the loss of the device and then opens it again.
 //
-// The motors end with zero force. Before the connection closes the device, it sends requests for
-// zero force and waits for their replies. It does so at the end of the program and after a loss. If
-// the device does not answer, the last request cannot reach it.
+// The connection leaves the motors without force. Before it closes the device, it sends requests
+// for zero force and waits for their replies. It does so at the end of the program and after a
+// loss. If the device does not answer, the last request cannot reach it.
 // Threads: loop, main, and one of its own for USB; each function states its own.
 #pragma once
 
@@ -32,7 +32,8 @@ namespace hapticast::client {
 struct FalconNews {
   FalconReply reply;
   LocalTime at;
-  /// Number of the opened connection: it changes each time the device is opened again.
+  /// Number of the present connection to the device. It changes each time the device is opened
+  /// again.
   std::uint32_t life = 0;
 };
 

@@ -22,8 +22,9 @@ std::vector<std::uint8_t> readFalconFirmware(const std::string& file);
 std::string usualFalconFirmware();
 
 /// Sets up the serial chip for the running firmware, then sends a request that commands zero
-/// torque. Returns whether the firmware answers, which means that it runs. `event_character`: if
-/// true, the chip passes a reply on at its last character, without a delay. Throws FalconError.
+/// torque. Returns true if the firmware answers, because it then runs. If `event_character` is
+/// true, the chip passes a reply on at the reply's last character, without a delay. Throws
+/// FalconError.
 bool falconRuns(FalconUsb& usb, bool event_character);
 
 /// Loads the firmware `image` into the device, in a single attempt. Calls `progress` with the

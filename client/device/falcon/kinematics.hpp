@@ -25,17 +25,17 @@ Vec3 falconEncoders(const Vec3& angles_rad) noexcept;
 /// Returns nullopt if the grip cannot reach the position.
 std::optional<Vec3> falconInverse_rad(const Vec3& position_m) noexcept;
 
-/// Returns the Jacobian d angle / d position, with one row for each arm. Returns nullopt if the
-/// grip cannot reach the position, and at a singularity.
+/// Returns the Jacobian d angle / d position at `position_m`, with one row for each arm. Returns
+/// nullopt at a singularity, or if the grip cannot reach the position.
 std::optional<Eigen::Matrix3d> falconJacobian_rad_m(const Vec3& position_m) noexcept;
 
 /// Forward kinematics by Newton's method. Returns the position of the grip for the angles of the
-/// arms. `start_m` is the last position, or the centre. Returns nullopt if the method does not
-/// converge.
+/// arms. The iteration starts at `start_m`, which is the last position or the centre. Returns
+/// nullopt if the method does not converge.
 std::optional<Vec3> falconForward_m(const Vec3& angles_rad, const Vec3& start_m) noexcept;
 
-/// Returns the torques of the arms (N m) that produce `force_N` at the grip. Returns nullopt in the
-/// same cases as the Jacobian.
+/// Returns the torques of the arms (N m) that produce `force_N` at the grip. Returns nullopt at a
+/// singularity, or if the grip cannot reach `position_m`.
 std::optional<Vec3> falconTorques(const Vec3& position_m, const Vec3& force_N) noexcept;
 
 /// Returns the motor counts for the torques: each is -gain times its torque, with the gain in

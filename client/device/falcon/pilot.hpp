@@ -27,7 +27,8 @@ class FalconPilot {
   static constexpr int kHomedReplies = 50;
   /// Largest motor counts: half of the value at which the motor drivers saturate.
   static constexpr int kMostMotor = 2000;
-  /// Plausible change in encoder counts: 5 m/s, faster than any hand.
+  /// Largest plausible change of an encoder in a ms, in counts. It corresponds to 5 m/s, which is
+  /// faster than any hand.
   static constexpr int kFastest_per_ms = 150;
   static constexpr int kMostDoubts = 20;  ///< implausible replies in a row that cause a new homing
   /// Radius about the middle in which a force may begin.
@@ -45,16 +46,17 @@ class FalconPilot {
   void onReply(const FalconReply& reply, LocalTime at) noexcept;
   /// Marks the position as unknown. Call it when the connection was lost, and when it has returned.
   void lost() noexcept;
-  /// Returns the reading for the loop. Its status is kOk with a new position, and kNoData without
-  /// one. If the device was ready before and is not ready now, the status is kLost.
+  /// Returns the reading for the loop. In the phase kReady, its status is kOk with a new position,
+  /// and kNoData without one. In another phase, its status is kLost if the device was ready before,
+  /// else kNoData.
   DeviceState state() noexcept;
-  /// Returns the request for this tick. The motors exert `force_N`, a part of it during the ramp,
-  /// or zero while no force may act.
+  /// Returns the request for this tick, which makes the motors exert `force_N`. During the ramp
+  /// they exert a part of `force_N`. While no force may act, they exert zero.
   FalconRequest request(const Vec3& force_N, LocalTime now) noexcept;
 
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
-  /// Returns the number of implausible replies. Their position is out of the arms' reach, or no
-  /// hand can reach it in the time since the last reply.
+  /// Returns the number of replies with an implausible position. Such a position is out of the
+  /// arms' reach, or too far from the last one for the time between the two replies.
   [[nodiscard]] std::uint64_t implausible() const noexcept { return implausible_; }
 
  private:

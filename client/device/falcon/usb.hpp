@@ -23,8 +23,8 @@ struct libusb_transfer;
 
 namespace hapticast::client {
 
-/// The Falcon is missing, another program uses it, or it does not answer. The message is one line
-/// without the flag.
+/// Error of the USB access: the Falcon is missing, another program uses it, or it does not answer.
+/// The message is one line. It does not name the flag of the command line.
 class FalconError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -38,7 +38,7 @@ struct FalconFound {
 /// Returns all connected Falcons. Throws FalconError if USB is not accessible.
 std::vector<FalconFound> findFalcons();
 
-/// An open Falcon. Only submit() is thread-safe. The other functions state their thread.
+/// An open Falcon. Each function states its thread.
 class FalconUsb {
  public:
   using OnData = std::function<void(std::span<const std::uint8_t> data)>;
@@ -66,8 +66,8 @@ class FalconUsb {
   /// transfer. Returns false if the device is lost, or after too many errors. Thread: one, always
   /// the same.
   bool handleEvents(Duration most);
-  /// Queues a frame for the transfer, without waiting. Returns false if all slots are in use. An
-  /// `urgent` frame may use additional slots. Thread: one; not during finish().
+  /// Queues a frame for the transfer, without waiting. Returns false if all slots are in use. If
+  /// `urgent` is true, the frame may use additional slots. Thread: one; not during finish().
   bool submit(const FalconFrame& frame, bool urgent) noexcept;
   /// Cancels all queued transfers. Thread: that of handleEvents().
   void finish() noexcept;

@@ -11,9 +11,9 @@
 
 namespace hapticast::client {
 
-/// A simulated hand, equal on every axis. Its own spring and damper pull it to its target. With
-/// grip_N_m = 0 the hand is rigidly connected to the device, and their masses add. Otherwise the
-/// spring and damper of the grip connect them. With all values zero there is no hand.
+/// A simulated hand, equal on every axis. Its own spring and damper pull it to its target. If
+/// grip_N_m is 0, the hand is rigidly connected to the device, and their masses add. Otherwise the
+/// spring and damper of the grip connect hand and device. If all values are zero, there is no hand.
 struct Hand {
   double mass_kg = 0.0;
   double damping_Ns_m = 0.0;
@@ -29,9 +29,9 @@ struct Hand {
   static constexpr Hand firmGrip() { return {0.30, 20.0, 800.0, 4000.0, 10.0}; }
 };
 
-/// Simulates one axis. The state has position and velocity of the device, and then those of the
-/// hand, in SI units. A hand that is rigid or absent has no motion of its own: its two values do
-/// not change.
+/// Simulates one axis. The first two values of the state are position and velocity of the device.
+/// The last two are those of the hand. All are in SI units. A hand that is rigid or absent has no
+/// motion of its own, so its two values do not change.
 class AxisPlant {
  public:
   using State = Eigen::Vector4d;

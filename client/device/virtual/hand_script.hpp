@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Scripted hand: generates the target of a simulated hand (press, slide, follow, or a file). It
-// reads the reports of the loop, as a person watches the screen.
+// knows the object from the reports of the loop, as a person knows it from the screen.
 // Thread: loop; loading: before it.
 #pragma once
 
@@ -25,8 +25,8 @@ struct HandTarget {
 /// line. Times increase within 0..86400 s, positions lie within ±1000 mm, and there are at most a
 /// million rows. Throws std::runtime_error with one line: file and line.
 std::vector<HandTarget> loadHandTargets(const std::string& file);
-/// Reads targets from the text of such a file. `file` is its name for error messages. Throws like
-/// loadHandTargets().
+/// Reads targets from the text of a target file. `file` is the file's name for error messages.
+/// Throws like loadHandTargets().
 std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& file);
 
 /// Stiffnesses from which the hand computes how deep it has to press for a force.
@@ -37,15 +37,15 @@ struct HandStiffness {
 
 class HandScript {
  public:
-  /// `targets` is only for kFile, which needs at least one row.
+  /// Only kFile uses `targets`, which then needs at least one row.
   HandScript(HandKind kind, const HandStiffness& stiffness, std::vector<HandTarget> targets = {});
 
   /// Returns the target of the hand for the next tick, nominal mm. `report` is the report of the
   /// last tick. `start_mm` is the position of the hand, and only the first call uses it.
   ///
-  /// The hands press, slide and follow move at up to 0.3 m/s relative to the object, with at most 5
-  /// m/s². They follow an object at up to 0.6 m/s. Without an object they wait above the picture. A
-  /// file is interpolated linearly between its rows.
+  /// A hand of kPress, kSlide or kFollow moves at up to 0.3 m/s relative to the object, with at
+  /// most 5 m/s². It follows an object at up to 0.6 m/s. Without an object it waits above the
+  /// picture. A hand of kFile moves linearly from row to row.
   Vec3 next(const TickReport& report, const Vec3& start_mm) noexcept;
 
  private:

@@ -19,8 +19,8 @@ class VirtualDevice final : public HapticDevice {
   static constexpr int kLongestDelay_ticks = 5;
 
   /// Creates a device that is 30 mm above the middle. The hand rests there until lead() or
-  /// setTarget(). A profile with count_mm <= 0 does not round positions to counts. delay_ticks is
-  /// clamped to 0..5. `clock` must outlive this object.
+  /// setTarget(). If profile.count_mm is at most 0, positions are not rounded to counts.
+  /// profile.delay_ticks is clamped to 0..5. `clock` must outlive this object.
   VirtualDevice(const PlantProfile& profile, const Hand& hand, const Clock& clock) noexcept;
   /// Lets `script` generate the target of the hand. At each exchange() the script reads the report
   /// of the tick before. `name` is the script's name for description(). Call it before the loop.
@@ -32,7 +32,7 @@ class VirtualDevice final : public HapticDevice {
   /// hand, because that clock does not advance during the sleep.
   void waitForTick(LocalTime deadline) noexcept override;
   /// Simulates all ticks since the last call (1 to 1000), and returns the position at their end.
-  /// The force begins to act delay_ticks after the position that it belongs to.
+  /// The profile's delay_ticks is the delay from that position to the begin of its force.
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override;
 
   // For tests and hapticast-evaluate, which control the device under a clock that they set by hand.

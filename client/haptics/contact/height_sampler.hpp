@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Samples of a moving relief, with a cache, for the proxy. It counts the height samples of a tick.
-// It stores the last height sample and the last edge sample. A stored sample is valid until the
-// pair of frames around play time changes.
+// The cache has one height sample and one edge sample. A stored sample is valid until the pair of
+// frames around play time changes.
 //
 // All points are in the object's frame, nominal mm.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
@@ -22,9 +22,9 @@ class ReliefProbe {
   /// Starts a tick. The tick may read up to `samples` heights of `relief`, which must outlive the
   /// tick.
   ///
-  /// Edge samples are not counted, because the number of phases of a tick bounds them. Most ticks
-  /// need no new edge sample. The stored one answers for every point that is nearer to it than the
-  /// edge is.
+  /// Edge samples are not counted, because the proxy reads only a bounded number of them in a tick.
+  /// Most ticks need no new edge sample. The stored one is sufficient for all points that are
+  /// nearer to it than the mask's edge.
   void begin(const MovingRelief& relief, int samples) noexcept;
   /// Invalidates the stored samples.
   void forget() noexcept { height_known_ = edge_known_ = false; }
@@ -35,8 +35,8 @@ class ReliefProbe {
   /// Returns the number of height samples that this tick has read.
   [[nodiscard]] int used() const noexcept { return used_; }
 
-  /// Returns the height at `q_mm`. If the stored sample belongs to this point, the result is that
-  /// sample. Otherwise the function reads a new sample, which counts.
+  /// Returns the height at `q_mm`. If `q_mm` is the point of the stored sample, the result is that
+  /// sample. Otherwise the function reads a new sample, which counts. keep() can store it.
   [[nodiscard]] Height height(const Vec2& q_mm) noexcept;
   /// Returns the edge distance (mm, positive inside) at `q_mm` and stores the sample.
   [[nodiscard]] EdgeSample edge(const Vec2& q_mm) noexcept;
@@ -45,8 +45,8 @@ class ReliefProbe {
   [[nodiscard]] bool masked(const Vec2& q_mm) noexcept;
   /// Stores `height` as the sample at `q_mm`.
   void keep(const Vec2& q_mm, const Height& height) noexcept;
-  /// Returns the speed (mm/s) at which the change of the shape moves the edge outwards, at the last
-  /// edge sample.
+  /// Returns the speed (mm/s) at which the mask's edge moves outwards at the last edge sample. The
+  /// cause is the change of the shape.
   [[nodiscard]] double edgeRate_mm_s() const noexcept { return relief_->rate_mm_s(edge_); }
 
  private:

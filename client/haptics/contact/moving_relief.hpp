@@ -5,9 +5,10 @@
 // The reliefs of the two frames around play time are transformed into the object's frame, and
 // blended there. So a rigid motion has no effect on the blend:
 //   H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z)
-// with the blend s, and the positions p of the reference point in the frames a and b (the formula
-// omits the rotation). The same formula holds for the edge distance. The two terms in brackets do
-// not depend on s. They stay valid until the pair of frames changes, while s changes in every tick.
+// H_a and H_b are the heights in the frames a and b. p_a and p_b are the positions of the reference
+// point in these frames, and s is the blend. The formula omits the rotation. The same formula holds
+// for the edge distance. The two terms in brackets do not depend on s. They stay valid until the
+// pair of frames changes, while s changes in every tick.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -29,13 +30,13 @@ struct BlendedHeight {
 /// The blended relief of one object (see the head of this file).
 class MovingRelief {
  public:
-  /// Stores the pair of frames around play time, and their blend, of `object`. Returns true if the
-  /// pair differs from the last one. All earlier samples are then invalid. Two frames with the same
-  /// relief at the same position count as one frame. Requires that object.before->field exists and
-  /// is not empty. The frames must outlive the next update().
+  /// Stores the two frames of `object` around play time, and their blend. Returns true if the two
+  /// frames differ from the last ones, so that all earlier samples are invalid. Two frames with the
+  /// same relief at the same position and angle count as one frame. Requires that
+  /// object.before->field exists and is not empty. The frames must outlive the next update().
   bool update(const InterpolatedObject& object, const Workspace& workspace) noexcept;
 
-  /// The samples of both frames at one point. Only `first` is valid if one frame is enough.
+  /// The samples of both frames at one point. If one frame is enough, only `first` is valid.
   template <class Value>
   struct Pair {
     Value first, second;

@@ -27,14 +27,14 @@ struct ProxyTick {
   Friction friction;
   int samples = 0;      ///< number of heights that may be read; a started move may read 5 more
   bool jumped = false;  ///< the object's pose changed by more than its stated motion explains
-  /// Arming depth: a HIP deeper than this after a jump disarms the object.
+  /// Arming depth: if the HIP is deeper than this after a jump, the object is disarmed.
   double deepest_mm = 0.0;
 };
 
 /// Result of one tick, in the object's frame.
 struct ProxyTouch {
   bool contact = false;
-  /// Vector from the HIP to the proxy, minus the offset of a jump.
+  /// Vector from the HIP to the proxy, minus the offset that remains from a jump.
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< unit normal of the surface at the proxy, outwards
   /// Velocity of the surface at the proxy due to its change of shape.
@@ -42,11 +42,11 @@ struct ProxyTouch {
 };
 
 /// The proxy of one object. A point is solid if it lies inside the mask and below the relief. So
-/// the edge of the mask is a wall. There is no floor outside the mask, and no bottom.
+/// the edge of the mask is a wall. There is no floor outside the mask, and the solid has no lower
+/// end.
 ///
 /// On a surface at rest no move of the proxy increases its distance from the HIP. So the spring
-/// returns only the work of the hand. A surface that rises, arrives or jumps moves the proxy with
-/// it.
+/// returns only the work of the hand. A surface that rises, appears or jumps moves the proxy.
 ///
 /// A move of the surface by more than kJump_mm in a tick is a jump. After a jump the force begins
 /// with the value of the last tick, and fades to the true one (time constant 40 ms). If the HIP is
@@ -57,14 +57,14 @@ class Proxy {
   /// Largest move of the surface in a tick that does not count as a jump.
   static constexpr double kJump_mm = 0.3;
 
-  /// Deletes the state, so that the next tick places the proxy at its HIP. With `faded`, a contact
-  /// in that tick begins without a force.
+  /// Deletes the state, so that the next tick places the proxy at its HIP. If `faded` is true, a
+  /// contact in that tick begins without a force.
   void restart(bool faded) noexcept;
   /// Invalidates the stored samples of the relief.
   void forgetSamples() noexcept { probe_.forget(); }
-  /// Moves the proxy to the HIP, if the proxy is free and no contact is possible on the path.
-  /// Returns true in that case. The tick then needs no update(). Otherwise it changes nothing and
-  /// returns false.
+  /// If the proxy is free and no contact is possible on its path to the HIP, moves the proxy to the
+  /// HIP and returns true. The tick then needs no update(). Otherwise changes nothing and returns
+  /// false.
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
   /// Moves the proxy for one tick and returns the contact.
   ProxyTouch update(const MovingRelief& relief, const ProxyTick& tick) noexcept;
@@ -155,7 +155,7 @@ inline Vec2 stepToEdge(const EdgeSample& edge) noexcept {
          ((edge.distance_mm + kOutside_mm) / std::max(0.25, edge.gradient.squaredNorm()));
 }
 
-/// Secant method for the zero of a function, within a bracket. The value is never positive at
+/// Secant method for the zero of a function, within a bracket. The function is never positive at
 /// `low`, and always positive at `high`.
 struct Bracket {
   double low, low_value, high, high_value;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Surface models: they compute the displacement from the HIP to the surface. They are pure
-// geometry, without a stiffness. `perturbed` is Eq. 3 of the thesis, divided by k. `normal` is the
-// distance to the tangent plane. The model `proxy` has a state and is in proxy_surface.hpp.
+// geometry, without a stiffness. The model `perturbed` is Eq. 3 of the thesis, divided by the
+// stiffness k. The model `normal` is the shortest vector to the tangent plane. The model `proxy`
+// has a state and is in proxy_surface.hpp.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -23,21 +24,23 @@ struct Contact {
   Vec3 displacement_mm = Vec3::Zero();        ///< vector from the HIP to its surface point
   Vec3 normal = Vec3::UnitZ();                ///< unit vector out of the surface
   Vec3 surface_velocity_mm_s = Vec3::Zero();  ///< velocity of the surface at the contact point
-  double depth_mm = 0.0;  ///< depth of the HIP along the normal: d / sqrt(1 + |g|²)
+  double depth_mm = 0.0;                      ///< depth of the HIP along `normal`
   bool contact = false;
   /// The geometry changed by more than its motion explains: the epoch is new, or the object
   /// appeared.
   bool jump = false;
-  /// Length of the displacement / depth along the normal; above 1 only for `perturbed`.
+  /// Factor from the stiffness along the displacement to the stiffness along the normal. It is
+  /// above 1 only for the model `perturbed`.
   double stiffness_factor = 1.0;
   const InterpolatedObject* object = nullptr;  ///< touched object
 };
 
-/// Transforms a point (x, y) at play time back into one frame of its object. `image_px` is then
-/// where the picture of that frame shows the same point of the object.
+/// Transforms a point (x, y) at play time back into one frame of its object. `image_px` is the
+/// position at which the picture of that frame shows the same point of the object.
 struct WarpedPoint {
   const PlayObject& frame;
-  /// The object's angle differs from that in the frame, by an angle with cosine c and sine s.
+  /// True if the object's angle at play time differs from that in the frame. c and s are the cosine
+  /// and sine of the difference.
   bool turns;
   double c = 1.0;
   double s = 0.0;
@@ -56,9 +59,10 @@ struct WarpedPoint {
 
 /// Surface of an object under a nominal point (x, y) at play time:
 ///   height = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z) + p(t)_z
-/// where q is (x, y) - p(t), rotated back by the object's angle. `inside` is true if the point lies
-/// inside the mask of the frame that is nearer to play time. If it is false, the other members are
-/// not set.
+/// H_a and H_b are the heights in the two frames around play time, p_a and p_b the positions of the
+/// reference point in them. s is the blend, and q is (x, y) - p(t), rotated back by the object's
+/// angle. `inside` is true if the point lies inside the mask of the frame that is nearer to play
+/// time. If it is false, the other members are not set.
 struct SurfacePoint {
   SurfaceSample sample;
   bool inside = false;
@@ -69,14 +73,15 @@ struct SurfacePoint {
 SurfacePoint evaluateSurface(const InterpolatedObject& object, const Vec2& nominal_mm,
                              const Workspace& workspace) noexcept;
 
-/// Returns the displacement F/k of Eq. 2-4 (nominal mm) at the depth d = h - z > 0. `texture_K_mm`
-/// is K of Eq. 3, and h_bar is height_mm / workspace_depth_mm.
+/// Returns the displacement F/k of Eq. 2-4, nominal mm. `depth_mm` is the depth d = h - z of the
+/// HIP below the surface, above 0. `height_mm` is the height h of the surface. `texture_K_mm` is K
+/// of Eq. 3, and height_mm / workspace_depth_mm is its h_bar.
 Vec3 perturbedDisplacement(double depth_mm, double height_mm, const Vec2& gradient,
                            double texture_K_mm, double workspace_depth_mm) noexcept;
 
 /// Tangent plane of a surface at one of its points.
 struct TangentPlane {
-  /// Vector from the HIP to the nearest point of the plane: d / (1 + |g|²) M.
+  /// Vector from the HIP to the nearest point of the plane.
   Vec3 displacement_mm;
   Vec3 normal;      ///< unit
   double depth_mm;  ///< depth of the HIP along `normal`
@@ -85,14 +90,14 @@ struct TangentPlane {
 /// z, and the surface has this `gradient` there.
 TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept;
 
-/// Returns the contact of the HIP with one object. `jump` is set if the object appeared in this
-/// tick. `kind` is kNormal or kPerturbed.
+/// Returns the contact of the HIP with one object. Contact::jump is true if the object appeared in
+/// this tick. `kind` is kNormal or kPerturbed.
 Contact computeObjectContact(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
                              const Workspace& workspace) noexcept;
 
-/// Returns the contact of the HIP with the object in which it is deepest along the normal. An
-/// object outside whose mask the HIP lies has no contact. Nor has an object whose relief never
-/// arrived. `kind` is kNormal or kPerturbed.
+/// Returns the contact of the HIP with the object in which it is deepest along the normal. There is
+/// no contact with an object if the HIP lies outside the object's mask. There is none either if the
+/// relief of the object never arrived. `kind` is kNormal or kPerturbed.
 Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept;
 

@@ -19,8 +19,9 @@
 
 namespace hapticast::client {
 
-/// Constant gains of the Kalman filter at 1 kHz. With the residual r each tick applies x += k1 r; v
-/// += k2 r; a += k3 r. The residual is the measured position minus the predicted position.
+/// Constant gains of the Kalman filter at 1 kHz. The residual r is the measured position minus the
+/// predicted position. Each tick adds position * r to the position, velocity_per_s * r to the
+/// velocity, and acceleration_per_s2 * r to the acceleration.
 struct KalmanGains {
   double position = 0.0;
   double velocity_per_s = 0.0;

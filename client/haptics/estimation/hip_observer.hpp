@@ -30,12 +30,13 @@ class SentForces {
 };
 
 /// Estimates the effective mass of the HIP on each axis, by recursive least squares. A hand on the
-/// device adds its mass, so the HIP responds less to a force. The estimate is the share (0.04..1)
-/// of the acceleration F / m that the bare device would have. 1 is the bare device. 0.05 is a
-/// rigidly held arm of twenty times its mass.
+/// device adds its mass, so the HIP responds less to a force. The estimate is a share, 0.04..1: the
+/// acceleration under a force, divided by that of the bare device. 1 is the bare device. At 0.05,
+/// device and hand together have twenty times the mass of the device.
 ///
-/// The force and the measured position pass the same filters. What remains above about 30 Hz is no
-/// intention of a hand. The regression of the two filtered signals is the share.
+/// The force and the measured position pass the same filters, which keep only what is above about
+/// 30 Hz. A hand intends no motion that fast. The share is the result of a regression between the
+/// two filtered signals.
 class EffectiveMassEstimator {
  public:
   /// `mass_kg` is the mass of the bare device.
@@ -43,8 +44,8 @@ class EffectiveMassEstimator {
   /// Restarts the filters at the position `measured_mm` under the force `acting_N`. The estimated
   /// share remains.
   void restart(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
-  /// Processes one tick. It ended at the position `measured_mm`, and the force `acting_N` acted in
-  /// it.
+  /// Processes one tick, which ended at the position `measured_mm`. The force `acting_N` acted in
+  /// this tick.
   void update(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
   [[nodiscard]] const Vec3& value() const noexcept { return share_; }
 
@@ -71,18 +72,18 @@ class HipObserver {
  public:
   explicit HipObserver(const DeviceProfile& profile) noexcept;
 
-  /// Restarts at the state `tip`. It assumes that the hand balances the force `acting_N`, as a
-  /// pressing hand does.
+  /// Restarts at the state `tip`. The observer assumes that the hand balances the force `acting_N`,
+  /// as a pressing hand does.
   void restart(const HipState& tip, const Vec3& acting_N) noexcept;
-  /// Processes one tick. It ended at the measured position `measured_mm`, and the force `acting_N`
-  /// acted in it. `wall_N_mm` is the stiffness of the wall. A stiffer wall makes the filter slower
-  /// at rest.
+  /// Processes one tick, which ended at the measured position `measured_mm`. The force `acting_N`
+  /// acted in this tick. `wall_N_mm` is the stiffness of the wall. A stiffer wall makes the filter
+  /// slower at rest.
   void update(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
   /// Returns the present state of the HIP.
   [[nodiscard]] const HipState& tip() const noexcept { return tip_; }
-  /// Returns the predicted state at the time when a force sent now acts, plus two ticks of margin.
-  /// `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay from a position to its
-  /// force.
+  /// Returns the predicted state two ticks after the time when a force sent now acts. The two ticks
+  /// are a margin. `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay from a
+  /// position to its force.
   [[nodiscard]] HipState ahead(const SentForces& sent, int delay_ticks) const noexcept;
 
  private:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Plausibility bounds: the largest motion of an object that its successive frames support. A stream
-// states accelerations, rotations, impacts and motion grids. They count only as far as the
-// positions, velocities and reliefs of the frames around play time support them. Example of a
-// statement without support: a plateau at rest with an acceleration of 1e8 mm/s². The method is in
-// client/haptics/README.md, section 4.
+// states accelerations, rotations, impacts and motion grids. The client uses these values only as
+// far as the positions, velocities and reliefs of the frames around play time support them. Example
+// of a statement without support: a plateau at rest with an acceleration of 1e8 mm/s². The method
+// is in client/haptics/README.md, section 4.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -27,8 +27,8 @@ struct PlausibilityBounds {
 };
 
 /// One object in five successive frames, and the intervals between the frames. Play time lies
-/// between the frames kNow and kNow + 1. An entry is null if the frame is missing, or if the object
-/// is missing in it. An interval shorter than half of 1/240 s supports no motion.
+/// between the frames kNow and kNow + 1. An entry of `object` is null if the frame is missing, or
+/// if the object is missing in it. An interval shorter than 1/480 s supports no motion.
 struct ObjectHistory {
   static constexpr std::size_t kFrames = 5;
   static constexpr std::size_t kNow = 2;

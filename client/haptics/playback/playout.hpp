@@ -34,20 +34,20 @@ struct StreamTiming {
 /// Computes play time: media clock - pipeline latency - playout delay.
 ///
 /// While a force acts, play time approaches changed targets slowly, so that it never jumps under
-/// the hand. The corrections of clock offset and delay together change it by at most 2 % of the
-/// elapsed time. Without a force it changes at once. Within a connection play time never runs
+/// the hand. The corrections of clock offset and delay together change play time by at most 2 % of
+/// the elapsed time. Without a force play time changes at once. Within a connection it never runs
 /// backwards: it waits until the target has reached it.
 class Playout {
  public:
   /// Returns play time of this tick. `now` is the local time and may have any value. `in_contact`
-  /// states whether a force acts. While `user` pauses the stream, play time does not change.
+  /// is true if a force acts. While `user` pauses the stream, play time does not change.
   ///
   /// A new connection has another stream.first_epoch. Play time then starts again, as soon as the
   /// new clock is synchronised. Without a connection play time continues with the last offset and
   /// delay. Before the first connection it is 0.
   MediaTime advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                     const UserControls& user = {}) noexcept;
-  /// Play time starts again at the next tick with a connection, as at a new connection.
+  /// Makes play time start again at the next tick with a connection, as for a new connection.
   void resync() noexcept { resync_ = true; }
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 

@@ -29,12 +29,12 @@ double secondsBetween(MediaTime a, MediaTime b) noexcept;
 /// two possible rotations.
 double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
-/// Returns the pose of an object in its frame, with the acceleration of the frame but without
-/// velocity.
+/// Returns the pose of an object in its frame, at rest. The acceleration is that of the frame, but
+/// the velocities are 0.
 Pose restingPose(const Motion& motion) noexcept;
 /// Returns the pose by linear interpolation of position, angle and acceleration. `interval_s` is
-/// the time from one frame to the next and must be above 0. `time_s` is the time after the first
-/// one.
+/// the time from the frame of `from` to that of `to`, and it must be above 0. `time_s` is the time
+/// after the frame of `from`.
 Pose linearPose(const Motion& from, const Motion& to, double interval_s, double time_s) noexcept;
 /// The impacts of an object between two frames, as changes of its velocity.
 struct VelocityJumps {
@@ -54,9 +54,10 @@ struct VelocityJumps {
 /// Path of an object between two frames: a cubic Hermite curve through the positions and velocities
 /// of both frames. The acceleration is linear between the two.
 ///
-/// An impact between the frames causes a kink of the path at its time. The path first subtracts the
-/// kink from both ends. It interpolates the rest, and then adds the kink. That is exact for a
-/// ballistic bounce. An impact that explains no part of the change of velocity is ignored.
+/// An impact between the frames causes a kink of the path at the time of the impact. The
+/// constructor removes the effect of the kinks from the end of the path, and at() adds it again.
+/// That is exact for a ballistic bounce. An impact that explains no part of the change of velocity
+/// is ignored.
 class HermitePath {
  public:
   HermitePath() = default;

@@ -13,9 +13,9 @@
 
 namespace hapticast::client {
 
-/// Source of the surface in this tick. kInterpolated: between two frames. kExtrapolated: dead
-/// reckoning after the newest frame. kHeld: the newest frame at rest. kStale: the newest frame is
-/// too old for a force.
+/// Source of the surface in this tick. kEmpty: there is no frame. kInterpolated: between two
+/// frames. kExtrapolated: dead reckoning after the newest frame. kHeld: the newest frame at rest.
+/// kStale: the newest frame is too old for a force.
 enum class Lookup : std::uint8_t { kEmpty = 0, kInterpolated, kExtrapolated, kHeld, kStale };
 inline constexpr std::size_t kLookupKinds = 5;
 
@@ -24,9 +24,11 @@ inline constexpr std::size_t kLookupKinds = 5;
 /// (surface_model.hpp). So only the change of the shape is blended.
 struct InterpolatedObject {
   const PlayObject* before = nullptr;  ///< the object in the frame before play time; never null
-  /// The object in the next frame; null without one, and if the object is missing in it.
+  /// The object in the next frame. Null if there is no next frame, or if the object is missing in
+  /// it.
   const PlayObject* after = nullptr;
-  /// Weight of `after`: 0 at `before` (or when a late `after` arrived), 1 at `after`.
+  /// Weight of `after`. It is 0 at the time of `before` and 1 at the time of `after`. If `after`
+  /// arrived late, the weight is 0 at its arrival.
   double blend = 0.0;
   double blend_rate_1_s = 0.0;      ///< rate of change of `blend`; 0 in a pause and without `after`
   bool appeared = false;            ///< the scene of the last tick did not have this id and layer

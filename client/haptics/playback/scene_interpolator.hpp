@@ -37,9 +37,9 @@ enum class Interpolation : std::uint8_t {
 /// that is missing in the next frame is extrapolated until that frame. An object that begins with
 /// the next frame is absent until then.
 ///
-/// A velocity is implausible if |v| dt exceeds 3 times the displacement plus 4 mm. The Hermite
-/// interpolation shortens it to that limit. In a pause all velocities, accelerations and blend
-/// rates are 0.
+/// A velocity v is implausible if |v| times the frame interval exceeds 4 mm plus 3 times the
+/// displacement between the frames. The Hermite interpolation shortens v to that limit. In a pause
+/// all velocities, accelerations and blend rates are 0.
 class SceneInterpolator {
  public:
   /// `pool` must outlive this object.
@@ -51,8 +51,8 @@ class SceneInterpolator {
   const Scene& at(MediaTime play_time, const StreamTiming& stream,
                   const UserControls& user = {}) noexcept;
 
-  /// Returns all stored and all arrived frames to the pool. The next scene with a frame has
-  /// `jumped` set, as at a new epoch.
+  /// Returns all stored and all arrived frames to the pool. In the next scene with a frame,
+  /// `jumped` is true, as at a new epoch.
   void resync() noexcept;
 
   /// Returns the four frames i-1, i, i+1 and i+2 around play time, for the thesis's interpolation.
@@ -77,8 +77,8 @@ class SceneInterpolator {
   void popArrived(MediaTime play_time, std::uint32_t first_epoch) noexcept;
   void insert(FramePool::Index index, MediaTime play_time) noexcept;
   void release(std::size_t i) noexcept;
-  /// Returns all frames to the pool that neither the interpolation nor a later play time needs.
-  /// Returns beforeIndex().
+  /// Gives all frames back to the pool that neither the interpolation nor a later play time needs.
+  /// Returns beforeIndex(play_time).
   std::size_t releaseUnneeded(MediaTime play_time) noexcept;
   void fillScene(std::size_t before, MediaTime play_time, const StreamTiming& stream,
                  const UserControls& user) noexcept;
@@ -107,8 +107,8 @@ class SceneInterpolator {
     std::array<PlausibilityBounds, kMaxObjects> plausibility;
   };
   void cacheInterval(std::size_t before, const PlayFrame* next, double interval_s) noexcept;
-  /// Computes the plausibility bounds from the frames around the pair that belong to the same
-  /// epoch.
+  /// Computes the plausibility bounds from the frame `before`, the frame `next`, and their
+  /// neighbours of the same epoch.
   void computeBounds(std::size_t before, const PlayFrame* next) noexcept;
 
   static constexpr std::size_t kNone = ~std::size_t{0};

@@ -18,14 +18,14 @@ class ThesisInterpolation {
   /// Returns the contact at play time, in nominal mm.
   ///
   /// The method evaluates Eq. 3, divided by k, in the four frames i-1 .. i+2 around play time. Each
-  /// frame has its own relief at its own position. The HIP is that of the begin of the interval [i,
-  /// i+1]. A Catmull-Rom cubic connects the four displacements. The result is linear if frame i-1
-  /// or i+2 is missing, and constant if i+1 is missing. The surface velocity is zero.
+  /// frame has its own relief at its own position. All four use the HIP at the begin of the
+  /// interval [i, i+1]. A Catmull-Rom cubic connects the four displacements. The result is linear
+  /// if frame i-1 or i+2 is missing, and constant if i+1 is missing. The surface velocity is zero.
   ///
-  /// `contact.object` is the touched object of frame i or i+1, with linear acceleration. It is
-  /// valid until the next call. `contact.jump` is set in the first tick of an epoch. It is also set
-  /// in the first tick of an interval, if the object is missing in frame i-1. An object that is
-  /// missing in frame i does not exist yet. Each new interval reads the HIP again.
+  /// `contact.object` is the touched object of frame i or i+1, with a linearly interpolated
+  /// acceleration. It is valid until the next call. `contact.jump` is true in the first tick of an
+  /// epoch. It is also true in the first tick of an interval, if the object is missing in frame
+  /// i-1. Objects that are missing in frame i are ignored. Each new interval reads the HIP again.
   Contact evaluate(const SceneInterpolator& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 

@@ -49,8 +49,9 @@ struct SafetyInput {
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
-  double scene_step_s = 1e-3;     ///< change of play time since the last tick
-  double stiffness_factor = 1.0;  ///< length of the displacement / depth along the normal
+  double scene_step_s = 1e-3;  ///< change of play time since the last tick
+  /// Factor from the stiffness along the displacement to that along the normal.
+  double stiffness_factor = 1.0;
   double stiffness_N_mm = 0.5;
   double damping_Ns_m = 0.0;  ///< the author's damping, which is added to that of the wall law
   /// The scene does not continue that of the last tick: new epoch, connection or mapping.
@@ -93,8 +94,8 @@ class SafetyChain {
   /// Returns true if the force of the last tick was not zero.
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
   /// Returns the delay in use: the number of ticks from the reading of a position to the begin of
-  /// its force. It is the profile's value, and one tick more after an alarm of the oscillation
-  /// detection.
+  /// its force. It is the profile's value. After an alarm of the oscillation detection it is one
+  /// tick more.
   [[nodiscard]] int delayTicks() const noexcept { return delay_ticks_; }
   /// Returns the stiffness (N/mm) of the wall at the last contact, along its normal.
   [[nodiscard]] double wall_N_mm() const noexcept { return wall_N_mm_; }

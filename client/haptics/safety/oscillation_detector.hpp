@@ -21,9 +21,9 @@ class OscillationDetector {
   explicit OscillationDetector(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
 
   /// Processes one tick. `moved_mm` and `surface_mm` are the motions of HIP and surface along the
-  /// normal in this tick, mm. `acts` states whether a force acts. The force may pause for up to 33
-  /// ms, because a swing can leave the wall. Returns true if this tick completes an alarm. The
-  /// detector then starts again.
+  /// normal in this tick, mm. `acts` is true if a force acts. The force may pause for up to 33 ms,
+  /// because a swing can leave the wall. Returns true if this tick completes an alarm. The detector
+  /// then starts again.
   bool alarmed(double moved_mm, double surface_mm, bool acts) noexcept;
 
  private:
@@ -50,10 +50,11 @@ class OscillationDetector {
 /// Detects bounces. A bounce is a short contact that the HIP leaves with at least 0.9 of its speed
 /// before the contact.
 ///
-/// Three bounces in a row complete an alarm. Each contact is shorter than the bare device on the
-/// wall's spring can last. The next contact follows within 0.25 s. A bounce counts only if a force
-/// acted, and if the surface's own speed is less than half of the HIP's. A hand that taps cannot
-/// cause this: a damped wall returns at most half of the speed, and the hand adds its own mass.
+/// Three bounces in a row complete an alarm. Each contact is shorter than the longest contact of
+/// the bare device with the wall's spring. The next contact follows within 0.25 s. A bounce counts
+/// only if a force acted, and if the surface's own speed is less than half of the HIP's. A hand
+/// that taps cannot cause this: a damped wall returns at most half of the speed, and the hand adds
+/// its own mass.
 class BounceDetector {
  public:
   struct Tick {
@@ -68,9 +69,8 @@ class BounceDetector {
   };
   explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
-  /// Processes one tick. `delay_ticks`: ticks from the reading of a position to the effect of its
-  /// force, as the safety chain assumes them. Returns true if this tick completes an alarm. The
-  /// detector then starts again.
+  /// Processes one tick. `delay_ticks` is the result of SafetyChain::delayTicks(). Returns true if
+  /// this tick completes an alarm. The detector then starts again.
   bool alarmed(const Tick& tick, int delay_ticks) noexcept;
 
  private:

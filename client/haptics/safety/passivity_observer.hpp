@@ -16,11 +16,12 @@ namespace hapticast::client {
 /// Work of the force on the hand since the start, mJ. A positive value is energy into the hand. The
 /// three parts are the ports of the loop: each port is one cause of the work.
 struct PortWork {
-  /// Wall and virtual inertia over the HIP's motion relative to the surface; must be passive.
+  /// Work of the wall and of virtual inertia in the HIP's motion relative to the surface. It must
+  /// be passive.
   double relative_mJ = 0.0;
-  /// Wall and virtual inertia over the surface's own motion; this push is intended.
+  /// Work of the wall and of virtual inertia in the surface's own motion. This push is intended.
   double surface_mJ = 0.0;
-  double object_mJ = 0.0;  ///< dynamic force of the object over the HIP's motion
+  double object_mJ = 0.0;  ///< work of the object's dynamic force in the HIP's motion
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 

@@ -11,7 +11,8 @@ namespace hapticast::client {
 
 /// The safety actions: the step of the chain that changed the force, or would have changed it.
 enum class SafetyAction : std::uint8_t {
-  /// A number was not finite or absurd; the last valid geometry is used while the force fades.
+  /// A number was not finite or far too large. The last valid geometry is used while the force
+  /// fades.
   kNotFinite,
   kSurfaceSpeed,  ///< the surface was faster than 1.5 m/s
   kStiffness,     ///< the stiffness was limited to K_max

@@ -38,10 +38,13 @@ struct MotionExplainedStep {
 /// Returns the part of the step from `last` to `now` that the motion of the hand explains.
 ///
 /// The result depends on the measured motion of the HIP and on the wall before this tick, not on
-/// the force. The spring explains K |dx| in any direction, and the damper explains B dv along the
-/// normal. A tick in which the HIP itself enters the surface explains K times the depth, and B v up
-/// to the damper's limit. The HIP enters by itself if the depth is at most its motion inwards. All
-/// speeds are limited like the speed of the damper.
+/// the force. The spring with the stiffness K explains K |dx| in any direction, where dx is the
+/// motion of the HIP. The damper with the damping B explains B dv along the normal, where dv is the
+/// change of the HIP's velocity v.
+///
+/// In a tick in which the HIP itself enters the surface, the spring explains K times the depth. The
+/// damper then explains B v, up to its limit. The HIP enters by itself if the depth is at most its
+/// motion inwards. All speeds are limited like the speed of the damper.
 ///
 /// A change of stiffness, surface or contact by the stream explains nothing. A predicted motion
 /// explains nothing either: if the motion does not occur, a stream would cause the steps.

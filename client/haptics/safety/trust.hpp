@@ -27,8 +27,8 @@ class Trust {
   /// below most streams that shake a hand without end.
   ///
   /// The counts were measured. Honest streams reach at most 44, and 64 in the thesis's method. One
-  /// impact of a bouncing ball costs 14. The gentlest shaking stream reaches 198, and the chain
-  /// only limits its force. A stream may strike the hand seven times a second before trust is lost.
+  /// impact of a bouncing ball adds 14. The gentlest shaking stream reaches 198, so the chain only
+  /// limits its force. A stream may strike the hand seven times a second before trust is lost.
   static constexpr double kMost_ticks = 200.0;
 
   /// Adds one tick. `interferences` has one bit for each safety action of the tick.

@@ -16,26 +16,27 @@ inline constexpr int kMostDelay_ticks = 5;  ///< longest delay for which the law
 /// depends on tau.
 double wallLead_s(int delay_ticks) noexcept;
 /// Returns K_max = min(10, 0.64 m / tau²) in N/mm. K_max is the stiffest wall at which the HIP
-/// swings by at most 2 counts after an impact. The factor was measured: 0.65 in place of 0.64
-/// leaves 2.08 counts of 0.038 mm at a delay of one tick.
+/// swings by at most 2 counts after an impact. The factor 0.64 was measured: with 0.65 the HIP
+/// swings by 2.08 counts (of 0.038 mm, at a delay of one tick).
 double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept;
 double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
-/// Returns the damping of the wall law (N·s/m) for the stiffness `stiffness_N_mm` along the normal.
-/// `limit_N_mm` is K_max. At K_max the damping is sqrt(K m). For a softer wall it falls to half of
-/// sqrt(K m), because the delay then needs less damping. Damping also adds an error of the force in
-/// motion.
+/// Returns the damping of the wall law (N·s/m) for the stiffness K = `stiffness_N_mm` along the
+/// normal and the mass m. `limit_N_mm` is K_max. At K_max the damping is sqrt(K m). For a softer
+/// wall it falls to half of sqrt(K m), because the delay then needs less damping. Damping also adds
+/// an error of the force in motion.
 double wallDamping_Ns_m(double stiffness_N_mm, double mass_kg, double limit_N_mm) noexcept;
 /// Returns the largest sum (N·s/m) of the law's damping and an author's damping. The result is a
-/// share of m / (T/2 + d T), with the tick T and the delay d in ticks. At that value the damper's
-/// own delay makes it unstable. The law's damping alone may exceed the result.
+/// share of m / (T/2 + d T), with the mass m, the tick T and the delay d in ticks. A damper of the
+/// full m / (T/2 + d T) would be unstable because of its own delay. The law's damping alone may
+/// exceed the result.
 double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept;
 
 /// Limit of the damper's force, so that no first touch is a blow. The limit is 0.04 N plus the
-/// spring's force. In place of the spring's force it uses a second bound, if that is smaller. The
-/// second bound grows with every tick in contact.
+/// smaller of two forces: the spring's force, and a bound that grows with every tick in contact.
 class DamperLimit {
  public:
-  /// Advances the second bound by one tick: it grows in contact, and shrinks without contact.
+  /// Advances the growing bound by one tick. If `contact` is true, the bound grows, else it
+  /// shrinks.
   void step(bool contact) noexcept;
   /// Returns the largest force of the damper (N) when the spring's force along the normal is
   /// `spring_N`.

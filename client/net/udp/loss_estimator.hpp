@@ -2,8 +2,8 @@
 // Estimates the loss of datagrams, and the redundancy that the loss requires. Redundancy: the
 // number of times that the server sends each datagram. The estimator counts how often each fragment
 // arrives. So it measures the loss of single datagrams, and it measures how many fragments are lost
-// in all their sends. In a burst both differ from independent losses. Times are arguments.
-// Thread: network.
+// in all their sends. Losses in bursts increase the second value more than independent losses do.
+// Times are arguments. Thread: network.
 #pragma once
 
 #include <array>
@@ -29,11 +29,11 @@ class LossEstimator {
   /// most three frames apart.
   static constexpr std::uint64_t kSettled = 8;
   /// The redundancy falls only after it was not needed for this time. A network with burst losses
-  /// also has pauses.
+  /// also has times without losses.
   static constexpr Duration kPatience = std::chrono::seconds(30);
 
-  /// Starts with the redundancy `copies`. With `fixed` the redundancy never changes, whatever the
-  /// loss is.
+  /// Starts with the redundancy `copies`. If `fixed` is true, the redundancy never changes,
+  /// whatever the loss is.
   explicit LossEstimator(std::uint32_t copies = kFirstCopies, bool fixed = false)
       : copies_(copies), fixed_(fixed) {}
 

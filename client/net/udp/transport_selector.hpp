@@ -47,10 +47,11 @@ struct DeliveryStats {
 /// carries out its decisions.
 class TransportSelector {
  public:
-  /// Time that a transport has to deliver frames, while frames arrive only over TCP. A transport
-  /// that has worked has this time to resume. After that, the next frames over TCP end its use.
+  /// A new transport fails if frames arrive only over TCP for this time. A transport that has
+  /// worked is suspected if it delivers no frame for this time.
   static constexpr Duration kPatience = std::chrono::seconds(1);
-  /// Largest difference between the delays of two working transports. The value is a choice.
+  /// A suspected transport fails if frames arrive only over TCP for this time. The value is a
+  /// choice: the largest difference between the delays of two working transports.
   static constexpr Duration kRace = std::chrono::milliseconds(200);
   static constexpr Duration kTryAgain = std::chrono::seconds(30);
   /// Longest time in which frames arrive by a transport but no probe does. A probe is a datagram of

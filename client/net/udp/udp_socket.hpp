@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// UDP socket that receives the datagrams of a stream. It is connected to the server, so that the
-// system drops datagrams of other senders. Or it is a member of a multicast group.
+// UDP socket that receives the datagrams of a stream. It is connected to the server, or it is a
+// member of a multicast group. If it is connected, the system drops datagrams of other senders.
 // Thread: network.
 #pragma once
 

@@ -28,8 +28,9 @@ class ScenePlace {
   [[nodiscard]] ImVec2 toWindow(const Vec2& nominal_mm) const;
   [[nodiscard]] ImVec2 fromImage(const Vec2& image_px) const;
   [[nodiscard]] Vec2 toNominal(const ImVec2& point) const;
-  /// Returns the arrow for a force, in px of the window. x points to the right and y up. z points
-  /// to the viewer, so the arrow shows it obliquely: up and a little to the right.
+  /// Returns the arrow for a force, in px of the window. The x component of the force points to the
+  /// right, and the y component up. The z component points to the viewer, so the arrow shows it
+  /// obliquely: up and a little to the right.
   [[nodiscard]] ImVec2 arrow(const Vec3& force_N) const;
   [[nodiscard]] float pixelsPerMm() const;
 
