@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Device profiles: the constants of a device class. A profile is built in, or it is a file of `key
-// = value` lines.
+// Device profiles: the constants of a device class. A profile is built in, or it is a file of lines
+// `key = value`.
 // Thread: any, before the loop; the functions may allocate and throw.
 #pragma once
 

@@ -33,9 +33,10 @@ class DynamicForce {
   /// motion grid are evaluated. If it is null, that point is the object's reference point.
   ///
   /// The object's part of the force is at most half of the device's peak, and the whole force is at
-  /// most the peak. An impact may add more than that half. It pushes along its change of velocity,
-  /// by a half-sine of 15 ms that begins at the time of the impact. Acceleration, rotation, motion
-  /// grid and impact of the object count only up to their plausibility bounds.
+  /// most the peak. The half does not include the force of an impact. An impact pushes along its
+  /// change of velocity, by a half-sine of 15 ms that begins at the time of the impact.
+  /// Acceleration, rotation, motion grid and impact of the object count only up to their
+  /// plausibility bounds.
   Vec3 evaluate(const InterpolatedObject* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamTiming& stream, double scale,

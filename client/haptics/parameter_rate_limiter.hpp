@@ -49,9 +49,9 @@ class UserForceMix {
   UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 
-  /// Applies the user's controls of this tick. Returns true if the method or the surface model is
-  /// another one, or if the static force is on again. The caller then has to fade in the force from
-  /// zero.
+  /// Applies the user's controls of this tick. Returns true if the method or the surface model has
+  /// changed, or if the static force was switched on again. The caller then has to fade in the
+  /// force from zero.
   bool update(const UserControls& user) noexcept {
     const Method method = user.method.value_or(own_method_);
     const SurfaceKind surface = user.surface.value_or(own_surface_);

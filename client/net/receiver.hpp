@@ -84,8 +84,8 @@ class Receiver {
  private:
   void publish(LocalTime now);
   void observe(const PreparedFrame& frame);
-  /// Returns the lateness of a frame that arrived at `arrived`: its age beyond the pipeline
-  /// latency.
+  /// Returns the lateness of a frame that arrived at `arrived`: the media time of the arrival,
+  /// minus `media_time`, minus the pipeline latency.
   [[nodiscard]] Duration lateness(MediaTime media_time, LocalTime arrived) const;
   [[nodiscard]] Duration leastDelay() const;
 

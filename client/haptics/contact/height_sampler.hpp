@@ -45,8 +45,8 @@ class ReliefProbe {
   [[nodiscard]] bool masked(const Vec2& q_mm) noexcept;
   /// Stores `height` as the sample at `q_mm`.
   void keep(const Vec2& q_mm, const Height& height) noexcept;
-  /// Returns the speed (mm/s) at which the mask's edge moves outwards at the last edge sample. The
-  /// cause is the change of the shape.
+  /// Returns the speed (mm/s) at which the mask's edge moves outwards because of its change of
+  /// shape. The place is that of the last edge sample.
   [[nodiscard]] double edgeRate_mm_s() const noexcept { return relief_->rate_mm_s(edge_); }
 
  private:

@@ -26,8 +26,8 @@ class ProxySurface {
   /// Number of heights that a tick may read, summed over all objects near the HIP. A started move
   /// may read 5 more. Edge samples are not counted.
   ///
-  /// The value was measured at 10 cm/s. With it, a proxy on a rough relief misses its goal in 0.5 %
-  /// of the ticks. On smooth reliefs it reaches its goal in every tick.
+  /// The value was measured at 10 cm/s. With it, a proxy on a rough relief stops before its goal in
+  /// 0.5 % of the ticks. On smooth reliefs it reaches its goal in every tick.
   static constexpr int kSamples = 24;
 
   /// Returns the contact of the HIP with all objects of `scene`, in nominal mm.

@@ -29,8 +29,8 @@ struct Contact {
   /// The geometry changed by more than its motion explains: the epoch is new, or the object
   /// appeared.
   bool jump = false;
-  /// Factor from the stiffness along the displacement to the stiffness along the normal. It is
-  /// above 1 only for the model `perturbed`.
+  /// Stiffness along the normal, divided by the stiffness along the displacement. It is above 1
+  /// only for the model `perturbed`.
   double stiffness_factor = 1.0;
   const InterpolatedObject* object = nullptr;  ///< touched object
 };

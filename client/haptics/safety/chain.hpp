@@ -50,7 +50,7 @@ struct SafetyInput {
   Vec3 normal = Vec3::UnitZ();
   Vec3 surface_velocity_mm_s = Vec3::Zero();
   double scene_step_s = 1e-3;  ///< change of play time since the last tick
-  /// Factor from the stiffness along the displacement to that along the normal.
+  /// Stiffness along the normal, divided by the stiffness along the displacement.
   double stiffness_factor = 1.0;
   double stiffness_N_mm = 0.5;
   double damping_Ns_m = 0.0;  ///< the author's damping, which is added to that of the wall law

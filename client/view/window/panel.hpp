@@ -57,7 +57,7 @@ struct PanelState {
   bool help = false;
   bool outline = false;
   ReliefLook relief = ReliefLook::kNone;
-  /// Value of the slider; it applies if the user replaces the author's friction.
+  /// Value of the friction slider. It applies only if the user replaces the author's friction.
   double friction = 0.5;
   std::string note;           ///< message in the window, such as the name of a saved picture
   double picture_off_ms = 0;  ///< media time of the shown picture minus that of the rendered frame

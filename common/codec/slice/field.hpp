@@ -17,7 +17,7 @@ inline constexpr int kCell_px = 8;
 /// Returns the number of cells that cover `px` pixels.
 constexpr int cellsOver(int px) noexcept { return (px + kCell_px - 1) / kCell_px; }
 inline constexpr int kUnitsPerMm = 4096;
-inline constexpr int kMargin_px = 8;  ///< margin around the mask, always 0
+inline constexpr int kMargin_px = 8;  ///< width of the margin of zeros around a mask
 /// Largest magnitude of a height: 1024 mm, in units.
 inline constexpr std::int32_t kHighest = 1 << 22;
 

@@ -63,7 +63,7 @@ struct Around {
     if (up_left <= std::min(left, up)) return std::max(left, up);
     return left + up - up_left;
   }
-  /// Returns a class (0..6) for how much the four indices differ.
+  /// Returns a class (0..6) for the sum of the differences between the four indices.
   [[nodiscard]] std::size_t unrest() const {
     const int sum = std::abs(up_right - up) + std::abs(up - up_left) + std::abs(up_left - left);
     if (sum < 3) return static_cast<std::size_t>(sum);
