@@ -33,8 +33,9 @@ struct Settings {
   bool quiet = false;
 };
 
-/// Returns the largest error of heights on the wire, mm, with which the force remains within the
-/// error budget. With the default budget and the usual stiffness it is kDefaultHeightError_mm.
+/// Returns the largest error of heights on the wire, mm, whose change of force remains within the
+/// error budget of `vision`. With the default budget and the usual stiffness it is
+/// kDefaultHeightError_mm.
 [[nodiscard]] double heightError_mm(const VisionSettings& vision);
 
 }  // namespace hapticast::server

@@ -31,9 +31,9 @@ struct Segment {
 class Segmenter {
  public:
   virtual ~Segmenter() = default;
-  /// Returns the segments of all objects that are visible in this frame. It omits lost objects, and
-  /// after a cut all objects of the old scene. `flows`: motion of the last frame's objects. Throws
-  /// SourceError if an object point lies on no object.
+  /// Returns the segments of all objects that are visible in this frame. It omits lost objects.
+  /// After a cut it also omits all objects of the old scene. `flows`: motion of the last frame's
+  /// objects. Throws SourceError if an object point lies on no object.
   virtual std::vector<Segment> next(const FramePair& frames, const Flows& flows) = 0;
   /// Returns whether the author annotated this frame. Such a frame must be processed even if all
   /// objects rest. Call it before next().
@@ -54,8 +54,8 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
 std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
                                              std::uint32_t& next_id);
 
-/// Throws a SourceError: there is no object at the author's point `point_px`. `why`: the cause, as
-/// text for the message.
+/// Throws a SourceError whose message says that no object is at the author's point `point_px`.
+/// `why`: the cause, as text for the message.
 [[noreturn]] void throwNoObject(const Vec2& point_px, const std::string& why);
 
 }  // namespace hapticast::server

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Results of a clip's scan that each playback uses. They are the state in which the segmentation
-// begins and masks for frames before an annotation, which the scan propagated backwards from it.
-// Thread: the one that runs Vision.
+// begins, and masks of frames before an annotation. The scan propagated these masks backwards from
+// the annotation. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>

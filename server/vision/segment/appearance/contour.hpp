@@ -25,7 +25,7 @@ struct ContourMemory {
   cv::Matx33d to_picture;     ///< maps px of `evidence` to px of the picture
 };
 
-/// Moves the evidence of the last decision by `similarity` into `patch`, the region of this frame.
+/// Moves `memory.evidence` by `similarity` into the region of `patch`, which belongs to this frame.
 /// `similarity` maps px of the last picture to px of this picture.
 void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 

@@ -42,10 +42,10 @@ struct ObjectStart {
 ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
                        std::vector<Plane> planes);
 
-/// Returns `mask`, refined by GrabCut at half size or less. Returns `mask` itself if the result is
-/// implausible: less than 0.4 or more than 2.5 times its area (less than 0.1 with `not_points`).
-/// `object_point` lies on the object. A disc of 10 px around each of `not_points` is certain
-/// background. Pixels nearer to one of them than to `object_point` are probable background.
+/// Returns `mask`, refined by GrabCut at half size or less. Returns `mask` itself if the refined
+/// mask has less than 0.4 or more than 2.5 times its area. If there are `not_points`, the lower
+/// limit is 0.1. `object_point` lies on the object. A disc of 10 px around each of `not_points` is
+/// certain background. Pixels nearer to one of them than to `object_point` are probable background.
 cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,
                    const cv::Point& object_point, const std::vector<cv::Point>& not_points);
 
