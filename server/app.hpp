@@ -20,9 +20,9 @@ class App {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Streams until the clip ends, unless --loop repeats it. Also ends after the number of frames of
-  /// --frames, or after stop(). Throws SourceError if the source fails during the streaming. Call
-  /// it once. Thread: the pipeline's.
+  /// Streams until the clip ends, unless --loop repeats it. It also ends after as many frames as
+  /// --frames states, or after stop(). Throws SourceError if the source fails during the streaming.
+  /// Call it once. Thread: the pipeline's.
   void run();
   /// Ends run() soon. Thread: any, also a signal handler.
   void stop() noexcept;

@@ -28,9 +28,9 @@ class EncoderThread {
   /// push() or finish() has rethrown it.
   ~EncoderThread();
 
-  /// Adds the frame `result` to the queue. It belongs to the stream `description`. Blocks while two
-  /// frames wait in the queue. Rethrows an exception that the encoder has thrown. Thread: the
-  /// pipeline's.
+  /// Adds the frame `result` to the queue. The frame belongs to the stream `description`. Blocks
+  /// while two frames wait in the queue. Rethrows an exception that the encoder has thrown. Thread:
+  /// the pipeline's.
   void push(StreamDescription description, VisionResult result);
   /// Encodes the frames that wait, and ends the thread. Then rethrows an exception that the encoder
   /// has thrown. Thread: the pipeline's.

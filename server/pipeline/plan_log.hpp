@@ -21,9 +21,9 @@ class PlanLog {
  public:
   /// Logs those of `plans` (by object id) that changed. It logs each object at most once a second,
   /// and the same plan of an object at most once a minute. It does not log a new object whose plan
-  /// is that of a vanished object: each playback of a looped clip has new ids. `relief_bytes`:
-  /// sizes of the reliefs, by object id. The log states them as saved while the stage `heights` is
-  /// off.
+  /// equals that of a vanished object, because each playback of a looped clip has new ids.
+  /// `relief_bytes`: sizes of the reliefs, by object id. The log states them as saved while the
+  /// stage `heights` is off.
   void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
            const ReliefBytes& relief_bytes, MediaTime now);
 

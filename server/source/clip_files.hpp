@@ -22,7 +22,7 @@ struct ClipMeta {
   std::optional<double> fps;          ///< from "fps", 1..240 frames/s
   std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m/unit
   /// Bits of depth, 8 or 16: the number in "depth_bits", or else the number that the text of
-  /// "depth" mentions. If neither has a number, it is 16 if a scale is declared.
+  /// "depth" mentions. If neither has a number but a scale is declared, it is 16.
   std::optional<int> depth_bits;
   std::optional<double> fov_deg;  ///< from "fov_deg", 10..170: horizontal field of view
   /// From "intrinsics" {fx, fy, cx, cy}. The file has cx and cy in OpenCV's convention, so half a
@@ -65,8 +65,8 @@ struct ClipFiles {
 ///   per metre, and the field of view is a Kinect's.
 /// * Otherwise rgb/ or color/ and depth/ each have the same number of PNG or JPEG files. They are
 ///   paired in the order of their names (numbers in names count by value).
-/// * The second layout may also have a mask/. If it has as many files, each frame has a mask. If it
-///   has fewer, they are key masks for the colour images with the same names.
+/// * The second layout may also have mask/. If mask/ has as many files as the colour folder, each
+///   frame has a mask. If it has fewer, they are key masks for the colour images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 
 /// Returns whether name `a` comes before name `b`. Numbers in names are compared by value: frame2 <

@@ -47,8 +47,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void publish(EncodedFrame frame) override;
   /// Sends a picture to the viewers that subscribed to pictures. Thread: any.
   void publish(EncodedVideo video) override;
-  /// Sends the progress of the clip's scan, 0..1, to all viewers. Viewers that join before the
-  /// first frame receive the newest progress. Thread: any.
+  /// Sends `share`, the completed share of the clip's scan (0..1), to all viewers. Viewers that
+  /// join before the first frame receive the newest share. Thread: any.
   void prepare(double share);
   /// Sends the description of another stream to all viewers. If the workspace differs from that of
   /// the present stream, frames that still wait are removed. Thread: any.

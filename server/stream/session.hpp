@@ -48,7 +48,8 @@ class SessionHost {
 /// Session of one connection. Create it with std::make_shared.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  static constexpr std::size_t kMaxPongs = 64;  ///< most pings that wait for their answer; a choice
+  /// Largest number of pings that wait for their answer; a choice.
+  static constexpr std::size_t kMaxPongs = 64;
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
 
   /// `io` runs the channel. `host` must outlive the session's coroutines. `id`: number for the log.
@@ -67,7 +68,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
   /// Sends as much of the queue as the connection accepts at once. The writer coroutine sends the
-  /// rest, but to wake it costs far more. flush() never ends the session.
+  /// rest. To send at once costs far less than to wake that coroutine. flush() never ends the
+  /// session.
   void flush();
   /// Adds the items to the queue and sends as much as possible, as queue() and flush() do.
   template <class... What>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // UDP fan-out: sends a frame's datagrams over one socket to all targets, many in one system call
-// (sendmmsg). A datagram is its target's token and a body; all targets share the bodies. Datagrams
-// of one target and one size form a single message. The kernel splits the message into datagrams
-// (UDP_SEGMENT, generic segmentation offload). That halves the cost (server/README.md). A *round*
-// is all that one call of send() has to send: the newest frame, and earlier frames again for
-// redundancy. If the socket is full, the rest of the round waits. The next round replaces that
+// (sendmmsg). A datagram consists of its target's token and a body. All targets share the bodies.
+// Datagrams of one target and one size form a single message. The kernel splits the message into
+// datagrams (UDP_SEGMENT, generic segmentation offload). That halves the cost (server/README.md). A
+// *round* is all that one call of send() has to send: the newest frame, and earlier frames again
+// for redundancy. If the socket is full, the rest of the round waits. The next round replaces that
 // rest, because its frames are newer. So UdpFanout never blocks and stores only one round. Thread:
 // io.
 #pragma once
@@ -82,20 +82,20 @@ class UdpFanout {
   [[nodiscard]] const Segments& at(const Cursor& cursor) const {
     return messages_[cursor.frame][cursor.message];
   }
-  /// Send the datagrams of a message one by one, for a system that does not split messages.
-  /// sendOne() returns false if the system rejects the datagram.
+  /// sendSingly() sends the datagrams of a message one by one, for a system that does not split
+  /// messages. sendOne() sends one datagram. It returns false if the system rejects the datagram.
   bool sendOne(const std::vector<std::uint8_t>& body, Address& to);
   void sendSingly(const Segments& segments, Address& to);
 
-  /// Moves the cursor to the next message and target to send, if it is not at one already. Returns
-  /// false at the end of the round.
+  /// Moves `cursor` to the next message and target to send. Leaves it if it is at one already.
+  /// Returns false at the end of the round.
   [[nodiscard]] bool finishRound(Cursor& cursor) const;
   /// Sends the rest of the round until it ends, the socket is full, or kAtOnce datagrams are sent.
   void sendPending();
   /// Calls sendPending() as soon as the socket accepts datagrams again.
   void scheduleSend();
-  /// Sends up to kBatch datagrams in one system call, at least one message. Returns false if the
-  /// socket is full.
+  /// Sends the next messages in one system call: at least one message, and at most kBatch
+  /// datagrams. Returns false if the socket is full.
   bool sendBatch();
 
   asio::ip::udp::socket& socket_;

@@ -37,15 +37,15 @@ class UdpSubscribers {
   /// every 10 s, and two of three echoes may be lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
   /// Least time between two valid echoes of a viewer. The value is a choice: half of the time that
-  /// a viewer waits for a probe. The pause limits what forged echoes can cause, because a probe is
-  /// a hundred times as large as its echo.
+  /// a viewer waits for a probe after its echo. The pause limits what forged echoes can cause,
+  /// because a probe is a hundred times as large as its echo.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
   /// A viewer, and the address to which its datagrams are sent.
   struct Viewer {
     asio::ip::address peer;   ///< remote address of its TCP connection
     asio::ip::address local;  ///< local address of its TCP connection; source of its datagrams
-    bool wanted = true;       ///< whether it receives datagrams after its echo
+    bool wanted = true;       ///< whether it wants datagrams; it receives them after its echo
     std::uint32_t copies = 1;
     /// Whether it receives the multicast group's datagrams.
     bool by_group = false;

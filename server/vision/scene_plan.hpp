@@ -42,8 +42,8 @@ class ScenePlan {
   void setResting(bool at_rest, std::string_view why = {});
   /// Sets whether the object's heights in this frame equal those in the last frame.
   void setUnchanged(bool unchanged);
-  /// Sets by how much the force would change in this frame without the stage (rms), N. Infinity:
-  /// the stage must stay on.
+  /// `error_N`: by how much the force would change in this frame without the stage (rms), N. If it
+  /// is infinity, the stage must stay on.
   void setForceError(Stage stage, double error_N);
   /// Adds the force that the residual motion causes in this frame, N. Returns whether the force
   /// justifies a motion grid on the wire. The forces of the frames before count too, with

@@ -40,8 +40,8 @@ class Segmenter {
   [[nodiscard]] virtual bool hasAnnotation(const FramePair& /*frames*/) const { return false; }
 };
 
-/// Area below which an object counts as lost, px. The value is a choice: 1.5 mm across in a usual
-/// picture.
+/// Area below which an object counts as lost, px. The value is a choice: in a usual picture, a
+/// square of this area is 1.6 nominal mm wide.
 inline constexpr int kSmallestObject_px = 40;
 
 /// Returns the segmenter for the method of `settings`. `has_mask`: whether the source has masks.

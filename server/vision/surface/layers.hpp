@@ -40,8 +40,8 @@ struct Layers {
 /// than `step_mm` along their common border. Returns at most kMaxLayers layers. A piece that lies
 /// behind a piece beside it belongs to a farther layer. Pieces that do not touch may share a layer.
 /// Pieces smaller than 100 px, or than 2 % of the object, join their neighbours. `mapped_range`:
-/// depths outside this range are clamped to it before the comparison, so a step between them does
-/// not count.
+/// depths outside this range are clamped to it before the comparison, so a step that lies outside
+/// the range does not count.
 Layers findLayers(const Surface& surface, double step_mm,
                   const DepthRange& mapped_range = kAllDepths);
 

@@ -24,10 +24,10 @@ cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
 
 // Hole filling (inpainting): push-pull pyramid and membrane interpolation. Thread: any.
 
-/// Returns `values` (CV_32FC1) with the pixels of `wanted` filled smoothly from the pixels of
-/// `known`. Returns an unchanged copy if no pixel is known or none is to be filled. `known` and
-/// `wanted` are masks (CV_8UC1, 0/255). The method is push-pull inpainting (Gortler et al. 1996),
-/// then membrane sweeps (Gauss-Seidel steps of Laplace's equation).
+/// Returns `values` (CV_32FC1), in which the pixels of `wanted` outside `known` are filled smoothly
+/// from those of `known`. Returns an unchanged copy if no pixel is known or none is to be filled.
+/// `known` and `wanted` are masks (CV_8UC1, 0/255). The method is push-pull inpainting (Gortler et
+/// al. 1996), then membrane sweeps (Gauss-Seidel steps of Laplace's equation).
 cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted);
 
 /// Returns `values` at half size, with all pixels outside `known` filled by push-pull only. That

@@ -13,8 +13,7 @@
 
 namespace hapticast::server {
 
-/// Radius around a point of the author in which the point marks the pixels, px. The value is a
-/// choice.
+/// A point of the author marks all pixels at most this far from it, px. The value is a choice.
 inline constexpr int kPoint_px = 5;
 
 /// The author's annotation of one frame.

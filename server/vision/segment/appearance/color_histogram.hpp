@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Colour histograms of 16 x 16 x 16 bins. Functions compare two histograms (Bhattacharyya) and
-// compute for each colour how much it speaks for the object or for the background. Thread: any.
+// Colour histograms of 16 x 16 x 16 bins. Functions compare two histograms (Bhattacharyya), and
+// compute for each colour whether it belongs rather to the object or to the background. Thread:
+// any.
 #pragma once
 
 #include <array>

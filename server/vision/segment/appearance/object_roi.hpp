@@ -102,8 +102,8 @@ struct ObjectLimits {
 /// `similarity` maps px of the last picture to px of this picture.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
                       const ObjectLimits& limits);
-/// Returns the patch around the object, whose mask in this picture is `mask` (0/255). It has no
-/// limits of depth or skin.
+/// Returns the patch around the object, whose mask in this picture is `mask` (0/255). No limits of
+/// depth or skin apply.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 
 /// Moves `image` from the last picture into the patch `to` of this picture by `similarity` (px of

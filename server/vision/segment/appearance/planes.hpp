@@ -15,7 +15,8 @@ namespace hapticast::server {
 /// is exact for any camera, so the camera's intrinsics are not needed.
 struct Plane {
   double a = 0.0, b = 0.0, c = 0.0;
-  /// Most distance of a depth on the plane; behind() adds to it by slope.
+  /// Largest distance at which a depth counts as on the plane, mm. behind() adds a tolerance for
+  /// the slope.
   double tolerance_mm = 2.0;
   double widest_mm = 2.0;  ///< limit of tolerance_mm, from the depth's noise
   double share = 0.0;      ///< share of the picture on the plane, 0..1
