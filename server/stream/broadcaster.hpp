@@ -31,7 +31,7 @@ namespace hapticast::server {
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
   /// Limit of pending connections: connections before their hello, and connections that are
-  /// closing. The value is a choice: more than a healthy stream ever has.
+  /// closing. The value is a choice: a healthy stream always has fewer.
   static constexpr std::size_t kMaxPending = 32;
 
   /// Creates a broadcaster without viewers. `io` runs all its work. One thread runs `io`; it must

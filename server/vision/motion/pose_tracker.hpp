@@ -29,7 +29,8 @@ struct Observation {
 /// Settings of a whole track.
 struct PoseSettings {
   MotionMode mode = MotionMode::kAuto;
-  /// Whether modes `auto` and `rgbd` align rigidly; false for the thesis's method.
+  /// Whether the object is aligned rigidly: true in modes `auto` and `rgbd`, but false for the
+  /// thesis's method.
   bool rigid = true;
   bool exact_masks = false;  ///< whether the masks are the source's own
   CameraModel camera;

@@ -15,7 +15,7 @@
 
 namespace hapticast::server {
 
-/// Template of one object: points of its surface in one frame, which find() searches in the next
+/// Template of one object: points of its surface in one frame. find() searches for them in the next
 /// frame.
 class RigidTemplate {
  public:

@@ -56,8 +56,8 @@ bool hasDepth(const cv::Mat& depth, const cv::Mat& mask);
 /// workspace, clamped to 0..depth_mm. `range` is the mapped range. If `smooth` is true, a local
 /// quadratic fit with Gaussian weights (sigma 0.65 mm) smooths the heights inside the mask. For
 /// 8-bit depth a wider sigma of up to 2.6 mm removes terraces. The wider sigma applies only where
-/// the fit stays within half a step of the measurement. The thesis's method smooths by a Gaussian
-/// (sigma 2 px), with height 0 outside the mask.
+/// its fit differs from the measured heights by at most half a step of the 8-bit depth. The
+/// thesis's method smooths by a Gaussian (sigma 2 px), with height 0 outside the mask.
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
                                          const Workspace& workspace, Method method,
                                          bool smooth = true);

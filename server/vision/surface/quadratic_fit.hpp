@@ -16,8 +16,8 @@ cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px
 /// (Lepski's choice of a bandwidth). The wider fit has weights of the width `sigma_px` and removes
 /// the terraces of the values `rounded`. It applies where it differs by at most `half_step` from
 /// all measured values around a pixel. Elsewhere the surface is curved more than a quadratic.
-/// `measured`: 0/255. To save time, it is computed for blocks of half a `sigma_px`, and its
-/// difference to `height` is interpolated between them. Blocks partly outside `mask` retain
+/// `measured`: 0/255. To save time, the wider fit is computed for blocks of half a `sigma_px`. Its
+/// difference to `height` is interpolated between the blocks. Blocks partly outside `mask` retain
 /// `height`.
 cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
                  const cv::Mat& measured, double half_step, double sigma_px);
