@@ -194,7 +194,7 @@ void addName(CLI::App& app, std::string& name) {
       ->type_name("TEXT");
 }
 
-/// A file for one picture, or a folder for several.
+/// Adds --preview. Its value is a file for one picture, or a folder for several.
 void addPreview(CLI::App& app, std::string& preview) {
   const auto set = [&preview](const std::string& text) {
     std::error_code error;
@@ -253,7 +253,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
       ->type_name("NAME");
 }
 
-/// Flags by which the author selects the objects.
+/// Adds the flags of the objects' material and mass.
 void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
             "The surface's stiffness; default: each viewer's own");

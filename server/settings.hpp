@@ -28,13 +28,14 @@ struct Settings {
   std::string announce;  ///< the server's name on the LAN; empty: it is not announced
   std::string name;      ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
-  std::string preview;  ///< output of the preview: FILE.png or a folder; empty: stream
+  std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
   bool explain = false;
   bool quiet = false;
 };
 
-/// Returns the largest error of heights on the wire, mm, with which the force remains within the
-/// error budget. With the default budget and the usual stiffness it is kDefaultHeightError_mm.
+/// Returns the largest error of heights on the wire, mm, that changes the force by at most the
+/// error budget of `vision`. With the default budget and the usual stiffness it is
+/// kDefaultHeightError_mm.
 [[nodiscard]] double heightError_mm(const VisionSettings& vision);
 
 }  // namespace hapticast::server

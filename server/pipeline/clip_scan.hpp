@@ -20,7 +20,7 @@ namespace hapticast::server {
 /// and one time are invalid too, because they contradict each other.
 [[nodiscard]] VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info);
 
-/// Function that scanClip() calls after each frame with the completed share of the scan, 0..1. It
+/// Function that scanClip() calls after each frame. `share`: completed share of the scan, 0..1. It
 /// is never called if no scan is needed.
 using ScanProgress = std::function<void(double share)>;
 

@@ -20,19 +20,20 @@ namespace hapticast::server {
 /// The encoder's thread, with the queue of frames that wait for it.
 class EncoderThread {
  public:
-  /// Begins the thread. The sinks and `signer` must outlive it; without `signer` there are no
-  /// datagrams. `slices`: settings of the height codec.
+  /// Begins the thread. The sinks and `signer` must outlive it. If `signer` is null, no datagrams
+  /// are made. `slices`: settings of the height codec.
   explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr,
                          SliceSettings slices = {});
-  /// Encodes the frames that wait, and ends the thread. An exception of the encoder that finish()
-  /// did not rethrow is lost.
+  /// Encodes the frames that wait, and ends the thread. An exception of the encoder is lost unless
+  /// push() or finish() has rethrown it.
   ~EncoderThread();
 
-  /// Adds a frame of the stream `description` to the queue. Blocks while two frames wait. Rethrows
-  /// an exception of the encoder. Thread: the pipeline's.
+  /// Adds the frame `result` to the queue. The frame belongs to the stream `description`. Blocks
+  /// while two frames wait in the queue. Rethrows an exception that the encoder has thrown. Thread:
+  /// the pipeline's.
   void push(StreamDescription description, VisionResult result);
-  /// Encodes the frames that wait, ends the thread, and rethrows an exception of the encoder.
-  /// Thread: the pipeline's.
+  /// Encodes the frames that wait, and ends the thread. Then rethrows an exception that the encoder
+  /// has thrown. Thread: the pipeline's.
   void finish();
   /// Returns the sizes of the reliefs in the last encoded frame, by object id. Thread: any.
   [[nodiscard]] ReliefBytes reliefBytes() const;

@@ -19,10 +19,11 @@ namespace hapticast::server {
 /// Logs the scene plans of all objects at a limited rate.
 class PlanLog {
  public:
-  /// Logs those plans (by object id) that changed. It logs an object at most once a second, and an
-  /// equal plan of it at most once a minute. A later object with the plan of a vanished one is not
-  /// logged again. The reason is that each playback of a looped clip has new ids. `relief_bytes`:
-  /// sizes of the reliefs, which are saved while the stage `heights` is off.
+  /// Logs those of `plans` (by object id) that changed. It logs each object at most once a second,
+  /// and the same plan of an object at most once a minute. It does not log a new object whose plan
+  /// equals that of a vanished object, because each playback of a looped clip has new ids.
+  /// `relief_bytes`: sizes of the reliefs, by object id. The log states them as saved while the
+  /// stage `heights` is off.
   void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
            const ReliefBytes& relief_bytes, MediaTime now);
 
@@ -37,7 +38,8 @@ class PlanLog {
     MediaTime at;
     std::vector<LoggedLines> all;  // logged plans, without duplicates
   };
-  /// Returns whether the newest plan has to be logged, and if so, marks it as logged.
+  /// Returns whether the newest plan of `logged` has to be logged. If it has, marks the plan as
+  /// logged at `now`.
   bool isNews(LoggedPlan& logged, MediaTime now) const;
   void retire(LoggedPlan plan);
 
@@ -51,8 +53,8 @@ class PlanLog {
 /// Logs the mapped range of one stream.
 class DepthRangeLog {
  public:
-  /// Logs the mapped range at the first call with a value. `mapped`: nullopt if it is not known
-  /// yet.
+  /// Logs the mapped range `mapped` once, at the first call in which it is known. `mapped`: nullopt
+  /// while the range is unknown.
   void log(const std::optional<MappedRange>& mapped);
 
  private:

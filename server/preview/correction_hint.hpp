@@ -16,8 +16,8 @@ struct CorrectionHint {
 };
 
 /// Returns a place in `mask` that may not belong to the object, or nullopt if there is none. It
-/// searches in this order: contact with the picture's edge, colours of skin, a group of pixels with
-/// other colours. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
+/// searches in this order: pixels at the picture's edge, pixels with colours of skin, pixels with
+/// other colours than the rest of the mask. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
 [[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color,
                                                               const cv::Mat& mask);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Live source from two V4L2 cameras: one for colour, one for depth. Both have one size, and depth
-// is registered to colour (one pixel of both shows the same point). Thread: one.
+// Live source from two V4L2 cameras: one for colour, one for depth. Their pictures have the same
+// size. Depth is registered to colour: one pixel of both shows the same point. Thread: one.
 #pragma once
 
 #include <memory>
@@ -30,7 +30,8 @@ class Camera final : public RgbdSource {
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   /// Waits for the next frame of both cameras and returns it. Throws SourceError if a device fails,
-  /// or after 25 unusable frames in a row (about a second; for example, pictures of another size).
+  /// or after 25 unusable frames in a row (about a second). A frame is unusable, for example, if
+  /// its picture has another size.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   /// Always throws SourceError, because a live source cannot be rewound.

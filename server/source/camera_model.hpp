@@ -10,8 +10,8 @@
 
 namespace hapticast::server {
 
-/// Range of depths. As the mapped range, far_mm becomes height 0 and near_mm becomes the
-/// workspace's depth (30 mm).
+/// Range of depths. If it is the mapped range, far_mm becomes height 0, and near_mm becomes the
+/// largest height of the workspace (30 mm).
 struct DepthRange {
   double near_mm = 0.0;
   double far_mm = 0.0;
@@ -40,8 +40,8 @@ struct CameraModel {
   [[nodiscard]] Vec2 project(const Vec3& at_mm) const {
     return {fx_px * at_mm.x() / at_mm.z() + cx_px, fy_px * at_mm.y() / at_mm.z() + cy_px};
   }
-  /// Returns the point with Z = 1 on the ray through (u_px, v_px). Multiplied by a depth, it is the
-  /// point at that depth.
+  /// Returns the point with Z = 1 on the ray through (u_px, v_px). The product of this point and a
+  /// depth is the ray's point at that depth.
   [[nodiscard]] Vec3 ray(double u_px, double v_px) const {
     return {(u_px - cx_px) / fx_px, (v_px - cy_px) / fy_px, 1.0};
   }

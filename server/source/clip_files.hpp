@@ -16,15 +16,17 @@ namespace hapticast::server {
 
 // Parser of meta.json, the author's declarations about a clip. Thread: any.
 
-/// What the author declared about a clip in its meta.json; nullopt: not declared.
+/// What the author declared about a clip in its meta.json. A member is nullopt if it is not
+/// declared.
 struct ClipMeta {
   std::optional<double> fps;          ///< from "fps", 1..240 frames/s
   std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m/unit
-  /// Bits of depth, 8 or 16. "depth_bits" has the number, or else the text of "depth" mentions it.
-  /// Without both it is 16 if a scale is declared.
+  /// Bits of depth, 8 or 16: the number in "depth_bits", or else the number that the text of
+  /// "depth" mentions. If neither has a number but a scale is declared, it is 16.
   std::optional<int> depth_bits;
   std::optional<double> fov_deg;  ///< from "fov_deg", 10..170: horizontal field of view
-  /// From "intrinsics" {fx, fy, cx, cy}. In the file they have OpenCV's convention.
+  /// From "intrinsics" {fx, fy, cx, cy}. The file has cx and cy in OpenCV's convention, so half a
+  /// pixel is added to both.
   std::optional<CameraModel> camera;
 };
 
@@ -33,7 +35,8 @@ inline constexpr int kMaxMetaDepth = 32;  ///< deepest nesting of objects and ar
 
 /// Returns the declarations in the text of a meta.json. It must be a JSON object in UTF-8, at most
 /// kMaxMeta_bytes long and kMaxMetaDepth deep. Members that are null or unknown are ignored. Throws
-/// SourceError for a wrong value or another text. The message is one line that begins with `name`.
+/// SourceError if a value is wrong or the text is not such an object. The message is one line that
+/// begins with `name`.
 [[nodiscard]] ClipMeta parseClipMeta(std::string_view text, const std::string& name);
 
 /// Files of one frame.
@@ -45,8 +48,9 @@ struct FrameFiles {
 
 /// Files of a clip with their declarations.
 struct ClipFiles {
-  std::vector<FrameFiles> frames;          ///< in order of time, at least one
-  bool key_masks = false;                  ///< the masks are key masks: only some frames have one
+  std::vector<FrameFiles> frames;  ///< in order of time, at least one
+  /// True: the masks are key masks, which only some frames have.
+  bool key_masks = false;
   double fps = 25.0;                       ///< frames/s
   std::optional<int> declared_depth_bits;  ///< bits of depth that the author declared, 8 or 16
   double mm_per_unit = 1.0;                ///< mm for each unit of 16-bit depth
@@ -54,18 +58,18 @@ struct ClipFiles {
   std::optional<double> fov_deg;  ///< horizontal field of view, if no camera is declared
 };
 
-/// Returns the files of the clip in `folder`, with its declarations from a meta.json, if any.
+/// Returns the files of the clip in `folder`, with the declarations of its meta.json if it has one.
 /// Throws SourceError. The layouts are:
 /// * TUM RGB-D: rgb.txt and depth.txt have lines "timestamp file". Each colour frame is paired with
-///   the nearest depth frame within 20 ms, which is used only once. Depth has 5000 units per metre,
-///   and the field of view is a Kinect's.
+///   the nearest depth frame at most 20 ms away. No depth frame is used twice. Depth has 5000 units
+///   per metre, and the field of view is a Kinect's.
 /// * Otherwise rgb/ or color/ and depth/ each have the same number of PNG or JPEG files. They are
 ///   paired in the order of their names (numbers in names count by value).
-/// * With the second layout, an optional mask/ has as many files, or fewer. Fewer files are key
-///   masks for the colour images of the same name.
+/// * The second layout may also have mask/. If mask/ has as many files as the colour folder, each
+///   frame has a mask. If it has fewer, they are key masks for the colour images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 
-/// Returns whether name `a` is before name `b` if numbers in names count by value: frame2 <
+/// Returns whether name `a` comes before name `b`. Numbers in names are compared by value: frame2 <
 /// frame10.
 [[nodiscard]] bool naturalLess(const std::string& a, const std::string& b);
 

@@ -49,25 +49,26 @@ struct DepthFormat {
 /// common/haptic_frame.hpp).
 [[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
-/// Return the image of a PNG or JPEG file of at most 1920x1080 px and 64 MiB, or its problem.
-/// readColorFile() converts the image to BGR (CV_8UC3). readRawFile() does not convert it.
+/// Return the image of a PNG or JPEG file of at most 1920x1080 px and 64 MiB, or the problem of the
+/// file. readColorFile() converts the image to BGR (CV_8UC3). readRawFile() does not convert it.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
 
-/// Returns the image in the bytes of such a file, or its problem. `flags`: cv::ImreadModes.
+/// Decodes `bytes`, the content of a PNG or JPEG file. Returns the image, or the problem of the
+/// file. `flags`: cv::ImreadModes.
 [[nodiscard]] ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags);
 
-/// Returns a depth picture converted for RgbdFrame (CV_32FC1), or its problem. `raw`: CV_8UC1,
-/// CV_8UC3 with equal channels, or CV_16UC1.
+/// Returns the depth picture `raw`, converted to the values of RgbdFrame::depth (CV_32FC1), or its
+/// problem. `raw`: CV_8UC1, CV_8UC3 with equal channels, or CV_16UC1.
 [[nodiscard]] ImageResult toDepth(const cv::Mat& raw, const DepthFormat& format);
 
-/// Returns a mask picture (CV_8UC1) converted to 0 outside and n for object n, or its problem. A
-/// value above kMaxObjects means that the picture is black and white. Then object 1 covers the
-/// pixels of at least half brightness.
+/// Returns the mask picture `raw` (CV_8UC1) with 0 outside the objects and n for object n, or its
+/// problem. If a value of `raw` is above kMaxObjects, `raw` counts as black and white. Object 1
+/// then covers its pixels of at least half brightness.
 [[nodiscard]] ImageResult toMask(const cv::Mat& raw);
 
-/// Returns whether a picture with three channels shows depth in false colours, which cannot be
-/// converted back to depth.
+/// Returns whether `raw`, a picture with three channels, shows depth in false colours. Such colours
+/// cannot be converted back to depth.
 [[nodiscard]] bool isColorCoded(const cv::Mat& raw);
 
 }  // namespace hapticast::server

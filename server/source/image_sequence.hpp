@@ -34,7 +34,7 @@ class ImageSequence final : public RgbdSource {
   /// Checks all key masks. Throws SourceError if one is unreadable, has another size or shows no
   /// object, because the author's masks must not be skipped silently.
   void checkKeyMasks() const;
-  /// Returns the problem if `image` has another size than the clip, or "".
+  /// Returns the problem if `image` has another size than the clip; otherwise "".
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
   /// Returns the mask in `file`, converted by toMask(), or its problem.
   [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;

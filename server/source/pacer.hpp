@@ -11,8 +11,8 @@
 
 namespace hapticast::server {
 
-/// Plans the playback of a clip. The plan is a sequence of slots, one for each frame, 1/fps apart.
-/// Slots continue when a loop begins again, so media time always increases. For each frame:
+/// Plans the playback of a clip. Each frame has a slot: a media time. The slots are 1/fps apart.
+/// They continue when a loop begins again, so media time always increases. For each frame:
 ///   plan = pacer.plan(now);  skip plan.skip frames;  wait until plan.due;  read the frame;
 ///   media_time = pacer.frameRead(frame.epoch, frame.index);
 class Pacer {
@@ -20,15 +20,16 @@ class Pacer {
   /// Instructions for the next frame.
   struct Plan {
     std::uint64_t skip = 0;  ///< frames to skip before the next frame is read
-    MediaTime due;           ///< media time at which the next frame is due; at most `now` if late
+    /// Media time at which the next frame is due; before `now` if it is late.
+    MediaTime due;
   };
 
   /// Begins a plan whose first frame is due at `start`. Requires fps > 0, frames/s.
   Pacer(double fps, MediaTime start);
 
-  /// Returns the instructions for the next frame. A frame is skipped if the frame after it is
-  /// already due. If the next frame is late by more than kLongestSkip, no frame is skipped. All
-  /// later frames are delayed instead. Causes are, for example, a suspended machine or a debugger.
+  /// Returns the instructions for the next frame. Usually a frame is skipped if the frame after it
+  /// is already due. After a delay longer than kLongestSkip (for example, a suspended machine), no
+  /// frame is skipped. All later frames are then delayed instead.
   [[nodiscard]] Plan plan(MediaTime now);
 
   /// Returns the media time of the frame that was read for the last plan. `epoch`, `index`: those
@@ -57,9 +58,9 @@ class Pacer {
 
 // Loop playback of a clip. Thread: the source's.
 
-/// Skips `skip` frames of `source` and returns the next one, or nullopt at the end of the clip.
-/// With `loop`, the clip begins again at its end (a new epoch). The clip's first frame is never
-/// skipped, because objects begin in it at the author's points. Throws SourceError.
+/// Skips `skip` frames of `source` and returns the next one, or nullopt at the end of the clip. If
+/// `loop` is true, the clip begins again at its end, in a new epoch. The first frame after that is
+/// never skipped, because the author's points mark the objects in it. Throws SourceError.
 std::optional<RgbdFrame> readSkipping(RgbdSource& source, std::uint64_t skip, bool loop);
 
 }  // namespace hapticast::server

@@ -32,7 +32,7 @@ struct SourceInfo {
   bool live = false;       ///< true: the source is a camera, which cannot be scanned or rewound
   bool key_masks = false;  ///< true: the masks are the author's key masks of a few frames
   std::optional<std::uint64_t> frame_count;
-  /// Range of depths that the source states for the whole clip, if any.
+  /// Range of depths that the source states for the whole clip; nullopt: it states none.
   std::optional<DepthRange> depth_range;
   std::optional<CameraModel> camera;
 };
@@ -45,8 +45,9 @@ struct RgbdFrame {
   double clip_time_s = 0.0;  ///< time since the clip's start, s
   cv::Mat color;             ///< CV_8UC3, BGR
   cv::Mat depth;             ///< CV_32FC1, same size; see DepthKind
-  /// Masks of the objects: empty, or CV_8UC1 with 0 outside and n for object n. With
-  /// SourceInfo::key_masks most frames have none, and each mask shows at least one object.
+  /// Masks of the objects: empty, or CV_8UC1 with 0 outside and n for object n. If
+  /// SourceInfo::key_masks is true, most frames have no mask, and each mask shows at least one
+  /// object.
   cv::Mat mask;
 };
 
@@ -63,20 +64,20 @@ class RgbdSource {
   virtual ~RgbdSource() = default;
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
   /// Returns the next frame, or nullopt at the end of the clip. It skips unreadable frames and logs
-  /// one warning. Throws SourceError if no further frame is readable.
+  /// one warning for them. Throws SourceError if no further frame is readable.
   virtual std::optional<RgbdFrame> read() = 0;
   /// Skips the next frame, without decoding it if possible. Returns false at the end of the clip.
   virtual bool skip() = 0;
-  /// Makes the first frame the next one, with the epoch incremented. Throws SourceError on a live
-  /// source.
+  /// Begins the clip again: the next frame is the first one, with the epoch incremented. Throws
+  /// SourceError if the source is live.
   virtual void rewind() = 0;
 };
 
 /// Returns the last part of a path. Viewers receive only this part.
 std::string fileName(const std::filesystem::path& path);
 
-/// Returns the source that --source names: synthetic:NAME, DIR, COLOR,DEPTH or camera:N,M. `fps` >
-/// 0 overrides its rate, frames/s. Throws SourceError.
+/// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH or
+/// camera:N,M. `fps` > 0 overrides its rate, frames/s. Throws SourceError.
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps);
 
 }  // namespace hapticast::server

@@ -37,7 +37,7 @@ class SolidNoise {
 };
 
 enum class SceneKind : std::uint8_t {
-  kBounce,  ///< a ball under gravity in a plane parallel to the picture, elastic at floor and walls
+  kBounce,  ///< a ball that bounces under gravity between floor and walls, parallel to the picture
   kApproach,  ///< a ball that oscillates along the optical axis
   /// An ellipsoid with axes 1 : 0.7 : 0.8. It rotates about a tilted axis, and its centre moves on
   /// a Lissajous curve in x, y and z.
@@ -61,7 +61,7 @@ struct BodyState {
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 acceleration_mm_s2 = Vec3::Zero();
-  /// Turns vectors from the body's frame to the camera frame.
+  /// Rotation of vectors from the body's frame to the camera frame.
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Vec3 angular_velocity_rad_s = Vec3::Zero();  ///< constant in every scene
 };
@@ -80,8 +80,8 @@ struct SceneView {
 
   /// Returns the nominal height, mm, of the depth `depth_mm`.
   [[nodiscard]] double height_mm(double depth_mm) const noexcept;
-  /// Returns the nominal position, velocity and acceleration of a point whose motion in the camera
-  /// frame is known. The result is exact (chain rule through the projection).
+  /// Converts the motion of a point from the camera frame to the nominal frame. The result is
+  /// exact, because it applies the chain rule to the projection.
   [[nodiscard]] Motion project(const Vec3& position_mm, const Vec3& velocity_mm_s,
                                const Vec3& acceleration_mm_s2) const noexcept;
 };
@@ -104,10 +104,10 @@ class SceneInstant {
   /// not hit the body.
   [[nodiscard]] std::optional<Hit> hit(const Vec2& image_px) const noexcept;
   /// Returns height (mm) and gradient (mm/mm) of the surface at a nominal point; nullopt outside
-  /// the object. The gradient has no bound towards the silhouette.
+  /// the object. Towards the silhouette the gradient grows without bound.
   [[nodiscard]] std::optional<SurfaceSample> surface(const Vec2& nominal_mm) const noexcept;
-  /// Returns the nominal motion of the body's centre. Its z is converted from the depth like a
-  /// height. The angle is about nominal +z.
+  /// Returns the nominal motion of the body's centre. Its z is the height of the centre's depth.
+  /// The angle is about nominal +z.
   [[nodiscard]] Motion motion() const noexcept;
   /// Returns the nominal motion of that point of the body which is visible at `nominal_mm`; nullopt
   /// outside the object.

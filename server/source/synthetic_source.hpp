@@ -12,8 +12,8 @@ namespace hapticast::server {
 /// multiplied by `brightness`. Colours are BGR, 0..255.
 cv::Vec3b mix(const cv::Vec3f& dark, const cv::Vec3f& light, float part, float brightness);
 /// Returns the brightness of a surface with this normal, by Lambertian shading with light from
-/// above left. Much ambient light makes shape visible, but texture changes little with rotation.
-/// `normal`: outward, camera frame, any length.
+/// above left. The ambient light is strong: the shape is visible, but a rotation changes the
+/// texture's brightness little. `normal`: outward, camera frame, any length.
 float brightness(const Vec3& normal);
 
 /// Source whose frames show one synthetic scene.

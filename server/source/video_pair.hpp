@@ -14,9 +14,9 @@ namespace hapticast::server {
 class VideoPair final : public RgbdSource {
  public:
   /// Opens both files and decodes their first frames. `fps` > 0 overrides the colour video's rate,
-  /// frames/s. Throws SourceError if sizes differ, or if frame counts differ by more than five. It
-  /// also throws for depth with more than 8 bits per sample, which OpenCV 4.6 decodes wrongly
-  /// without an error.
+  /// frames/s. Throws SourceError if the files' sizes differ, or if their frame counts differ by
+  /// more than five. It also throws for depth with more than 8 bits per sample, which OpenCV 4.6
+  /// decodes wrongly without an error.
   VideoPair(std::string color_file, std::string depth_file, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }

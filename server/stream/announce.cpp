@@ -22,8 +22,8 @@ namespace hapticast::server {
 
 namespace {
 
-/// The network that a server on this address can be reached from; all of them where it listens on
-/// all, or the address is none of this machine's any more.
+/// Returns the network from which a server at `address` is reachable. Returns all networks if the
+/// server listens at all addresses, or if `address` no longer belongs to this machine.
 AvahiIfIndex findNetwork(const asio::ip::address& address) {
   const auto all = networkInterfaces();
   const auto found = std::find_if(all.begin(), all.end(),
@@ -31,7 +31,8 @@ AvahiIfIndex findNetwork(const asio::ip::address& address) {
   return found == all.end() ? AVAHI_IF_UNSPEC : static_cast<AvahiIfIndex>(found->index);
 }
 
-/// What listens on all addresses of IPv6 takes IPv4 as well.
+/// Returns the IP version to announce. A server that listens at all IPv6 addresses also accepts
+/// IPv4.
 AvahiProtocol toAvahiProtocol(const asio::ip::address& address) {
   if (address.is_v4()) return AVAHI_PROTO_INET;
   return address.is_unspecified() ? AVAHI_PROTO_UNSPEC : AVAHI_PROTO_INET6;
@@ -49,7 +50,7 @@ void requireReachable(const asio::ip::address& address) {
                      "; --listen names another address");
 }
 
-/// On the library's thread, once `session` has begun.
+/// State of the announcement. Avahi's thread uses it as soon as `session` has begun.
 struct Announcer::Service {
   Service(std::string the_name, const asio::ip::tcp::endpoint& where, const std::string& what)
       : wanted(std::move(the_name)),

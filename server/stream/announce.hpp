@@ -19,8 +19,8 @@ class Announcer {
  public:
   /// Begins to announce `name` (see isServiceName()) with the address `listens`, at which viewers
   /// connect, and the stream's name `plays`. It never waits for avahi-daemon. It logs the announced
-  /// name, which is another one if `name` is in use. It also logs when avahi-daemon starts and
-  /// stops.
+  /// name. This is another name if a server on the LAN uses `name` already. It also logs when
+  /// avahi-daemon starts and stops.
   Announcer(std::string name, const asio::ip::tcp::endpoint& listens, const std::string& plays);
   /// Ends the announcement.
   ~Announcer();

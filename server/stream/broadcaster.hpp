@@ -31,11 +31,11 @@ namespace hapticast::server {
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
   /// Limit of pending connections: connections before their hello, and connections that are
-  /// closing. The value is a choice: more than a healthy stream ever has.
+  /// closing. The value is a choice: a healthy stream always has fewer.
   static constexpr std::size_t kMaxPending = 32;
 
-  /// Creates a broadcaster without viewers. `io` runs all its work. One thread runs `io` and ends
-  /// before the Broadcaster's destruction. The clocks must outlive the Broadcaster.
+  /// Creates a broadcaster without viewers. `io` runs all its work. One thread runs `io`; it must
+  /// end before the Broadcaster's destruction. The clocks must outlive the Broadcaster.
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
@@ -47,11 +47,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void publish(EncodedFrame frame) override;
   /// Sends a picture to the viewers that subscribed to pictures. Thread: any.
   void publish(EncodedVideo video) override;
-  /// Sends the progress of the clip's scan, 0..1, to all viewers. Viewers that join before the
-  /// first frame receive the newest progress. Thread: any.
+  /// Sends `share`, the completed share of the clip's scan (0..1), to all viewers. Viewers that
+  /// join before the first frame receive the newest share. Thread: any.
   void prepare(double share);
-  /// Sends the description of another stream to all viewers. If its workspace is new, frames that
-  /// still wait are removed. Thread: any.
+  /// Sends the description of another stream to all viewers. If the workspace differs from that of
+  /// the present stream, frames that still wait are removed. Thread: any.
   void describe(const StreamDescription& description) override;
   /// Returns whether at least one viewer subscribed to pictures. Thread: any.
   [[nodiscard]] bool videoWanted() const override {
@@ -65,14 +65,14 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::size_t viewers() const {
     return viewer_count_.load(std::memory_order_relaxed);
   }
-  /// Sends a goodbye to every viewer. Closes all connections within the goodbye deadline, and `io`
-  /// then has no more work. Thread: any.
+  /// Sends a goodbye to every viewer. Closes all connections within the goodbye deadline. After
+  /// that, `io` has no more work. Thread: any.
   void stop();
 
   /// Begins a session for the new connection `channel`.
   void accept(std::unique_ptr<Channel> channel);
-  /// Logs a line, unless the limit of 20 lines a minute is reached, half of them warnings. The
-  /// limit holds whatever other hosts do on the port. Returns whether the line was written.
+  /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. The
+  /// limits keep other hosts from filling the log. Returns whether the line was written.
   bool log(spdlog::level::level_enum level, std::string_view line);
   /// Returns the counts since the broadcaster's creation.
   [[nodiscard]] StreamCounts counts() const;
@@ -91,8 +91,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   void onClosed(const std::shared_ptr<Session>& session) override;
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
-  /// Adds a session that is not a viewer's yet, or not any more, to the pending connections. Above
-  /// kMaxPending it closes the evictionCandidate() at once.
+  /// Adds `session` to the pending connections, because its client is not a viewer yet, or no
+  /// longer one. If more than kMaxPending are pending then, closes the evictionCandidate() at once.
   void addStranger(const std::shared_ptr<Session>& session);
   /// Returns the pending session to close when there are too many. It is the oldest one of the
   /// network with most pending sessions, so that a single host cannot occupy all places.
@@ -100,13 +100,13 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Calls `visit` later on the thread of io. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
-  /// Adds `what` to the queue of each viewer, then starts the sending. If a later call of this
-  /// function waits already, that call starts the sending instead.
+  /// Adds `what` to the queue of each viewer, then starts the sending. If later items already wait
+  /// for the thread of io, the sending starts with the last of them.
   template <class... What>
   void sendAll(const What&... what);
-  /// Returns whether the frame exceeds the limit of a message, so that viewers would close the
-  /// connection. Logs this at most once a minute. It also logs if only the datagrams are too large.
-  /// In that case viewers receive no datagrams and change to TCP a second later.
+  /// Returns whether the frame exceeds the limit of a message; viewers would close the connection
+  /// for it. Returns false if the frame only exceeds the limit of datagrams. Viewers then receive
+  /// no datagrams and change to TCP a second later. Logs both cases, at most once a minute.
   bool tooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> startTimer();

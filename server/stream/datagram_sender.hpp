@@ -61,8 +61,9 @@ struct DatagramSenderCounts {
   [[nodiscard]] std::uint64_t lost() const {
     return viewers.dropped + viewers.failed + group.dropped + group.failed;
   }
-  /// Returns the number of rejected echoes that no present viewer sent. Echoes of former viewers
-  /// and too frequent echoes do not count.
+  /// Returns the number of echoes that are malformed, have an unknown token or come from another
+  /// host than the viewer's. Echoes to an earlier run of the server and too frequent echoes do not
+  /// count.
   [[nodiscard]] std::uint64_t notBelieved() const {
     return of(AddressValidation::kMalformed) + of(AddressValidation::kForeign) +
            of(AddressValidation::kUnknownToken);
@@ -72,15 +73,17 @@ struct DatagramSenderCounts {
 /// Sends the datagrams of one stream and receives the viewers' echoes.
 class DatagramSender {
  public:
-  /// Echoes that are read at most before other work of the thread runs. The value is a choice.
+  /// Largest number of echoes that are read before other work of the thread runs. The value is a
+  /// choice.
   static constexpr std::size_t kMostEchoes = 64;
   /// Interval of probes to the multicast group. A probe is a datagram of full size without content.
   /// The value is a choice: a new member detects within a second whether such datagrams arrive.
   static constexpr Duration kGroupProbeEvery = std::chrono::milliseconds(500);
 
-  /// Opens the UDP port with the listener's number, or another port if that one is in use. Throws
-  /// std::runtime_error with a message of one line. `signer`, `group` (may be null) and `clock`
-  /// must outlive the sender. One thread runs `io` and ends before the sender's destruction.
+  /// Opens the UDP port with the number of the TCP port of `listener`, or another port if that one
+  /// is in use. Throws std::runtime_error with a message of one line. `signer`, `group` (may be
+  /// null) and `clock` must outlive the sender. One thread runs `io`; it must end before the
+  /// sender's destruction.
   DatagramSender(asio::io_context& io, const Clock& clock, const asio::ip::tcp::endpoint& listener,
                  const DatagramSigner& signer, MulticastGroup* group = nullptr);
 
@@ -90,10 +93,11 @@ class DatagramSender {
   void offer(const Hosts& hosts, Welcome& welcome);
   /// Removes the viewer with this token.
   void left(std::uint64_t token);
-  /// Sets how the viewer with this token wants its frames: by datagrams, with which redundancy.
+  /// Sets how the viewer with this token wants its frames: whether by datagrams, and with which
+  /// redundancy.
   void deliver(std::uint64_t token, const Delivery& delivery);
-  /// Sends the frame's datagrams to all subscribers and to the multicast group. With redundancy,
-  /// the datagrams of earlier frames are sent again, as each viewer requests.
+  /// Sends the frame's datagrams to all subscribers and to the multicast group. A viewer with a
+  /// redundancy above 1 also receives the datagrams of earlier frames again.
   void send(const EncodedFrame& frame);
   /// Removes the addresses of viewers that send no more echoes. Call it about once a second.
   void check(LocalTime now);

@@ -18,8 +18,8 @@
 
 namespace hapticast::server {
 
-/// Key frame of one frame, for viewers that have just joined or lost the frame before. Most key
-/// frames are never needed, so the first call of payload() encodes it. Thread: any.
+/// One frame as a key frame, for viewers that have just joined or lost the frame before. Most key
+/// frames are never needed, so it is encoded only at the first call of payload(). Thread: any.
 class LazyKeyFrame {
  public:
   explicit LazyKeyFrame(CodedFrame frame) : frame_(std::move(frame)) {}
@@ -65,10 +65,10 @@ using ReliefBytes = std::map<std::uint32_t, std::size_t>;
 /// Encodes frames and decides which of them contain all reliefs. Thread: one (the encoder's).
 class FrameEncoder {
  public:
-  /// Returns `frame` in encoded form. `frame` has every relief; reliefs with an older
-  /// `changed_in_frame` are left out, except once a second of media time and at every new epoch.
-  /// `slices`: settings of the height codec. `signer`: signs datagrams of the frame; null: no
-  /// datagrams.
+  /// Returns `frame` in encoded form. `frame` has every relief. The delta frame leaves out the
+  /// reliefs that did not change in this frame (`changed_in_frame`). Once a second of media time,
+  /// and at each new epoch, it contains all reliefs. `slices`: settings of the height codec.
+  /// `signer`: signs datagrams of the frame; null: no datagrams.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     DatagramSigner* signer = nullptr);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }

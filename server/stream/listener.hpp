@@ -16,8 +16,8 @@ namespace hapticast::server {
 // Limit of open files (RLIMIT_NOFILE): each connection is an open file. Thread: main.
 
 /// Raises this process's limit of open files, if `viewers` viewers need more and the system allows
-/// it. Returns how many viewers fit: `viewers`, or fewer, which it logs in one line. Thread: main,
-/// before the first connection.
+/// it. Returns how many viewers the limit then allows, at most `viewers`. If it allows fewer, logs
+/// that in one line. Thread: main, before the first connection.
 std::size_t raiseFileLimit(std::size_t viewers);
 
 /// Accepts the connections of viewers.
@@ -33,7 +33,7 @@ class Listener {
   /// Returns the address at which viewers connect, with the actual port.
   [[nodiscard]] const Endpoint& address() const { return address_; }
   [[nodiscard]] asio::ip::tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
-  /// Ends the acceptance of connections. Thread: any.
+  /// Stops accepting connections. Thread: any.
   void stop();
 
  private:

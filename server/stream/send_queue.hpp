@@ -46,16 +46,16 @@ class SendQueue {
   void pushFrame(EncodedFrame frame);
   /// Sets the picture to send. It replaces a picture that still waits.
   void pushVideo(EncodedVideo video);
-  /// Removes all frames and pictures, because they belong to an old workspace. The next frame is
-  /// sent as a key frame.
+  /// Removes all frames and pictures, because viewers can no longer use them (for example, after a
+  /// change of the workspace). The next frame is sent as a key frame.
   void clearFrames();
   /// Removes all items. Call it at the end of a session.
   void clear();
 
   /// Returns whether the next item of pop() is a control message.
   [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
-  /// Returns the bytes to send for `frame` and counts it as sent, without the queue. The result is
-  /// that of pushFrame() and pop(). Requires an empty queue.
+  /// Returns the bytes to send for `frame` and counts the frame as sent. The effect is that of
+  /// pushFrame() and then pop(), but the queue is not used. Requires an empty queue.
   [[nodiscard]] SharedBytes pass(const EncodedFrame& frame);
   /// Removes the next item and returns its bytes; null if the queue is empty. Control messages are
   /// first, then the description, frames, and the picture.

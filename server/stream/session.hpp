@@ -34,8 +34,8 @@ class SessionHost {
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// The session calls this after its welcome: its client is a viewer now.
   virtual void onJoined(Session& session) = 0;
-  /// The session calls this at most once, when its client is no longer a viewer. `why` is the
-  /// reason if this server closes the session, or nullopt if the client does.
+  /// The session calls this at most once, when it begins to close. Its client is no viewer from
+  /// then on. `why` is the reason if this server closes the session, or nullopt if the client does.
   virtual void onClosing(const std::shared_ptr<Session>& session,
                          const std::optional<WireError>& why) = 0;
   /// The session calls this at the end of its connection, possibly more than once.
@@ -48,7 +48,8 @@ class SessionHost {
 /// Session of one connection. Create it with std::make_shared.
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  static constexpr std::size_t kMaxPongs = 64;  ///< pings that may wait for their answer; a choice
+  /// Largest number of pings that wait for their answer; a choice.
+  static constexpr std::size_t kMaxPongs = 64;
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
 
   /// `io` runs the channel. `host` must outlive the session's coroutines. `id`: number for the log.
@@ -62,12 +63,13 @@ class Session : public std::enable_shared_from_this<Session> {
   void queue(const EncodedFrame& frame);
   void queue(const EncodedVideo& video);
   void queue(const SharedBytes& control);
-  /// Adds a description of the stream to the queue. `other_picture`: the workspace is new, so
-  /// frames and pictures in the queue are removed.
+  /// Adds a description of the stream to the queue. `other_picture`: if true, the workspace is new,
+  /// and frames and pictures in the queue are removed.
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
-  /// Sends as much of the queue as the connection accepts at once. That costs far less than to wake
-  /// the writer coroutine, which sends the rest. It never ends the session.
+  /// Sends as much of the queue as the connection accepts at once. The writer coroutine sends the
+  /// rest. To send at once costs far less than to wake that coroutine. flush() never ends the
+  /// session.
   void flush();
   /// Adds the items to the queue and sends as much as possible, as queue() and flush() do.
   template <class... What>
@@ -75,8 +77,8 @@ class Session : public std::enable_shared_from_this<Session> {
     queue(what...);
     flush();
   }
-  /// Sends a frame like the other send(), but without the queue if that is empty, which is the
-  /// usual case.
+  /// Sends `frame` like the other send(). If the queue is empty, which is usual, the frame bypasses
+  /// the queue.
   void send(const EncodedFrame& frame);
   /// Sends the reason `why` to the client, then closes the connection. Items that still wait are
   /// removed.
@@ -104,9 +106,10 @@ class Session : public std::enable_shared_from_this<Session> {
   template <class Other>
   void handle(const Other& other);
   [[nodiscard]] bool withinRate();
-  /// Returns whether the client has read no byte of a write for longer than write_timeout.
+  /// Returns whether a write is unfinished and the client has read no byte of it for write_timeout
+  /// or longer.
   [[nodiscard]] bool stalled(LocalTime now);
-  /// Sends `farewell` to the client as the last message. `why` is the reason for the host's
+  /// Sends `farewell` to the client as the last message. `why` is the argument for the host's
   /// onClosing().
   void sendGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();

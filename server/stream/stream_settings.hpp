@@ -29,7 +29,8 @@ struct StreamSettings {
   Duration idle_timeout = std::chrono::seconds(10);
   /// Longest time in which a client reads no byte while data waits for it.
   Duration write_timeout = std::chrono::seconds(5);
-  /// Longest time between the reason of a close, which the client may still read, and the end.
+  /// Longest time from the message with the reason of a close to the end of the connection. In this
+  /// time the client can read the message.
   Duration goodbye_deadline = std::chrono::seconds(1);
   /// Limit of the bytes that wait in the system for a client that does not read.
   int send_buffer_bytes = 256 << 10;
@@ -39,9 +40,10 @@ struct StreamSettings {
 struct StreamCounts {
   std::size_t clients = 0;  ///< present number of clients
   std::uint64_t welcomed = 0;
-  /// Refused because of a full server, a wrong version or a protocol violation.
+  /// Number of clients that were refused: the server was full, their version was wrong, or they
+  /// violated the protocol.
   std::uint64_t refused = 0;
-  std::uint64_t timed_out = 0;  ///< sent no messages, or read nothing
+  std::uint64_t timed_out = 0;  ///< number of clients that sent no messages or read nothing
   SendCounts sent;              ///< sum over all clients
 };
 

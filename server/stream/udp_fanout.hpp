@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // UDP fan-out: sends a frame's datagrams over one socket to all targets, many in one system call
-// (sendmmsg). All targets share the bodies; each datagram begins with its target's token. Datagrams
-// of one target and one size form a single message. The kernel splits it (UDP_SEGMENT, generic
-// segmentation offload), at about half the cost (server/README.md). A *round* is all that one call
-// of send() has to send: the newest frame, and earlier frames again for redundancy. If the socket
-// is full, the rest of the round waits. The next round, which is newer, replaces that rest. So it
-// never blocks and stores one round only. Thread: io.
+// (sendmmsg). A datagram consists of its target's token and a body. All targets share the bodies.
+// Datagrams of one target and one size form a single message. The kernel splits the message into
+// datagrams (UDP_SEGMENT, generic segmentation offload). That halves the cost (server/README.md). A
+// *round* is all that one call of send() has to send: the newest frame, and earlier frames again
+// for redundancy. If the socket is full, the rest of the round waits. The next round replaces that
+// rest, because its frames are newer. So UdpFanout never blocks and stores only one round. Thread:
+// io.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +46,7 @@ class UdpFanout {
   /// Largest number of datagrams that the kernel splits from one message. The kernel itself allows
   /// 64, and 65,507 bytes in all.
   static constexpr std::size_t kMostSegments = kBatch / 2;
-  /// Datagrams that are sent before other work of the thread runs. The value is a choice: about 2
+  /// Number of datagrams after which other work of the thread runs. The value is a choice: about 2
   /// ms of work.
   static constexpr std::size_t kAtOnce = 1024;
 
@@ -57,7 +58,7 @@ class UdpFanout {
   ~UdpFanout();
 
   /// Begins a round. Each target receives the datagrams of the first `copies` frames of
-  /// `newest_first`. What remains of the round before is dropped.
+  /// `newest_first`. Datagrams of the previous round that have not been sent are dropped.
   void send(std::vector<SignedDatagrams> newest_first, const std::vector<DatagramTarget>& targets);
   /// Drops the datagrams of the round that have not been sent.
   void dropRest();
@@ -69,7 +70,7 @@ class UdpFanout {
   struct Batch;
   /// Address and token of a target, as the system calls need them.
   struct Address;
-  /// Bodies of one message: of equal size, except for a shorter last one.
+  /// Bodies of one message. All have the same size, but the last one may be shorter.
   using Segments = std::vector<const std::vector<std::uint8_t>*>;
   /// Position in a round: a message of a frame, and its target.
   struct Cursor {
@@ -81,20 +82,20 @@ class UdpFanout {
   [[nodiscard]] const Segments& at(const Cursor& cursor) const {
     return messages_[cursor.frame][cursor.message];
   }
-  /// Send the datagrams of a message one by one, for a system that does not split messages.
-  /// sendOne() returns false if the system rejects the datagram.
+  /// sendSingly() sends the datagrams of a message one by one, for a system that does not split
+  /// messages. sendOne() sends one datagram. It returns false if the system rejects the datagram.
   bool sendOne(const std::vector<std::uint8_t>& body, Address& to);
   void sendSingly(const Segments& segments, Address& to);
 
-  /// Moves the cursor to the next message and target to send, if it is not at one already. Returns
-  /// false at the end of the round.
+  /// Moves `cursor` to the next message and target to send. Leaves it if it is at one already.
+  /// Returns false at the end of the round.
   [[nodiscard]] bool finishRound(Cursor& cursor) const;
   /// Sends the rest of the round until it ends, the socket is full, or kAtOnce datagrams are sent.
   void sendPending();
   /// Calls sendPending() as soon as the socket accepts datagrams again.
   void scheduleSend();
-  /// Sends up to kBatch datagrams in one system call, at least one message. Returns false if the
-  /// socket is full.
+  /// Sends the next messages in one system call: at least one message, and at most kBatch
+  /// datagrams. Returns false if the socket is full.
   bool sendBatch();
 
   asio::ip::udp::socket& socket_;

@@ -37,17 +37,18 @@ class UdpSubscribers {
   /// every 10 s, and two of three echoes may be lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
   /// Least time between two valid echoes of a viewer. The value is a choice: half of the time that
-  /// a viewer waits for a probe. A probe is a hundred times as large as its echo. So this limits
-  /// what a forged echo can cause.
+  /// a viewer waits for a probe after its echo. The pause limits what forged echoes can cause,
+  /// because a probe is a hundred times as large as its echo.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
   /// A viewer, and the address to which its datagrams are sent.
   struct Viewer {
     asio::ip::address peer;   ///< remote address of its TCP connection
     asio::ip::address local;  ///< local address of its TCP connection; source of its datagrams
-    bool wanted = true;       ///< whether it receives datagrams after its echo
+    bool wanted = true;       ///< whether it wants datagrams; it receives them after its echo
     std::uint32_t copies = 1;
-    bool by_group = false;                      ///< receives the multicast group's datagrams
+    /// Whether it receives the multicast group's datagrams.
+    bool by_group = false;
     std::optional<asio::ip::udp::endpoint> at;  ///< address that an echo has validated
     LocalTime received{};                       ///< time of the last valid echo
     std::shared_ptr<DatagramCounts> counts = std::make_shared<DatagramCounts>();
@@ -82,8 +83,8 @@ class UdpSubscribers {
   [[nodiscard]] bool hasSubscribers() const;
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::size_t size() const { return viewers_.size(); }
-  /// Returns the redundancy for the multicast group, which suffices for nine of ten of its viewers.
-  /// It is 1 without viewers.
+  /// Returns the redundancy for the multicast group. It suffices for nine of ten viewers of the
+  /// group. It is 1 if the group has no viewers.
   [[nodiscard]] std::uint32_t groupCopies() const;
 
  private:

@@ -23,28 +23,31 @@ namespace hapticast::server {
 // Loop seam test: decides whether objects continue where a looped clip begins again. If they do
 // not, a new epoch begins there. Thread: any.
 
-/// Returns whether both frames contain objects with the same ids, and all of them are visible.
+/// Returns whether both frames contain objects with the same ids, and all these objects are visible
+/// in both frames.
 bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
 
-/// Returns whether `now` has the same objects as `before`, and none of them changed noticeably. For
-/// each object, the changes of pose and relief may change the force by at most the error budget.
+/// Returns whether `now` has the same objects as `before`, and no object changed noticeably. A
+/// change is noticeable if the changes of pose and relief together change the force by more than
+/// the error budget.
 bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
                   const NominalFrame& nominal, const VisionSettings& settings);
 
 /// Returns the bound of the objects' accelerations, mm/s², which the welcome of a stream contains
-/// for its clients. It is the 0.99 quantile of the values, or 0 if there are none. The maximum of
-/// hundreds of measured values would mainly consist of noise. Reorders the values.
+/// for its clients. It is the 0.99 quantile of `accelerations_mm_s2`, or 0 if there are none. It is
+/// not the maximum, because the largest of hundreds of measured values is mainly noise. Reorders
+/// `accelerations_mm_s2`.
 double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 
 /// Computes the motion of all objects of a stream, frame by frame.
 class FrameMotion {
  public:
-  /// Copies `info` and `settings`. `lookahead`: frames on each side of a frame that its window
-  /// contains.
+  /// Copies `info` and `settings`. `lookahead`: number of frames in a window on each side of its
+  /// frame.
   FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead);
 
-  /// Sets the motion that a scan of the whole clip found. From then on it replaces the motion of
-  /// the short windows. The scan numbered the objects from 1.
+  /// Sets the motion that a scan of the whole clip found. From then on it replaces the motion that
+  /// the short windows yield. The scan numbered the objects from 1.
   void setClip(ClipMotion clip) { clip_ = std::move(clip); }
   /// Begins a new playback of the clip, in which the clip's first object has the id
   /// `first_object_id`.
@@ -64,7 +67,7 @@ class FrameMotion {
     return plans_;
   }
   /// Returns the bound of the accelerations that a live source has shown so far, mm/s². It never
-  /// falls. Returns 0 after too few frames.
+  /// falls. Returns 0 until enough frames have been measured.
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
 
  private:

@@ -23,7 +23,8 @@ struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
   std::string why;  ///< reason why the stage is on or off, as text
-  /// Last measured duration in a frame, which is saved while off; 0: never ran.
+  /// Last measured duration of the stage in a frame, ms. It is saved while the stage is off. 0: the
+  /// stage never ran.
   double saves_ms = 0.0;
   double costs_N = 0.0;  ///< last measured change of force (rms) without the stage
 };
@@ -36,13 +37,13 @@ class ScenePlan {
 
   /// Returns whether the stage runs in this frame.
   [[nodiscard]] bool on(Stage stage) const;
-  /// Sets whether the whole object is at rest in this frame. `why`: the cause, if its rest ended in
-  /// this frame, as static text; otherwise empty.
+  /// Sets whether the whole object is at rest in this frame. `why`: if the rest ended in this
+  /// frame, its cause as static text; otherwise empty.
   void setResting(bool at_rest, std::string_view why = {});
   /// Sets whether the object's heights in this frame equal those in the last frame.
   void setUnchanged(bool unchanged);
-  /// Sets by how much the force would change in this frame without the stage (rms), N. Infinity:
-  /// the stage must stay on.
+  /// `error_N`: by how much the force would change in this frame without the stage (rms), N. If it
+  /// is infinity, the stage must stay on.
   void setForceError(Stage stage, double error_N);
   /// Adds the force that the residual motion causes in this frame, N. Returns whether the force
   /// justifies a motion grid on the wire. The forces of the frames before count too, with
@@ -103,10 +104,10 @@ class ScopedStageTimer {
   LocalTime start_;
 };
 
-/// Returns how much the forces of two reliefs of one surface differ at a finger 1 mm deep, N (rms).
-/// It compares them at all pixels at least 2 px inside the common mask. The force is proportional
-/// to the distance to the surface's tangent plane. Returns infinity if there is no such pixel.
-/// Requires equal rectangles.
+/// Returns the difference (rms) of the forces that two reliefs of one surface cause at a finger 1
+/// mm deep in the surface, N. It compares the forces at all pixels at least 2 px inside the common
+/// mask. The force is proportional to the distance to the surface's tangent plane. Returns infinity
+/// if there is no such pixel. Requires equal rectangles.
 double forceDifference_N(const Relief& a, const Relief& b, double mm_per_px, double stiffness_N_mm);
 
 }  // namespace hapticast::server

@@ -42,8 +42,8 @@ struct TrackedObject {
   /// extrapolated.
   [[nodiscard]] bool isWellTracked() const { return quality >= kGoodQuality; }
 
-  /// Least quality of tracking that is good enough to measure motion. The value is a choice,
-  /// between 1 and a doubtful step's 0.7.
+  /// Least quality of tracking that is good enough to measure motion. The value is a choice between
+  /// 1 (a sure measurement) and 0.7 (a doubtful one).
   static constexpr double kGoodQuality = 0.75;
 };
 
@@ -62,9 +62,10 @@ class Track {
   /// Begins the track with the object's segment in this frame. `settings` must outlive the track.
   Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames);
 
-  /// Begins the next frame. Returns true if the whole object is at rest and this frame shows it
-  /// unchanged, unless an active stage has to measure it again. update() then leaves surface and
-  /// pose as they are. Returns false if `told`, that is, if the author annotated this frame.
+  /// Begins the next frame. Returns whether the object rests in it; update() then leaves surface
+  /// and pose as they are. It rests if the frame repeats the last one. It also rests if the plan
+  /// has switched off segmentation and motion, and the frame shows the whole object unchanged.
+  /// `told`: if true, the author annotated this frame, and the result is false.
   bool isResting(const FramePair& frames, bool told);
   /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
   /// by it. Call it after isResting().

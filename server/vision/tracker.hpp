@@ -30,7 +30,8 @@ class Tracker {
   /// SourceError if a frame does not match `info`, or if an object point lies on no object.
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
   [[nodiscard]] const DepthNoise& noise() const { return frames_.noise(); }
-  /// Returns whether another scene begins with the last frame. If so, all its objects are new.
+  /// Returns whether another scene begins with the last frame. If so, all objects of the last frame
+  /// are new.
   [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
  private:

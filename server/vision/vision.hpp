@@ -40,14 +40,15 @@ class Vision {
   /// frames. It returns whether the scan should continue.
   using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
   /// Processes a whole recorded clip to find its mapped range, motion and largest acceleration.
-  /// Then it rewinds the clip. Returns true. Returns false if `progress` (may be null) ended the
-  /// scan; then the scan has no results. For a live source it does nothing. It also does nothing if
-  /// the author stated the range and motion is off. Throws SourceError.
+  /// Then it rewinds the clip. Returns false if `progress` ended the scan, otherwise true. A scan
+  /// that was ended has no results. Does nothing for a live source. Also does nothing if the author
+  /// stated the range and motion is off. `progress` may be null. Throws SourceError.
   bool scan(RgbdSource& source, const Progress& progress);
 
   /// Adds the next frame and returns the frame that this completes. Returns nullopt if no frame is
   /// complete yet. `media_time` must increase with each frame. A new epoch begins at a scene cut.
-  /// It also begins at a new epoch of the source, if an object moved there. Throws SourceError.
+  /// It also begins at a new epoch of the source, unless all objects continue there unchanged.
+  /// Throws SourceError.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
   /// Returns the frames that push() has not returned yet, oldest first. Call it at the end of the
   /// stream.
@@ -57,8 +58,8 @@ class Vision {
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
   /// Returns the mapped range: the depths that become heights 30 and 0. Returns nullopt before it
-  /// is known. The author sets it. Otherwise scan() finds it for a recorded clip, and the first
-  /// frame with an object finds it for a live source.
+  /// is known. It is the range that the author stated (--map-range), if any. Otherwise scan() finds
+  /// it for a recorded clip. For a live source it is found in the first frame with an object.
   [[nodiscard]] const std::optional<MappedRange>& mapped() const;
 
   /// Returns the description of the stream for the viewers' welcome. It is complete after scan()

@@ -38,8 +38,9 @@ struct PlanSettings {
   bool everything = false;  ///< true: all stages stay on
   /// The author's choice for each stage, on or off; nullopt: the plan decides.
   std::array<std::optional<bool>, kStages> forced{};
-  /// Error budget, N: the change of force that an omitted stage may cause. It is a tenth of the
-  /// smallest difference that a hand perceives at 1 N, which is 7 % (Pang, Tan and Durlach 1991).
+  /// Error budget, N: the change of force that an omitted stage may cause. The default is a tenth
+  /// of the smallest difference that a hand perceives at 1 N. This difference is 7 % (Pang, Tan and
+  /// Durlach 1991).
   double error_budget_N = 0.007;
 };
 
@@ -60,7 +61,7 @@ inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points
   return out;
 }
 
-/// Stiffness that an Omni renders; the viewers' default.
+/// Stiffness that the haptic device Omni renders, N/mm. It is the viewers' default.
 inline constexpr double kUsualStiffness_N_mm = 0.5;
 
 /// Settings of vision, with the flags that set them.
@@ -91,7 +92,7 @@ struct VisionSettings {
   [[nodiscard]] double stiffness_N_mm() const {
     return material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
   }
-  /// Returns whether motion is measured at all, which --motion and --plan can switch off.
+  /// Returns whether motion is measured at all. --motion and --plan can switch the measurement off.
   [[nodiscard]] bool moves() const {
     return motion != MotionMode::kNone &&
            plan.forced[static_cast<std::size_t>(Stage::kMotion)].value_or(true);

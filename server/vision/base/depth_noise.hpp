@@ -21,7 +21,8 @@ struct DepthNoise {
   bool eight_bit = false;  ///< the depth has 8 bits: its steps are larger than a sensor's noise
   bool flickers = false;   ///< each frame of the source has another scale and shift of its depth
   /// Width of an interval of depths, mm. The value is a choice: a sensor's noise grows with the
-  /// square of the depth. At 1 m it grows by a quarter over this width.
+  /// square of the depth. Around 1 m it grows by a quarter over 125 mm, which is half of this
+  /// width.
   static constexpr double kBin_mm = 250.0;
 
   /// Returns the standard deviation of a measured depth at `depth_mm`, mm. Requires a non-empty

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Scale-and-shift alignment of depth that an estimator computes from single pictures. Such an
 // estimator scales and shifts each frame differently, so the depth of the whole scene jumps (a
-// hop). Background pixels at rest measure each hop, and the depth is corrected by it. The fit uses
-// least median of squares (Rousseeuw 1984). Reweighted least squares with Tukey's biweight (Beaton
-// and Tukey 1974) refine the fit. Thread: the one that runs Vision.
+// hop). Each hop is measured at background pixels at rest, and the depth is corrected by it. The
+// fit uses least median of squares (Rousseeuw 1984). Reweighted least squares with Tukey's biweight
+// (Beaton and Tukey 1974) refine the fit. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -26,12 +26,12 @@ class DepthScaleAlignment {
  public:
   explicit DepthScaleAlignment(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
 
-  /// Returns `depth` with the scale and shift of the frames before. Returns `depth` itself while
-  /// the camera moves, and as long as the source has not shown hops. `depth`: working depth,
+  /// Returns `depth`, corrected to the scale and shift of the frames before. Returns `depth`
+  /// unchanged while the camera moves, and until the source has shown hops. `depth`: working depth,
   /// CV_32FC1, mm. `gray`: CV_8UC1. `objects`: CV_8UC1, 255 on objects and 0 on the background; may
   /// be empty. All have one size. Call it once for each frame.
   cv::Mat steady(const cv::Mat& depth, const cv::Mat& gray, const cv::Mat& objects);
-  /// Returns whether the source has shown hops, so that steady() corrects them from then on.
+  /// Returns whether the source has shown hops. From then on steady() corrects them.
   [[nodiscard]] bool shown() const { return shown_; }
 
  private:

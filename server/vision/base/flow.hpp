@@ -13,8 +13,8 @@
 
 namespace hapticast::server {
 
-/// Area of an object's bounding box, px. Above it, only every second pixel of the box is used, in
-/// the search for corners and in means. The value is a choice.
+/// Largest area of an object's bounding box of which every pixel is used, px. In a larger box, the
+/// search for corners and means use only every second pixel and row. The value is a choice.
 inline constexpr int kDense_px = 40000;
 
 /// Points of one picture and the positions of the same points in the next picture, px. Both lists
@@ -43,11 +43,11 @@ struct ObjectFlow {
 using Flows = std::map<std::uint32_t, ObjectFlow>;  ///< flow of each object, by object id
 
 /// Measures the motion of an object from the last picture to this picture. It tracks corners inside
-/// `mask` (CV_8UC1, 0/255) as trackPoints() does, and fits a similarity to the tracks by RANSAC.
-/// The similarity is the one that most corners obey to 2 px. With too few corners or an implausible
-/// scale, the result has only the median shift of the corners. `mask` belongs to the last picture.
-/// `guess_px`: expected shift of the object, at which the search starts. Both pictures are CV_8UC1
-/// of one size.
+/// `mask` (CV_8UC1, 0/255) as trackPoints() does, and fits a similarity to the tracks by RANSAC. It
+/// is the similarity with which most corners agree to within 2 px. If corners are too few, or the
+/// scale is implausible, the similarity is only their median shift. With fewer than three corners
+/// it is the shift `guess_px`. `mask` belongs to the last picture. `guess_px`: expected shift of
+/// the object, at which the search starts. Both pictures are CV_8UC1 of one size.
 ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& mask,
                        const cv::Vec2d& guess_px);
 
@@ -59,9 +59,9 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
 PointTracks trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
                         const std::vector<cv::Point2f>& points, std::vector<cv::Point2f> guesses);
 
-/// Moves `image` by `similarity` (last px to this px). `image` covers `from_box` of the last
-/// picture, and the result covers `to_box` of this picture. Pixels without a source are 0.
-/// `interpolation`: one of OpenCV's interpolation flags.
+/// Moves `image` by `similarity`, which maps px of the last picture to px of this picture. `image`
+/// covers `from_box` of the last picture, and the result covers `to_box` of this picture. Pixels
+/// without a source are 0. `interpolation`: one of OpenCV's interpolation flags.
 cv::Mat warpImage(const cv::Mat& image, const cv::Rect& from_box, const cv::Rect& to_box,
                   const cv::Matx23d& similarity, int interpolation);
 

@@ -45,8 +45,8 @@ struct FrameImages {
 /// or change both a little.
 class SceneCuts {
  public:
-  /// Returns whether `images` is the first frame after a cut; false for the first frame of all.
-  /// Call it for each frame in order.
+  /// Returns whether `images` is the first frame after a cut. Returns false for the very first
+  /// frame. Call it for each frame in order.
   bool next(const FrameImages& images);
 
  private:

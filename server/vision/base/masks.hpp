@@ -22,8 +22,8 @@ double computeOverlap(const cv::Mat& a, const cv::Mat& b);
 /// first pixel in the picture.
 cv::Point2d computeCentroid(const cv::Moments& moments, const cv::Point& corner);
 
-/// Return `mask`, eroded or dilated by a disc of `radius_px`. Neither the erosion nor the dilation
-/// changes a pixel because of the picture's border.
+/// Return `mask`, eroded or dilated by a disc of `radius_px`. Pixels beyond the picture's border
+/// have no influence on the result.
 cv::Mat erodedBy(const cv::Mat& mask, int radius_px);
 cv::Mat dilatedBy(const cv::Mat& mask, int radius_px);
 

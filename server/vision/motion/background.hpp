@@ -9,9 +9,9 @@
 namespace hapticast::server {
 
 /// Measures the motion of the background by optical flow in pictures of half size. Half size
-/// suffices, because a pan moves the whole background alike and corners are as exact. The benefit
-/// was measured: a pan changes a measured acceleration by 26 % without compensation, and by 2.3 %
-/// with it.
+/// suffices: a pan moves the whole background alike, and corners are found as exactly as at full
+/// size. The benefit was measured: a pan changes a measured acceleration by 26 % without
+/// compensation, and by 2.3 % with it.
 class BackgroundMotion {
  public:
   /// An object in front of the background: its mask (CV_8UC1, 0/255, size of the image) and a

@@ -18,8 +18,9 @@ namespace hapticast::server {
 /// Rauch-Tung-Striebel smoother, in de Jong's (1989) form, find the likeliest motion. Each
 /// coordinate has the states {p, v, a, jerk, snap}. The model has two white noises: one changes the
 /// derivative of snap, the other disturbs the measurements. A search finds the likeliest ratio of
-/// the two for this track. At an impact the velocity may jump. A sample has exactly zero motion if
-/// the object rests over `lookahead` samples on either side. `samples` are in order of time.
+/// the two noises for this track. At each of `impacts` the velocity may jump. A sample has exactly
+/// zero motion if the object rests over `lookahead` samples on either side. `samples` are in order
+/// of time.
 std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
                                   const std::vector<Impact>& impacts, int lookahead);
 

@@ -29,9 +29,9 @@ struct CellFlow {
   [[nodiscard]] CellFlow atRest() const;
 };
 
-/// Measures the whole motion of an object in cells. With `kLk` it measures x and y only, with
-/// `kDepth` z only, with `kAuto` all three. `last_mask` (CV_8UC1, 0/255, size of the image) and
-/// `before` belong to the last frame.
+/// Measures the whole motion of an object in cells. `mode`: kLk measures x and y only, kDepth
+/// measures z only, and kAuto measures all three. `last_mask` (CV_8UC1, 0/255, size of the image)
+/// and `before` belong to the last frame.
 CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                   const Surface& before, const Surface& now, MotionMode mode);
 
@@ -39,16 +39,17 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
 /// mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its depth.
 using PredictedMotion = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
 
-/// Measures the residual motion in cells: the measured motion less the motion that `explained`
+/// Measures the residual motion in cells: the measured motion minus the motion that `explained`
 /// predicts. Cells without a measurement have motion 0.
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
                       const Surface& now, const PredictedMotion& explained);
 
-/// Returns the motion grid of frame `at` from the flows of the frames around it. Returns null if
-/// the flow of `at` is empty. The velocity is the mean of the motions into and out of the frame.
-/// The acceleration is the mean velocity after the frame less the one before it, divided by the
-/// time between them. If flows have different sizes, cells correspond by their relative position in
-/// the box. `mm_per_step`: nominal mm for each px to the right, px down and mm of depth.
+/// Returns the motion grid of one frame. flows[at] is the motion from the frame before it to this
+/// frame. `flows` also has the motions to the frames around it, in order. Returns null if flows[at]
+/// is empty. The velocity is the mean of the motions to the frame and from it to the next one. The
+/// acceleration is the mean velocity after the frame minus that before it, divided by the time
+/// between them. If flows have different sizes, cells correspond by their relative position in the
+/// box. `mm_per_step`: nominal mm for each px to the right, px down and mm of depth.
 std::shared_ptr<const MotionGrid> makeMotionGrid(const std::vector<const CellFlow*>& flows,
                                                  std::size_t at, const Vec3& mm_per_step);
 

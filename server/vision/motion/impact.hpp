@@ -17,14 +17,14 @@ namespace hapticast::server {
 /// Finds the impacts of one object and stores the newest ones.
 class ImpactFinder {
  public:
-  /// Number of frames on either side of an interval to which a parabola is fitted; at most the
-  /// lookahead.
+  /// Number of frames to which the parabola on each side of an interval is fitted. It is at most
+  /// the lookahead.
   static constexpr std::size_t kSide = 3;
 
   /// Searches for an impact between samples[at] and the next sample, and stores it for around(). It
-  /// finds none if there are fewer than kSide samples up to `at` or fewer than kSide samples after
-  /// it. An impact late in its interval may be found with the next call only. The times of
-  /// `samples` are media times. Call it once for each frame in order of time.
+  /// finds none if there are fewer than kSide samples up to samples[at], or fewer than kSide after
+  /// it. An impact late in its interval may be stored only by the next call. The times of `samples`
+  /// are media times. Call it once for each frame in order of time.
   void test(const std::vector<Sample>& samples, std::size_t at);
 
   /// Returns the stored impacts at most `reach_s` before or after the media time `time_s`, oldest

@@ -16,12 +16,12 @@
 
 namespace hapticast::server {
 
-/// Poses of an object in a window of frames, in order of time. The window lies around one frame.
+/// Poses of an object in a window of frames around one frame, here called the middle frame.
 struct MotionWindow {
   std::vector<Sample> samples;
-  /// Index of that frame in `samples`; nullopt: the object was lost there.
+  /// Index of the middle frame in `samples`; nullopt: the object was lost in this frame.
   std::optional<std::size_t> at;
-  /// Kind of reference point in that frame.
+  /// Kind of reference point in the middle frame.
   ReferencePoint point = ReferencePoint::kVisibleCentroid;
 };
 
@@ -39,16 +39,16 @@ class MotionHistory {
   /// Adds the entry of object `id`; frames in order. Add none in frames in which the object is
   /// lost.
   void add(std::uint32_t id, Entry entry) { entries_[id].push_back(std::move(entry)); }
-  /// Deletes entries that no window of `frame` or of a later frame contains. The last entry of a
-  /// lost object remains for `keep_lost` frames, because the object is assumed to rest there.
+  /// Deletes the entries of frames before `frame`. The last entry of a lost object remains for
+  /// `keep_lost` more frames, because the object is assumed to rest at its last pose.
   void dropBefore(std::uint64_t frame, std::uint64_t keep_lost);
 
   /// Returns the poses of object `id` in the frames at most `lookahead` frames from `frame`, in
   /// nominal mm.
   [[nodiscard]] MotionWindow window(std::uint32_t id, std::uint64_t frame, int lookahead,
                                     const NominalFrame& nominal) const;
-  /// Returns the motion of object `id` at the frame of `around`. If the object was lost in this
-  /// frame, the motion is zero and the position is its last pose.
+  /// Returns the motion of object `id` at the middle frame of `around`. If the object was lost in
+  /// that frame, the motion is zero and the position is its last pose.
   [[nodiscard]] Motion motion(std::uint32_t id, const MotionWindow& around, int lookahead,
                               const NominalFrame& nominal) const;
   /// Returns whether the cell motion of object `id` was measured in all frames of the window around

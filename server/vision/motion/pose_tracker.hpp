@@ -29,19 +29,21 @@ struct Observation {
 /// Settings of a whole track.
 struct PoseSettings {
   MotionMode mode = MotionMode::kAuto;
-  /// Whether modes `auto` and `rgbd` align rigidly; false for the thesis's method.
+  /// Whether the object is aligned rigidly: true in modes `auto` and `rgbd`, but false for the
+  /// thesis's method.
   bool rigid = true;
   bool exact_masks = false;  ///< whether the masks are the source's own
   CameraModel camera;
   cv::Size picture;  ///< size of the picture, px
 };
 
-/// Tracks the pose of one object. In modes `auto` and `rgbd`, rigid alignment moves a point in the
-/// middle of the body. The centre of outline and depth corrects this point slowly, by 3.5 % a
-/// frame. If alignment fails, and in modes `lk` and `depth`, the optical flow moves the point. The
-/// mask's centroid then corrects it slowly. In mode `auto` with exact masks, such a point moves
-/// with the centroid alone. Without alignment the depth changes by the mean difference between the
-/// last surface and this surface.
+/// Tracks the pose of one object, that is, of a point in the middle of its body. In modes `auto`
+/// and `rgbd`, rigid alignment moves the point. In each frame the body's centre (computeCentre())
+/// also pulls it, by about 3 % of their distance. If the alignment fails, the optical flow moves
+/// the point in the picture, and the mask's centroid pulls it. The point's depth then changes by
+/// the mean difference between the last surface and this surface. With exact masks, a point without
+/// alignment moves with the mask's centroid alone. Modes `lk` and `depth` have no alignment: `lk`
+/// moves the point in the picture only, `depth` in depth only.
 class PoseTracker {
  public:
   /// Begins the track at the surface `first`. `gray`: the whole picture, CV_8UC1.
@@ -55,8 +57,8 @@ class PoseTracker {
   [[nodiscard]] const ObjectPose& pose() const { return pose_; }
   /// Returns whether the last call of advance() aligned the object rigidly.
   [[nodiscard]] bool aligned() const { return aligned_; }
-  /// Returns how this alignment displaced a point of the last frame's surface: px to the right, px
-  /// down and mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its
+  /// Returns how the last alignment displaced a point of the last frame's surface: px to the right,
+  /// px down and mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its
   /// depth.
   [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
 
@@ -90,7 +92,8 @@ class PoseTracker {
 /// Returns the mean change of depth from `before` to `now`, mm. Returns nullopt if the surfaces
 /// have fewer than 20 pixels in common. `similarity` moves `before` onto `now`. Two kinds of pixels
 /// do not count: those near the edge of the overlap, and those whose change differs too much from
-/// the median change. The limit is the larger of 3 median absolute deviations and `floor_mm`.
+/// the median change. The limit is `floor_mm`, or 3 standard deviations (by the median absolute
+/// deviation) if that is larger.
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
                                          const cv::Matx23d& similarity, double floor_mm);
 

@@ -22,8 +22,8 @@ struct BodyCentre {
 /// 0 if the surface has too few measured depths. The body counts as a sphere if its outline is
 /// round and a sphere of matching radius fits the depths well. Otherwise the result is the centre
 /// of the ellipsoid that fits outline and depths. If that fit fails too, the result is the
-/// outline's centroid, moved backwards from the mean depth. The distance grows with the spread of
-/// the depths and is 0 for a flat object.
+/// outline's centroid, moved from the mean depth away from the camera. It is moved farther if the
+/// depths spread more, and not at all for a flat object.
 BodyCentre computeCentre(const Surface& surface, const CameraModel& camera);
 
 }  // namespace hapticast::server

@@ -15,21 +15,22 @@
 
 namespace hapticast::server {
 
-/// Template of one object: points of its surface in one frame, which find() searches in the next
+/// Template of one object: points of its surface in one frame. find() searches for them in the next
 /// frame.
 class RigidTemplate {
  public:
   RigidTemplate() = default;
   /// Makes the template. `gray`: the whole picture, CV_8UC1. `surface`: the object's surface, after
-  /// cleanSurface(). The time is about that of one blur of the object's box.
+  /// cleanSurface(). That takes about as long as one blur of the object's box.
   RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
 
   /// Returns whether the object has too few points for an alignment.
   [[nodiscard]] bool empty() const { return levels_.empty(); }
   /// Returns the motion of the object from the template to `images`. The search begins at the
-  /// predicted motion `guess`. If no good alignment is there, a second search covers 2.5 times the
-  /// object's size in each direction. The result is marked not reliable if there were too few
-  /// points, or if fewer than half of them agree. `pivot_mm`: centre of the rotation, camera frame.
+  /// predicted motion `guess`. If it finds no good alignment there, a second search covers 2.5
+  /// times the object's size in each direction. The result has `reliable` = false if there were too
+  /// few points, or if fewer than half of them agree. `pivot_mm`: centre of the rotation, camera
+  /// frame.
   [[nodiscard]] RigidStep find(const FrameImages& images, const Eigen::Vector3d& pivot_mm,
                                const RigidStep& guess) const;
 

@@ -11,8 +11,9 @@
 
 namespace hapticast::server {
 
-/// Rigid motion of a point X to X' = rotation (X - pivot) + pivot + shift_mm. Coordinates are of
-/// the camera frame (X right, Y down, Z forward, mm).
+/// Rigid motion of a point X to X' = rotation (X - pivot) + pivot + shift_mm. The pivot is not
+/// stored here; functions have it as their argument `pivot_mm`. Coordinates are of the camera frame
+/// (X right, Y down, Z forward, mm).
 struct RigidStep {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();  ///< displacement of the pivot

@@ -39,7 +39,7 @@ int lookaheadFrames(double fps);
 /// fields of the result have their defaults. The acceleration is relative to the background.
 /// `samples` are in order of time. The window has up to `lookahead` samples on either side. The
 /// polynomial has order 4 over a whole window, and a lower order at the ends of a track. If the
-/// whole window does not fit (it contains a bounce), the best shorter window is used.
+/// polynomial does not fit the whole window (a bounce lies in it), the best shorter window is used.
 Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookahead);
 
 }  // namespace hapticast::server

@@ -31,17 +31,17 @@ struct Segment {
 class Segmenter {
  public:
   virtual ~Segmenter() = default;
-  /// Returns the segments of all objects that are visible in this frame. It omits lost objects, and
-  /// after a cut all objects of the old scene. `flows`: motion of the last frame's objects. Throws
-  /// SourceError if an object point lies on no object.
+  /// Returns the segments of all objects that are visible in this frame. It omits lost objects.
+  /// After a cut it also omits all objects of the old scene. `flows`: motion of the last frame's
+  /// objects. Throws SourceError if an object point lies on no object.
   virtual std::vector<Segment> next(const FramePair& frames, const Flows& flows) = 0;
   /// Returns whether the author annotated this frame. Such a frame must be processed even if all
   /// objects rest. Call it before next().
   [[nodiscard]] virtual bool hasAnnotation(const FramePair& /*frames*/) const { return false; }
 };
 
-/// Area below which an object counts as lost, px. The value is a choice: 1.5 mm across in a usual
-/// picture.
+/// Area below which an object counts as lost, px. The value is a choice: in a usual picture, a
+/// square of this area is 1.6 nominal mm wide.
 inline constexpr int kSmallestObject_px = 40;
 
 /// Returns the segmenter for the method of `settings`. `has_mask`: whether the source has masks.
@@ -54,8 +54,8 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
 std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
                                              std::uint32_t& next_id);
 
-/// Throws a SourceError: there is no object at the author's point `point_px`. `why`: the cause, as
-/// text for the message.
+/// Throws a SourceError whose message says that no object is at the author's point `point_px`.
+/// `why`: the cause, as text for the message.
 [[noreturn]] void throwNoObject(const Vec2& point_px, const std::string& why);
 
 }  // namespace hapticast::server

@@ -10,7 +10,7 @@
 
 namespace hapticast::server {
 
-/// Width of the depth that foregroundPixels() needs around a mask.
+/// How far beyond a mask the depth for foregroundPixels() must extend, px.
 inline constexpr int kGateReach_px = 15;
 
 /// Returns a mask (CV_8UC1, 0/255) of those pixels of `known` that belong to the object. `known`:

@@ -34,8 +34,8 @@ struct Surface {
 };
 
 /// Returns the surface of `mask`: rejects background at the rim (5 px wide) and isolated pixels,
-/// and fills the holes. `exact_mask`: the mask is the source's own. If the depth ends at the
-/// contour of such a mask, nothing is rejected. The thesis's method uses all measured depth and
+/// and fills the holes. `exact_mask`: whether the mask is the source's own. If it is, and the depth
+/// ends at the mask's contour, nothing is rejected. The thesis's method uses all measured depth and
 /// fills nothing (holes are 0). Time is linear in the box.
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
                      Method method, bool exact_mask = false);
@@ -45,19 +45,19 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
 Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise);
 
 /// Returns the surface of `mask` (CV_8UC1, 0/255, size of the image), made from the last surface
-/// `before`. `similarity` moves it from the last picture to this picture. Use it for frames without
-/// new depth of the object.
+/// `before`. `similarity` moves `before` from the last picture to this picture. Use it for frames
+/// without new depth of the object.
 Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity);
 
 /// Returns whether the depth was measured in at least 2 % of `mask`, which is enough for a surface.
 bool hasDepth(const cv::Mat& depth, const cv::Mat& mask);
 
 /// Returns the relief of `surface`. Its heights are (far - z) / (far - near) x depth_mm of the
-/// workspace, clamped to 0..depth_mm. `range` is the mapped range. With `smooth`, a local quadratic
-/// fit with Gaussian weights (sigma 0.65 mm) smooths the heights inside the mask. For 8-bit depth a
-/// wider sigma of up to 2.6 mm removes terraces. The wider sigma applies only where the fit stays
-/// within half a step of the measurement. The thesis's method smooths by a Gaussian (sigma 2 px),
-/// with height 0 outside the mask.
+/// workspace, clamped to 0..depth_mm. `range` is the mapped range. If `smooth` is true, a local
+/// quadratic fit with Gaussian weights (sigma 0.65 mm) smooths the heights inside the mask. For
+/// 8-bit depth a wider sigma of up to 2.6 mm removes terraces. The wider sigma applies only where
+/// its fit differs from the measured heights by at most half a step of the 8-bit depth. The
+/// thesis's method smooths by a Gaussian (sigma 2 px), with height 0 outside the mask.
 std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRange& range,
                                          const Workspace& workspace, Method method,
                                          bool smooth = true);

@@ -37,25 +37,27 @@ struct Layers {
 };
 
 /// Splits `surface` at depth steps. Two pieces are separate if their measured depths differ by more
-/// than `step_mm` along their common border. Returns at most kMaxLayers layers. A piece behind
-/// another one is a layer behind it; pieces that do not touch share a layer. Pieces of less than
-/// 100 px or 2 % of the object join their neighbours. `mapped_range`: depths that become different
-/// heights. Depths beyond it have the heights of its ends, so a step there does not count.
+/// than `step_mm` along their common border. Returns at most kMaxLayers layers. A piece that lies
+/// behind a piece beside it belongs to a farther layer. Pieces that do not touch may share a layer.
+/// Pieces smaller than 100 px, or than 2 % of the object, join their neighbours. `mapped_range`:
+/// depths outside this range are clamped to it before the comparison, so a step that lies outside
+/// the range does not count.
 Layers findLayers(const Surface& surface, double step_mm,
                   const DepthRange& mapped_range = kAllDepths);
 
 // Temporal consistency of an object's layers: each layer has a name (a number) that persists from
 // frame to frame, even if the depth is noisy. Thread: the one that runs Vision.
 
-/// Splits one object into layers frame by frame, with persistent names. A layer has the name of
-/// that earlier layer with which it shares most pixels, after the object's motion. A pixel changes
-/// to another name after three successive frames, or where an edge moves a little. Two layers stay
-/// separate until their step is below 0.7 of the step that separated them.
+/// Splits one object into layers frame by frame, with persistent names. The layers of the last
+/// frame are moved with the object. A layer has the name of that moved layer with which it shares
+/// most pixels. A pixel changes its name after it had another one in three successive frames. It
+/// changes at once if it is at most 2 px from pixels that had the new name. Layers stay separate
+/// until the step between them is below 0.7 `step_mm`.
 class LayerCutter {
  public:
-  /// Returns the surfaces of the layers of `surface`, indexed by name; a name without pixels has an
-  /// empty box. Without depth steps it returns `surface` alone. The first call orders the names
-  /// from near to far. `mapped_range`: see findLayers().
+  /// Returns the surfaces of the layers of `surface`. Element i is the layer with the name i + 1;
+  /// its box is empty if the layer has no pixels. Without depth steps it returns `surface` alone.
+  /// The first call orders the names from near to far. `mapped_range`: see findLayers().
   std::vector<Surface> cut(const Surface& surface, double step_mm,
                            const DepthRange& mapped_range = kAllDepths);
 

@@ -12,21 +12,22 @@ namespace hapticast::server {
 /// The result is exact for planes and nearly exact for quadratics, up to the mask's edge.
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px);
 
-/// Returns `height`, a fit with a narrow window, with a wider fit in its place where that is
-/// possible (Lepski's choice of a bandwidth). The wider fit removes the terraces of the `rounded`
-/// values. The wider fit applies where it differs by at most `half_step` from all measured values
-/// around a pixel. Elsewhere the surface is curved more than a quadratic. `measured`: 0/255. The
-/// computation uses blocks of half a sigma. Only the difference of the two fits is interpolated
-/// between the blocks. Blocks partly outside `mask` retain `height`.
+/// Returns `height`, a fit with a narrow window, but with a wider fit in its place where possible
+/// (Lepski's choice of a bandwidth). The wider fit has weights of the width `sigma_px` and removes
+/// the terraces of the values `rounded`. It applies where it differs by at most `half_step` from
+/// all measured values around a pixel. Elsewhere the surface is curved more than a quadratic.
+/// `measured`: 0/255. To save time, the wider fit is computed for blocks of half a `sigma_px`. Its
+/// difference to `height` is interpolated between the blocks. Blocks partly outside `mask` retain
+/// `height`.
 cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
                  const cv::Mat& measured, double half_step, double sigma_px);
 
 // Hole filling (inpainting): push-pull pyramid and membrane interpolation. Thread: any.
 
-/// Returns `values` (CV_32FC1) with the pixels of `wanted` filled smoothly from the pixels of
-/// `known`. Returns an unchanged copy if no pixel is known or none is to be filled. `known` and
-/// `wanted` are masks (CV_8UC1, 0/255). The method is push-pull inpainting (Gortler et al. 1996),
-/// then membrane sweeps (Gauss-Seidel steps of Laplace's equation).
+/// Returns `values` (CV_32FC1), in which the pixels of `wanted` outside `known` are filled smoothly
+/// from those of `known`. Returns an unchanged copy if no pixel is known or none is to be filled.
+/// `known` and `wanted` are masks (CV_8UC1, 0/255). The method is push-pull inpainting (Gortler et
+/// al. 1996), then membrane sweeps (Gauss-Seidel steps of Laplace's equation).
 cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted);
 
 /// Returns `values` at half size, with all pixels outside `known` filled by push-pull only. That

@@ -17,7 +17,7 @@ namespace hapticast::server {
 struct MappedRange {
   DepthRange range;
   double usual_mm = 0.0;  ///< extent of an object in depth, median over the frames
-  /// The range is far wider than the objects: they move in depth, or their masks include
+  /// True: the range is far wider than the objects. They move in depth, or their masks include
   /// background.
   bool wide = false;
 };
@@ -28,12 +28,13 @@ class RangeFinder {
   /// Adds the surface of object `object` in one frame. It uses pixels that were measured and lie at
   /// least 3 px inside the mask.
   void add(std::uint32_t object, const Surface& surface, const DepthNoise& noise);
-  /// Returns the mapped range, or nullopt if no frame was added. It extends from the nearest front
-  /// to the farthest back of the objects in all frames, without 2 % of the frames at each end. Both
-  /// sides are widened by `margin`, a share of the range. Depths that lie much farther from the
-  /// frame's median than usual for the object do not count. The range is at least 50 mm or 60
-  /// standard deviations of the noise wide. For 8-bit depth it is at least 16 levels or 20 standard
-  /// deviations wide. A narrower range would turn noise into force.
+  /// Returns the mapped range, or nullopt if no frame was added. It extends from the objects'
+  /// nearest front to their farthest back in all frames. The nearest 2 % of the fronts and the
+  /// farthest 2 % of the backs do not count. Both sides are widened by `margin`, a share of the
+  /// range. Depths that lie much farther from the frame's median than usual for the object do not
+  /// count. The range is at least 50 mm or 60 standard deviations of the noise wide. For 8-bit
+  /// depth it is at least 16 levels or 20 standard deviations wide. A narrower range would turn
+  /// noise into force.
   [[nodiscard]] std::optional<MappedRange> range(double margin) const;
 
  private:

@@ -22,11 +22,12 @@ StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface);
 /// Filters the surface of one object, frame by frame.
 class StaticRegionFilter {
  public:
-  /// Returns the filtered surface of the next frame. In tiles at rest, depth and mask are averaged
-  /// over the tile's first 16 frames at rest, and do not change after that. In all other tiles the
-  /// result is that of `now`, the unfiltered surface. Pixels outside the object's box have no
-  /// influence. `gray`: the whole picture, CV_8UC1. `repeated`: whether the depth is that of the
-  /// last frame and thus no new measurement. Call it once for each frame.
+  /// Returns the filtered surface of the next frame. In a tile at rest, the depth is averaged over
+  /// the tile's first 16 frames at rest and is constant after that. The tile's mask is constant
+  /// after 3 frames. In all other tiles the result is `now`, the unfiltered surface, after a
+  /// transition of at most 4 frames. Pixels outside the tiles around the object have no influence.
+  /// `gray`: the whole picture, CV_8UC1. `repeated`: whether the depth is that of the last frame
+  /// and thus no new measurement. Call it once for each frame.
   Surface apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise, bool repeated);
 
   /// Returns whether the whole object is at rest and this frame shows it unchanged. If so, it

@@ -41,8 +41,8 @@ struct Tile {
   double evidence = 0;         ///< evidence that depth or outline changed, added up over frames
   double weight = 1.0;         ///< weight of this frame's values in the held values, 0..1
   Cause cause = Cause::kNone;  ///< cause if the tile was released in this frame
-  /// Remaining frames of the transition from held to new values, including this one. The transition
-  /// lasts one frame after motion, and more frames after a change of depth or outline only.
+  /// Remaining frames of the transition from held to new values, including this one. After motion
+  /// the transition lasts one frame. If only depth or outline changed, it lasts kBlend frames.
   int blending = 0;
   bool mask_held = false;
 
@@ -65,7 +65,7 @@ class StaticTiles {
   void moveTo(const cv::Rect& box);
   /// Compares a frame with the held values. Decides for each tile whether it is released, the
   /// weight of the new values, and whether its mask is held. Counts the frame. Returns the grey of
-  /// `now`, corrected by changes of exposure. `held` (held values), `last_gray` (of the frame
+  /// `now`, corrected for changes of exposure. `held` (held values), `last_gray` (of the frame
   /// before) and `now` cover the box. `repeated`: the depth is that of the last frame and thus no
   /// new measurement.
   cv::Mat judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& now,
@@ -76,7 +76,8 @@ class StaticTiles {
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
-  /// Returns the cause of most of this frame's releases; kNone: no tile was released.
+  /// Returns the cause by which most pixels were released in this frame; kNone: no tile was
+  /// released.
   [[nodiscard]] Cause cause() const { return cause_; }
   /// Returns the rectangle of a tile, px of the box.
   [[nodiscard]] cv::Rect tileRect(int column, int row) const;

@@ -13,7 +13,7 @@
 
 namespace hapticast::server {
 
-/// A point of the author marks the pixels in this radius around it. The value is a choice.
+/// A point of the author marks all pixels at most this far from it, px. The value is a choice.
 inline constexpr int kPoint_px = 5;
 
 /// The author's annotation of one frame.
@@ -48,12 +48,12 @@ class AnnotationTrack {
   std::vector<AuthorPoint> off_;
 };
 
-/// Returns a mask (0/255, size of `view`) of pixels around `at` that have similar colours and are
-/// connected. Their colours resemble those of a disc of `radius_px` around `at`.
+/// Returns the mask (0/255, size of `view`) of the connected region of similar colour around `at`.
+/// Similar colours are those like the colours of the disc of `radius_px` around `at`.
 cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
 
 /// Adds colours to `colors`: those of the connected region of similar colour around `point` (px of
-/// the picture). A region narrower than 25 mm is ignored.
+/// the picture). Adds nothing if the region is narrower than 25 mm.
 void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
 
 }  // namespace hapticast::server

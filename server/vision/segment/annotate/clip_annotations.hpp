@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Results of a clip's scan that each playback uses. They are the state in which the segmentation
-// begins and masks for frames before an annotation, which the scan propagated backwards from it.
-// Thread: the one that runs Vision.
+// begins, and masks of frames before an annotation. The scan propagated these masks backwards from
+// the annotation. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct InitialState;  // follow/narrow_band_tracker.hpp
 /// Results of the author's annotations of a clip, which all its playbacks share.
 struct ClipAnnotations {
   /// State in which the segmentation of the clip begins; null until it has been computed. The
-  /// computation lasts as long as ten frames.
+  /// computation takes as long as that of ten frames.
   std::shared_ptr<const InitialState> start;
   NegativeColors avoided;  ///< colours of the author's negative points
   /// Masks by index of the frame in the clip.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Colour histograms of 16 x 16 x 16 bins. Functions compare two histograms (Bhattacharyya) and
-// compute for each colour how much it speaks for the object or for the background. Thread: any.
+// Colour histograms of 16 x 16 x 16 bins. Functions compare two histograms (Bhattacharyya), and
+// compute for each colour whether it belongs rather to the object or to the background. Thread:
+// any.
 #pragma once
 
 #include <array>
@@ -31,8 +32,8 @@ class ColorHistogram {
   /// channel.
   void finish();
 
-  /// Moves each fraction towards that of `other`: 0 leaves it, 1 replaces it. An empty histogram
-  /// becomes `other`.
+  /// Moves each fraction towards that of `other`: `share` = 0 leaves it, `share` = 1 replaces it.
+  /// An empty histogram becomes `other`.
   void adapt(const ColorHistogram& other, double share);
   /// Raises each fraction to at least `share` times that of `other`. The sum may then exceed 1.
   void raise(const ColorHistogram& other, double share);
@@ -50,9 +51,10 @@ class ColorHistogram {
 double computeOverlap(const ColorHistogram& a, const ColorHistogram& b);
 
 /// Returns the evidence of each colour bin: above 0 if the colour is the object's, below 0 if it is
-/// the background's. The value is log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)), within
-/// +-2.5. `first` and `now` are the object's colours at the start and at present. A colour in no
-/// histogram counts as background, because the constant of the denominator is larger.
+/// the background's. The value is log((0.6 first + 0.4 now + 2e-5) / (background + 1.2e-4)),
+/// clamped to -2.5..2.5. `first` and `now` are the object's colours at the start and at present. A
+/// colour in none of the three histograms counts as background, because the constant of the
+/// denominator is the larger one.
 std::vector<float> colorEvidence(const ColorHistogram& first, const ColorHistogram& now,
                                  const ColorHistogram& background);
 

@@ -19,13 +19,13 @@ struct ContourMemory {
   ColorHistogram first;       ///< colours of the first mask; constant
   ColorHistogram now;         ///< colours of recent masks; adapts slowly
   ColorHistogram background;  ///< colours of the ring around the object
-  ColorHistogram elsewhere;   ///< colours of the first picture without the object; may be empty
+  ColorHistogram elsewhere;   ///< colours of the first picture outside the object; may be empty
   ColorHistogram avoided;     ///< colours of the author's negative points; may be empty
   cv::Mat evidence;           ///< evidence of the last decision, CV_32FC1 over a patch; > 0: object
   cv::Matx33d to_picture;     ///< maps px of `evidence` to px of the picture
 };
 
-/// Moves the evidence of the last decision by `similarity` into `patch`, the region of this frame.
+/// Moves `memory.evidence` by `similarity` into the region of `patch`, which belongs to this frame.
 /// `similarity` maps px of the last picture to px of this picture.
 void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 

@@ -58,8 +58,8 @@ struct GraphRoi {
 /// of view.
 double pixelsPerMm(double depth_mm, const cv::Size& picture);
 
-/// Half of the band's width, px of the patch: each frame decides pixels this near to the contour
-/// anew.
+/// Half of the band's width, px of the patch. Each frame decides anew the pixels at most this far
+/// from the contour.
 inline constexpr int kBand_px = 7;
 /// Width of the ring of background around the band, px of the patch.
 inline constexpr int kRing_px = 20;
@@ -88,21 +88,22 @@ struct ObjectRoi {
   [[nodiscard]] cv::Matx33d toPicture() const;
 };
 
-/// What the object's pixels can be: nearer pixels and hands hide the object, farther pixels are
-/// background.
+/// Limits of the object's pixels. Pixels nearer than `nearest_mm` and hands hide the object. Pixels
+/// farther than `farthest_mm` are background.
 struct ObjectLimits {
   double nearest_mm = 0.0;           ///< 0: unknown
   double farthest_mm = 0.0;          ///< 0: unknown
   const SkinColors* hand = nullptr;  ///< skin colours; null: the object itself resembles skin
-  /// Colours of the object itself, even if they resemble skin; null: unknown.
+  /// Colours of the object itself, which count as no hand even if they resemble skin; null:
+  /// unknown.
   const ColorHistogram* own = nullptr;
 };
 /// Returns the patch around the object, whose mask in the last picture was `mask` (0/255).
 /// `similarity` maps px of the last picture to px of this picture.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
                       const ObjectLimits& limits);
-/// Returns the patch around the object, whose mask in this picture is `mask` (0/255). It has no
-/// limits of depth or skin.
+/// Returns the patch around the object, whose mask in this picture is `mask` (0/255). No limits of
+/// depth or skin apply.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 
 /// Moves `image` from the last picture into the patch `to` of this picture by `similarity` (px of
@@ -111,7 +112,8 @@ ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
                   const cv::Matx23d& similarity);
 
-/// Convert a mask from the patch's size to the full size of the patch's box, and back.
+/// atFullSize() converts a mask from the patch's size to the full size of the patch's box.
+/// atPatchSize() converts such a mask back to the patch's size.
 cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch);
 cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch);
 
@@ -130,8 +132,8 @@ struct DepthSpan {
   [[nodiscard]] double nearest_mm(const DepthNoise& noise) const;
   [[nodiscard]] double farthest_mm(const DepthNoise& noise) const;
 };
-/// Returns the quantiles of the depths where `inside` (0/255) is set. Returns nullopt if fewer than
-/// ten pixels were measured.
+/// Returns the quantiles of the depths where `inside` (0/255) is set. It reads every second pixel
+/// and row. Returns nullopt if fewer than ten of these pixels were measured.
 std::optional<DepthSpan> depthSpan(const ObjectRoi& patch, const cv::Mat& inside);
 
 }  // namespace hapticast::server

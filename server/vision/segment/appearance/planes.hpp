@@ -15,10 +15,12 @@ namespace hapticast::server {
 /// is exact for any camera, so the camera's intrinsics are not needed.
 struct Plane {
   double a = 0.0, b = 0.0, c = 0.0;
-  double tolerance_mm = 2.0;  ///< depths this near lie on the plane; behind() adds a part for slope
-  double widest_mm = 2.0;     ///< limit of tolerance_mm, from the depth's noise
-  double share = 0.0;         ///< share of the picture on the plane, 0..1
-  bool support = false;       ///< objects lie on it: no object continues behind it
+  /// Largest distance at which a depth counts as on the plane, mm. behind() adds a tolerance for
+  /// the slope.
+  double tolerance_mm = 2.0;
+  double widest_mm = 2.0;  ///< limit of tolerance_mm, from the depth's noise
+  double share = 0.0;      ///< share of the picture on the plane, 0..1
+  bool support = false;    ///< objects lie on it: no object continues behind it
 
   /// Returns the plane's inverse depth at (u, v), 1/mm.
   [[nodiscard]] double inverse(double u, double v) const { return a * u + b * v + c; }
@@ -27,8 +29,8 @@ struct Plane {
   [[nodiscard]] double behind(double u, double v, double depth_mm) const;
 };
 
-/// Returns up to three planes of `depth` (CV_32FC1, mm). A plane must cover 6 % of the picture, a
-/// ground plane (table or floor) 2 %.
+/// Returns up to three planes of `depth` (CV_32FC1, mm). A plane counts if it covers at least 6 %
+/// of the picture. For a ground plane (table or floor), 2 % suffice.
 std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise);
 /// Fits the planes again to the depth of this frame. Returns false if a plane lost more than 40 %
 /// of its share of the picture.

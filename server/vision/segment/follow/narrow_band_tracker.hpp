@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Narrow-band tracking for real scenes. After an initial mask, each frame moves the mask with the
-// object and decides the pixels of a band around its contour anew. A lost object is searched by its
-// colours (re-detection). If found, it continues under a new id. Thread: the one that runs Vision.
+// object and decides the pixels of a band around its contour anew. The tracker searches for a lost
+// object by its colours (re-detection). An object that is found again has a new id. Thread: the one
+// that runs Vision.
 #pragma once
 
 #include <deque>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Re-detection: searches a lost object by its appearance model with one graph cut. It searches
+// Re-detection: searches for a lost object by its appearance model with one graph cut. It searches
 // around the expected position or in the whole picture. Thread: the one that runs Vision.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace hapticast::server {
 
-/// Model of the object to search: its appearance, its limits of depth, and its usual size.
+/// Model of the object to search for: its appearance, its limits of depth, and its usual size.
 struct KnownObject {
   const ContourMemory& memory;
   ObjectLimits limits;
@@ -18,8 +18,8 @@ struct KnownObject {
   cv::Mat mask;           ///< expected mask, 0/255, size of the image; empty: search everywhere
 };
 
-/// Searches the object in this frame. Returns its mask (CV_8UC1, 0/255, size of the image), or an
-/// empty mask if nothing was found.
+/// Searches for the object in this frame. Returns its mask (CV_8UC1, 0/255, size of the image), or
+/// an empty mask if nothing was found.
 cv::Mat redetect(const FrameContext& scene, const KnownObject& known);
 
 /// Returns how likely `mask` is the object `known`: a score of about 4 for a good mask, higher is

@@ -33,8 +33,9 @@ struct SceneContext {
 /// Mask and appearance of one object, updated from frame to frame.
 class TrackedMask {
  public:
-  /// Begins with the first mask (CV_8UC1, 0/255, size of the image). It decides the band in this
-  /// frame again and again until the mask no longer changes, at most `most_rounds` times.
+  /// Begins with the mask `first_mask` (CV_8UC1, 0/255, size of the image). Decides the pixels of
+  /// its band in this one frame repeatedly, until the mask no longer changes. There are at most
+  /// `most_rounds` repetitions.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
   /// Usual limit of the repetitions. The value was measured: 5 to 19 repetitions are needed.
@@ -48,15 +49,15 @@ class TrackedMask {
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,
   /// those around negative points do not. Marks the object as lost if no pixel remains.
   void correct(const FrameImages& images, const SceneContext& scene, const Annotation& annotation);
-  /// Replaces the object's mask by `mask` and computes the appearance model anew. `given`: whether
+  /// Replaces the object's mask by `mask` and computes the appearance model anew. `given`: if true,
   /// `mask` is a key mask, which contains no hand.
   void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
   /// Updates the mask for the next frame: moves it by `flow` and decides the pixels of its band
   /// anew.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
   /// Counts a frame in which the object is lost. In every third such frame it searches the whole
-  /// picture, by the object's first colours and near its last depth. Returns the object if it was
-  /// found, still without a new id; otherwise nullopt.
+  /// picture for the object's colours, at depths of 0.6 to 1.6 times its last depth. Returns the
+  /// object if it was found, still without a new id; otherwise nullopt.
   [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
                                                   const SceneContext& scene);
   /// Removes the pixels that belong to `other` too. Marks the object as lost if almost none
@@ -75,10 +76,11 @@ class TrackedMask {
   void setNumber(int number) { number_ = number; }
   /// Returns the mask of the visible part: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
-  /// Returns 1 if this frame's pixels decided the mask, or less if it was only moved from the last
-  /// frame.
+  /// Returns 1 if the newest frame's pixels decided the mask and its motion was measured. Returns
+  /// less otherwise.
   [[nodiscard]] double quality() const { return quality_; }
-  /// Returns whether the pixels of the last frame decided the mask; false if it was only moved.
+  /// Returns whether the pixels of the newest frame decided the mask. Returns false if the mask was
+  /// only moved.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }

@@ -34,9 +34,10 @@ struct Click {
 std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click);
 
 /// Returns how well `mask` covers one object and nothing else (objectness): about 3 for a good
-/// mask, higher is better. The score is high if the colours differ from those of the ring around
-/// the mask. It is also high if the contour lies on edges of colour and depth. The shape should be
-/// solid, and its size should fit a hand. Measured depth raises the score, and skin lowers it.
+/// mask, higher is better. The score rises if the colours differ from those of the ring around the
+/// mask. It rises if the contour lies on edges of colour and depth. It also rises with a solid
+/// shape and with the share of measured depth. Skin lowers it, and so does a size that does not fit
+/// a hand.
 double objectness(const FrameContext& scene, const cv::Mat& mask);
 
 /// Returns the object's width in space, mm: the diameter of a disc with the area of `mask` at the

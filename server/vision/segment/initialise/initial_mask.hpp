@@ -26,12 +26,13 @@ double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step);
 bool clearOfBorder(const cv::Mat& mask);
 
 /// Returns the mask (0/255) of the nearest compact component of `labels`, or an empty mask if there
-/// is none. A compact component covers 0.6 to 30 % of the picture and at least 35 % of its box. It
-/// is also clear of the picture's border and has enough texture to track.
+/// is none. A compact component covers 0.6 to 30 % of the picture and at least 35 % of its own
+/// bounding box. It is also clear of the picture's border and has enough texture to track.
 cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels);
 
-/// Object at a point: its first mask (0/255), or the cause if there is none. `planes` are the
-/// planes of the scene without those through the point; supporting planes are marked.
+/// Object at a point, with its first mask (0/255). If there is no object, `mask` is empty and
+/// `why_not` is the cause. `planes` are the planes of the scene without those through the point;
+/// supporting planes are marked.
 struct ObjectStart {
   cv::Mat mask;
   const char* why_not = nullptr;
@@ -42,10 +43,10 @@ struct ObjectStart {
 ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,
                        std::vector<Plane> planes);
 
-/// Returns `mask`, refined by GrabCut at half size or less. Returns `mask` itself if the result is
-/// implausible: less than 0.4 or more than 2.5 times its area (less than 0.1 with `not_points`).
-/// `object_point` lies on the object. A disc of 10 px around each of `not_points` is certain
-/// background. Pixels nearer to one of them than to `object_point` are probable background.
+/// Returns `mask`, refined by GrabCut at half size or less. Returns `mask` itself if the refined
+/// mask has less than 0.4 or more than 2.5 times its area. If there are `not_points`, the lower
+/// limit is 0.1. `object_point` lies on the object. A disc of 10 px around each of `not_points` is
+/// certain background. Pixels nearer to one of them than to `object_point` are probable background.
 cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,
                    const cv::Point& object_point, const std::vector<cv::Point>& not_points);
 
