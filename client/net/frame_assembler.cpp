@@ -57,7 +57,7 @@ std::uint64_t FrameAssembler::newest() const {
   return waiting_.empty() ? left : std::max(left, waiting_.rbegin()->first);
 }
 
-FrameAssembler::Want FrameAssembler::setTransport(const DatagramHeader& part) const {
+FrameAssembler::Want FrameAssembler::classify(const DatagramHeader& part) const {
   const std::uint64_t newest_id = newest();
   const bool any = last_id_ || !waiting_.empty();
   const bool astray = part.frame > newest_id ? part.frame - newest_id > kLargestJump

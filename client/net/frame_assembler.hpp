@@ -84,7 +84,7 @@ class FrameAssembler {
     kAstray,  ///< its frame is too far from the present frames
   };
   /// Returns the class of the fragment with the header `part`. The payload is not needed.
-  [[nodiscard]] Want setTransport(const DatagramHeader& part) const;
+  [[nodiscard]] Want classify(const DatagramHeader& part) const;
   /// Adds a fragment of the class kNew. Returns true if the fragment completes its frame, even if
   /// the same frame has already arrived over TCP. If the fragment contradicts the earlier ones,
   /// returns an error and drops the fragments of the frame.

@@ -58,8 +58,8 @@ class Receiver {
   /// Adds a frame that arrived over TCP.
   void frame(CodedFrame frame, LocalTime now);
   /// Returns the class of a fragment, by the frames that arrived so far.
-  [[nodiscard]] FrameAssembler::Want setTransport(const DatagramHeader& part) const {
-    return assembler_.setTransport(part);
+  [[nodiscard]] FrameAssembler::Want classify(const DatagramHeader& part) const {
+    return assembler_.classify(part);
   }
   /// Adds a fragment of the class kNew. Returns true if the fragment completes its frame.
   bool part(const DatagramHeader& part, std::span<const std::uint8_t> payload, LocalTime now);

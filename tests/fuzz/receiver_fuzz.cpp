@@ -106,7 +106,7 @@ struct Client {
       if (change % 8 == 5) header.media_time += fromSeconds(change - 120.0);
       if (change % 8 == 6) payload = script.bytes();
       if (change % 8 == 7) payload = payloads[script.byte() % payloads.size()];
-      if (receiver.setTransport(header) != FrameAssembler::Want::kNew) continue;
+      if (receiver.classify(header) != FrameAssembler::Want::kNew) continue;
       (void)receiver.part(header, payload, clock.now());
       ++taken;
     }

@@ -98,7 +98,7 @@ class VirtualViewer {
   void moveTo(LocalTime now) { clock_.set(now); }
   /// A datagram that the server has signed.
   void part(const DatagramHeader& header, std::span<const std::uint8_t> payload) {
-    if (receiver_.setTransport(header) == FrameAssembler::Want::kNew)
+    if (receiver_.classify(header) == FrameAssembler::Want::kNew)
       (void)receiver_.part(header, payload, clock_.now());
   }
   void expectCopies(std::uint32_t copies) { receiver_.expectCopies(copies, clock_.now()); }
@@ -108,9 +108,7 @@ class VirtualViewer {
     const TokenBytes front = tokenBytes(token_);
     std::vector<std::uint8_t> bytes(front.begin(), front.end());
     bytes.insert(bytes.end(), body.begin(), body.end());
-    const auto want = [this](const DatagramHeader& header) {
-      return receiver_.setTransport(header);
-    };
+    const auto want = [this](const DatagramHeader& header) { return receiver_.classify(header); };
     const auto datagram = verifier_->verify(bytes, clock_.now(), want);
     if (datagram && !datagram->header.probe())
       (void)receiver_.part(datagram->header, datagram->payload, clock_.now());

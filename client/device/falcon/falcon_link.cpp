@@ -121,7 +121,7 @@ void FalconLink::serve(FalconUsb& usb) {
   torque_sent_ = false;
   bool good = true;
   try {
-    usb.start([this](std::span<const std::uint8_t> data) { last_reply(data); });
+    usb.start([this](std::span<const std::uint8_t> data) { onData(data); });
   } catch (const FalconError&) {
     good = false;
   }
@@ -143,7 +143,7 @@ void FalconLink::serve(FalconUsb& usb) {
   usb.finish();
 }
 
-void FalconLink::last_reply(std::span<const std::uint8_t> data) {
+void FalconLink::onData(std::span<const std::uint8_t> data) {
   const std::uint64_t before = parser_.resyncs();
   for (const std::uint8_t byte : data) {
     const auto reply = parser_.push(byte);

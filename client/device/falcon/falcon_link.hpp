@@ -75,7 +75,7 @@ class FalconLink {
   void initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line);
   void keepOpen(std::unique_ptr<FalconUsb> usb);
   void serve(FalconUsb& usb);
-  void last_reply(std::span<const std::uint8_t> data);
+  void onData(std::span<const std::uint8_t> data);
   void watchLoop(FalconUsb& usb);
   void endWithZero(FalconUsb& usb);
   std::unique_ptr<FalconUsb> openAgain();

@@ -145,7 +145,7 @@ void UdpReceiver::applySelection(LocalTime now) {
     counted_ = {};
     path_->start(
         [this](const DatagramHeader& header) {
-          const FrameAssembler::Want want = receiver_.setTransport(header);
+          const FrameAssembler::Want want = receiver_.classify(header);
           if (want == FrameAssembler::Want::kHad) meter_.onDuplicate(header);
           return want;
         },

@@ -38,7 +38,7 @@ class ScriptedViewer {
     return true;
   }
   void part(const DatagramHeader& header, std::span<const std::uint8_t> payload) {
-    if (receiver_.setTransport(header) != client::FrameAssembler::Want::kNew) return;
+    if (receiver_.classify(header) != client::FrameAssembler::Want::kNew) return;
     (void)receiver_.part(header, payload, now());
     prepareAll();
   }

@@ -138,10 +138,10 @@ class FrameAssemblerParts : public ::testing::Test {
     return relief;
   }
   bool add(const Packed& frame, std::size_t part) {
-    EXPECT_EQ(assembler.setTransport(frame.headers[part]), FrameAssembler::Want::kNew);
+    EXPECT_EQ(assembler.classify(frame.headers[part]), FrameAssembler::Want::kNew);
     const auto added = assembler.add(frame.headers[part], frame.payloads[part], localTime(2.0));
     EXPECT_TRUE(added.ok());
-    EXPECT_EQ(assembler.setTransport(frame.headers[part]), FrameAssembler::Want::kHad);
+    EXPECT_EQ(assembler.classify(frame.headers[part]), FrameAssembler::Want::kHad);
     return added.ok() && added.value();
   }
   void addAll(const Packed& frame, std::size_t from = 0) {
@@ -231,10 +231,10 @@ TEST_F(FrameAssemblerParts, WhatIsFarFromTheStreamIsAstray) {
   constexpr auto kAstray = FrameAssembler::Want::kAstray;
   DatagramHeader header = packed(11).headers[0];
   header.frame = 10 + FrameAssembler::kLargestJump + 1;
-  EXPECT_EQ(assembler.setTransport(header), kAstray);
+  EXPECT_EQ(assembler.classify(header), kAstray);
   ASSERT_TRUE(whole(assembler, frameOf(200)));
   header.frame = 200 - FrameAssembler::kOldestPart - 1;
-  EXPECT_EQ(assembler.setTransport(header), kAstray);
+  EXPECT_EQ(assembler.classify(header), kAstray);
 }
 
 TEST_F(FrameAssemblerParts, FramesThatNeverBecomeWholeAreBounded) {
@@ -279,7 +279,7 @@ TEST_P(FrameAssemblerFlood, WhateverTheIdsLittleIsKept) {
                    : ids == Ids::kRace ? i * FrameAssembler::kLargestJump
                                        : i / 100 * 1000 + i % 2 * 60 + i % 50;
     const std::vector<std::uint8_t> noise(9, 0xff);
-    if (assembler.setTransport(header) != FrameAssembler::Want::kNew) continue;
+    if (assembler.classify(header) != FrameAssembler::Want::kNew) continue;
     taken += assembler.add(header, broken ? noise : honest.payloads[1], localTime(2.0)).ok();
     while (assembler.next(i % 3 == 0)) {
     }
@@ -304,7 +304,7 @@ TEST_F(FrameAssemblerParts, AnAbsurdIdByDatagramEndsWithTheNextFrameByTcp) {
     (void)assembler.add(absurd.headers[part], absurd.payloads[part], localTime(2.0));
   }
   ASSERT_TRUE(assembler.next(false));
-  EXPECT_EQ(assembler.setTransport(packed(12).headers[0]), FrameAssembler::Want::kAstray);
+  EXPECT_EQ(assembler.classify(packed(12).headers[0]), FrameAssembler::Want::kAstray);
   const auto back = whole(assembler, frameOf(12));
   ASSERT_TRUE(back);
   EXPECT_TRUE(back->place.resync);
@@ -331,7 +331,7 @@ TEST_F(FrameAssemblerParts, WhateverTheOrderFramesRiseAndNoneComesTwice) {
   for (const auto& [place, i] : order) {
     const Packed& frame = frames[datagrams[i].first];
     const DatagramHeader& header = frame.headers[datagrams[i].second];
-    if (assembler.setTransport(header) == FrameAssembler::Want::kNew) {
+    if (assembler.classify(header) == FrameAssembler::Want::kNew) {
       ASSERT_TRUE(assembler.add(header, frame.payloads[datagrams[i].second], localTime(2)).ok());
     }
     while (const auto left = assembler.next(random() % 7 == 0)) {
