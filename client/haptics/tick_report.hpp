@@ -26,8 +26,8 @@ enum class Fault : std::uint8_t {
 };
 inline constexpr std::size_t kFaultKinds = 6;
 
-/// The report of one tick. It owns no memory. Positions and penetration are in nominal mm. Forces
-/// are in N, in the device frame.
+/// The report of one tick. It owns no memory. Positions and penetration are in mm of the nominal
+/// frame. Forces are in N, in the device frame.
 struct TickReport {
   std::uint64_t tick = 0;
   LocalTime time;

@@ -24,9 +24,9 @@ class JitterEstimator {
 
   void reset() { samples_.clear(); }
 
-  /// Adds a frame that arrived at `arrival`. `needed` is the playout delay that the frame needs in
-  /// order to be in time. It is the frame's lateness plus the media time that the interpolation
-  /// uses in advance. If frames before it are missing, that media time is longer.
+  /// Adds a frame that arrived at `arrival`. `needed` is the playout delay with which the frame
+  /// would be in time: its lateness plus the media time since the previous frame that arrived. The
+  /// interpolation needs this frame as soon as play time passes that previous frame.
   void add(LocalTime arrival, Duration needed);
   /// Adds `by` to the delays of all stored frames. Call it after a change of the clock offset.
   void shift(Duration by);

@@ -35,10 +35,11 @@ inline constexpr std::size_t kMostSliceBytes = 1100;
 /// Settings of the encoder.
 struct SliceSettings {
   double error_mm = kDefaultHeightError_mm;  ///< largest error of a pixel's height, 0.002..0.499
-  /// Quantiser step of the coarser points, in sixteenths of the pixels' step, 1..16. A smaller step
-  /// yields a smoother surface with the same largest error, but it needs more bytes. The effect was
-  /// measured. At 16, slices add 0.75 percentage points to the force's error. At 10, they add 0.49
-  /// points, and they have 11 % more bytes.
+  /// Quantiser step of the points on the coarser levels of the pyramid (smooth mode), from which
+  /// the codec interpolates the pixels. It is in sixteenths of the step of the pixels, 1..16. A
+  /// smaller step yields a smoother surface with the same largest error, but needs more bytes. The
+  /// effect was measured. At 16, slices add 0.75 percentage points to the force's error. At 10,
+  /// they add 0.49 points, and they have 11 % more bytes.
   int coarse_sixteenths = 10;
   std::size_t most_bytes = kMostSliceBytes;  ///< largest size of a slice, 300 or more
 

@@ -106,8 +106,8 @@ class SceneInstant {
   /// Returns height (mm) and gradient (mm/mm) of the surface at a nominal point; nullopt outside
   /// the object. Towards the silhouette the gradient grows without bound.
   [[nodiscard]] std::optional<SurfaceSample> surface(const Vec2& nominal_mm) const noexcept;
-  /// Returns the nominal motion of the body's centre. Its z is the height of the centre's depth.
-  /// The angle is about nominal +z.
+  /// Returns the motion of the body's centre in the nominal frame. Its z is the height that belongs
+  /// to the depth of the centre. The angle is about the +z axis of that frame.
   [[nodiscard]] Motion motion() const noexcept;
   /// Returns the nominal motion of that point of the body which is visible at `nominal_mm`; nullopt
   /// outside the object.

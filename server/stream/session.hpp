@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Session of one viewer: the states of the protocol from hello and welcome to goodbye, answers to
-// pings, the send queue and deadlines. A Channel transmits its bytes. Its coroutines own the
-// session. It never blocks, and its memory is bounded. Thread: io.
+// pings, the send queue and deadlines. A Channel transmits the session's bytes. The coroutines of
+// the session keep it alive. The session never blocks, and its memory is bounded. Thread: io.
 #pragma once
 
 #include <cstdint>

@@ -13,7 +13,8 @@
 
 namespace hapticast::client {
 
-/// Centre of the workspace, which is the origin of the device frame.
+/// Centre of the workspace, in the frame of the kinematics (origin at the Falcon's base). The
+/// origin of the device frame lies here.
 inline const Vec3 kFalconCentre_m{0.0, 0.0, 0.125};
 
 /// Converts encoder counts to arm angles.

@@ -38,11 +38,11 @@ class ProxySurface {
   /// Contact::object is the object with the longest displacement. A proxy belongs to an object id
   /// and a layer, and ends with its object.
   ///
-  /// A jump of the geometry never causes a step of the force. It is a jump if an object appears, or
-  /// if a surface or pose changes by more than its motion explains. This function itself fades in
-  /// the force after a jump, so Contact::jump reports only a change of the epoch. If the
-  /// displacement of an object is longer than `deepest_mm` after a jump, the object is disarmed
-  /// until the HIP is out of it.
+  /// A jump of the geometry never causes a step of the force. A jump is an object that appears, or
+  /// a surface or pose that changes by more than its motion explains. After a jump this function
+  /// fades in the force, so the caller need not handle it. Contact::jump is set only when the epoch
+  /// changes. If the displacement of an object is longer than `deepest_mm` after a jump, the object
+  /// is disarmed until the HIP is out of it.
   Contact computeContact(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                          double deepest_mm) noexcept;
 

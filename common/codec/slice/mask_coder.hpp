@@ -86,8 +86,8 @@ class MaskCoder {
 
  private:
   static constexpr int kFarthest = 7;
-  /// Value of Edge::shift that marks no edge of this row. It means that an edge of the row above
-  /// has no counterpart here.
+  /// Special value of Edge::shift: the edge of the row above ends there. This row has no edge that
+  /// continues it.
   static constexpr int kPassed = 99;
 
   template <class Coder>
