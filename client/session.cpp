@@ -11,7 +11,7 @@
 #include "client/discovery/find_server.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
-#include "client/report/connection_log.hpp"
+#include "client/report/messages.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/transport/asio.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "client/report/connection_log.hpp"
 #include "client/report/fault_log.hpp"
+#include "client/report/messages.hpp"
 #include "client/report/summary.hpp"
 #include "client/report/tick_log.hpp"
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/report/connection_log.hpp"
+#include "client/report/messages.hpp"
 #include "client/report/tick_log.hpp"
 
 namespace hapticast::client {

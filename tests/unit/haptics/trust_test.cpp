@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/haptics/rearm_policy.hpp"
-#include "client/report/connection_log.hpp"
+#include "client/report/messages.hpp"
 #include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/report/connection_log.hpp"
+#include "client/report/messages.hpp"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
