@@ -100,9 +100,9 @@ class App::Impl {
   const Clock& clock_;
   UserInterface ui_;
   LocalDevice local_;
-  Session session_;
-  Reporter reporter_;
   std::atomic<bool> stop_{false};
+  Session session_;  // its network thread uses everything above
+  Reporter reporter_;
   TickReport last_report_;  // of those read from local_.reports
   bool sent_contact_ = false;
   bool time_is_over_ = false;

@@ -55,7 +55,7 @@ class Session::Impl {
         connection_log(server) {}
 
   ~Impl() {
-    io.stop();  // if start() was left by an exception
+    io.stop();  // an exception can end the client without stop()
   }
 
   [[nodiscard]] ConnectionEvents connectionEvents();

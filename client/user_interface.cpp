@@ -42,7 +42,7 @@ bool wantedBy(const Settings& settings) {
 std::unique_ptr<View> openWindow(const Settings& settings) {
 #if HAPTICAST_IMGUI
   if (!wantedBy(settings)) return nullptr;
-  // SDL would draw where nobody sees it.
+  // Without a display, SDL draws into an invisible window.
   if (!hasDisplay() && !named("SDL_VIDEODRIVER"))
     throw std::runtime_error("--view on: no display (neither DISPLAY nor WAYLAND_DISPLAY is set)");
   try {

@@ -7,7 +7,6 @@
 namespace hapticast {
 
 inline constexpr bool kHasFalcon = HAPTICAST_LIBUSB != 0;
-inline constexpr bool kHasGamepad = HAPTICAST_SDL2 != 0;
 inline constexpr bool kHasSound = HAPTICAST_SDL2 != 0;
 inline constexpr bool kHasWindow = HAPTICAST_IMGUI != 0;
 inline constexpr bool kHasDiscovery = HAPTICAST_AVAHI != 0;

@@ -19,8 +19,8 @@ struct Endpoint {
 };
 
 /// Returns the endpoint in `text`, which has the form HOST, HOST:PORT, PORT or :PORT. An IPv6
-/// address has the form [ADDRESS], [ADDRESS]:PORT, or ADDRESS alone. A missing part is taken from
-/// `otherwise`. Returns nullopt for other texts.
+/// address has the form [ADDRESS], [ADDRESS]:PORT, or ADDRESS alone. `otherwise` provides a
+/// missing part. Returns nullopt for other texts.
 [[nodiscard]] std::optional<Endpoint> parseEndpoint(std::string_view text,
                                                     const Endpoint& otherwise);
 /// Returns true if the host is a numeric IPv6 address.

@@ -14,7 +14,8 @@ namespace {
 // Chosen: twice the time after which a lost first query is repeated.
 constexpr std::chrono::milliseconds kSearch(2000);
 constexpr std::chrono::milliseconds kStep(50);
-constexpr Duration kLookAgain = std::chrono::seconds(1);
+constexpr Duration kUpdateInterval = std::chrono::seconds(1);
+constexpr const char* kNoSearch = "no search for servers on the LAN: ";  // a reason follows
 
 asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std::string name,
                                        asio::io_context& io, Duration deadline,
@@ -44,8 +45,8 @@ Dial dialAnnounced(std::string name) {
 }
 
 std::optional<std::string> ServerHint::update(LocalTime now) {
-  if (now < next_look_) return std::nullopt;
-  next_look_ = now + kLookAgain;
+  if (now < next_update_) return std::nullopt;
+  next_update_ = now + kUpdateInterval;
   if (!discovery_) discovery_ = std::make_unique<Discovery>();
   std::string text = discovery_->absent();
   if (text.empty()) {
@@ -53,7 +54,7 @@ std::optional<std::string> ServerHint::update(LocalTime now) {
     if (!text.empty())
       text = "servers on the LAN (HOST:PORT or mdns:NAME as argument selects one):\n" + text;
   } else {
-    text = "no search for servers on the LAN: " + text;
+    text = kNoSearch + text;
   }
   if (text == logged_) return std::nullopt;
   logged_ = text;
@@ -70,8 +71,7 @@ bool listServers() {
   }
   const std::string absent = discovery.absent();
   std::fprintf(stderr, "hapticast-client: %s\n",
-               absent.empty() ? "no server is announced on the LAN"
-                              : ("no search for servers on the LAN: " + absent).c_str());
+               absent.empty() ? "no server is announced on the LAN" : (kNoSearch + absent).c_str());
   return false;
 }
 

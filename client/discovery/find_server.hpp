@@ -27,7 +27,7 @@ class ServerHint {
 
  private:
   std::unique_ptr<Discovery> discovery_;  // from the first update
-  LocalTime next_look_{};
+  LocalTime next_update_{};
   std::string logged_;
 };
 

@@ -31,7 +31,8 @@ struct LoopStats {
   /// Largest magnitude of the force, and largest change of the force from one tick to the next.
   double max_force_N = 0.0;
   double max_force_step_N = 0.0;
-  /// Largest step of the force beyond the slew limit. It must be 0.
+  /// Largest step of the force beyond the steps that the motion of the HIP and the slew limit
+  /// allow, N. It must be 0.
   double step_excess_max_N = 0.0;
   PortWork work;  ///< work of the force since the start, by its cause
 

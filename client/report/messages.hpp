@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Log lines about the connection, the stream and the force. There is one line for each change. A
-// rate limit prevents that a server fills the log.
-// Thread: one (main).
+// rate limit keeps a server from filling the log. Thread: one for each object (network: connection
+// and stream; main: force).
 #pragma once
 
 #include <optional>
@@ -62,12 +62,9 @@ class StreamErrorLog {
   LogInterval interval_;
 };
 
-// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
-// wall. There is one line for each change.
-// Thread: main.
-
-/// Log lines about the force. The object compares each report with what it logged last. So it
-/// returns a line only for a change.
+/// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
+/// wall. The object compares each report with what it logged last, and returns a line only for a
+/// change.
 class HapticStatusLog {
  public:
   /// Processes the report of one tick. Returns the line to log, or nullopt if nothing has changed.

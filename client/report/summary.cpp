@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/report/messages.hpp"
+#include "client/haptics/safety/safety_action.hpp"
 #include "client/report/tick_log.hpp"
 
 namespace hapticast::client {

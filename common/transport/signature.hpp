@@ -68,7 +68,7 @@ class VerifyingKey {
   signature_detail::Context context_;
 };
 
-/// Returns 64 random bits that nobody can predict. The result is never 0. Throws std::runtime_error
+/// Returns 64 unpredictable random bits. The result is never 0. Throws std::runtime_error
 /// if the system has no random numbers. Thread: any.
 [[nodiscard]] std::uint64_t unguessable();
 

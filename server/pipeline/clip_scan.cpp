@@ -44,7 +44,7 @@ VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info
 }
 
 namespace {
-constexpr Duration kTellEvery = std::chrono::seconds(2);  // chosen: a comfortable interval
+constexpr Duration kLogInterval = std::chrono::seconds(2);  // chosen: a comfortable interval
 }  // namespace
 
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
@@ -53,7 +53,7 @@ bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
   return vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     const double share = static_cast<double>(done) / static_cast<double>(total);
     if (progress) progress(share);
-    if (stop || clock.now() - logged < kTellEvery) return !stop;
+    if (stop || clock.now() - logged < kLogInterval) return !stop;
     logged = clock.now();
     spdlog::info("scanning the clip: {:.0f} %", 100.0 * share);
     return true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Address validation of UDP subscribers: stores to which address each viewer's datagrams are sent.
 // A viewer sets its address by an echo: a datagram with the token from its welcome. An echo counts
-// only from the host of the viewer's TCP connection, so that nobody can direct the stream at
+// only from the host of the viewer's TCP connection, so that no attacker can direct the stream at
 // another host. It has no sockets and no clocks. Thread: io.
 #pragma once
 

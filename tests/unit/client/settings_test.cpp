@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <string>
 
-#include "client/device/open_device.hpp"
 #include "common/build_options.hpp"
 #include "common/cli/parse.hpp"
 #include "tests/unit/command_line_probe.hpp"
@@ -46,12 +45,6 @@ TEST(ClientSettings, Defaults) {
               run.settings.screenshot_file.empty() && run.settings.film_file.empty());
 }
 
-bool hasFalcon() {
-  const auto kinds = deviceKinds();
-  return std::any_of(kinds.begin(), kinds.end(),
-                     [](const DeviceKind& kind) { return std::string(kind.name) == "falcon"; });
-}
-
 void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.server, (Endpoint{"::1", 99}));
   EXPECT_TRUE(settings.server_given);
@@ -78,7 +71,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.stiffness_limit_N_mm, 2.5);
   EXPECT_TRUE(settings.quiet);
   EXPECT_TRUE(settings.list_devices);
-  const bool falcon = hasFalcon();
+  const bool falcon = kHasFalcon;
   EXPECT_EQ(settings.falcon.firmware_file, falcon ? "f.bin" : "");
   EXPECT_EQ(settings.falcon.serial, falcon ? "A7" : "");
   EXPECT_EQ(settings.falcon.gain, falcon ? 4000.0 : 3500.0);
@@ -98,7 +91,7 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
       {"redundancy", "3"},     {"interface", "lo"},
       {"list-devices", "true"}};
   if (kHasDiscovery) flags.emplace_back("list", "true");
-  if (hasFalcon()) {
+  if (kHasFalcon) {
     flags.emplace_back("falcon-firmware", "f.bin");
     flags.emplace_back("falcon-serial", "A7");
     flags.emplace_back("falcon-gain", "4000");
