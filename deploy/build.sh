@@ -40,9 +40,9 @@ printHitRate() {
   rm -f "$CCACHE_STATSLOG"
 }
 
-configure() {  # preset
+configure() {  # preset; with strict=yes a warning is an error
   mkdir -p build
-  cmake --preset "$1" >"build/$1.configure.log" 2>&1 || {
+  cmake --preset "$1" ${strict:+-DHAPTICAST_WERROR=ON} >"build/$1.configure.log" 2>&1 || {
     grep -A3 -E 'CMake Error|not found|Could not find' "build/$1.configure.log" >&2
     endWith "cmake --preset $1 failed (build/$1.configure.log); deploy/install-deps installs what is missing"
   }

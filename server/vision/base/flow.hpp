@@ -26,7 +26,8 @@ struct PointTracks {
 
 /// Motion of an object in the picture from the last frame to this frame.
 struct ObjectFlow {
-  cv::Matx23d similarity{1, 0, 0, 0, 1, 0};  ///< maps px of the last picture to px of this picture
+  /// Maps px of the last picture to px of this picture.
+  cv::Matx23d similarity = cv::Matx23d::eye();
   bool reliable = false;           ///< true: the shift was measured; false: it is only a guess
   bool rotation_reliable = false;  ///< true: scale and rotation were measured too
   bool isStatic = false;  ///< the object rests, so nothing was measured: its mask is the last mask

@@ -21,7 +21,7 @@ struct RigidStep {
   bool reliable = false;
   /// Maps px of the last picture to px of this picture (OpenCV's coordinates, pixel centres at
   /// whole numbers). It is the similarity that best fits the motion of the outline.
-  cv::Matx23d similarity{1, 0, 0, 0, 1, 0};
+  cv::Matx23d similarity = cv::Matx23d::eye();
 };
 
 /// Returns the axis of `rotation` times its angle, rad.
