@@ -88,7 +88,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   unary.row(0).setTo(-5);
   cv::Mat truth = cv::Mat::zeros(kDrawn, CV_8UC1);
   truth(box).setTo(255);
-  const cv::Mat cut = minimumCut(unary, view, drawn.noise);
+  const cv::Mat cut = minimumCut({unary}, view, drawn.noise, kCutOfCandidate);
   EXPECT_GT(test::overlap(cut, truth), 0.95);
 }
 

@@ -13,16 +13,10 @@ namespace hapticast::server {
 
 namespace {
 
-// Tuned on drawn scenes of objects in hands, unless marked.
-constexpr double kCorrected_px = 20000.0;  // chosen for time
-constexpr double kSays_mm = 30.0;          // up to here a point outweighs its colours
-constexpr double kMeant_mm = 100.0;        // up to here a point means the pixels connected to it
-constexpr double kStays = 1.0;             // weight of the old mask, far from points
-constexpr double kPlace = 1.5;             // weight of the position, near points
-constexpr double kFarColor = 0.5;
-constexpr float kMostRather = 4.0F;
+// Tuned on drawn scenes of objects in hands.
+constexpr double kSays_mm = 30.0;    // up to here a point outweighs its colours
+constexpr double kMeant_mm = 100.0;  // up to here a point means the pixels connected to it
 constexpr int kWordMargin_px = 30;
-constexpr double kCertain = 1e3;
 
 // Data of a correction in one small view.
 struct Correction {
@@ -81,7 +75,7 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
                     2 * kWordMargin_px);
   }
   Correction out;
-  out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCorrected_px);
+  out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
   out.old = out.view.shrunk(mask);
   out.clicked_positive = drawDiscs(out.view, annotation.on);
   out.clicked_negative = drawDiscs(out.view, annotation.off);
@@ -110,10 +104,10 @@ cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) 
   const ColorMixture b(lab, second);
   if (a.empty() || b.empty()) return cv::Mat::zeros(lab.size(), CV_32FC1);
   const cv::Mat out = logDensities(a, lab) - logDensities(b, lab);
-  return cv::min(cv::max(out, -kMostRather), kMostRather);
+  return cv::min(cv::max(out, -kCutOfCorrection.most_color), kCutOfCorrection.most_color);
 }
 
-cv::Mat computeEvidence(const Correction& c) {
+CutTerms computeTerms(const Correction& c) {
   const cv::Mat object = (c.old & ~c.connected_negative) | c.connected_positive;
   const cv::Mat around = (c.old == 0) & (c.nearby_positive <= 0.0F);
   const cv::Mat not_color = rather(c.view.lab, object, c.clicked_negative);
@@ -126,16 +120,16 @@ cv::Mat computeEvidence(const Correction& c) {
       const auto on = double(c.nearby_positive.at<float>(v, u));
       const auto off = double(c.nearby_negative.at<float>(v, u));
       const bool inside = c.old.at<unsigned char>(v, u) != 0;
-      double sum = (inside ? kStays : -kStays) * (1.0 - std::max(on, off));
-      sum += kPlace * (on - off);
-      sum += std::max(off, inside ? kFarColor : 0.0) * double(not_color.at<float>(v, u));
+      const auto stays = double(inside ? kCutOfCorrection.old_mask : -kCutOfCorrection.old_mask);
+      double sum = stays * (1.0 - std::max(on, off));
+      sum += double(kCutOfCorrection.point) * (on - off);
+      sum += std::max(off, inside ? double(kCutOfCorrection.far_color) : 0.0) *
+             double(not_color.at<float>(v, u));
       sum += on * double(own_color.at<float>(v, u));
       out.at<float>(v, u) = static_cast<float>(sum);
     }
   }
-  out.setTo(kCertain, c.clicked_positive);
-  out.setTo(-kCertain, c.clicked_negative);
-  return out;
+  return {out, c.clicked_positive & ~c.clicked_negative, c.clicked_negative};
 }
 
 // Returns the pieces with a positive point, and all pieces larger than a tenth of the largest
@@ -162,7 +156,7 @@ cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
 cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
                          const Annotation& annotation) {
   const Correction c = prepareCorrection(scene, mask, annotation);
-  const cv::Mat cut = minimumCut(computeEvidence(c), c.view, scene.noise);
+  const cv::Mat cut = minimumCut(computeTerms(c), c.view, scene.noise, kCutOfCorrection);
   return c.view.inPicture(selectPieces(c, cut), mask.size());
 }
 

@@ -13,10 +13,6 @@ namespace {
 constexpr int kParts = 5;           // as in GrabCut
 constexpr int kMostSamples = 800;   // chosen for time
 constexpr float kLeastSpread = 16;  // squared, Lab: effect of a camera's noise and shading
-// Cost of a cut between two neighbours of equal colour, in nats, and its factor across a step in
-// depth. Tuned on drawn scenes of objects in hands.
-constexpr float kTogether = 6.0F;
-constexpr float kAcrossStep = 0.25F;
 
 cv::Mat collectSamples(const cv::Mat& lab, const cv::Mat& where) {
   const int count = cv::countNonZero(where);
@@ -111,9 +107,18 @@ void forNeighbours(const cv::Mat& lab, Take take) {
   }
 }
 
+cv::Mat sumTerms(const CutTerms& terms, float sure) {
+  cv::Mat out = terms.evidence.clone();
+  if (!terms.background.empty()) out.setTo(-sure, terms.background);
+  if (!terms.object.empty()) out.setTo(sure, terms.object);
+  return out;
+}
+
 }  // namespace
 
-cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise& noise) {
+cv::Mat minimumCut(const CutTerms& terms, const GraphRoi& view, const DepthNoise& noise,
+                   const CutWeights& weights) {
+  const cv::Mat unary = sumTerms(terms, weights.sure);
   const int nodes = unary.rows * unary.cols;
   cv::detail::GCGraph<float> graph(static_cast<unsigned>(nodes), static_cast<unsigned>(8 * nodes));
   for (int v = 0; v < unary.rows; ++v) {
@@ -135,8 +140,9 @@ cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise&
     const float to = view.depth.at<float>(b);
     const bool step = from > 0 && to > 0 && std::abs(from - to) > view.step_mm(noise, from);
     const float apart = a.x != b.x && a.y != b.y ? 0.7071F : 1.0F;
-    const float weight = kTogether * apart * std::exp(-beta * square) * (step ? kAcrossStep : 1.0F);
-    graph.addEdges(a.y * unary.cols + a.x, b.y * unary.cols + b.x, weight, weight);
+    const float cost =
+        weights.together * apart * std::exp(-beta * square) * (step ? weights.across_step : 1.0F);
+    graph.addEdges(a.y * unary.cols + a.x, b.y * unary.cols + b.x, cost, cost);
   });
   graph.maxFlow();
   cv::Mat out(unary.size(), CV_8UC1);

@@ -37,9 +37,67 @@ class ColorMixture {
 /// Returns the logarithms of the densities at all pixels of `lab` (CV_32FC3), as CV_32FC1.
 cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab);
 
-/// Returns a mask (255: object) by the minimum cut of the graph of all pixels. It follows `unary`,
-/// but avoids borders between neighbouring pixels of similar colour and depth. `unary`: evidence of
-/// each pixel, CV_32FC1, above 0 for the object.
-cv::Mat minimumCut(const cv::Mat& unary, const GraphRoi& view, const DepthNoise& noise);
+/// Weights of a cut. Evidence is in nats, above 0 for the object. 0: the user has no such evidence.
+/// Source: tuned on drawn scenes of objects in hands, unless marked.
+struct CutWeights {
+  double most_px = 0.0;        ///< largest size of the view; chosen for time
+  int rounds = 1;              ///< how often colours and mask are computed in turn; chosen
+  float color = 1.0F;          ///< factor of the evidence of colour
+  float most_color = 0.0F;     ///< limit of the evidence of colour
+  float far_color = 0.0F;      ///< factor of the negative points' colours, far from points
+  float plane = 0.0F;          ///< evidence of a pixel on or behind a supporting plane
+  float skin = 0.0F;           ///< evidence of a pixel of skin, unless the object is skin
+  float other_depth = 0.0F;    ///< evidence of a pixel outside the object's depths
+  float own_depth = 0.0F;      ///< evidence of a pixel inside them
+  float hole = 0.0F;           ///< factor of the object's share around a pixel without depth ...
+  float beside_object = 0.0F;  ///< ... above this share: a shadow has background on one side
+  float per_px = 0.0F;         ///< evidence for each px inside the old contour; outside negative
+  float farthest_px = 0.0F;    ///< limit of that distance
+  float old_mask = 0.0F;       ///< evidence of the old mask, far from points
+  float point = 0.0F;          ///< evidence of the position, at a point
+  float sure = 1e3F;           ///< evidence of a seed: more than all other terms of a pixel
+  float together = 6.0F;       ///< cost of a cut between two neighbours of equal colour
+  float across_step = 0.25F;   ///< factor of that cost across a step in depth
+};
+
+// The table of the weights, one row for each user of a cut.
+
+/// First mask at a click (initial_mask). This row is GrabCut's, which builds a graph of its own (of
+/// 8-bit BGR, with OpenCV's weights). Its masks differ from those of minimumCut(), so it takes only
+/// size and rounds from here. It needs some 0.1 s for this size.
+inline constexpr CutWeights kCutOfClick{.most_px = 25e3, .rounds = 4};
+/// More masks at a click (candidates). A cut lasts 5 to 10 ms.
+inline constexpr CutWeights kCutOfCandidate{.most_px = 12e3,
+                                            .rounds = 4,
+                                            .most_color = 6.0F,
+                                            .plane = -1.5F,
+                                            .skin = -1.5F,
+                                            .other_depth = -2.0F,
+                                            .own_depth = 0.5F,
+                                            .hole = 2.5F,
+                                            .beside_object = 0.7F};
+/// Search for a lost object (redetect). It costs 5 to 8 ms.
+inline constexpr CutWeights kCutOfRedetection{.most_px = 9e3,
+                                              .color = 1.5F,
+                                              .plane = -2.0F,
+                                              .skin = -3.0F,
+                                              .other_depth = -3.0F,
+                                              .per_px = 0.04F,
+                                              .farthest_px = 20.0F};
+/// Correction of a mask by the author's points (refine_clicks).
+inline constexpr CutWeights kCutOfCorrection{
+    .most_px = 20e3, .most_color = 4.0F, .far_color = 0.5F, .old_mask = 1.0F, .point = 1.5F};
+
+/// What a cut follows. Images of the view's size; seeds are 0/255, and empty for none.
+struct CutTerms {
+  cv::Mat evidence;      ///< sum of a pixel's evidence, CV_32FC1, nats, above 0 for the object
+  cv::Mat object{};      ///< seeds: certainly the object
+  cv::Mat background{};  ///< seeds: certainly not the object, except where `object` is set
+};
+
+/// Returns a mask (255: object) by the minimum cut of the graph of all pixels. It follows `terms`,
+/// but avoids borders between neighbouring pixels of similar colour and depth.
+cv::Mat minimumCut(const CutTerms& terms, const GraphRoi& view, const DepthNoise& noise,
+                   const CutWeights& weights);
 
 }  // namespace hapticast::server

@@ -13,16 +13,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kAround_px = 9000.0;  // chosen for time: a search costs 5 to 8 ms
-constexpr double kWhole_px = 20000.0;
-constexpr double kMargin = 0.4;  // chosen, of the object's width: reach of the search
-// Weights of the sum, tuned on drawn scenes of objects in hands.
-constexpr double kOfColor = 1.5;
-constexpr float kBeyond = -3.0F;
-constexpr float kHand = -3.0F;
-constexpr float kPlane = -2.0F;
-constexpr float kPerPixel = 0.04F;  // inside the old contour; outside negative
-constexpr float kFarthest_px = 20.0F;
+constexpr double kWhole_px = 20000.0;  // chosen for time: largest size of a view of the picture
+constexpr double kMargin = 0.4;        // chosen, of the object's width: reach of the search
+// Weights of the score, tuned on drawn scenes of objects in hands.
 constexpr double kForColors = 1.5;
 constexpr double kForArea = 0.5;
 
@@ -32,24 +25,28 @@ cv::Mat collectColors(const FrameContext& scene, const GraphRoi& view,
   const cv::Mat full = mapEvidence(scene.images.color(view.box), computeColorEvidence(memory));
   cv::Mat out;
   cv::resize(full, out, view.size(), 0, 0, cv::INTER_AREA);
-  return kOfColor * out;
+  return kCutOfRedetection.color * out;
 }
 
 cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const KnownObject& known) {
   cv::Mat out = collectColors(scene, view, known.memory);
   cv::Mat beyond = (view.depth > 0) & (view.depth < known.limits.nearest_mm);
   if (known.limits.farthest_mm > 0) beyond |= view.depth > known.limits.farthest_mm;
-  cv::add(out, cv::Scalar(double(kBeyond)), out, beyond);
-  cv::add(out, cv::Scalar(double(kPlane)), out, view.plane & ~beyond);
-  if (known.limits.hand != nullptr) cv::add(out, cv::Scalar(double(kHand)), out, view.skin);
+  const auto add = [&out](float evidence, const cv::Mat& where) {
+    cv::add(out, cv::Scalar(double(evidence)), out, where);
+  };
+  add(kCutOfRedetection.other_depth, beyond);
+  add(kCutOfRedetection.plane, view.plane & ~beyond);
+  if (known.limits.hand != nullptr) add(kCutOfRedetection.skin, view.skin);
   if (known.mask.empty()) return out;
   const cv::Mat mask = view.shrunk(known.mask);
   cv::Mat inner;
   cv::Mat outer;
   cv::distanceTransform(mask, inner, cv::DIST_L2, 3);
   cv::distanceTransform(mask == 0, outer, cv::DIST_L2, 3);
-  const cv::Mat distance = cv::min(cv::max(inner - outer, -kFarthest_px), kFarthest_px);
-  return out + kPerPixel * distance;
+  const cv::Mat distance = cv::min(cv::max(inner - outer, -kCutOfRedetection.farthest_px),
+                                   kCutOfRedetection.farthest_px);
+  return out + kCutOfRedetection.per_px * distance;
 }
 
 // Returns the piece that shares most pixels with the expected mask, else the largest piece.
@@ -82,9 +79,10 @@ cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
     box = boxAround(known.mask, 10 + int(kMargin * std::max(tight.width, tight.height)));
   }
   if (box.area() < 100) return {};
-  const double most_px = known.mask.empty() ? kWhole_px : kAround_px;
+  const double most_px = known.mask.empty() ? kWhole_px : kCutOfRedetection.most_px;
   const GraphRoi view = GraphRoi::around(scene, box, most_px);
-  const cv::Mat cut = minimumCut(computeEvidence(scene, view, known), view, scene.noise);
+  const cv::Mat cut =
+      minimumCut({computeEvidence(scene, view, known)}, view, scene.noise, kCutOfRedetection);
   const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrunk(known.mask);
   const cv::Mat main = mainPiece(cut, expected);
   if (main.empty()) return {};

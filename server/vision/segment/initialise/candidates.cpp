@@ -89,19 +89,9 @@ cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::
 
 namespace {
 
-// Tuned on drawn scenes of objects in hands, unless marked.
-constexpr double kReach_mm = 300.0;   // of the view around the click: larger than objects in hands
-constexpr double kView_px = 12000.0;  // chosen for time: a cut lasts 5 to 10 ms
-constexpr int kRoundsOfCut = 4;
-constexpr float kMostColor = 6.0F;
-constexpr float kOnPlane = -1.5F;
-constexpr float kElsewhere = -2.0F;  // measured, but outside the component
-constexpr float kOfComponent = 0.5F;
-constexpr float kSkin = -1.5F;
-constexpr float kHole = 2.5F;          // factor of the surrounding share of the component above ...
-constexpr float kBesideObject = 0.7F;  // ... this share: a shadow has background on one side
-constexpr float kSure = 1e3F;
-constexpr double kSame = 0.97;  // IoU
+// Tuned on drawn scenes of objects in hands.
+constexpr double kReach_mm = 300.0;  // of the view around the click: larger than objects in hands
+constexpr double kSame = 0.97;       // IoU
 constexpr int kNotRadius_px = 5;
 
 struct Reach {
@@ -171,7 +161,8 @@ float besideComponent(const Surroundings& s, int u, int v) {
     ++met;
     if (s.component.at<unsigned char>(at) != 0) ++of_it;
   }
-  return met == 0 ? kBesideObject : static_cast<float>(of_it) / static_cast<float>(met);
+  return met == 0 ? kCutOfCandidate.beside_object
+                  : static_cast<float>(of_it) / static_cast<float>(met);
 }
 
 // Returns the evidence of depth, planes and skin.
@@ -182,13 +173,13 @@ cv::Mat placeEvidence(const Surroundings& s) {
       float& sum = out.at<float>(v, u);
       const bool of_it = s.component.at<unsigned char>(v, u) != 0;
       if (!(s.view.depth.at<float>(v, u) > 0)) {
-        sum += kHole * (besideComponent(s, u, v) - kBesideObject);
+        sum += kCutOfCandidate.hole * (besideComponent(s, u, v) - kCutOfCandidate.beside_object);
       } else if (s.view.plane.at<unsigned char>(v, u) != 0) {
-        sum += kOnPlane;
+        sum += kCutOfCandidate.plane;
       } else {
-        sum += of_it ? kOfComponent : kElsewhere;
+        sum += of_it ? kCutOfCandidate.own_depth : kCutOfCandidate.other_depth;
       }
-      if (s.hand.at<unsigned char>(v, u) != 0) sum += kSkin;
+      if (s.hand.at<unsigned char>(v, u) != 0) sum += kCutOfCandidate.skin;
     }
   }
   return out;
@@ -206,7 +197,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
   const int reach = std::max(50, int(kReach_mm * pixelsPerMm(depth_mm, picture)));
   const cv::Rect box = cv::Rect(click.at.x - reach, click.at.y - reach, 2 * reach, 2 * reach) &
                        cv::Rect({0, 0}, picture);
-  out.view = GraphRoi::around(scene, box, kView_px);
+  out.view = GraphRoi::around(scene, box, kCutOfCandidate.most_px);
   out.at = out.view.toRoi(click.at);
   out.component =
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
@@ -244,11 +235,11 @@ cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& bac
   cv::Mat against = logDensities(of_background, s.view.lab);
   if (!s.not_log.empty()) against = cv::max(against, s.not_log);
   cv::Mat color = logDensities(of_object, s.view.lab) - against;
-  color = cv::min(cv::max(color, -kMostColor), kMostColor);
-  cv::Mat unary = color + s.unary;
-  unary.setTo(-kSure, far | s.never);
-  cv::circle(unary, s.at, 2, cv::Scalar(double(kSure)), cv::FILLED);
-  return selectPieces(s, minimumCut(unary, s.view, noise));
+  color = cv::min(cv::max(color, -kCutOfCandidate.most_color), kCutOfCandidate.most_color);
+  cv::Mat clicked = cv::Mat::zeros(s.view.size(), CV_8UC1);
+  cv::circle(clicked, s.at, 2, cv::Scalar(255), cv::FILLED);
+  const CutTerms terms{color + s.unary, clicked, far | s.never};
+  return selectPieces(s, minimumCut(terms, s.view, noise, kCutOfCandidate));
 }
 
 cv::Mat cutWithin(const Surroundings& s, const Reach& reach, const DepthNoise& noise) {
@@ -259,7 +250,7 @@ cv::Mat cutWithin(const Surroundings& s, const Reach& reach, const DepthNoise& n
   cv::Mat background = far | s.never | s.view.plane | (measured & (s.component == 0)) | s.hand;
   background.setTo(0, object);
   cv::Mat mask;
-  for (int round = 0; round < kRoundsOfCut; ++round) {
+  for (int round = 0; round < kCutOfCandidate.rounds; ++round) {
     cv::Mat next = cutOnce(s, object, background, far, noise);
     if (next.empty()) return {};
     const bool settled =

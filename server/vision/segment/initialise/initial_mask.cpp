@@ -8,16 +8,16 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
+#include "server/vision/segment/appearance/graph_cut.hpp"
 #include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kLongestHole_px = 24;      // chosen: the sensors' shadows are narrower
-constexpr double kSurelyGround = 0.2;    // chosen, of the picture
-constexpr int kNear_px = 12;             // chosen: largest distance of a component from the point
-constexpr double kLargestCut_px = 25e3;  // GrabCut needs some 0.1 s for this many
+constexpr int kLongestHole_px = 24;    // chosen: the sensors' shadows are narrower
+constexpr double kSurelyGround = 0.2;  // chosen, of the picture
+constexpr int kNear_px = 12;           // chosen: largest distance of a component from the point
 
 // Interpolates holes in one line of pixels (stride apart) linearly if both sides agree.
 void bridgeLine(float* line, std::ptrdiff_t stride, int count, const DepthNoise& noise) {
@@ -226,7 +226,7 @@ cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::ve
   cv::minMaxLoc(inner, nullptr, &deepest);
   marks.setTo(cv::GC_FGD, inner > std::clamp(0.3 * deepest, 5.0, 10.0));
   markNot(object_point - box.tl(), not_points, box.tl(), marks);
-  const double shrink = std::min(0.5, std::sqrt(kLargestCut_px / box.area()));
+  const double shrink = std::min(0.5, std::sqrt(kCutOfClick.most_px / box.area()));
   const cv::Size half(std::max(8, int(box.width * shrink)), std::max(8, int(box.height * shrink)));
   cv::Mat color;
   cv::resize(images.color(box), color, half, 0, 0, cv::INTER_AREA);
@@ -237,7 +237,7 @@ cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::ve
   cv::Mat background;
   cv::Mat foreground;
   cv::setRNGSeed(7);
-  cv::grabCut(color, marks, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
+  cv::grabCut(color, marks, {}, background, foreground, kCutOfClick.rounds, cv::GC_INIT_WITH_MASK);
   cv::Mat cut = (marks == cv::GC_FGD) | (marks == cv::GC_PR_FGD);
   cv::resize(cut, cut, box.size(), 0, 0, cv::INTER_LINEAR);
   cut = cut > 127;
