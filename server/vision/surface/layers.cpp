@@ -263,9 +263,14 @@ cv::Mat named(const Layers& now, const cv::Mat& before) {
   std::vector<Overlap> overlaps;
   overlaps.reserve(static_cast<std::size_t>(now.count * kMaxLayers));
   for (int layer = 1; layer <= now.count; ++layer) {
-    for (int name = 1; name <= kMaxLayers; ++name) {
-      const int pixels = cv::countNonZero((now.labels == layer) & (before == name));
-      overlaps.push_back({pixels, layer, name});
+    for (int name = 1; name <= kMaxLayers; ++name) overlaps.push_back({0, layer, name});
+  }
+  for (int v = 0; v < before.rows; ++v) {
+    for (int u = 0; u < before.cols; ++u) {
+      const int layer = now.labels.at<uchar>(v, u);
+      const int name = before.at<uchar>(v, u);
+      if (layer > 0 && name > 0)
+        ++overlaps[static_cast<std::size_t>((layer - 1) * kMaxLayers + name - 1)].pixels;
     }
   }
   std::stable_sort(overlaps.begin(), overlaps.end(),
@@ -293,18 +298,28 @@ cv::Mat withoutSmallComponents(const Surface& surface, const cv::Mat& names) {
   return cv::countNonZero(seeds) > 0 ? grownLabels(surface, kMaxLayers, seeds) : names.clone();
 }
 
-Surface cutPart(const Surface& surface, const cv::Mat& mask) {
-  const cv::Rect box = cv::boundingRect(mask);
-  if (box.empty()) return {};
-  return {box + surface.box.tl(), mask(box).clone(), surface.depth(box).clone(),
-          surface.measured(box) & mask(box), surface.quantum_mm};
+// Returns the box around the pixels of each name, from 1 to the largest; empty for an unused name.
+std::vector<cv::Rect> findBoxes(const cv::Mat& names) {
+  std::vector<cv::Rect> out(kMaxLayers + 1);
+  for (int v = 0; v < names.rows; ++v) {
+    const auto* row = names.ptr<uchar>(v);
+    for (int u = 0; u < names.cols; ++u) out[row[u]] |= cv::Rect(u, v, 1, 1);
+  }
+  out.erase(out.begin());  // pixels without a name
+  while (!out.empty() && out.back().empty()) out.pop_back();
+  return out;
 }
 
-int countNames(const cv::Mat& names) {
-  int count = 0;
-  for (int name = 1; name <= kMaxLayers; ++name)
-    count += cv::countNonZero(names == name) > 0 ? 1 : 0;
-  return count;
+int countUsed(const std::vector<cv::Rect>& boxes) {
+  return static_cast<int>(
+      std::count_if(boxes.begin(), boxes.end(), [](const cv::Rect& box) { return !box.empty(); }));
+}
+
+Surface cutPart(const Surface& surface, const cv::Mat& names, const cv::Rect& box, double name) {
+  if (box.empty()) return {};
+  const cv::Mat mask = names(box) == name;
+  return {box + surface.box.tl(), mask, surface.depth(box).clone(), surface.measured(box) & mask,
+          surface.quantum_mm};
 }
 
 }  // namespace
@@ -329,7 +344,7 @@ cv::Mat LayerCutter::isSettled(const Surface& surface, const cv::Mat& now, const
   cv::add(doubts, 1, doubts, differs);
   doubts.setTo(0, ~differs);
   cv::Mat changes = (doubts >= kFramesToChange) | (before == 0);
-  if (countNames(now) == countNames(before)) {
+  if (countUsed(findBoxes(now)) == countUsed(findBoxes(before))) {
     for (int name = 1; name <= kMaxLayers; ++name)
       changes |= differs & (now == name) & dilatedBy(before == name, kFollows_px);
   }
@@ -358,8 +373,9 @@ cv::Mat LayerCutter::assignNames(const Surface& surface, double step_mm,
 std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
                                       const DepthRange& mapped_range) {
   names_ = assignNames(surface, step_mm, mapped_range);
-  count_ = names_.empty() ? 1 : countNames(names_);
-  if (!names_.empty() && cv::countNonZero(names_ > 1) == 0) names_.release();
+  const std::vector<cv::Rect> boxes = findBoxes(names_);
+  count_ = names_.empty() ? 1 : countUsed(boxes);
+  if (boxes.size() < 2) names_.release();
   if (pending_changes_.size() != surface.box.size())
     pending_changes_ = cv::Mat::zeros(surface.box.size(), CV_8UC1);
   last_mask_ = surface.mask;
@@ -367,9 +383,9 @@ std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
   last_centroid_px_ = computeCentroid(cv::moments(surface.mask, true), surface.box.tl());
   if (names_.empty()) return {surface};
   std::vector<Surface> out;
-  out.reserve(kMaxLayers);
-  for (int name = 1; name <= kMaxLayers; ++name) out.push_back(cutPart(surface, names_ == name));
-  while (out.back().box.empty()) out.pop_back();
+  out.reserve(boxes.size());
+  for (const cv::Rect& box : boxes)
+    out.push_back(cutPart(surface, names_, box, double(out.size() + 1)));
   return out;
 }
 
