@@ -16,67 +16,72 @@ bool equalReliefs(const Relief& a, const Relief& b) {
 }
 
 std::shared_ptr<const Relief> makeRelief(const TrackedObject& object, const NominalFrame& nominal,
-                                         const VisionSettings& settings, const Clock* clock) {
-  ScenePlan& plan = *object.plan;
+                                         const VisionSettings& settings, const Clock* clock,
+                                         StageReport& report) {
   const auto make = [&](bool smooth) {
     return makeRelief(object.surface, nominal.range, nominal.workspace, settings.method, smooth);
   };
   if (settings.method == Method::kThesis) return make(true);
-  const bool smooth = plan.on(Stage::kSmooth);
-  if (!smooth && !plan.measureNow()) return make(false);
+  if (!object.smooths && !object.measures_smooth) return make(false);
   std::shared_ptr<const Relief> smoothed;
   {
-    const ScopedStageTimer lap(clock, plan, Stage::kSmooth);
+    const ScopedStageTimer lap(clock, report, Stage::kSmooth);
     smoothed = make(true);
   }
-  if (plan.measureNow()) {
-    plan.setForceError(Stage::kSmooth, forceDifference_N(*smoothed, *make(false),
-                                                         nominal.workspace.mmPerPixel().x(),
-                                                         settings.stiffness_N_mm()));
+  if (object.measures_smooth) {
+    report.costs_N[std::size_t(Stage::kSmooth)] = forceDifference_N(
+        *smoothed, *make(false), nominal.workspace.mmPerPixel().x(), settings.stiffness_N_mm());
   }
   return smoothed;
+}
+
+// Returns whether unchanged heights are sent too.
+bool sendsAllHeights(const PlanSettings& plan) {
+  return plan.forced[std::size_t(Stage::kHeights)].value_or(plan.everything);
 }
 
 }  // namespace
 
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
-                            const VisionSettings& settings, const Clock* clock) {
+                            const VisionSettings& settings, const Clock* clock,
+                            StageReport& report) {
   HapticObject out;
   out.id = object.id;
   out.material = settings.material;
   out.motion.quality = object.quality;
   out.motion.visible_fraction = object.visible_fraction;
   const bool stays = last != nullptr && (!object.seen || object.atRest());
-  if (!stays || (object.seen && object.plan->on(Stage::kHeights))) {
-    out.relief = makeRelief(object, nominal, settings, clock);
+  const bool sends_all = sendsAllHeights(settings.plan);
+  if (!stays || (object.seen && sends_all)) {
+    out.relief = makeRelief(object, nominal, settings, clock, report);
     out.changed_in_frame = frame_id;
   }
   const bool unchanged = last != nullptr && (stays || equalReliefs(*out.relief, *last->relief));
-  object.plan->setUnchanged(unchanged);
-  if (unchanged && (!out.relief || !object.plan->on(Stage::kHeights))) {
+  report.unchanged = unchanged;
+  if (unchanged && (!out.relief || !sends_all)) {
     out.relief = last->relief;
     out.changed_in_frame = last->changed_in_frame;
   }
   return out;
 }
 
-std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint64_t frame_id,
-                                         const std::vector<HapticObject>& last,
-                                         const DepthNoise& noise, const NominalFrame& nominal,
-                                         const VisionSettings& settings, const Clock* clock,
-                                         LayerCutter& cutter) {
+Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
+                         const std::vector<HapticObject>& last, const DepthNoise& noise,
+                         const NominalFrame& nominal, const VisionSettings& settings,
+                         const Clock* clock, LayerCutter& cutter) {
   std::vector<const HapticObject*> before(kMaxLayers, nullptr);
   for (const HapticObject& other : last) {
     if (other.id == object.id && other.layer < before.size()) before[other.layer] = &other;
   }
-  std::vector<HapticObject> out;
+  Described out;
   const auto add = [&](const TrackedObject& part, std::uint32_t layer) {
-    out.push_back(describeObject(part, frame_id, before[layer], nominal, settings, clock));
-    out.back().layer = layer;
+    out.layers.push_back(
+        describeObject(part, frame_id, before[layer], nominal, settings, clock, out.report));
+    out.layers.back().layer = layer;
   };
   const bool known = std::any_of(before.begin(), before.end(), [](const auto* o) { return o; });
-  const bool kept = object.atRest() && !object.plan->on(Stage::kHeights);
+  const bool kept = object.atRest() && !sendsAllHeights(settings.plan);
   if (known && (!object.seen || kept)) {
     for (std::uint32_t layer = 0; layer < before.size(); ++layer) {
       if (before[layer] != nullptr) add(object, layer);

@@ -14,22 +14,27 @@
 
 namespace hapticast::server {
 
-/// Returns the descriptor of `object`. The motion is missing; FrameMotion adds it. If the relief
-/// did not change, the result has the pointer and the changed_in_frame of `last`. `last`: the
-/// descriptor of the same object in the frame before, or null. `clock`: measures how long the
-/// smoothing lasts, for the scene plan; null: no measurement.
+/// Returns the descriptor of the one surface of `object`. The motion is missing; FrameMotion adds
+/// it. If the relief did not change, the result has the pointer and the changed_in_frame of `last`.
+/// `last`: the descriptor of the same object in the frame before, or null. `clock`: measures how
+/// long the smoothing lasts; null: no measurement. Adds its measurements to `report`.
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
-                            const VisionSettings& settings, const Clock* clock);
+                            const VisionSettings& settings, const Clock* clock,
+                            StageReport& report);
 
+/// Descriptors of an object's layers, and what the stages measured for its scene plan.
+struct Described {
+  std::vector<HapticObject> layers;
+  StageReport report;
+};
 /// Returns one descriptor for each layer of `object`. Depth steps separate the layers. With the
 /// thesis's method there is one layer only. `last`: the descriptors of all objects in the frame
 /// before. An object that is entirely at rest or lost has the same layers as in `last`.
-std::vector<HapticObject> describeLayers(const TrackedObject& object, std::uint64_t frame_id,
-                                         const std::vector<HapticObject>& last,
-                                         const DepthNoise& noise, const NominalFrame& nominal,
-                                         const VisionSettings& settings, const Clock* clock,
-                                         LayerCutter& cutter);
+Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
+                         const std::vector<HapticObject>& last, const DepthNoise& noise,
+                         const NominalFrame& nominal, const VisionSettings& settings,
+                         const Clock* clock, LayerCutter& cutter);
 
 // JPEG encoding of the picture for the viewer's window. Thread: any.
 

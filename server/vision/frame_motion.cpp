@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 namespace hapticast::server {
 
@@ -63,6 +64,7 @@ constexpr std::uint64_t kRestsLost = 10;     // frames; twice Track::kKeepLost
 constexpr double kUsualMass_kg = 0.5;        // chosen: an object that one hand lifts easily
 constexpr double kFastest_mm_s = 1e4;  // chosen, of a grid's cells: faster cells lost their tracks
 constexpr double kHardest_mm_s2 = 1e6;
+constexpr double kFade = 0.95;  // chosen: decay of a grid's cost per frame; half a second at 25 fps
 
 // The grid of an object in layers fits none of its layers, and a client would reject the frame.
 bool covers(const MotionGrid& grid, const Relief& relief) {
@@ -99,10 +101,11 @@ FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings,
 
 void FrameMotion::add(std::uint64_t frame_id, double time_s,
                       const std::vector<TrackedObject>& objects) {
-  plans_.clear();
+  const std::map<std::uint32_t, StageReport> before = std::exchange(reports_, {});
   for (const TrackedObject& object : objects) {
     if (object.seen) history_.add(object.id, {frame_id, time_s, object.pose, object.cells});
-    plans_[object.id] = object.plan;
+    const auto known = before.find(object.id);
+    reports_[object.id] = known != before.end() ? known->second : StageReport();
   }
 }
 
@@ -177,15 +180,16 @@ void FrameMotion::addGrid(HapticObject& object, const HapticFrame& frame,
 }
 
 // Adds the motion that the rigid motion does not explain, if it is worth its bytes: on an object of
-// the usual mass its force exceeds the error budget.
+// the usual mass its force exceeds the error budget. The forces of the frames before count too,
+// with decreasing weight, because oscillations pass through zero.
 void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
                               const NominalFrame& nominal) {
   // A window across an impact starts before the impact and yields motion that no object has.
   const double window_s = (lookahead_ + 1) / info_.fps;
   const bool smooth = object.impacts.empty() &&
                       impacts_[object.id].around(toSeconds(frame.media_time), window_s).empty();
-  const auto plan = plans_.find(object.id);
-  if (!smooth || plan == plans_.end()) return;
+  const auto report = reports_.find(object.id);
+  if (!smooth || report == reports_.end()) return;
   if (!history_.hasCells(object.id, frame.id, lookahead_)) return;
   auto grid = history_.grid(object.id, frame.id, lookahead_, nominal);
   if (grid == nullptr) return;
@@ -194,8 +198,13 @@ void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
   square /= double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size()));
   const double force_change_N =
       settings_.mass_kg.value_or(kUsualMass_kg) * 1e-3 * std::sqrt(square);
-  if (plan->second->addResidual(force_change_N) && covers(*grid, *object.relief))
-    object.grid = grid;
+  constexpr auto kGrid = static_cast<std::size_t>(Stage::kGrid);
+  std::optional<double>& cost_N = report->second.costs_N[kGrid];
+  cost_N = std::max(force_change_N, kFade * cost_N.value_or(0.0));
+  const PlanSettings& plan = settings_.plan;
+  const bool worth =
+      plan.everything || plan.forced[kGrid].value_or(false) || *cost_N > plan.error_budget_N;
+  if (worth && covers(*grid, *object.relief)) object.grid = grid;
 }
 
 void FrameMotion::boundAcceleration(const HapticObject& object) {

@@ -62,10 +62,9 @@ class FrameMotion {
   /// Begins a new epoch: forgets all poses, so that no window contains frames of the old epoch.
   void forget();
 
-  /// Returns the scene plans of the objects of the last added frame, by object id.
-  [[nodiscard]] const std::map<std::uint32_t, std::shared_ptr<ScenePlan>>& plans() const {
-    return plans_;
-  }
+  /// Returns what the completed frames measured about the objects of the last added frame, by
+  /// object id: the cost of their motion grids.
+  [[nodiscard]] const std::map<std::uint32_t, StageReport>& reports() const { return reports_; }
   /// Returns the bound of the accelerations that a live source has shown so far, mm/s². It never
   /// falls. Returns 0 until enough frames have been measured.
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
@@ -87,7 +86,7 @@ class FrameMotion {
   std::uint32_t first_object_id_ = 1;
   MotionHistory history_;
   std::map<std::uint32_t, ImpactFinder> impacts_;  // finder of each object, by its id
-  std::map<std::uint32_t, std::shared_ptr<ScenePlan>> plans_;
+  std::map<std::uint32_t, StageReport> reports_;
   std::deque<double> live_accelerations_mm_s2_;
   double largest_mm_s2_ = 0.0;
 };

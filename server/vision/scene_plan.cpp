@@ -10,8 +10,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kNew = 0.2;    // chosen: weight of a new measurement in the mean duration
-constexpr double kFade = 0.95;  // chosen: decay of a grid's cost per frame; half a second at 25 fps
+constexpr double kNew = 0.2;        // chosen: weight of a new measurement in the mean duration
 constexpr double kFinger_mm = 1.0;  // chosen: penetration of a light touch
 
 std::size_t stageIndex(Stage stage) { return static_cast<std::size_t>(stage); }
@@ -85,15 +84,12 @@ void ScenePlan::setResting(bool at_rest, std::string_view why) {
   at_rest_ = at_rest;
 }
 
-void ScenePlan::setUnchanged(bool unchanged) { unchanged_ = unchanged; }
-
-void ScenePlan::setForceError(Stage stage, double error_N) { cost_N_[stageIndex(stage)] = error_N; }
-
-bool ScenePlan::addResidual(double force_change_N) {
-  std::optional<double>& cost_N = cost_N_[stageIndex(Stage::kGrid)];
-  cost_N = std::max(force_change_N, kFade * cost_N.value_or(0.0));
-  return settings_.everything || settings_.forced[stageIndex(Stage::kGrid)].value_or(false) ||
-         *cost_N > settings_.error_budget_N;
+void ScenePlan::add(const StageReport& report) {
+  for (std::size_t i = 0; i < kStages; ++i) {
+    this_frame_ms_[i] += 1e3 * toSeconds(report.times[i]);
+    if (report.costs_N[i]) cost_N_[i] = report.costs_N[i];
+  }
+  unchanged_ = report.unchanged.value_or(unchanged_);
 }
 
 void ScenePlan::nextFrame() {
@@ -106,10 +102,6 @@ void ScenePlan::nextFrame() {
 }
 
 bool ScenePlan::measureNow() const { return frame_ % kMeasureEvery == 0; }
-
-void ScenePlan::addTime(Stage stage, Duration time) {
-  this_frame_ms_[stageIndex(stage)] += 1e3 * toSeconds(time);
-}
 
 std::vector<PlanLine> ScenePlan::lines() const {
   std::vector<PlanLine> out;

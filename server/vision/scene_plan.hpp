@@ -29,6 +29,17 @@ struct PlanLine {
   double costs_N = 0.0;  ///< last measured change of force (rms) without the stage
 };
 
+/// What the stages measured about one object in one frame. They return it, and the tracker adds it
+/// to the object's plan.
+struct StageReport {
+  std::array<Duration, kStages> times{};  ///< durations of the stages
+  /// By how much the force would change in this frame without the stage (rms), N. Infinity: the
+  /// stage must stay on. nullopt: not measured.
+  std::array<std::optional<double>, kStages> costs_N{};
+  /// Whether the object's heights equal those in the last frame; nullopt: not measured.
+  std::optional<bool> unchanged;
+};
+
 /// Plan of one object: decides in each frame which stages are on.
 class ScenePlan {
  public:
@@ -40,22 +51,13 @@ class ScenePlan {
   /// Sets whether the whole object is at rest in this frame. `why`: if the rest ended in this
   /// frame, its cause as static text; otherwise empty.
   void setResting(bool at_rest, std::string_view why = {});
-  /// Sets whether the object's heights in this frame equal those in the last frame.
-  void setUnchanged(bool unchanged);
-  /// `error_N`: by how much the force would change in this frame without the stage (rms), N. If it
-  /// is infinity, the stage must stay on.
-  void setForceError(Stage stage, double error_N);
-  /// Adds the force that the residual motion causes in this frame, N. Returns whether the force
-  /// justifies a motion grid on the wire. The forces of the frames before count too, with
-  /// decreasing weight, because oscillations pass through zero.
-  bool addResidual(double force_change_N);
+  /// Adds what the stages measured. Durations add up over a frame; the newest cost counts.
+  void add(const StageReport& report);
   /// Ends the present frame and begins the next one.
   void nextFrame();
   /// Returns whether this frame measures the stages that are off. That is so every kMeasureEvery
   /// frames.
   [[nodiscard]] bool measureNow() const;
-  /// Adds `time` to the stage's duration in this frame.
-  void addTime(Stage stage, Duration time);
 
   /// Returns the state of all stages, in the order of Stage, for the flag --explain.
   [[nodiscard]] std::vector<PlanLine> lines() const;
@@ -82,25 +84,23 @@ class ScenePlan {
   std::array<double, kStages> this_frame_ms_{};
 };
 
-/// Measures the time from its construction to its destruction and reports it to a plan as the
+/// Measures the time from its construction to its destruction and adds it to a report as the
 /// duration of a stage. Does nothing if `clock` is null.
 class ScopedStageTimer {
  public:
-  ScopedStageTimer(const Clock* clock, ScenePlan& plan, Stage stage)
+  ScopedStageTimer(const Clock* clock, StageReport& report, Stage stage)
       : clock_(clock),
-        plan_(plan),
-        stage_(stage),
+        time_(report.times[static_cast<std::size_t>(stage)]),
         start_(clock != nullptr ? clock->now() : LocalTime()) {}
   ~ScopedStageTimer() {
-    if (clock_ != nullptr) plan_.addTime(stage_, clock_->now() - start_);
+    if (clock_ != nullptr) time_ += clock_->now() - start_;
   }
   ScopedStageTimer(const ScopedStageTimer&) = delete;
   ScopedStageTimer& operator=(const ScopedStageTimer&) = delete;
 
  private:
   const Clock* clock_;
-  ScenePlan& plan_;
-  Stage stage_;
+  Duration& time_;
   LocalTime start_;
 };
 

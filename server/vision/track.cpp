@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
+#include <utility>
 
 #include "server/vision/base/masks.hpp"
 
@@ -22,14 +23,10 @@ constexpr double kBlindQuality = 0.5;    // chosen, upper limit: tracked without
 constexpr double kGuessQuality = 0.8;    // chosen: followed without a reliable flow
 constexpr double kFullAreaShare = 0.05;  // chosen: accepts a new size within a second
 
-TrackedObject startObject(const TrackSettings& settings, const Segment& segment) {
+ScenePlan startPlan(const TrackSettings& settings) {
   PlanSettings plan = settings.vision.plan;
   if (settings.vision.motion == MotionMode::kNone) plan.forced[std::size_t(Stage::kMotion)] = false;
-  TrackedObject out;
-  out.id = segment.id;
-  out.quality = segment.quality;
-  out.plan = std::make_shared<ScenePlan>(plan, settings.exact_masks);
-  return out;
+  return {plan, settings.exact_masks};
 }
 
 std::string_view toText(Cause cause) {
@@ -58,18 +55,19 @@ cv::Point2d findMiddle(const cv::Mat& mask) {
 
 Track::Track(const TrackSettings& settings, const Segment& segment, const FramePair& frames)
     : settings_(&settings),
-      now_(startObject(settings, segment)),
+      plan_(startPlan(settings)),
       mask_(segment.mask),
       motion_(settings.pose, frames.now.gray, now_.surface = denoisedSurface(segment, frames)),
       full_area_px_(double(cv::countNonZero(segment.mask))) {
+  now_.id = segment.id;
+  now_.quality = segment.quality;
   now_.pose = motion_.pose();
   hold(frames, false);
 }
 
 bool Track::isResting(const FramePair& frames, bool told) {
-  const ScenePlan& plan = *now_.plan;
-  now_.plan->nextFrame();
-  const bool left_out = !plan.on(Stage::kMotion) && !plan.on(Stage::kSegment) &&
+  plan_.nextFrame();
+  const bool left_out = !plan_.on(Stage::kMotion) && !plan_.on(Stage::kSegment) &&
                         settings_->vision.method != Method::kThesis;
   rests_ =
       !told && (frames.identical ||
@@ -83,7 +81,7 @@ const ObjectFlow& Track::computeFlow(const FramePair& frames) {
   flow_.isStatic = rests_;
   const bool asked = !settings_->exact_masks || settings_->vision.motion != MotionMode::kNone;
   if (rests_ || lost_ > 0 || !asked) return flow_;
-  const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
+  const ScopedStageTimer lap(settings_->clock, report_, Stage::kMotion);
   // One tracker serves mask and motion; if it fails, corners track the mask.
   if (!repeatsDepth(frames, mask_)) {
     if (const auto found = motion_.find(frames.now)) return flow_ = *found;
@@ -95,7 +93,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   lost_ = 0;
   now_.seen = true;
   if (rests_) {
-    now_.plan->setResting(true);
+    plan_.setResting(true);
     now_.held_share = 1.0;
     now_.cells = now_.cells.atRest();
     now_.pose.background_px = background_px_;
@@ -110,9 +108,9 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   now_.surface = seen;
   updatePresence(segment, blind);
   hold(frames, repeated);
-  now_.plan->setResting(now_.atRest(), toText(hold_.cause()));
+  plan_.setResting(now_.atRest(), toText(hold_.cause()));
   {
-    const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kMotion);
+    const ScopedStageTimer lap(settings_->clock, report_, Stage::kMotion);
     // Motion is measured on this frame's surface, not on the surface held from earlier frames.
     now_.pose = motion_.advance({.flow = flow_,
                                  .gray = frames.now.gray,
@@ -136,6 +134,12 @@ void Track::lose() {
   now_.visible_fraction = std::min(now_.visible_fraction, left);
 }
 
+void Track::endFrame() {
+  report(std::exchange(report_, {}));
+  now_.smooths = plan_.on(Stage::kSmooth);
+  now_.measures_smooth = plan_.measureNow();
+}
+
 bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
   if (settings_->exact_masks || frames.last.depth.empty()) return false;
   const cv::Rect box = boxAround(mask, 8);
@@ -148,23 +152,23 @@ bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
 }
 
 Surface Track::denoisedSurface(const Segment& segment, const FramePair& frames) {
-  ScenePlan& plan = *now_.plan;
   const Method method = settings_->vision.method;
-  const bool clean = plan.on(Stage::kClean) || method == Method::kThesis;
-  const bool measure = plan.measureNow() && method != Method::kThesis;
+  const bool clean = plan_.on(Stage::kClean) || method == Method::kThesis;
+  const bool measure = plan_.measureNow() && method != Method::kThesis;
   Surface raw;
   if (!clean || measure) {
     raw = rawSurface(frames.now.depth, segment.mask, frames.noise);
     // Holes must be filled.
     if (!clean && !measure && raw.allMeasured()) return raw;
   }
-  const ScopedStageTimer lap(settings_->clock, plan, Stage::kClean);
+  const ScopedStageTimer lap(settings_->clock, report_, Stage::kClean);
   Surface out =
       cleanSurface(frames.now.depth, segment.mask, frames.noise, method, settings_->exact_masks);
   if (measure) {
     // Own masks may include background in any frame, not just in measured frames.
     const bool same = settings_->exact_masks && raw.allMeasured() && out.allMeasured();
-    plan.setForceError(Stage::kClean, same ? 0.0 : std::numeric_limits<double>::infinity());
+    report_.costs_N[std::size_t(Stage::kClean)] =
+        same ? 0.0 : std::numeric_limits<double>::infinity();
   }
   return out;
 }
@@ -197,14 +201,14 @@ void Track::updatePresence(const Segment& segment, bool blind) {
 }
 
 // Returns the thesis's dense flow, or the residual of the rigid motion.
-CellFlow Track::cells(const FramePair& frames, const Surface& before) const {
+CellFlow Track::cells(const FramePair& frames, const Surface& before) {
   CellFlow out;
   const MotionMode mode = settings_->vision.motion;
   if (settings_->vision.method == Method::kThesis) {
     if (mode != MotionMode::kNone)
       out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, now_.surface, mode);
-  } else if (motion_.aligned() && now_.plan->on(Stage::kGrid)) {
-    const ScopedStageTimer lap(settings_->clock, *now_.plan, Stage::kGrid);
+  } else if (motion_.aligned() && plan_.on(Stage::kGrid)) {
+    const ScopedStageTimer lap(settings_->clock, report_, Stage::kGrid);
     out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
                        [&](const cv::Point2f& at_px, double depth_mm) {
                          return motion_.explained(at_px, depth_mm);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "common/time.hpp"
 #include "server/vision/base/flow.hpp"
@@ -32,8 +31,8 @@ struct TrackedObject {
   CellFlow cells;        ///< residual motion in cells; empty if the plan or the method omits it
   double quality = 1.0;  ///< quality of the tracking, 0..1
   double visible_fraction = 1.0;  ///< visible share of the object's area, 0..1
-  /// Scene plan of the object; never null.
-  std::shared_ptr<ScenePlan> plan = std::make_shared<ScenePlan>(PlanSettings{}, false);
+  bool smooths = true;            ///< whether the scene plan has the stage `smooth` on
+  bool measures_smooth = true;    ///< whether this frame measures the cost without that stage
   /// Share of the surface that is held constant, 0..1; 1: all of it rests.
   double held_share = 0.0;
 
@@ -55,8 +54,9 @@ struct TrackSettings {
   const Clock* clock = nullptr;  ///< measures durations of stages; null: no measurement
 };
 
-/// Track of one object. In each frame call isResting(), computeFlow(), and then update() or lose().
-/// computeFlow() may be omitted in frames in which all objects rest.
+/// Track of one object, with its scene plan. In each frame call isResting(), computeFlow(), then
+/// update() or lose(), and endFrame(); in the track's first frame only endFrame(). computeFlow()
+/// may be omitted in frames in which all objects rest.
 class Track {
  public:
   /// Begins the track with the object's segment in this frame. `settings` must outlive the track.
@@ -70,15 +70,21 @@ class Track {
   /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
   /// by it. Call it after isResting().
   const ObjectFlow& computeFlow(const FramePair& frames);
-  /// Computes surface and pose from the object's segment in this frame. It is the last call of a
-  /// frame; if the object has no segment, call lose() in its place.
+  /// Computes surface and pose from the object's segment in this frame. If the object has no
+  /// segment, call lose() in its place.
   void update(const Segment& segment, const FramePair& frames);
   /// Marks the object as lost in this frame: its pose remains and its quality decreases.
   void lose();
+  /// Ends the frame: updates the scene plan by what update() measured, and decides on the stages
+  /// after the tracker.
+  void endFrame();
+  /// Adds to the scene plan what another stage measured about the object.
+  void report(const StageReport& report) { plan_.add(report); }
   /// Adds the motion of the background behind the object in this frame, px right and px down.
   void addBackground(const cv::Vec2d& step_px) { background_px_ += step_px; }
 
   [[nodiscard]] const TrackedObject& object() const { return now_; }
+  [[nodiscard]] const ScenePlan& plan() const { return plan_; }
   /// Returns the mask of the last frame with the object: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
   /// Returns whether the object was lost for more than kKeepLost frames.
@@ -93,9 +99,11 @@ class Track {
   [[nodiscard]] Surface denoisedSurface(const Segment& segment, const FramePair& frames);
   void hold(const FramePair& frames, bool repeated);
   void updatePresence(const Segment& segment, bool blind);
-  [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before) const;
+  [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before);
 
   const TrackSettings* settings_;
+  ScenePlan plan_;
+  StageReport report_;  // of this frame
   TrackedObject now_;
   cv::Mat mask_;
   PoseTracker motion_;

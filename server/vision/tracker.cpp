@@ -57,6 +57,18 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   return out;
 }
 
+void Tracker::report(std::uint32_t id, const StageReport& report) {
+  for (Track& track : tracks_) {
+    if (track.object().id == id) track.report(report);
+  }
+}
+
+std::map<std::uint32_t, std::vector<PlanLine>> Tracker::plans() const {
+  std::map<std::uint32_t, std::vector<PlanLine>> out;
+  for (const Track& track : tracks_) out[track.object().id] = track.plan().lines();
+  return out;
+}
+
 cv::Mat Tracker::objectsMask() const {
   cv::Mat out;
   for (const Track& track : tracks_) out = out.empty() ? track.mask() : cv::Mat(out | track.mask());
@@ -77,8 +89,10 @@ void Tracker::segment(const FramePair& frames) {
   const LocalTime start = clock != nullptr ? clock->now() : LocalTime();
   segments_ = segmenter_->next(frames, flows);
   if (clock == nullptr || tracks_.empty()) return;
-  const Duration each = (clock->now() - start) / static_cast<int>(tracks_.size());
-  for (Track& track : tracks_) track.object().plan->addTime(Stage::kSegment, each);
+  StageReport each;
+  each.times[std::size_t(Stage::kSegment)] =
+      (clock->now() - start) / static_cast<int>(tracks_.size());
+  for (Track& track : tracks_) track.report(each);
 }
 
 void Tracker::updateBackground(const FramePair& frames) {
@@ -114,6 +128,7 @@ void Tracker::updateTracks(const FramePair& frames) {
     if (is_new && hasDepth(frames.now.depth, segment.mask))
       tracks_.emplace_back(settings_, segment, frames);
   }
+  for (Track& track : tracks_) track.endFrame();
 }
 
 }  // namespace hapticast::server

@@ -127,9 +127,7 @@ class Vision::Impl {
   [[nodiscard]] const StreamDescription& description() const { return description_; }
   [[nodiscard]] const std::optional<MappedRange>& mapped() const { return mapped_; }
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const {
-    std::map<std::uint32_t, std::vector<PlanLine>> out;
-    for (const auto& [id, plan] : motion_.plans()) out[id] = plan->lines();
-    return out;
+    return tracker_ ? tracker_->plans() : std::map<std::uint32_t, std::vector<PlanLine>>();
   }
 
  private:
@@ -178,9 +176,10 @@ class Vision::Impl {
   // Adds the reliefs of the objects to the frame, as many as a client accepts.
   void fillObjects(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
     for (const TrackedObject& object : objects) {
-      for (HapticObject& layer :
-           describeLayers(object, frame.id, last_objects_, tracker_->noise(), nominal(), settings_,
-                          clock_, cutters_[object.id])) {
+      Described described = describeLayers(object, frame.id, last_objects_, tracker_->noise(),
+                                           nominal(), settings_, clock_, cutters_[object.id]);
+      tracker_->report(object.id, described.report);
+      for (HapticObject& layer : described.layers) {
         if (hasRoomFor(layer, frame)) frame.objects.push_back(std::move(layer));
       }
     }
@@ -241,6 +240,7 @@ class Vision::Impl {
     Pending pending = std::move(pending_.front());
     pending_.pop_front();
     motion_.complete(pending.result.frame, pending.clip_frame, nominal());
+    for (const auto& [id, report] : motion_.reports()) tracker_->report(id, report);
     if (info_.live) description_.largest_acceleration_mm_s2 = motion_.largestAcceleration_mm_s2();
     ready_.push_back(std::move(pending.result));
   }

@@ -38,18 +38,24 @@ TEST(ScenePlan, ForceDifferenceIsWhatAFingerWouldFeel) {
   EXPECT_TRUE(std::isinf(forceDifference_N(nothing, nothing, 0.25, 0.5)));
 }
 
+StageReport costing(Stage stage, double cost_N) {
+  StageReport out;
+  out.costs_N[std::size_t(stage)] = cost_N;
+  return out;
+}
+
 TEST(ScenePlan, AStageGoesOffWithinTheBudgetOnly) {
   PlanSettings settings;
   settings.error_budget_N = 0.01;
   ScenePlan plan(settings, false);
   EXPECT_TRUE(plan.on(Stage::kSmooth));  // not measured yet
-  plan.setForceError(Stage::kSmooth, 0.006);
+  plan.add(costing(Stage::kSmooth, 0.006));
   EXPECT_TRUE(plan.on(Stage::kSmooth));
-  plan.setForceError(Stage::kSmooth, 0.004);
+  plan.add(costing(Stage::kSmooth, 0.004));
   EXPECT_FALSE(plan.on(Stage::kSmooth));
-  plan.setForceError(Stage::kClean, std::numeric_limits<double>::infinity());
+  plan.add(costing(Stage::kClean, std::numeric_limits<double>::infinity()));
   EXPECT_TRUE(plan.on(Stage::kClean));
-  plan.setForceError(Stage::kSmooth, std::numeric_limits<double>::quiet_NaN());
+  plan.add(costing(Stage::kSmooth, std::numeric_limits<double>::quiet_NaN()));
   EXPECT_TRUE(plan.on(Stage::kSmooth));
 }
 

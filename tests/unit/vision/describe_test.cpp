@@ -43,8 +43,9 @@ TEST(Describe, PutsPosesIntoTheNominalFrame) {
 TEST(Describe, CarriesReliefMaterialAndQuality) {
   VisionSettings settings;
   settings.material.stiffness_N_mm = 0.7;
-  const HapticObject object =
-      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), settings, nullptr);
+  StageReport report;
+  const HapticObject object = describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(),
+                                             settings, nullptr, report);
   EXPECT_EQ(object.id, 5U);
   EXPECT_EQ(object.layer, 0U);
   EXPECT_EQ(object.changed_in_frame, 9U);
@@ -56,16 +57,19 @@ TEST(Describe, CarriesReliefMaterialAndQuality) {
 }
 
 TEST(Describe, AnUnchangedReliefIsTheSameRelief) {
+  StageReport report;
   const HapticObject first =
-      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), {}, nullptr);
+      describeObject(objectAtPixel(100, 750), 9, nullptr, nominalFrame(), {}, nullptr, report);
   const HapticObject same =
-      describeObject(objectAtPixel(100, 750), 10, &first, nominalFrame(), {}, nullptr);
+      describeObject(objectAtPixel(100, 750), 10, &first, nominalFrame(), {}, nullptr, report);
   EXPECT_EQ(same.relief, first.relief);
   EXPECT_EQ(same.changed_in_frame, 9U);
+  EXPECT_EQ(report.unchanged, true);
   const HapticObject moved =
-      describeObject(objectAtPixel(101, 750), 11, &same, nominalFrame(), {}, nullptr);
+      describeObject(objectAtPixel(101, 750), 11, &same, nominalFrame(), {}, nullptr, report);
   EXPECT_NE(moved.relief, first.relief);
   EXPECT_EQ(moved.changed_in_frame, 11U);
+  EXPECT_EQ(report.unchanged, false);
 }
 
 TEST(Describe, HistoryGivesMotionInNominalUnits) {
