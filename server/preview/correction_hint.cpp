@@ -5,6 +5,8 @@
 #include <array>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -35,19 +37,11 @@ std::optional<cv::Point> findMiddle(const cv::Mat& part, double object_px) {
   cv::Mat opened;
   cv::morphologyEx(part, opened, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
-  cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centres;
-  const int count = cv::connectedComponentsWithStats(opened, labels, stats, centres, 4);
-  int largest = 0;
-  int area_px = 0;
-  for (int label = 1; label < count; ++label) {
-    if (stats.at<int>(label, cv::CC_STAT_AREA) <= area_px) continue;
-    area_px = stats.at<int>(label, cv::CC_STAT_AREA);
-    largest = label;
-  }
+  const Pieces pieces = findPieces(opened);
+  const int largest = pieces.largest();
+  const int area_px = pieces.areas_px[static_cast<std::size_t>(largest)];
   if (area_px < kLeastPart * object_px || area_px > kMostPart * object_px) return std::nullopt;
-  return findDeepestPoint(labels == largest);
+  return findDeepestPoint(pieces.labels == largest);
 }
 
 std::optional<CorrectionHint> atTheEdge(const cv::Mat& mask) {

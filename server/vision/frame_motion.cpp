@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "server/vision/base/statistics.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -90,10 +92,7 @@ std::shared_ptr<const MotionGrid> lessRigid(const MotionGrid& flow, const Motion
 
 double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2) {
   if (accelerations_mm_s2.empty()) return 0.0;
-  const auto last = static_cast<double>(accelerations_mm_s2.size() - 1);
-  const auto high = accelerations_mm_s2.begin() + std::lround(kHighQuantile * last);
-  std::nth_element(accelerations_mm_s2.begin(), high, accelerations_mm_s2.end());
-  return *high;
+  return computeQuantile(accelerations_mm_s2, kHighQuantile);
 }
 
 FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead)

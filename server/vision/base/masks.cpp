@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/base/masks.hpp"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -96,6 +97,26 @@ cv::Mat withoutHoles(const cv::Mat& mask, int largest_px) {
     }
   }
   return out;
+}
+
+int Pieces::largest() const {
+  return static_cast<int>(std::max_element(areas_px.begin(), areas_px.end()) - areas_px.begin());
+}
+
+Pieces findPieces(const cv::Mat& mask) {
+  Pieces out;
+  cv::Mat stats;
+  cv::Mat centroids;
+  cv::connectedComponentsWithStats(mask, out.labels, stats, centroids, 4, CV_32S);
+  stats.col(cv::CC_STAT_AREA).copyTo(out.areas_px);
+  out.areas_px.front() = 0;
+  return out;
+}
+
+cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at) {
+  cv::Mat labels;
+  cv::connectedComponents(mask, labels, 4, CV_32S);
+  return (labels == labels.at<int>(at)) & mask;
 }
 
 }  // namespace hapticast::server

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Functions for masks (CV_8UC1, 0/255): bounding boxes, centroids, erosion, dilation, holes. No
-// function changes its arguments. Thread: any.
+// Functions for masks (CV_8UC1, 0/255): bounding boxes, centroids, erosion, dilation, holes,
+// connected pieces. No function changes its arguments. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace hapticast::server {
 
@@ -29,5 +30,18 @@ cv::Mat dilatedBy(const cv::Mat& mask, int radius_px);
 
 /// Returns `mask` with its holes of less than `largest_px` pixels filled.
 cv::Mat withoutHoles(const cv::Mat& mask, int largest_px);
+
+/// Connected pieces of a mask. A pixel is connected to its 4 neighbours.
+struct Pieces {
+  cv::Mat labels;             ///< CV_32S: 1 and above in the pieces, 0 outside the mask
+  std::vector<int> areas_px;  ///< pixels of each label; 0 for the label 0
+  /// Returns the label of the largest piece, or 0 if there are none.
+  [[nodiscard]] int largest() const;
+};
+/// Returns the pieces of `mask`.
+Pieces findPieces(const cv::Mat& mask);
+/// Returns the piece of `mask` that contains the pixel `at`. All pixels are 0 if `at` is not in
+/// `mask`.
+cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at);
 
 }  // namespace hapticast::server

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Robust statistics: median, median absolute deviation (Rousseeuw and Croux 1993) and midmean,
-// which outliers hardly change. Thread: any.
+// Robust statistics: median, quantiles, median absolute deviation (Rousseeuw and Croux 1993) and
+// midmean, which outliers hardly change. Thread: any.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <vector>
@@ -18,6 +19,15 @@ double computeMedian(std::vector<Value>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return static_cast<double>(*middle);
+}
+
+/// Returns the value with the share `share` (0..1) of `values` below it. Requires at least one
+/// value. Reorders `values`.
+template <class Value>
+double computeQuantile(std::vector<Value>& values, double share) {
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return static_cast<double>(*at);
 }
 
 /// Returns the standard deviation of normally distributed noise from its absolute deviations. It is

@@ -75,19 +75,12 @@ class SourceSegmenter final : public Segmenter {
 
 std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
                                          std::uint32_t& next_id, ClipAnnotations* annotations) {
-  switch (settings.segment) {
-    case SegmentMode::kSource:
-      return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
-    case SegmentMode::kEdges:
-      return makeEdgeSegmenter(settings, next_id);
-    case SegmentMode::kBand:
-      return std::make_unique<NarrowBandTracker>(settings, next_id, annotations);
-    case SegmentMode::kAuto:
-      break;
-  }
-  if (has_mask)
+  SegmentMode mode = settings.segment;
+  if (mode == SegmentMode::kAuto && has_mask) mode = SegmentMode::kSource;
+  if (mode == SegmentMode::kAuto && settings.method == Method::kThesis) mode = SegmentMode::kEdges;
+  if (mode == SegmentMode::kSource)
     return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
-  if (settings.method == Method::kThesis) return makeEdgeSegmenter(settings, next_id);
+  if (mode == SegmentMode::kEdges) return makeEdgeSegmenter(settings, next_id);
   return std::make_unique<NarrowBandTracker>(settings, next_id, annotations);
 }
 

@@ -35,15 +35,11 @@ uchar nearestLabel(const Surface& surface, const cv::Mat& labels, const cv::Poin
 }  // namespace
 
 int largePieces(const cv::Mat& where, int smallest_px, cv::Mat& labels) {
-  cv::Mat all;
-  cv::Mat stats;
-  cv::Mat centroids;
-  const int found = cv::connectedComponentsWithStats(where, all, stats, centroids, 4, CV_32S);
-  std::vector<uchar> name(static_cast<std::size_t>(found), 0);
+  const auto [all, areas_px] = findPieces(where);
+  std::vector<uchar> name(areas_px.size(), 0);
   int count = 0;
-  for (int i = 1; i < found; ++i) {
-    if (stats.at<int>(i, cv::CC_STAT_AREA) >= smallest_px)
-      name[static_cast<std::size_t>(i)] = static_cast<uchar>(++count);
+  for (std::size_t i = 1; i < name.size(); ++i) {
+    if (areas_px[i] >= smallest_px) name[i] = static_cast<uchar>(++count);
   }
   labels.create(where.size(), CV_8UC1);
   for (int v = 0; v < all.rows; ++v) {

@@ -52,22 +52,16 @@ std::vector<float> collectDepths(const Surface& surface, const cv::Mat& where) {
   return out;
 }
 
-template <class Value>
-double quantile(std::vector<Value>& values, double share) {
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
-}
-
 }  // namespace
 
 void RangeFinder::add(std::uint32_t object, const Surface& surface, const DepthNoise& noise) {
   std::vector<float> depths = collectDepths(surface, extractCore(surface));
   if (depths.size() < kFewest) depths = collectDepths(surface, surface.measured);
   if (depths.empty()) return;
-  Voice voice{quantile(depths, kFront), quantile(depths, 0.5), quantile(depths, kBack)};
-  voice.half_mm = std::max(voice.middle_mm - quantile(depths, kOuter),
-                           quantile(depths, 1.0 - kOuter) - voice.middle_mm);
+  Voice voice{computeQuantile(depths, kFront), computeQuantile(depths, 0.5),
+              computeQuantile(depths, kBack)};
+  voice.half_mm = std::max(voice.middle_mm - computeQuantile(depths, kOuter),
+                           computeQuantile(depths, 1.0 - kOuter) - voice.middle_mm);
   voices_[object].push_back(voice);
   const double sigma_mm = noise.at(voice.middle_mm);
   const double least_mm = noise.eight_bit
@@ -99,8 +93,8 @@ std::optional<MappedRange> RangeFinder::range(double margin) const {
     }
   }
   if (nears_mm.empty()) return std::nullopt;
-  const double near = quantile(nears_mm, kFramesBeyond);
-  const double far = quantile(fars_mm, 1.0 - kFramesBeyond);
+  const double near = computeQuantile(nears_mm, kFramesBeyond);
+  const double far = computeQuantile(fars_mm, 1.0 - kFramesBeyond);
   const double bulk_mm = (far - near) * (1 + 2 * margin);
   const double span = std::max(bulk_mm, least_mm_);
   const double middle = 0.5 * (near + far);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/masks.hpp"
 #include "server/vision/segment/appearance/graph_cut.hpp"
 
 namespace hapticast::server {
@@ -43,9 +44,7 @@ cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px) {
   const ColorMixture mixture(view.lab, disc);
   if (mixture.empty()) return disc;
   const cv::Mat alike = (logDensities(mixture, view.lab) > kLikeThePoint) | disc;
-  cv::Mat labels;
-  cv::connectedComponents(alike, labels, 4, CV_32S);
-  return labels == labels.at<int>(at);
+  return pieceAt(alike, at);
 }
 
 AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {

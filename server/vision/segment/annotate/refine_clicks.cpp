@@ -61,9 +61,7 @@ cv::Mat drawClickDisc(const GraphRoi& view, const cv::Point& at, double px_per_m
   cv::circle(within, at, std::max(radius, int(kMeant_mm * px_per_mm)), cv::Scalar(255), cv::FILLED);
   out &= within;
   cv::circle(out, at, radius, cv::Scalar(255), cv::FILLED);
-  cv::Mat labels;
-  cv::connectedComponents(out, labels, 4, CV_32S);
-  return labels == labels.at<int>(at);
+  return pieceAt(out, at);
 }
 
 Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
@@ -135,18 +133,13 @@ CutTerms computeTerms(const Correction& c) {
 // Returns the pieces with a positive point, and all pieces larger than a tenth of the largest
 // piece.
 cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
-  cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centroids;
-  const int count = cv::connectedComponentsWithStats(cut, labels, stats, centroids, 4, CV_32S);
-  int largest_px = 0;
-  for (int i = 1; i < count; ++i)
-    largest_px = std::max(largest_px, stats.at<int>(i, cv::CC_STAT_AREA));
+  const auto [labels, areas_px] = findPieces(cut);
+  const int largest_px = *std::max_element(areas_px.begin(), areas_px.end());
   cv::Mat out = cv::Mat::zeros(cut.size(), CV_8UC1);
-  for (int i = 1; i < count; ++i) {
-    const cv::Mat piece = labels == i;
+  for (std::size_t i = 1; i < areas_px.size(); ++i) {
+    const cv::Mat piece = labels == double(i);
     const bool is_clicked = cv::countNonZero(piece & c.clicked_positive) > 0;
-    if (is_clicked || stats.at<int>(i, cv::CC_STAT_AREA) > largest_px / 10) out |= piece;
+    if (is_clicked || areas_px[i] > largest_px / 10) out |= piece;
   }
   return out;
 }

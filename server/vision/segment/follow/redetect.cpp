@@ -51,17 +51,13 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
 
 // Returns the piece that shares most pixels with the expected mask, else the largest piece.
 cv::Mat mainPiece(const cv::Mat& cut, const cv::Mat& expected) {
-  cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centroids;
-  const int count = cv::connectedComponentsWithStats(cut, labels, stats, centroids, 4, CV_32S);
+  const auto [labels, areas_px] = findPieces(cut);
   cv::Mat best;
-  double most = 0.0;
-  for (int i = 1; i < count; ++i) {
-    const double area = stats.at<int>(i, cv::CC_STAT_AREA);
-    if (area <= most) continue;
-    const cv::Mat piece = labels == i;
-    const double here = expected.empty() ? area : cv::countNonZero(piece & expected);
+  int most = 0;
+  for (std::size_t i = 1; i < areas_px.size(); ++i) {
+    if (areas_px[i] <= most) continue;
+    const cv::Mat piece = labels == double(i);
+    const int here = expected.empty() ? areas_px[i] : cv::countNonZero(piece & expected);
     if (here <= most) continue;
     most = here;
     best = piece;

@@ -41,12 +41,9 @@ bool isHand(const FrameContext& scene, const cv::Mat& component, const cv::Point
   const cv::Rect box = boxAround(component, 0);
   if (!box.contains(at)) return false;
   const cv::Mat skin = scene.skin.in(scene.images.color(box)) & component(box);
-  cv::Mat labels;
-  cv::connectedComponents(skin, labels, 4, CV_32S);
-  const int label = labels.at<int>(at - box.tl());
-  if (label == 0) return false;
+  if (skin.at<unsigned char>(at - box.tl()) == 0) return false;
   cv::Mat patch = cv::Mat::zeros(component.size(), CV_8UC1);
-  cv::Mat(labels == label).copyTo(patch(box));
+  pieceAt(skin, at - box.tl()).copyTo(patch(box));
   return widthInSpace_mm(scene, patch) > kHand_mm;
 }
 

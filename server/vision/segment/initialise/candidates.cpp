@@ -61,18 +61,14 @@ bool connectedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& p
 
 cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
                            double px_per_mm) {
-  cv::Mat labels;
-  cv::Mat stats;
-  cv::Mat centroids;
-  const cv::Mat others = mask & ~main;
-  const int count = cv::connectedComponentsWithStats(others, labels, stats, centroids, 4, CV_32S);
+  const auto [labels, areas_px] = findPieces(mask & ~main);
   cv::Mat out = main.clone();
   std::vector<cv::Mat> left;
-  left.reserve(static_cast<std::size_t>(count));
-  for (int i = 1; i < count; ++i) {
-    const double share = double(stats.at<int>(i, cv::CC_STAT_AREA)) / cv::countNonZero(main);
+  left.reserve(areas_px.size());
+  for (std::size_t i = 1; i < areas_px.size(); ++i) {
+    const double share = double(areas_px[i]) / cv::countNonZero(main);
     if (share < kLeastPiece || share > kMostPiece) continue;
-    const cv::Mat piece = labels == i;
+    const cv::Mat piece = labels == double(i);
     if (clearOfBorder(piece)) left.push_back(piece);
   }
   for (bool grows = true; grows;) {
@@ -221,10 +217,8 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
 
 // Returns the piece with the click, and the pieces connected to it behind an occluder.
 cv::Mat selectPieces(const Surroundings& s, const cv::Mat& mask) {
-  cv::Mat labels;
-  cv::connectedComponents(mask, labels, 4, CV_32S);
-  if (labels.at<int>(s.at) == 0) return {};
-  return mergeOccludedParts(s.view, mask, labels == labels.at<int>(s.at), s.px_per_mm);
+  if (mask.at<unsigned char>(s.at) == 0) return {};
+  return mergeOccludedParts(s.view, mask, pieceAt(mask, s.at), s.px_per_mm);
 }
 
 cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& background,
