@@ -7,9 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "client/haptics/user_controls.hpp"
 #include "common/time.hpp"
 
 namespace hapticast::client {
@@ -36,65 +34,6 @@ class ParameterRateLimiter {
   double value_ = 0.0;
   double goal_ = 0.0;
   double step_ = 0.0;  // per tick
-};
-
-// Applies the user's controls to the force. In contact, gains change slowly (ParameterRateLimiter).
-// A change of the method or of the surface model cannot be gradual, so the force then restarts from
-// zero.
-// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
-
-/// The gains and the choices of the user in the present tick.
-class UserForceMix {
- public:
-  UserForceMix(Method method, SurfaceKind surface) noexcept
-      : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
-
-  /// Applies the user's controls of this tick. Returns true if the method or the surface model has
-  /// changed, or if the static force was switched on again. The caller then has to fade in the
-  /// force from zero.
-  bool update(const UserControls& user) noexcept {
-    const Method method = user.method.value_or(own_method_);
-    const SurfaceKind surface = user.surface.value_or(own_surface_);
-    const bool comes_back = user.static_on && !static_on_;
-    const bool changed = method != method_ || surface != surface_ || comes_back;
-    method_ = method;
-    surface_ = surface;
-    static_on_ = user.static_on;
-    const double force = within(user.force_factor, 0.0, 1.0);
-    wall_ = static_on_ ? force : 0.0;
-    dynamic_ = user.dynamic_on ? force : 0.0;
-    stiffness_ = within(user.stiffness_factor, 0.1, 3.0);
-    friction_ = user.friction;
-    if (friction_) friction_ = within(*friction_, 0.0, 1.0);
-    return changed;
-  }
-  /// Returns the gain of the dynamic force in this tick, 0..1.
-  double dynamicGain(bool in_contact) noexcept { return dynamic_ramp_.step(dynamic_, in_contact); }
-
-  [[nodiscard]] Method method() const noexcept { return method_; }
-  [[nodiscard]] SurfaceKind surface() const noexcept { return surface_; }
-  /// Returns the gain of the wall's spring and damper, 0..1.
-  [[nodiscard]] double staticGain() const noexcept { return wall_; }
-  /// Returns the factor by which the requested stiffness is multiplied, 0.1..3.
-  [[nodiscard]] double stiffness() const noexcept { return stiffness_; }
-  [[nodiscard]] const std::optional<double>& friction() const noexcept { return friction_; }
-
- private:
-  /// Clamps `value`; NaN counts as `low`.
-  static double within(double value, double low, double high) noexcept {
-    return value >= low ? std::min(value, high) : low;
-  }
-
-  Method own_method_;
-  SurfaceKind own_surface_;
-  Method method_;
-  SurfaceKind surface_;
-  bool static_on_ = true;
-  double wall_ = 1.0;
-  double dynamic_ = 1.0;
-  double stiffness_ = 1.0;
-  std::optional<double> friction_;
-  ParameterRateLimiter dynamic_ramp_;
 };
 
 }  // namespace hapticast::client

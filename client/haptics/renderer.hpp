@@ -21,6 +21,7 @@
 #include "client/haptics/playback/scene_interpolator.hpp"
 #include "client/haptics/playback/thesis_interpolation.hpp"
 #include "client/haptics/safety/chain.hpp"
+#include "client/haptics/user_force_mix.hpp"
 #include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
