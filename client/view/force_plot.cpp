@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "client/view/painter.hpp"
+
 namespace hapticast::client {
 
 void ForceHistory::add(const TickReport& report) {
@@ -25,7 +27,9 @@ void ForceHistory::add(const TickReport& report) {
 namespace {
 
 const cv::Scalar kGridColor(70, 66, 62);
-const cv::Scalar kContactColor(58, 52, 40);
+const cv::Scalar kContactShade(58, 52, 40);
+const cv::Scalar kMomentColor(250, 250, 250);
+constexpr double kRecent_s = 8.0;  // chosen: a press and its release
 
 double findPeak(const std::deque<ForcePoint>& points) {
   double top_N = 0.5;
@@ -37,21 +41,12 @@ double findPeak(const std::deque<ForcePoint>& points) {
 
 /// Position of the axes in the picture.
 struct Axes {
-  Axes(const std::deque<ForcePoint>& points, cv::Size size)
-      : area(56, 30, size.width - 76, size.height - 62) {
-    if (!points.empty()) {
-      start_s = points.front().time_s;
-      span_s = std::max(1.0, points.back().time_s - start_s);
-    }
-    const double largest_N = findPeak(points);
-    step_N = largest_N <= 1.0 ? 0.25 : largest_N <= 2.5 ? 0.5 : 1.0;
-    top_N = step_N * std::ceil(largest_N / step_N);
-  }
   [[nodiscard]] int column(double time_s) const {
     return area.x + static_cast<int>(std::lround((time_s - start_s) / span_s * area.width));
   }
-  [[nodiscard]] int row(double force_N) const {
-    return area.y + area.height - static_cast<int>(std::lround(force_N / top_N * area.height));
+  [[nodiscard]] int row(double value) const {
+    return area.y + area.height -
+           static_cast<int>(std::lround(std::min(value / top, 1.0) * area.height));
   }
   void drawUpright(cv::Mat& plot, double time_s, const cv::Scalar& color) const {
     const int at = column(time_s);
@@ -61,22 +56,39 @@ struct Axes {
   cv::Rect area;
   double start_s = 0.0;
   double span_s = 1.0;
-  double step_N = 0.25;
-  double top_N = 0.5;
+  double top = 1.0;
 };
+
+/// Returns the distance of the grid's lines for forces up to `largest_N`.
+double gridStep_N(double largest_N) {
+  return largest_N <= 1.0 ? 0.25 : largest_N <= 2.5 ? 0.5 : 1.0;
+}
+
+/// Returns axes for all points.
+Axes enclose(const std::deque<ForcePoint>& points, cv::Size size) {
+  Axes axes{{56, 30, size.width - 76, size.height - 62}};
+  if (!points.empty()) {
+    axes.start_s = points.front().time_s;
+    axes.span_s = std::max(1.0, points.back().time_s - axes.start_s);
+  }
+  const double largest_N = findPeak(points);
+  const double step_N = gridStep_N(largest_N);
+  axes.top = step_N * std::ceil(largest_N / step_N);
+  return axes;
+}
 
 void drawGrid(cv::Mat& plot, const Axes& axes) {
   const cv::Rect& area = axes.area;
-  for (double force_N = 0.0; force_N <= axes.top_N + 1e-9; force_N += axes.step_N) {
+  for (double force_N = 0.0; force_N <= axes.top + 1e-9; force_N += gridStep_N(axes.top)) {
     const int row = axes.row(force_N);
     cv::line(plot, {area.x, row}, {area.x + area.width, row}, kGridColor);
-    putLabel(plot, cv::format("%.2f N", force_N), {4, row + 4}, kTextColor);
+    drawLabel(plot, cv::format("%.2f N", force_N), {4, row + 4}, kTextColor);
   }
   const double step_s = axes.span_s <= 12.0 ? 1.0 : std::ceil(axes.span_s / 10.0);
   for (double time_s = step_s * std::ceil(axes.start_s / step_s);
        time_s <= axes.start_s + axes.span_s; time_s += step_s) {
-    putLabel(plot, cv::format("%.0f s", time_s),
-             {axes.column(time_s) - 8, area.y + area.height + 20}, kTextColor);
+    drawLabel(plot, cv::format("%.0f s", time_s),
+              {axes.column(time_s) - 8, area.y + area.height + 20}, kTextColor);
   }
 }
 
@@ -85,6 +97,7 @@ void drawCurve(cv::Mat& plot, const Axes& axes, const std::deque<ForcePoint>& po
   std::vector<cv::Point> line;
   line.reserve(points.size());
   for (const ForcePoint& point : points) {
+    if (point.time_s < axes.start_s) continue;
     const cv::Point at(axes.column(point.time_s), axes.row(point.*value));
     if (line.empty() || line.back().x != at.x) {
       line.push_back(at);
@@ -96,25 +109,21 @@ void drawCurve(cv::Mat& plot, const Axes& axes, const std::deque<ForcePoint>& po
 }
 
 void drawLegend(cv::Mat& plot, int left_px) {
-  putLabel(plot, "force at the device", {left_px, 20}, kForceColor);
-  putLabel(plot, "static", {left_px + 190, 20}, kStaticForceColor);
-  putLabel(plot, "dynamic", {left_px + 270, 20}, kDynamicForceColor);
-  putLabel(plot, "shaded: contact   white line: the moment shown above", {left_px + 370, 20},
-           kTextColor);
+  drawLabel(plot, "force at the device", {left_px, 20}, kForceColor);
+  drawLabel(plot, "static", {left_px + 190, 20}, kStaticForceColor);
+  drawLabel(plot, "dynamic", {left_px + 270, 20}, kDynamicForceColor);
+  drawLabel(plot, "shaded: contact   white line: the moment shown above", {left_px + 370, 20},
+            kTextColor);
 }
 
 }  // namespace
 
-void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
-}
-
 cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size) {
   const auto& points = history.points();
-  const Axes axes(points, size);
+  const Axes axes = enclose(points, size);
   cv::Mat plot(size, CV_8UC3, kGroundColor);
   for (const ForcePoint& point : points) {
-    if (point.contact) axes.drawUpright(plot, point.time_s, kContactColor);
+    if (point.contact) axes.drawUpright(plot, point.time_s, kContactShade);
   }
   drawGrid(plot, axes);
   drawCurve(plot, axes, points, &ForcePoint::dynamic_force_N, kDynamicForceColor, 1);
@@ -123,6 +132,23 @@ cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size siz
   // The strongest moment may be older than the plot.
   if (marked_s >= axes.start_s) axes.drawUpright(plot, marked_s, kMomentColor);
   drawLegend(plot, axes.area.x);
+  return plot;
+}
+
+cv::Mat drawRecentPlot(const ForceHistory& history, double least, const std::string& unit,
+                       std::span<const Curve> curves, cv::Size size) {
+  const auto& points = history.points();
+  Axes axes{{0, 2, size.width - 1, size.height - 4}, -kRecent_s, kRecent_s, least};
+  if (!points.empty()) axes.start_s = points.back().time_s - kRecent_s;
+  for (const ForcePoint& point : points) {
+    if (point.time_s < axes.start_s) continue;
+    for (const Curve& curve : curves) {
+      while (point.*curve.value > axes.top && axes.top < 1e6) axes.top *= 2.0;
+    }
+  }
+  cv::Mat plot(size, CV_8UC3, kGroundColor);
+  for (const Curve& curve : curves) drawCurve(plot, axes, points, curve.value, curve.color, 1);
+  drawLabel(plot, cv::format("%g ", axes.top) + unit, {3, 13}, kTextColor);
   return plot;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Plot of the force over time.
+// Plots of the force over time, for window, film and screenshot.
 // Thread: any (pure functions).
 #pragma once
 
 #include <cstddef>
 #include <deque>
 #include <opencv2/core.hpp>
+#include <span>
 #include <string>
 
 #include "client/haptics/tick_report.hpp"
@@ -45,21 +46,22 @@ class ForceHistory {
   std::size_t ticks_in_last_ = 0;
 };
 
-// Colours of the overlay, BGR.
-inline const cv::Scalar kGroundColor(28, 26, 24);
-inline const cv::Scalar kTextColor(215, 212, 208);
-inline const cv::Scalar kMomentColor(250, 250, 250);
-// Colours of the forces, as in the window.
-inline const cv::Scalar kForceColor(64, 214, 255);
-inline const cv::Scalar kStaticForceColor(255, 120, 64);
-inline const cv::Scalar kDynamicForceColor(48, 56, 255);
-
-/// Draws a line of small text into `image`. `at` (px) is the lower left corner of the text.
-void putLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
-
 /// Returns a plot of all points of `history`: a CV_8UC3 picture of `size` px (at least 100 x 100).
 /// It shows the total, the static and the dynamic force, with a shade during contact. It has a mark
 /// at the time `marked_s`. All times count from the first tick.
 [[nodiscard]] cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size);
+
+/// One line of a plot.
+struct Curve {
+  double ForcePoint::*value;
+  cv::Scalar color;  ///< BGR
+};
+
+/// Returns a plot of `curves` in the last eight seconds: a CV_8UC3 picture of `size` px. The
+/// vertical axis extends from 0 to a round number above all plotted values, which is at least
+/// `least` and stands in the plot's corner, with the unit `unit`.
+[[nodiscard]] cv::Mat drawRecentPlot(const ForceHistory& history, double least,
+                                     const std::string& unit, std::span<const Curve> curves,
+                                     cv::Size size);
 
 }  // namespace hapticast::client

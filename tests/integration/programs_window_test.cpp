@@ -51,11 +51,11 @@ void key(SDL_Keycode code) {
 }
 
 void pointAt(const ViewerWindow& window, const Vec2& nominal_mm) {
-  const ImVec2 at = window.place().toWindow(nominal_mm);
+  const Vec2 at = window.place().fromNominal(nominal_mm);
   SDL_Event event{};
   event.type = SDL_MOUSEMOTION;
-  event.motion.x = static_cast<int>(at.x);
-  event.motion.y = static_cast<int>(at.y);
+  event.motion.x = static_cast<int>(at.x());
+  event.motion.y = static_cast<int>(at.y());
   SDL_PushEvent(&event);
 }
 
@@ -132,14 +132,14 @@ class ProgramsWindowTest : public ProgramsTest {
 
 /// The static arrow's end, of the pixels that were drawn, relative to where the tip is seen.
 Vec2 drawnArrow(const cv::Mat& pixels, const client::ScenePlace& place, const Vec3& hip_mm) {
-  const ImVec2 tip = place.toWindow(hip_mm.head<2>());
+  const Vec2 tip = place.fromNominal(hip_mm.head<2>());
   Vec2 farthest = Vec2::Zero();
-  for (int v = static_cast<int>(place.corner().y); v < static_cast<int>(place.end().y); ++v) {
-    for (int u = static_cast<int>(place.corner().x); u < static_cast<int>(place.end().x); ++u) {
+  for (int v = static_cast<int>(place.corner().y()); v < static_cast<int>(place.end().y()); ++v) {
+    for (int u = static_cast<int>(place.corner().x()); u < static_cast<int>(place.end().x()); ++u) {
       const auto& pixel = pixels.at<cv::Vec3b>(v, u);
       const bool blue =
           pixel[0] > 247 && std::abs(pixel[1] - 120) < 8 && std::abs(pixel[2] - 64) < 8;
-      const Vec2 way(u + 0.5 - double{tip.x}, v + 0.5 - double{tip.y});
+      const Vec2 way = Vec2(u + 0.5, v + 0.5) - tip;
       if (blue && way.norm() > farthest.norm()) farthest = way;
     }
   }
@@ -178,7 +178,7 @@ TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesFeelsItAndGoesOn) {
           client::UiState ui_state;
           window.draw(ui_state);
           const cv::Mat pixels = window.pixels();
-          const double width_px = window.place().end().x - window.place().corner().x;
+          const double width_px = window.place().end().x() - window.place().corner().x();
           const Vec3& f = r.static_force_N;  // z is drawn up and a little to the right
           const Vec2 wanted = 0.09 * width_px * Vec2(f.x() + 0.35 * f.z(), -f.y() - 0.75 * f.z());
           EXPECT_LT((drawnArrow(pixels, window.place(), r.hip_mm) - wanted).norm(), 3.0)

@@ -19,8 +19,8 @@ constexpr double kDrag_mm_per_px = 0.1;  // chosen: half of a hand's movement is
 constexpr double kNearest_mm = 35.0;
 constexpr double kFarthest_mm = -5.0;
 
-bool within(const ImVec4& box, const ImVec2& point) {
-  return point.x >= box.x && point.y >= box.y && point.x < box.z && point.y < box.w;
+bool within(const ImVec4& box, const Vec2& point) {
+  return point.x() >= box.x && point.y() >= box.y && point.x() < box.z && point.y() < box.w;
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
   handleDisplayEvents(event);
   ImGui_ImplSDL2_ProcessEvent(&event);
   const ImGuiIO& io = ImGui::GetIO();
-  const ImVec2 cursor(static_cast<float>(event.button.x), static_cast<float>(event.button.y));
+  const Vec2 cursor(event.button.x, event.button.y);
   switch (event.type) {
     case SDL_QUIT:
       closed_ = true;
@@ -74,7 +74,7 @@ void ViewerWindow::point(const SDL_MouseMotionEvent& motion, UiState& ui_state) 
   if (drag_ == Drag::kTurns)
     relief_.rotate(static_cast<float>(motion.xrel), static_cast<float>(motion.yrel));
   if (drag_ != Drag::kNone) return;
-  const ImVec2 at(static_cast<float>(motion.x), static_cast<float>(motion.y));
+  const Vec2 at(motion.x, motion.y);
   if (!place_.contains(at) || isRotating(at) || ImGui::GetIO().WantCaptureMouse) return;
   if (!ui_state.pointer.known) {  // the depth begins at the HIP
     ui_state.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
@@ -95,7 +95,7 @@ void ViewerWindow::drag(Drag what) {
   SDL_SetRelativeMouseMode(what == Drag::kNone ? SDL_FALSE : SDL_TRUE);
 }
 
-bool ViewerWindow::isRotating(const ImVec2& point) const {
+bool ViewerWindow::isRotating(const Vec2& point) const {
   return state_.relief == ReliefLook::kInSpace && within(WindowRelief::box(place_), point);
 }
 

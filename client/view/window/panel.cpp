@@ -8,17 +8,16 @@
 #include <array>
 #include <utility>
 
-#include "client/view/window/painter.hpp"
-#include "client/view/window/scene.hpp"
+#include "client/view/painter.hpp"
 
 namespace hapticast::client {
 
 namespace {
 
-constexpr std::array kForces{Curve{&ForcePoint::force_N, kTotalColor},
-                             Curve{&ForcePoint::static_force_N, kStaticColor},
-                             Curve{&ForcePoint::dynamic_force_N, kDynamicColor}};
-constexpr std::array kDepth{Curve{&ForcePoint::penetration_mm, IM_COL32(90, 255, 120, 255)}};
+const std::array kForces{Curve{&ForcePoint::force_N, kForceColor},
+                         Curve{&ForcePoint::static_force_N, kStaticForceColor},
+                         Curve{&ForcePoint::dynamic_force_N, kDynamicForceColor}};
+const std::array kDepth{Curve{&ForcePoint::penetration_mm, kContactColor}};
 
 constexpr std::array<std::pair<const char*, const char*>, 12> kKeys{
     {{"pointer", "moves the tip over the picture"},
@@ -41,22 +40,37 @@ void heading(const char* name) {
   ImGui::TextColored(ImVec4(0.55F, 0.8F, 1.0F, 1.0F), "%s", name);
 }
 
-void showForce(const TickReport& report, const ForceHistory& history, float plot_height) {
+/// Returns the size in px of the screen of an image that is as wide as the panel.
+cv::Size pixelsFor(const ImVec2& size) {
+  const ImVec2& scale = ImGui::GetIO().DisplayFramebufferScale;
+  return {std::max(1, static_cast<int>(size.x * scale.x)),
+          std::max(1, static_cast<int>(size.y * scale.y))};
+}
+
+/// Shows a plot as wide as the panel. `height` is in px of the window.
+void showPlot(GuiRenderer& renderer, GuiImage kind, const ForceHistory& history, const char* unit,
+              std::span<const Curve> curves, float height) {
+  const ImVec2 size(ImGui::GetContentRegionAvail().x, height);
+  ImGui::Image(renderer.upload(kind, drawRecentPlot(history, 1.0, unit, curves, pixelsFor(size))),
+               size);
+}
+
+void showForce(const TickReport& report, const ForceHistory& history, GuiRenderer& renderer,
+               float plot_height) {
   heading("Force");
   const Vec3& force_N = report.force_N;
   text(fmt::format("{:.2f} N  ({:.2f}, {:.2f}, {:.2f})", force_N.norm(), force_N.x(), force_N.y(),
                    force_N.z()));
-  const auto share = [](ImU32 color, const char* name, double value_N) {
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%s %.2f N", name, value_N);
+  const auto share = [](const cv::Scalar& color, const char* name, double value_N) {
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(toImGui(color)), "%s %.2f N", name, value_N);
   };
-  share(kStaticColor, "static", report.static_force_N.norm());
+  share(kStaticForceColor, "static", report.static_force_N.norm());
   ImGui::SameLine();
-  share(kDynamicColor, "dynamic", report.dynamic_force_N.norm());
-  plot(history, upperEnvelope(history, &ForcePoint::force_N, 1.0), "N", plot_height, kForces);
+  share(kDynamicForceColor, "dynamic", report.dynamic_force_N.norm());
+  showPlot(renderer, GuiImage::kForcePlot, history, "N", kForces, plot_height);
   text(fmt::format("penetration {:.2f} mm, tip z {:.1f} mm", report.penetration_mm,
                    report.hip_mm.z()));
-  plot(history, upperEnvelope(history, &ForcePoint::penetration_mm, 1.0), "mm", 0.6F * plot_height,
-       kDepth);
+  showPlot(renderer, GuiImage::kPenetrationPlot, history, "mm", kDepth, 0.6F * plot_height);
 }
 
 void showNetwork(const TickWatch& ticks, const UiState& ui_state, double picture_off_ms) {
@@ -169,7 +183,8 @@ bool pressKey(int sdl_key, UiState& ui_state, PanelState& state) {
 }
 
 void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
-               const ForceHistory& history, UiState& ui_state, PanelState& state) {
+               const ForceHistory& history, GuiRenderer& renderer, UiState& ui_state,
+               PanelState& state) {
   ImGui::SetNextWindowPos(corner);
   ImGui::SetNextWindowSize(size);
   constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration & ~ImGuiWindowFlags_NoScrollbar;
@@ -177,7 +192,7 @@ void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
                kFixed | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(6.0F, 2.0F));
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4.0F, 2.0F));
-  showForce(ticks.last(), history, (size.y < 600.0F ? 0.09F : 0.13F) * size.y);
+  showForce(ticks.last(), history, renderer, (size.y < 600.0F ? 0.09F : 0.13F) * size.y);
   showControls(ui_state, state);
   showNetwork(ticks, ui_state, state.picture_off_ms);
   if (!ui_state.recording.empty()) ImGui::TextWrapped("%s", ui_state.recording.c_str());

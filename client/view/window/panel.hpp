@@ -11,6 +11,7 @@
 #include "client/haptics/safety/safety_action.hpp"
 #include "client/view/force_plot.hpp"
 #include "client/view/view.hpp"
+#include "client/view/window/gui_renderer.hpp"
 #include "client/view/window/relief.hpp"
 
 namespace hapticast::client {
@@ -68,8 +69,10 @@ struct PanelState {
 bool pressKey(int sdl_key, UiState& ui_state, PanelState& state);
 
 /// Draws the panel with its upper left corner at `corner`. Its controls change `ui_state.user`.
+/// `renderer` receives the images of its plots.
 void showPanel(const ImVec2& corner, const ImVec2& size, const TickWatch& ticks,
-               const ForceHistory& history, UiState& ui_state, PanelState& state);
+               const ForceHistory& history, GuiRenderer& renderer, UiState& ui_state,
+               PanelState& state);
 
 /// Draws the list of keys in the middle of an area of the size `room`. Sets `open` to false if the
 /// user closes the list.

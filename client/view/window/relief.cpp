@@ -7,45 +7,39 @@
 #include <cmath>
 #include <numeric>
 
+#include "client/view/window/gui_renderer.hpp"
+
 namespace hapticast::client {
 
 namespace {
 
 constexpr double kTurn_rad_per_px = 0.01;  // chosen: about half a turn across the box
 // The software renderer leaves holes between smaller triangles (measured), px of the window.
-constexpr float kCell_px = 4.0F;
+constexpr double kCell_px = 4.0;
 constexpr double kArrow_mm_per_N = 12.0;
 constexpr double kStylus_mm = 25.0;
-constexpr ImU32 kOutlineColor = IM_COL32(255, 255, 255, 220);
-constexpr ImU32 kProxyColor = IM_COL32(90, 255, 120, 255);
 
-ImU32 lit(float light, int opacity) {
+float toFloat(double value) {
+  return std::isfinite(value) ? static_cast<float>(std::clamp(value, -1e5, 1e5)) : 0.0F;
+}
+ImVec2 toImVec(const Vec2& point) { return {toFloat(point.x()), toFloat(point.y())}; }
+
+/// Draws an arrow from `from` to `end`.
+void drawArrow(ImDrawList& list, const Vec2& from, const Vec2& end, ImU32 color) {
+  constexpr double kWidth_px = 4.0;
+  const Vec2 way = end - from;
+  const double length = way.norm();
+  if (length < 2.0) return;
+  const double head = std::min(length, 4.0 * kWidth_px);
+  const Vec2 neck = end - way * (head / length);
+  const Vec2 side = Vec2(-way.y(), way.x()) * (0.5 * head / length);
+  list.AddLine(toImVec(from), toImVec(neck), color, static_cast<float>(kWidth_px));
+  list.AddTriangleFilled(toImVec(end), toImVec(neck + side), toImVec(neck - side), color);
+}
+
+ImU32 lit(float light) {
   const auto part = [light](float most) { return static_cast<int>(most * std::min(light, 1.0F)); };
-  return IM_COL32(part(255.0F), part(225.0F), part(185.0F), opacity);
-}
-
-/// Draws the cells in this order; `at` projects a corner.
-template <class At>
-void drawCells(ImDrawList& list, const ReliefMesh& mesh, const std::vector<std::size_t>& order,
-               int opacity, At at) {
-  if (order.empty()) return;
-  const ImVec2 white = ImGui::GetFontTexUvWhitePixel();
-  list.PrimReserve(static_cast<int>(6 * order.size()), static_cast<int>(mesh.corners.size()));
-  const unsigned first = list._VtxCurrentIdx;
-  for (const ReliefMesh::Corner& corner : mesh.corners)
-    list.PrimWriteVtx(at(corner.position_mm), white, lit(corner.light, opacity));
-  for (const std::size_t cell : order) {
-    for (const std::size_t corner : {0U, 1U, 2U, 0U, 2U, 3U}) {
-      list.PrimWriteIdx(
-          static_cast<ImDrawIdx>(first + static_cast<unsigned>(mesh.cells[cell][corner])));
-    }
-  }
-}
-
-std::vector<std::size_t> listIndices(const ReliefMesh& mesh) {
-  std::vector<std::size_t> order(mesh.cells.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  return order;
+  return IM_COL32(part(255.0F), part(225.0F), part(185.0F), 255);
 }
 
 /// Orthographic projection of the workspace from the side.
@@ -55,7 +49,7 @@ class Aside {
       : rotation_((Eigen::AngleAxisd(pitch_rad, Vec3::UnitX()) *
                    Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ()))
                       .toRotationMatrix()),
-        middle_(0.5F * (box.x + box.z), 0.5F * (box.y + box.w)) {
+        middle_(0.5 * Vec2(box.x + box.z, box.y + box.w)) {
     Vec3 low = Vec3::Constant(1e9);
     Vec3 high = Vec3::Constant(-1e9);
     for (const ReliefMesh::Corner& corner : mesh.corners) {
@@ -71,14 +65,14 @@ class Aside {
   [[nodiscard]] Vec3 rotated(const Vec3& nominal_mm) const {
     return rotation_ * (nominal_mm - centre_mm_);
   }
-  [[nodiscard]] ImVec2 operator()(const Vec3& nominal_mm) const {
+  [[nodiscard]] Vec2 operator()(const Vec3& nominal_mm) const {
     const Vec3 seen = px_per_mm_ * rotated(nominal_mm);
-    return {middle_.x + bounded(seen.x()), middle_.y - bounded(seen.y())};
+    return middle_ + Vec2(seen.x(), -seen.y());
   }
 
  private:
   Eigen::Matrix3d rotation_;
-  ImVec2 middle_;
+  Vec2 middle_;
   Vec3 centre_mm_;
   double px_per_mm_;
 };
@@ -90,25 +84,43 @@ std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) 
     for (const int corner : mesh.cells[i])
       near[i] += aside.rotated(mesh.corners[static_cast<std::size_t>(corner)].position_mm).z();
   }
-  std::vector<std::size_t> order = listIndices(mesh);
+  std::vector<std::size_t> order(mesh.cells.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&near](std::size_t a, std::size_t b) { return near[a] < near[b]; });
   return order;
 }
 
-/// Draws stylus, HIP, surface point and force.
-void drawTouch(ImDrawList& list, const Aside& aside, const TickReport& report) {
-  const Vec3& tip_mm = report.hip_mm;
-  const ImVec2 tip = aside(tip_mm);
-  if (report.contact) {
-    const ImVec2 held = aside(report.contact_mm);
-    list.AddLine(tip, held, kProxyColor, 1.5F);
-    list.AddCircle(held, 5.0F, kProxyColor, 0, 2.0F);
+/// Draws the cells, as `aside` projects them.
+void drawCells(ImDrawList& list, const ReliefMesh& mesh, const Aside& aside) {
+  const std::vector<std::size_t> order = fromBehind(mesh, aside);
+  if (order.empty()) return;
+  const ImVec2 white = ImGui::GetFontTexUvWhitePixel();
+  list.PrimReserve(static_cast<int>(6 * order.size()), static_cast<int>(mesh.corners.size()));
+  const unsigned first = list._VtxCurrentIdx;
+  for (const ReliefMesh::Corner& corner : mesh.corners)
+    list.PrimWriteVtx(toImVec(aside(corner.position_mm)), white, lit(corner.light));
+  for (const std::size_t cell : order) {
+    for (const std::size_t corner : {0U, 1U, 2U, 0U, 2U, 3U}) {
+      list.PrimWriteIdx(
+          static_cast<ImDrawIdx>(first + static_cast<unsigned>(mesh.cells[cell][corner])));
+    }
   }
-  list.AddLine(tip, aside(tip_mm + Vec3(0.0, 0.0, kStylus_mm)), IM_COL32(70, 205, 190, 255), 3.0F);
-  list.AddCircleFilled(tip, 4.0F, IM_COL32(255, 255, 255, 255));
-  const ImVec2 end = aside(tip_mm + kArrow_mm_per_N * report.force_N);
-  drawArrow(list, tip, {end.x - tip.x, end.y - tip.y}, 4.0F, kTotalColor);
+}
+
+/// Draws stylus, HIP, surface point and force.
+void drawTouchInSpace(ImDrawList& list, const Aside& aside, const TickReport& report) {
+  const Vec3& tip_mm = report.hip_mm;
+  const Vec2 tip = aside(tip_mm);
+  if (report.contact) {
+    const ImVec2 held = toImVec(aside(report.contact_mm));
+    list.AddLine(toImVec(tip), held, toImGui(kContactColor), 1.5F);
+    list.AddCircle(held, 5.0F, toImGui(kContactColor), 0, 2.0F);
+  }
+  list.AddLine(toImVec(tip), toImVec(aside(tip_mm + Vec3(0.0, 0.0, kStylus_mm))),
+               IM_COL32(70, 205, 190, 255), 3.0F);
+  list.AddCircleFilled(toImVec(tip), 4.0F, IM_COL32(255, 255, 255, 255));
+  drawArrow(list, tip, aside(tip_mm + kArrow_mm_per_N * report.force_N), toImGui(kForceColor));
 }
 
 }  // namespace
@@ -150,37 +162,33 @@ void WindowRelief::rotate(float right_px, float down_px) {
 }
 
 const ReliefMesh& WindowRelief::mesh(const ScenePlace& place) {
-  const float px = place.pixelsPerMm() / static_cast<float>(workspace_.pixelsPerMm().x());
+  const double px = place.pixelsPerMm() / workspace_.pixelsPerMm().x();
   const int least_px = std::max(1, static_cast<int>(std::ceil(kCell_px / px)));
   if (!mesh_ || least_px != cell_px_) mesh_ = buildMesh(reliefs_, workspace_, least_px);
   cell_px_ = least_px;
   return *mesh_;
 }
 
-void WindowRelief::drawOutline(ImDrawList& list, const ScenePlace& place) {
+void WindowRelief::drawOutline(cv::Mat& image, const ScenePlace& place) {
   if (!outlines_) {
     outlines_.emplace();
     for (const auto& relief : reliefs_) {
       for (auto& line : traceOutline(*relief)) outlines_->push_back(std::move(line));
     }
   }
-  for (const auto& line : *outlines_) {
-    for (const cv::Point2f& point : line)
-      list.PathLineTo(place.fromImage(Vec2(double{point.x}, double{point.y})));
-    list.PathStroke(kOutlineColor, ImDrawFlags_Closed, 2.0F);
-  }
+  drawOutlines(image, place, *outlines_);
 }
 
-void WindowRelief::drawShaded(ImDrawList& list, const ScenePlace& place) {
-  drawCells(list, mesh(place), listIndices(mesh(place)), 215,
-            [&place](const Vec3& position_mm) { return place.toWindow(position_mm.head<2>()); });
+void WindowRelief::drawShaded(cv::Mat& image, const ScenePlace& place) {
+  drawShade(image, place, mesh(place));
 }
 
 ImVec4 WindowRelief::box(const ScenePlace& place) {
-  constexpr float kShare = 0.45F;  // chosen: the middle of the picture stays free
-  const ImVec2 end = place.end();
-  return {place.corner().x, end.y - kShare * (end.y - place.corner().y),
-          place.corner().x + kShare * (end.x - place.corner().x), end.y};
+  constexpr double kShare = 0.45;  // chosen: the middle of the picture stays free
+  const ImVec2 end = toImVec(place.corner() + kShare * place.size());
+  const ImVec2 corner = toImVec(place.corner());
+  const float below = toImVec(place.end()).y - end.y;
+  return {corner.x, corner.y + below, end.x, end.y + below};
 }
 
 void WindowRelief::drawInSpace(ImDrawList& list, const ScenePlace& place,
@@ -191,8 +199,8 @@ void WindowRelief::drawInSpace(ImDrawList& list, const ScenePlace& place,
   list.PushClipRect(corner, end, true);
   list.AddRectFilled(corner, end, IM_COL32(18, 20, 24, 225));
   const Aside aside(mesh(place), room, yaw_rad_, pitch_rad_);
-  drawCells(list, mesh(place), fromBehind(mesh(place), aside), 255, aside);
-  drawTouch(list, aside, report);
+  drawCells(list, mesh(place), aside);
+  drawTouchInSpace(list, aside, report);
   list.AddText({room.x + 5.0F, room.y + 3.0F}, IM_COL32(170, 170, 170, 255),
                "drag here to turn it");
   list.AddRect(corner, end, IM_COL32(120, 120, 120, 255));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reliefs in the window, if the user requests them. They are shown as outlines, as a shade over the
-// picture, or as a shape in space beside the HIP, which the user can rotate.
+// Reliefs in the window, if the user requests them. The painter draws them as outlines and as a
+// shade over the picture. ImGui draws them as a shape in space beside the HIP, which the user can
+// rotate.
 // Thread: onFrame() any, everything else main.
 #pragma once
 
@@ -12,8 +13,8 @@
 #include <vector>
 
 #include "client/haptics/playback/frame_pool.hpp"
+#include "client/view/painter.hpp"
 #include "client/view/relief_shape.hpp"
-#include "client/view/window/scene.hpp"
 
 namespace hapticast::client {
 
@@ -35,8 +36,9 @@ class WindowRelief {
   /// Rotates the shape in space after the user has dragged it by this many px.
   void rotate(float right_px, float down_px);
 
-  void drawOutline(ImDrawList& list, const ScenePlace& place);
-  void drawShaded(ImDrawList& list, const ScenePlace& place);
+  /// Draw the reliefs into `image` (CV_8UC3) with the picture at `place`.
+  void drawOutline(cv::Mat& image, const ScenePlace& place);
+  void drawShaded(cv::Mat& image, const ScenePlace& place);
   /// Draws the shape in space, inside the rectangle of box(), with the HIP and the force of
   /// `report`.
   void drawInSpace(ImDrawList& list, const ScenePlace& place, const TickReport& report);

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
@@ -61,16 +62,16 @@ struct ViewerWindow::Gui {
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
     ImGui_ImplSDL2_InitForSDLRenderer(window);
-    painter = std::make_unique<WindowPainter>(*renderer);
+    gui_renderer = std::make_unique<GuiRenderer>(*renderer);
   }
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
   ~Gui() {
     if (displayIsLost()) {
-      (void)painter.release();  // its textures belong to the lost display
+      (void)gui_renderer.release();  // its textures belong to the lost display
       return;
     }
-    painter.reset();
+    gui_renderer.reset();
     ImGui_ImplSDL2_Shutdown();
     ImGui::DestroyContext(context);
     close();
@@ -90,15 +91,13 @@ struct ViewerWindow::Gui {
   SDL_Window* window = nullptr;
   SDL_Renderer* renderer = nullptr;
   ImGuiContext* context = nullptr;
-  std::unique_ptr<WindowPainter> painter;
+  std::unique_ptr<GuiRenderer> gui_renderer;
 };
 
 ViewerWindow::ViewerWindow(int width_px, int height_px)
     : gui_(std::make_unique<Gui>(width_px, height_px)), place_(workspace_, {0, 0}, {640, 480}) {}
 
-ViewerWindow::~ViewerWindow() {
-  if (displayIsLost()) (void)texture_.release();
-}
+ViewerWindow::~ViewerWindow() = default;
 
 void ViewerWindow::onPicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
@@ -119,34 +118,38 @@ void ViewerWindow::draw(UiState& ui_state) {
   int width = 0;
   int height = 0;
   SDL_GetWindowSize(gui_->window, &width, &height);
-  gui_->painter->setTextHeight(
+  gui_->gui_renderer->setTextHeight(
       textHeight(ImVec2(static_cast<float>(width), static_cast<float>(height))));
-  showPicture();
+  selectPicture();
   ImGui_ImplSDL2_NewFrame();
   ImGui::NewFrame();
   const float panel = panelWidth(io.DisplaySize);
   showScene(ui_state);
-  showPanel({io.DisplaySize.x - panel, 0.0F}, {panel, io.DisplaySize.y}, ticks_, history_, ui_state,
-            state_);
+  showPanel({io.DisplaySize.x - panel, 0.0F}, {panel, io.DisplaySize.y}, ticks_, history_,
+            *gui_->gui_renderer, ui_state, state_);
   showHelp({io.DisplaySize.x - panel, io.DisplaySize.y}, state_.help);
   ImGui::Render();
   SDL_SetRenderDrawColor(gui_->renderer, 24, 26, 28, 255);
   SDL_RenderClear(gui_->renderer);
-  gui_->painter->paint(*ImGui::GetDrawData());
+  gui_->gui_renderer->paint(*ImGui::GetDrawData());
   if (save_) savePicture();
   SDL_RenderPresent(gui_->renderer);
 }
 
-/// Shows the picture of the rendered frame, if it is a new one.
-void ViewerWindow::showPicture() {
+/// Decodes the picture of the rendered frame, if it is a new one.
+void ViewerWindow::selectPicture() {
   const MediaTime play_time = ticks_.last().play_time;
   const auto off = [play_time](const StreamPicture& picture) {
     return std::abs((picture.video.media_time - play_time).count());
   };
   auto nearest = pictures_.nearest(play_time);
   // During a pause the buffer continues and drops the picture of the shown frame.
-  const bool nearer = nearest && (!shown_ || off(*nearest) < off(*shown_));
-  if (nearer) show(std::move(nearest));
+  if (nearest && (!shown_ || off(*nearest) < off(*shown_))) {
+    shown_ = std::move(nearest);
+    workspace_ = shown_->workspace;
+    cv::Mat picture = decodeJpeg(shown_->video.jpeg, {workspace_.width_px, workspace_.height_px});
+    if (!picture.empty()) picture_ = std::move(picture);
+  }
   if (!shown_) return;
   const Duration apart = shown_->video.media_time - play_time;
   state_.picture_off_ms = toSeconds(apart) * 1e3;
@@ -155,43 +158,35 @@ void ViewerWindow::showPicture() {
   last_play_time_ = play_time;
 }
 
-/// Uploads a picture.
-void ViewerWindow::show(std::shared_ptr<const StreamPicture> picture_of_stream) {
-  shown_ = std::move(picture_of_stream);
-  workspace_ = shown_->workspace;
-  const cv::Size size(workspace_.width_px, workspace_.height_px);
-  const cv::Mat picture = decodeJpeg(shown_->video.jpeg, size);
-  if (picture.empty()) return;
-  if (!texture_ || texture_size_ != size) {
-    texture_.reset(SDL_CreateTexture(gui_->renderer, SDL_PIXELFORMAT_BGR24,
-                                     SDL_TEXTUREACCESS_STREAMING, size.width, size.height));
-    texture_size_ = size;
-    SDL_SetTextureScaleMode(texture_.get(), SDL_ScaleModeLinear);
-  }
-  SDL_UpdateTexture(texture_.get(), nullptr, picture.data, static_cast<int>(picture.step));
-}
-
-void ViewerWindow::showScene(UiState& ui_state) {
+void ViewerWindow::showScene(const UiState& ui_state) {
   const ImVec2& window = ImGui::GetIO().DisplaySize;
   const float head = 1.8F * ImGui::GetFontSize();
-  place_ = ScenePlace(workspace_, {0.0F, head},
+  place_ = ScenePlace(workspace_, {0.0, head},
                       {window.x - panelWidth(window), std::max(window.y - head, 1.0F)});
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  if (texture_) {
-    list.AddImage(texture_.get(), place_.corner(), place_.end());
-  } else {
-    list.AddRectFilled(place_.corner(), place_.end(), IM_COL32(40, 43, 46, 255));
-  }
   relief_.update(ticks_.last().play_time, workspace_);
-  list.PushClipRect(place_.corner(), place_.end(), true);
-  if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(list, place_);
-  if (state_.outline) relief_.drawOutline(list, place_);
-  list.PopClipRect();
-  drawScene(list, place_, ticks_.last(), ui_state.pointer);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const auto point = [](const Vec2& at) {
+    return ImVec2(static_cast<float>(at.x()), static_cast<float>(at.y()));
+  };
+  list.AddImage(gui_->gui_renderer->upload(GuiImage::kScene, paintScene(ui_state.pointer)),
+                point(place_.corner()), point(place_.end()));
   if (state_.relief == ReliefLook::kInSpace) relief_.drawInSpace(list, place_, ticks_.last());
   const std::string status = statusLine(ticks_.last(), ui_state);
   list.AddText({0.5F * ImGui::GetFontSize(), 0.4F * ImGui::GetFontSize()},
                IM_COL32(235, 235, 235, 255), status.c_str());
+}
+
+/// Returns the picture with the HIP and the forces, in px of the screen.
+cv::Mat ViewerWindow::paintScene(const PointerTarget& pointer) {
+  const ImVec2& scale = ImGui::GetIO().DisplayFramebufferScale;
+  const Vec2 size = place_.size().cwiseProduct(Vec2(scale.x, scale.y));
+  cv::Mat image = fitPicture(picture_, {std::max(1, static_cast<int>(std::lround(size.x()))),
+                                        std::max(1, static_cast<int>(std::lround(size.y())))});
+  const ScenePlace place(workspace_, Vec2::Zero(), {image.cols, image.rows});
+  if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(image, place);
+  if (state_.outline) relief_.drawOutline(image, place);
+  drawTouch(image, place, ticks_.last(), pointer);
+  return image;
 }
 
 cv::Mat ViewerWindow::pixels() const {

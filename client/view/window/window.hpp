@@ -10,11 +10,10 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "client/view/painter.hpp"
 #include "client/view/picture.hpp"
-#include "client/view/window/painter.hpp"
 #include "client/view/window/panel.hpp"
 #include "client/view/window/relief.hpp"
-#include "client/view/window/scene.hpp"
 
 namespace hapticast::client {
 
@@ -55,18 +54,17 @@ class ViewerWindow final : public View {
   void drag(Drag what);
   /// Returns true if a drag that begins at `point` rotates the relief. Otherwise the drag moves the
   /// target of the HIP.
-  [[nodiscard]] bool isRotating(const ImVec2& point) const;
-  void showPicture();
-  void show(std::shared_ptr<const StreamPicture> picture_of_stream);
-  void showScene(UiState& ui_state);
+  [[nodiscard]] bool isRotating(const Vec2& point) const;
+  void selectPicture();
+  [[nodiscard]] cv::Mat paintScene(const PointerTarget& pointer);
+  void showScene(const UiState& ui_state);
   void savePicture();
 
   struct Gui;  // SDL, ImGui and their resources, in the order of their destruction
   std::unique_ptr<Gui> gui_;
   PictureBuffer pictures_;
   std::shared_ptr<const StreamPicture> shown_;
-  Texture texture_;  // texture of shown_
-  cv::Size texture_size_;
+  cv::Mat picture_;  // of shown_; empty before the first one
   Workspace workspace_;
   ForceHistory history_;
   TickWatch ticks_;

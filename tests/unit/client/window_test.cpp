@@ -38,17 +38,17 @@ class WindowTest : public ::testing::Test {
     report.penetration_mm = 2.0;
     return report;
   }
-  static bool is(const cv::Vec3b& pixel, ImU32 color) {
-    const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color);
-    return std::abs(pixel[2] - 255.0F * c.x) < 8 && std::abs(pixel[1] - 255.0F * c.y) < 8 &&
-           std::abs(pixel[0] - 255.0F * c.z) < 8;
+  static bool is(const cv::Vec3b& pixel, const cv::Scalar& color) {
+    return std::abs(pixel[2] - color[2]) < 8 && std::abs(pixel[1] - color[1]) < 8 &&
+           std::abs(pixel[0] - color[0]) < 8;
   }
   /// From the tip to the farthest pixel of this colour over the picture.
   static Vec2 drawnWay(const cv::Mat& pixels, const ScenePlace& place, const Vec2& tip,
-                       ImU32 color) {
+                       const cv::Scalar& color) {
     Vec2 farthest = Vec2::Zero();
-    for (int v = static_cast<int>(place.corner().y); v < static_cast<int>(place.end().y); ++v) {
-      for (int u = static_cast<int>(place.corner().x); u < static_cast<int>(place.end().x); ++u) {
+    for (int v = static_cast<int>(place.corner().y()); v < static_cast<int>(place.end().y()); ++v) {
+      for (int u = static_cast<int>(place.corner().x()); u < static_cast<int>(place.end().x());
+           ++u) {
         const Vec2 way = Vec2(u + 0.5, v + 0.5) - tip;
         if (is(pixels.at<cv::Vec3b>(v, u), color) && way.norm() > farthest.norm()) farthest = way;
       }
@@ -68,17 +68,17 @@ TEST_F(WindowTest, ArrowsPointWhereTheForceDoesInEverySize) {
     const cv::Mat pixels = window.pixels();
     ASSERT_EQ(pixels.size(), size);
     const ScenePlace& place = window.place();
-    const double width_px = place.end().x - place.corner().x;
+    const double width_px = place.end().x() - place.corner().x();
     // The picture is 160 mm wide, its middle is nominal (0, 0), y goes up.
-    const Vec2 tip(place.corner().x + width_px * (0.5 + 5.0 / 160.0),
-                   0.5 * (place.corner().y + place.end().y) + width_px * 8.0 / 160.0);
-    for (const auto& [color, force_N] : {std::pair(kStaticColor, report.static_force_N),
-                                         std::pair(kDynamicColor, report.dynamic_force_N)}) {
+    const Vec2 tip(place.corner().x() + width_px * (0.5 + 5.0 / 160.0),
+                   0.5 * (place.corner().y() + place.end().y()) + width_px * 8.0 / 160.0);
+    for (const auto& [color, force_N] : {std::pair(kStaticForceColor, report.static_force_N),
+                                         std::pair(kDynamicForceColor, report.dynamic_force_N)}) {
       const Vec2 wanted = 0.09 * width_px * Vec2(force_N.x(), -force_N.y());
       EXPECT_LT((drawnWay(pixels, place, tip, color) - wanted).norm(), 2.5) << size;
     }
-    const auto corner = pixels.at<cv::Vec3b>(static_cast<int>(place.end().y) - 3,
-                                             static_cast<int>(place.corner().x) + 3);
+    const auto corner = pixels.at<cv::Vec3b>(static_cast<int>(place.end().y()) - 3,
+                                             static_cast<int>(place.corner().x()) + 3);
     EXPECT_NEAR(corner[1], 90, 3) << "the picture";
   }
 }
@@ -87,7 +87,7 @@ TEST_F(WindowTest, ThePictureOfAPausedFrameStaysHoweverLongThePauseIs) {
   ViewerWindow window(640, 480);
   const auto shown = [&] {
     window.draw(ui_state);
-    return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y) - 3, 3)[1];
+    return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y()) - 3, 3)[1];
   };
   window.onPicture(grey(90), Workspace{});
   window.onReport(touch());
@@ -129,9 +129,9 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
 
   SDL_Event motion{};
   motion.type = SDL_MOUSEMOTION;
-  const ImVec2 at = window.place().toWindow({-10.0, 20.0});
-  motion.motion.x = static_cast<int>(at.x);
-  motion.motion.y = static_cast<int>(at.y);
+  const Vec2 at = window.place().fromNominal({-10.0, 20.0});
+  motion.motion.x = static_cast<int>(at.x());
+  motion.motion.y = static_cast<int>(at.y());
   SDL_PushEvent(&motion);
   EXPECT_TRUE(window.update(ui_state));
   ASSERT_TRUE(ui_state.pointer.known);
@@ -163,8 +163,8 @@ TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
       HeightField::prepare(*flatRelief({400, 100, 120, 80}), workspace));
   window.onFrame({report.play_time, {field}});
   const auto at = [&](double u, double v) {
-    const ImVec2 point = window.place().fromImage({u, v});
-    return window.pixels().at<cv::Vec3b>(static_cast<int>(point.y), static_cast<int>(point.x));
+    const Vec2 point = window.place().fromImage({u, v});
+    return window.pixels().at<cv::Vec3b>(static_cast<int>(point.y()), static_cast<int>(point.x()));
   };
   const auto press = [&](SDL_Keycode code) {
     SDL_Event event{};

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "client/view/painter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kArrowShare = 0.09;  // share of the picture's width per N; 3.3 N are a third of it
+constexpr double kCone_mm = 18.0;
+// Distance of the eye for the perspective. Chosen: 120 nominal mm, so that a nearer cone is visibly
+// larger.
+constexpr double kEye_mm = 120.0;
+const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px per px
+constexpr double kMost_px = 1e4;         // OpenCV's drawing functions can represent it
+// Points in 1/16 px, so that slow motions look smooth.
+constexpr int kShift = 4;
+const cv::Scalar kWhite(255, 255, 255);
+const cv::Scalar kRimColor(20, 20, 20);
+
+/// Clamps the coordinates; NaN counts as 0.
+Vec2 bounded(const Vec2& point) {
+  const auto clamp = [](double value) {
+    return std::isfinite(value) ? std::clamp(value, -kMost_px, kMost_px) : 0.0;
+  };
+  return {clamp(point.x()), clamp(point.y())};
+}
+
+/// Converts a point for OpenCV, whose whole numbers are the centres of pixels.
+cv::Point toFixed(const Vec2& point) {
+  const Vec2 fixed = (bounded(point) - Vec2(0.5, 0.5)) * (1 << kShift);
+  return {static_cast<int>(std::lround(fixed.x())), static_cast<int>(std::lround(fixed.y()))};
+}
+
+void drawLine(cv::Mat& image, const Vec2& from, const Vec2& to, const cv::Scalar& color,
+              double width_px) {
+  const int width = std::max(1, static_cast<int>(std::lround(width_px)));
+  cv::line(image, toFixed(from), toFixed(to), color, width, cv::LINE_AA, kShift);
+}
+
+void drawRing(cv::Mat& image, const Vec2& centre, double radius_px, const cv::Scalar& color,
+              int width_px) {
+  cv::circle(image, toFixed(centre), static_cast<int>(radius_px * (1 << kShift)), color, width_px,
+             cv::LINE_AA, kShift);
+}
+
+template <std::size_t N>
+void fill(cv::Mat& image, const std::array<Vec2, N>& corners, const cv::Scalar& color) {
+  std::array<cv::Point, N> fixed;
+  std::transform(corners.begin(), corners.end(), fixed.begin(), toFixed);
+  cv::fillConvexPoly(image, fixed.data(), static_cast<int>(N), color, cv::LINE_AA, kShift);
+}
+
+/// Draws an arrow with a rim, which keeps it visible on a picture of its colour.
+void drawArrow(cv::Mat& image, const Vec2& from, const Vec2& way, double width_px,
+               const cv::Scalar& color) {
+  const double length = way.norm();
+  if (length < 2.0) return;
+  const Vec2 along = way / length;
+  const Vec2 across(-along.y(), along.x());
+  const double head = std::min(length, 4.0 * width_px);
+  const Vec2 end = from + way;
+  const Vec2 neck = end - head * along;
+  const auto paint = [&](double rim_px, const cv::Scalar& paint_color) {
+    drawLine(image, from, neck, paint_color, width_px + 2.0 * rim_px);
+    const Vec2 side = (0.5 * head + 1.5 * rim_px) * across;
+    fill<3>(
+        image,
+        {end + 2.0 * rim_px * along, neck - rim_px * along + side, neck - rim_px * along - side},
+        paint_color);
+  };
+  paint(1.0, kRimColor);
+  paint(0.0, color);
+}
+
+/// Draws the stylus: a translucent cone with its apex at `tip`, opening towards the viewer.
+void drawCone(cv::Mat& image, const Vec2& tip, double size_px) {
+  constexpr int kSides = 28;
+  const Vec2 top = tip + size_px * kTowardsViewer;
+  const double radius = 0.24 * size_px;
+  const Vec2 along = kTowardsViewer.normalized();
+  const Vec2 across(-along.y(), along.x());
+  const auto rim = [&](double angle) -> Vec2 {
+    return top + radius * (std::cos(angle) * across + 0.4 * std::sin(angle) * along);
+  };
+  std::array<Vec2, kSides> opening;
+  for (int i = 0; i < kSides; ++i)
+    opening[static_cast<std::size_t>(i)] = rim(2.0 * CV_PI * i / kSides);
+  const Vec2 low = tip.cwiseMin(top - Vec2(radius, radius));
+  const Vec2 size = tip.cwiseMax(top + Vec2(radius, radius)) - low;
+  const cv::Rect around = cv::Rect2d(low.x() - 2, low.y() - 2, size.x() + 4, size.y() + 4) &
+                          cv::Rect2d({0, 0}, cv::Size2d(image.size()));
+  if (around.empty()) return;
+  cv::Mat below = image(around);
+  const cv::Mat seen_through = below.clone();
+  fill<3>(image, {tip, rim(0.0), top}, cv::Scalar(190, 205, 70));
+  fill<3>(image, {tip, top, rim(CV_PI)}, cv::Scalar(140, 150, 40));
+  fill(image, opening, cv::Scalar(220, 235, 120));
+  cv::addWeighted(below, 0.78, seen_through, 0.22, 0.0, below);
+}
+
+}  // namespace
+
+ScenePlace::ScenePlace(const Workspace& workspace, const Vec2& corner, const Vec2& room)
+    : workspace_(workspace) {
+  const Vec2 picture(workspace.width_px, workspace.height_px);
+  scale_ = std::max(room.cwiseQuotient(picture).minCoeff(), 1e-3);
+  corner_ = corner + 0.5 * (room - scale_ * picture);
+}
+
+Vec2 ScenePlace::end() const {
+  return corner_ + scale_ * Vec2(workspace_.width_px, workspace_.height_px);
+}
+
+bool ScenePlace::contains(const Vec2& point) const {
+  return (point.array() >= corner_.array()).all() && (point.array() < end().array()).all();
+}
+
+Vec2 ScenePlace::fromNominal(const Vec2& nominal_mm) const {
+  return fromImage(workspace_.toImage(nominal_mm));
+}
+
+Vec2 ScenePlace::fromImage(const Vec2& image_px) const {
+  return corner_ + bounded(scale_ * image_px);
+}
+
+Vec2 ScenePlace::toNominal(const Vec2& point) const {
+  return workspace_.toNominal((point - corner_) / scale_);
+}
+
+Vec2 ScenePlace::arrow(const Vec3& force_N) const {
+  const Vec2 way = Vec2(force_N.x(), -force_N.y()) + kTowardsViewer * force_N.z();
+  return bounded(kArrowShare * size().x() * way);
+}
+
+cv::Mat fitPicture(const cv::Mat& picture, cv::Size size) {
+  if (picture.empty()) return {size, CV_8UC3, kGroundColor};
+  cv::Mat fitted;
+  cv::resize(picture, fitted, size, 0.0, 0.0,
+             size.width < picture.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return fitted;
+}
+
+void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report,
+               const PointerTarget& pointer) {
+  const Vec2 tip =
+      place.fromNominal(report.hip_mm.head<2>()).cwiseMax(place.corner()).cwiseMin(place.end());
+  const double unit = std::max(1.0, place.size().x() / 960.0);  // of lines, for large images
+  if (pointer.known) {
+    const Vec2 goal = place.fromNominal(pointer.position_mm.head<2>());
+    drawLine(image, goal, tip, cv::Scalar::all(190), 1.0);
+    drawRing(image, goal, 6.0 * unit, kWhite, 2);
+  }
+  const double nearness = kEye_mm / std::max(kEye_mm - report.hip_mm.z(), 0.3 * kEye_mm);
+  drawCone(image, tip, kCone_mm * place.pixelsPerMm() * nearness);
+  if (report.contact)
+    drawRing(image, place.fromNominal(report.contact_mm.head<2>()), 7.0 * unit, kContactColor, 2);
+  drawArrow(image, tip, place.arrow(report.force_N), 7.0 * unit, kForceColor);
+  drawArrow(image, tip, place.arrow(report.static_force_N), 4.0 * unit, kStaticForceColor);
+  drawArrow(image, tip, place.arrow(report.dynamic_force_N), 4.0 * unit, kDynamicForceColor);
+  drawRing(image, tip, 3.5 * unit, kWhite, cv::FILLED);
+}
+
+void drawShade(cv::Mat& image, const ScenePlace& place, const ReliefMesh& mesh) {
+  const cv::Mat seen_through = image.clone();
+  for (const auto& cell : mesh.cells) {
+    std::array<Vec2, 4> corners;
+    float light = 0.0F;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const ReliefMesh::Corner& corner = mesh.corners[static_cast<std::size_t>(cell[i])];
+      corners[i] = place.fromNominal(corner.position_mm.head<2>());
+      light += 0.25F * corner.light;
+    }
+    std::array<cv::Point, 4> fixed;
+    std::transform(corners.begin(), corners.end(), fixed.begin(), toFixed);
+    cv::fillConvexPoly(image, fixed.data(), 4, std::min(light, 1.0F) * cv::Scalar(185, 225, 255),
+                       cv::LINE_8, kShift);
+  }
+  cv::addWeighted(image, 0.84, seen_through, 0.16, 0.0, image);
+}
+
+void drawOutlines(cv::Mat& image, const ScenePlace& place,
+                  const std::vector<std::vector<cv::Point2f>>& lines) {
+  std::vector<cv::Point> fixed;
+  for (const auto& line : lines) {
+    fixed.clear();
+    for (const cv::Point2f& point : line)
+      fixed.push_back(toFixed(place.fromImage(Vec2(double{point.x}, double{point.y}))));
+    cv::polylines(image, fixed, true, cv::Scalar::all(235), 2, cv::LINE_AA, kShift);
+  }
+}
+
+void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// The painter of the video with the HIP and the forces. Window, film and screenshot show its
+// drawings.
+// Thread: any (pure functions).
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "client/haptics/tick_report.hpp"
+#include "client/haptics/user_controls.hpp"
+#include "client/view/relief_shape.hpp"
+
+namespace hapticast::client {
+
+// Colours, BGR.
+inline const cv::Scalar kGroundColor(28, 26, 24);
+inline const cv::Scalar kTextColor(215, 212, 208);
+inline const cv::Scalar kForceColor(64, 214, 255);
+inline const cv::Scalar kStaticForceColor(255, 120, 64);
+inline const cv::Scalar kDynamicForceColor(48, 56, 255);
+inline const cv::Scalar kContactColor(120, 255, 90);
+
+/// Position of the stream's picture in an image or in the window. The picture is as large as
+/// possible at its aspect ratio. Points are in px of the image or of the window.
+class ScenePlace {
+ public:
+  /// Places the picture in the middle of the rectangle with the upper left corner `corner` and the
+  /// size `room`.
+  ScenePlace(const Workspace& workspace, const Vec2& corner, const Vec2& room);
+
+  [[nodiscard]] const Vec2& corner() const { return corner_; }
+  /// Returns the lower right corner.
+  [[nodiscard]] Vec2 end() const;
+  /// Returns width and height.
+  [[nodiscard]] Vec2 size() const { return end() - corner_; }
+  [[nodiscard]] bool contains(const Vec2& point) const;
+  /// Return the point of a position: nominal (x, y), or px of the stream's picture. The point is
+  /// finite, and at most 10,000 px away from the corner.
+  [[nodiscard]] Vec2 fromNominal(const Vec2& nominal_mm) const;
+  [[nodiscard]] Vec2 fromImage(const Vec2& image_px) const;
+  /// Returns the nominal (x, y) of a point.
+  [[nodiscard]] Vec2 toNominal(const Vec2& point) const;
+  /// Returns the arrow for a force. The x component of the force points to the right, and the y
+  /// component up. The z component points to the viewer, so the arrow shows it obliquely: up and a
+  /// little to the right.
+  [[nodiscard]] Vec2 arrow(const Vec3& force_N) const;
+  [[nodiscard]] double pixelsPerMm() const { return scale_ * workspace_.pixelsPerMm().x(); }
+
+ private:
+  Workspace workspace_;
+  double scale_;  // px per px of the stream's picture
+  Vec2 corner_;
+};
+
+/// Returns `picture` (CV_8UC3) in the size `size`. If it is empty, returns a dark ground.
+[[nodiscard]] cv::Mat fitPicture(const cv::Mat& picture, cv::Size size);
+
+/// Draws the HIP as a cone, the contact as a ring, and the forces of `report` as arrows into
+/// `image` (CV_8UC3). Also draws the target of the pointer, if it is known. A HIP beside the
+/// picture is shown at the picture's edge.
+void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report,
+               const PointerTarget& pointer = {});
+
+/// Draws the cells of `mesh` over the picture in `image` (CV_8UC3).
+void drawShade(cv::Mat& image, const ScenePlace& place, const ReliefMesh& mesh);
+
+/// Draws closed lines into `image` (CV_8UC3). `lines` is in px of the stream's picture.
+void drawOutlines(cv::Mat& image, const ScenePlace& place,
+                  const std::vector<std::vector<cv::Point2f>>& lines);
+
+/// Draws a line of small text into `image`. `at` (px) is the lower left corner of the text.
+void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
+
+}  // namespace hapticast::client
