@@ -84,7 +84,7 @@ struct SquareAndBar {
   }
 };
 
-TEST(AuthorWords, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
+TEST(AnnotationsTest, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -95,7 +95,7 @@ TEST(AuthorWords, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
   EXPECT_LT(test::overlap(right, drawn.square), 0.1) << "the author may mean the bar";
 }
 
-TEST(AuthorWords, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
+TEST(AnnotationsTest, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -105,7 +105,7 @@ TEST(AuthorWords, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
   EXPECT_GT(test::overlap(whole, drawn.square), 0.93);
 }
 
-TEST(AuthorWords, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
+TEST(AnnotationsTest, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -181,7 +181,7 @@ cv::Mat lowerHalf(const cv::Mat& mask) {
   return out;
 }
 
-TEST(AuthorWords, ADrawnMaskIsTakenAsItIsAndCarriedToTheFramesBeforeAndAfter) {
+TEST(AnnotationsTest, ADrawnMaskIsTakenAsItIsAndCarriedToTheFramesBeforeAndAfter) {
   Played played;
   played.settings.object_points = {{{90, 110}}};
   played.drawn[14] = lowerHalf(played.truth(14)) / 255;
@@ -201,7 +201,7 @@ TEST(AuthorWords, ADrawnMaskIsTakenAsItIsAndCarriedToTheFramesBeforeAndAfter) {
   }
 }
 
-TEST(AuthorWords, DrawnMasksAloneBeginAnObjectWhereItIsSeenFirst) {
+TEST(AnnotationsTest, DrawnMasksAloneBeginAnObjectWhereItIsSeenFirst) {
   Played played;
   played.hidden_until = 4;
   played.drawn[10] = played.truth(10) / 255;
@@ -217,7 +217,7 @@ TEST(AuthorWords, DrawnMasksAloneBeginAnObjectWhereItIsSeenFirst) {
   }
 }
 
-TEST(AuthorWords, AClipThatBeginsWithTheObjectHiddenIsStartedByALaterPoint) {
+TEST(AnnotationsTest, AClipThatBeginsWithTheObjectHiddenIsStartedByALaterPoint) {
   Played played;
   played.hidden_until = 5;
   played.settings.object_points = {{{130, 110}, 10 / kWordFps}};
@@ -230,7 +230,7 @@ TEST(AuthorWords, AClipThatBeginsWithTheObjectHiddenIsStartedByALaterPoint) {
   }
 }
 
-TEST(AuthorWords, LiveTheyHoldFromTheirFrameOn) {
+TEST(AnnotationsTest, LiveTheyHoldFromTheirFrameOn) {
   Played played;
   played.settings.object_points = {{{130, 110}, 10 / kWordFps}};
   const auto segments = played.play(false, true);
@@ -238,14 +238,14 @@ TEST(AuthorWords, LiveTheyHoldFromTheirFrameOn) {
   EXPECT_GT(test::overlap(segments[15][0].mask, played.truth(15)), 0.85);
 }
 
-TEST(AuthorWords, ALaterPointOnNothingIsLeftOut) {
+TEST(AnnotationsTest, ALaterPointOnNothingIsLeftOut) {
   Played played;
   played.settings.object_points = {{{90, 110}}, {{300, 20}, 10 / kWordFps}};
   const auto segments = played.play(true);
   for (int i = 0; i < kWordFrames; ++i) EXPECT_EQ(segments[i].size(), 1U) << i;
 }
 
-TEST(AuthorWords, APointOnWhatIsFollowedChangesNothing) {
+TEST(AnnotationsTest, APointOnWhatIsFollowedChangesNothing) {
   Played said;
   said.settings.object_points = {{{90, 110}}, {{130, 110}, 10 / kWordFps}};
   Played silent;
@@ -261,7 +261,7 @@ TEST(AuthorWords, APointOnWhatIsFollowedChangesNothing) {
   }
 }
 
-TEST(AuthorWords, AClipIsLookedThroughTwiceForLaterNots) {
+TEST(AnnotationsTest, AClipIsLookedThroughTwiceForLaterNots) {
   const test::BallScene scene{.with_mask = false};
   test::FunctionSource source(scene.info(kWordFps), 12, [&](std::uint64_t i) {
     RgbdFrame out = scene.frame(i, 90 + 4.0 * double(i), 110);
