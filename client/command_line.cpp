@@ -179,7 +179,7 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
   app.add_option("--log", settings.log_file,
                  "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "
                  "d (dynamic) in N, "
-                 "penetration_mm,lookup")
+                 "penetration_mm,lookup, predicted HIP ahead_x,y,z_mm")
       ->type_name("FILE.csv");
   app.add_option("--summary", settings.summary_file,
                  "Write counters, tick times and extremes at the end")

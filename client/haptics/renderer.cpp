@@ -93,22 +93,23 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
   motion_.sent(report_.force_N, safety_.wall_N_mm());
   const HipEstimate& hip = motion_.update(state);
   const MediaTime play_time = playout_.advance(now, stream, safety_.acts(), user);
-  const Scene& scene = lookup_.at(play_time, stream, user);
+  // The contact needs surface and HIP at one instant: the scene is evaluated where the HIP will be.
+  const Scene& scene = lookup_.at(play_time + motion_.lookahead(), stream, user);
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
   parseDevice(settings_.profile, state, report_);
   if (world_changed || hip.restarted) proxies_.restart();
-  const Vec3 ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
+  const Vec3 ahead_mm = report_.ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
   const Contact contact = computeContact(scene, ahead_mm);
   SafetyInput input = safetyInput(hip, contact, scene);
-  input.scene_step_s = secondsBetween(report_.play_time, play_time);
-  input.world_jumped = world_changed || scene.jumped || contact.jump;
+  input.scene_jumped = scene.jumped || contact.jump;
+  input.world_jumped = world_changed || input.scene_jumped;
   input.device_lost = state.status == DeviceStatus::kLost;
   const Vec3 contact_mm = ahead_mm + contact.displacement_mm;
   report_.contact_mm = contact_mm;
   if (!paused_) {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
-                                        play_time, stream, mapping_.scale, &contact_mm);
+                                        scene.play_time, stream, mapping_.scale, &contact_mm);
     input.inertia_N = dynamic_.inertia_N();
     input.implausible = dynamic_.implausible();
   }
@@ -130,6 +131,7 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   ++report_.tick;
   report_.time = now;
   report_.play_time = play_time;
+  scene_time_ = scene.play_time;
   report_.playout_delay = playout_.delay();
   report_.force_N = out.force_N;
   report_.static_force_N = out.static_force_N;
@@ -139,6 +141,7 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.lookup = scene.kind;
   report_.halt = safety_.halt();
   report_.trust_loss_cause = safety_.distrusted();
+  report_.trust_score_ticks = safety_.trustScore_ticks();
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
   report_.work = safety_.work();
@@ -205,6 +208,7 @@ SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& c
     input.damping_Ns_m =
         contact.object->before->material.damping_Ns_m.value_or(kDefaultDamping_Ns_m);
   }
+  input.scene_step_s = secondsBetween(scene_time_, scene.play_time);
   input.in_contact =
       connected_ && report_.enabled && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;

@@ -104,6 +104,7 @@ class HapticRenderer {
   bool paused_ = false;
   bool faulty_ = false;  // a lasting fault is reported once
   std::uint32_t rearmed_ = 0;
+  MediaTime scene_time_{};  // media time of the last tick's scene
   std::uint64_t dropped_reports_ = 0;
   TickReport report_;
   FlightRecorder recorder_;

@@ -33,14 +33,16 @@ struct TickReport {
   LocalTime time;
   MediaTime play_time;
   Duration playout_delay{0};
-  Duration tick_duration{0};  ///< computing time of the tick before
-  Vec3 hip_mm = Vec3::Zero();
-  Vec3 force_N = Vec3::Zero();  ///< force sent to the device
+  Duration tick_duration{0};     ///< computing time of the tick before
+  Vec3 hip_mm = Vec3::Zero();    ///< HIP as the device measured it
+  Vec3 ahead_mm = Vec3::Zero();  ///< predicted HIP, to which contact and penetration belong
+  Vec3 force_N = Vec3::Zero();   ///< force sent to the device
   /// Force of the surface by the wall law, before the limits of the safety chain.
   Vec3 static_force_N = Vec3::Zero();
   Vec3 dynamic_force_N = Vec3::Zero();
-  double penetration_mm = 0.0;     ///< length of the displacement; 0 without contact
-  Vec3 contact_mm = Vec3::Zero();  ///< surface point that belongs to the HIP; valid only in contact
+  double penetration_mm = 0.0;  ///< length of the displacement; 0 without contact
+  /// Surface point that belongs to `ahead_mm`; valid only in contact.
+  Vec3 contact_mm = Vec3::Zero();
   bool contact = false;
   Lookup lookup = Lookup::kEmpty;
   Fault fault = Fault::kNone;  ///< fault that began in this tick, if any
@@ -50,6 +52,7 @@ struct TickReport {
   Halt halt = Halt::kNone;    ///< cause of the present halt, which lasts until UserControls::rearm
   SafetyAction trust_loss_cause =
       SafetyAction::kImplausible;  ///< most frequent of the safety actions that count against trust
+  double trust_score_ticks = 0.0;  ///< counted safety actions of the stream (safety/trust.hpp)
   double step_excess_N = 0.0;      ///< step of the force beyond the slew limit; must be 0
   std::uint32_t interferences = 0;  ///< one bit for each safety action that changed the force
   PortWork work;                    ///< work of the force since the start, by its cause

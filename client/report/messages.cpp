@@ -100,6 +100,18 @@ std::string halted(const TickReport& report, const RearmPolicy& rearm) {
 
 }  // namespace
 
+double WorkMeter::onWork(double work_mJ, LocalTime now) {
+  constexpr Duration kInterval{100'000'000};
+  if (!sampled_) work_mJ_.fill(work_mJ);
+  const double done_mJ = work_mJ - work_mJ_[next_];  // the oldest sample
+  if (!sampled_ || now - *sampled_ >= kInterval) {
+    sampled_ = now;
+    work_mJ_[next_] = work_mJ;
+    next_ = (next_ + 1) % kSamples;
+  }
+  return done_mJ;
+}
+
 std::optional<std::string> HapticStatusLog::onReport(const TickReport& report,
                                                      const RearmPolicy& rearm) {
   if (report.halt != halt_) {
@@ -114,6 +126,7 @@ std::optional<std::string> HapticStatusLog::onReport(const TickReport& report,
 }
 
 std::string HapticStatusLog::describeStatus(const TickReport& report) {
+  const double done_mJ = work_.onWork(report.work.user_mJ(), report.time);
   if (!report.enabled && !logged_enable_) {
     logged_enable_ = true;
     return "the device's enabling button is not pressed: the client renders force only while you "
@@ -133,6 +146,10 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
   if (acted(report, SafetyAction::kLatency) && later_.allow(report.time))
     return "the device answers later than its profile declares: walls are softer";
+  if (done_mJ > WorkMeter::kReported_mJ && works_.allow(report.time))
+    return fmt::format(
+        "the stream moves the hand: {:.0f} mJ of work in 10 s; the safety chain limits it",
+        done_mJ);
   return "";
 }
 

@@ -4,6 +4,8 @@
 // and stream; main: force).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -62,6 +64,23 @@ class StreamErrorLog {
   LogInterval interval_;
 };
 
+/// Measures the work of the force on the hand in the last 10 s, for a line to the user.
+class WorkMeter {
+ public:
+  /// A stream that does more work in 10 s gets a line. Chosen: a press returns the work of the
+  /// hand, a ball that bounces on the hand at 1 m/s does 240 mJ.
+  static constexpr double kReported_mJ = 100.0;
+
+  /// Adds the sum `work_mJ` of all work until `now`. Returns the work of the last 10 s, mJ.
+  double onWork(double work_mJ, LocalTime now);
+
+ private:
+  static constexpr std::size_t kSamples = 100;  // one every 100 ms
+  std::array<double, kSamples> work_mJ_{};
+  std::size_t next_ = 0;
+  std::optional<LocalTime> sampled_;
+};
+
 /// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
 /// wall. The object compares each report with what it logged last, and returns a line only for a
 /// change.
@@ -80,6 +99,8 @@ class HapticStatusLog {
   bool logged_enable_ = false;  // logged once a run
   LogInterval softer_;
   LogInterval later_;
+  WorkMeter work_;
+  LogInterval works_;
   LogRateLimiter limit_;
   // Separate limit, so that a stream cannot suppress lines about a halt.
   LogRateLimiter halt_limit_;

@@ -39,7 +39,7 @@ const char* faultName(Fault fault) noexcept {
 
 void writeReportHeading(std::ostream& out) {
   out << "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,penetration_mm,"
-         "lookup\n";
+         "lookup,ahead_x_mm,ahead_y_mm,ahead_z_mm\n";
 }
 
 void writeReport(std::ostream& out, const TickReport& report) {
@@ -50,7 +50,9 @@ void writeReport(std::ostream& out, const TickReport& report) {
   writeVector(out, report.force_N);
   writeVector(out, report.static_force_N);
   writeVector(out, report.dynamic_force_N);
-  out << ',' << report.penetration_mm << ',' << lookupName(report.lookup) << '\n';
+  out << ',' << report.penetration_mm << ',' << lookupName(report.lookup);
+  writeVector(out, report.ahead_mm);
+  out << '\n';
 }
 
 LogFile::LogFile(std::string file) : file_(std::move(file)) {

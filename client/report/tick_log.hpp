@@ -16,7 +16,8 @@ const char* lookupName(Lookup lookup) noexcept;
 const char* faultName(Fault fault) noexcept;
 
 /// Writes the heading line:
-/// t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,...,dz_N,penetration_mm,lookup
+/// t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,...,dz_N,penetration_mm,lookup,
+/// ahead_x_mm,ahead_y_mm,ahead_z_mm
 void writeReportHeading(std::ostream& out);
 /// Writes the row of one report.
 void writeReport(std::ostream& out, const TickReport& report);

@@ -27,7 +27,8 @@ namespace hapticast::testing {
 inline constexpr std::chrono::seconds kSoon{60};    // what takes moments on an idle machine
 inline constexpr std::chrono::seconds kStart{180};  // a clip is looked through first
 inline constexpr const char* kLogColumns =
-    "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,penetration_mm,lookup";
+    "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,penetration_mm,lookup,"
+    "ahead_x_mm,ahead_y_mm,ahead_z_mm";
 
 /// Whether figures of time are worth asserting: a sanitizer is several times slower.
 #ifdef HAPTICAST_SANITIZED

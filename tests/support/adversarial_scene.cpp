@@ -266,7 +266,7 @@ Lies material() {
       {"stiff_pump_bounded_7hz", kHold, kHarmless,
        [](Telling& t) { t.material().stiffness_N_mm = square(t.t_s, 7.0) > 0 ? 1.0 : 0.4; }},
       {"stiff_pump_in_step_0", AdversarialRun::kTap, kHarmless, pumpInStep(0.0)},
-      {"stiff_pump_in_step_90", AdversarialRun::kTap, kHarmless, pumpInStep(0.25)},
+      {"stiff_pump_in_step_90", AdversarialRun::kTap, kLimited, pumpInStep(0.25)},
       {"stiff_pump_in_step_180", AdversarialRun::kTap, kHarmless, pumpInStep(0.5)},
       {"stiff_pump_in_step_270", AdversarialRun::kTap, kHarmless, pumpInStep(0.75)},
       {"damping_1000", kPress, kLimited, [](Telling& t) { t.material().damping_Ns_m = 1000.0; }},

@@ -40,6 +40,7 @@ class ChainFixture {
   const SafetyOutput& step(Duration period = Duration(1'000'000)) {
     clock.advance(period);
     const Vec3 from_mm = device.truePosition_mm();
+    const Vec3 from_mm_s = device.trueVelocity_mm_s();
     DeviceState state = device.exchange(out.force_N, {});
     work(from_mm, period);
     if (blind) state.position_mm.setConstant(std::nan(""));
@@ -68,7 +69,8 @@ class ChainFixture {
     epoch_jump = false;
     const Vec3 before_N = out.force_N;
     out = law ? law(input) : chain.step(input);
-    measure(hip, before_N);
+    measure(before_N);
+    measureTrueStep(before_N, from_mm, from_mm_s);
     return out;
   }
   [[nodiscard]] double renderedStiffness_N_mm() const {
@@ -85,7 +87,7 @@ class ChainFixture {
   SafetyOutput out;
   std::function<SafetyOutput(const SafetyInput&)> law;  ///< empty: the chain
   bool by_counts = false;  ///< a law that knows no look-ahead touches the wall where the count is
-  double wall_mm = 0.0;
+  double wall_mm = 0.0;    ///< at the time of the predicted HIP, as the scene
   double wall_velocity_mm_s = 0.0;
   double stiffness_N_mm = 0.5;
   double damping_Ns_m = 0.0;
@@ -98,14 +100,14 @@ class ChainFixture {
   Vec3 dynamic_N = Vec3::Zero();
   double true_work_mJ = 0.0;  ///< of the force that truly acted over the tip's true way
   // Over all ticks since the last clear().
-  double max_excess_N = 0.0;        // by the chain's own meter
-  double max_outer_excess_N = 0.0;  // by the test, from what goes in and out
+  double max_excess_N = 0.0;       // by the chain's own meter
+  double max_true_excess_N = 0.0;  // beyond what the true motion of the HIP explains
   double max_step_N = 0.0;
   double max_force_N = 0.0;
   bool finite = true;
   std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
   void clear() {
-    max_excess_N = max_outer_excess_N = max_step_N = max_force_N = 0.0;
+    max_excess_N = max_true_excess_N = max_step_N = max_force_N = 0.0;
     interferences.fill(0);
   }
   [[nodiscard]] std::uint64_t count(SafetyAction which) const {
@@ -122,38 +124,23 @@ class ChainFixture {
     const Vec3& acted_N = sent_N_[static_cast<std::size_t>(real_delay_ticks_)];
     true_work_mJ += acted_N.dot(device.truePosition_mm() - from_mm);
   }
-  /// The same bound as the chain's meter, from what goes in and out only: K |dx| in any direction,
-  /// the damper along z, both of the wall before this tick; B v where the tip itself entered.
-  [[nodiscard]] double outerExcess_N(const HipEstimate& hip, const Vec3& before_N) const {
-    Vec3 rest_N = out.force_N - before_N;
-    Vec3 explained_N = Vec3::Zero();
-    double spring_N = 0.0;
-    const Vec3 moved_mm = hip.position_mm - last_position_mm_;
-    const bool entered = !was_contact_ && out.contact &&
-                         out.penetration_mm <= last_ahead_mm_ - hip.ahead.position_mm.z();
-    if (!hip.restarted && (was_contact_ || entered)) {
-      const double k = was_contact_ ? last_stiffness_N_mm_ : renderedStiffness_N_mm();
-      const double b_mm = wallDamping_Ns_m(k, logged_.mass_kg, stiffnessLimit_N_mm(logged_)) * 1e-3;
-      const double from_mm_s = was_contact_ ? last_velocity_mm_s_.z() : 0.0;
-      const double most_mm_s = was_contact_ ? 600.0 : 300.0;
-      const double damper_N =
-          b_mm * std::clamp(from_mm_s - hip.velocity_mm_s.z(), -most_mm_s, most_mm_s);
-      explained_N.z() = std::clamp(rest_N.z(), std::min(damper_N, 0.0), std::max(damper_N, 0.0));
-      spring_N =
-          k * (was_contact_ ? moved_mm.norm() : std::min(moved_mm.norm(), out.penetration_mm));
-    }
-    rest_N -= explained_N;
-    const bool rises = out.force_N.norm() > (before_N + explained_N).norm();
-    return rest_N.norm() - spring_N -
-           (rises ? logged_.slew_rise_N_per_tick : logged_.slew_fall_N_per_tick);
+  /// Step of the force beyond K |dx| + B |dv| + S of the true HIP.
+  void measureTrueStep(const Vec3& before_N, const Vec3& from_mm, const Vec3& from_mm_s) {
+    const double k = renderedStiffness_N_mm();
+    const double b_mm = wallDamping_Ns_m(k, logged_.mass_kg, stiffnessLimit_N_mm(logged_)) * 1e-3;
+    const double hand_N = k * (device.truePosition_mm() - from_mm).norm() +
+                          b_mm * (device.trueVelocity_mm_s() - from_mm_s).norm();
+    const bool rises = out.force_N.squaredNorm() > before_N.squaredNorm();
+    const double slew_N = rises ? logged_.slew_rise_N_per_tick : logged_.slew_fall_N_per_tick;
+    const double excess_N = (out.force_N - before_N).norm() - hand_N - slew_N;
+    max_true_excess_N = std::max(max_true_excess_N, excess_N);
   }
   static std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> zeros() {
     std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> all;
     all.fill(Vec3::Zero());
     return all;
   }
-  void measure(const HipEstimate& hip, const Vec3& before_N) {
-    max_outer_excess_N = std::max(max_outer_excess_N, outerExcess_N(hip, before_N));
+  void measure(const Vec3& before_N) {
     max_excess_N = std::max(max_excess_N, out.step_excess_N);
     max_step_N = std::max(max_step_N, (out.force_N - before_N).norm());
     max_force_N = std::max(max_force_N, out.force_N.norm());
@@ -161,21 +148,11 @@ class ChainFixture {
     for (std::size_t i = 0; i < interferences.size(); ++i) {
       interferences[i] += (out.interferences >> i) & 1U;
     }
-    was_contact_ = out.contact;
-    last_stiffness_N_mm_ = renderedStiffness_N_mm();
-    last_position_mm_ = hip.position_mm;
-    last_ahead_mm_ = hip.ahead.position_mm.z();
-    last_velocity_mm_s_ = hip.velocity_mm_s;
   }
 
   DeviceProfile logged_;
   int real_delay_ticks_;
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_ = zeros();
-  bool was_contact_ = false;
-  double last_stiffness_N_mm_ = 0.0;
-  Vec3 last_position_mm_ = Vec3::Zero();
-  double last_ahead_mm_ = 0.0;
-  Vec3 last_velocity_mm_s_ = Vec3::Zero();
 };
 
 }  // namespace hapticast::client

@@ -112,7 +112,7 @@ inline Silence pressSteadily(const DeviceProfile& told, const PlantProfile& real
   }
   result.above_50Hz_N = std::sqrt(result.above_50Hz_N);
   result.residual_mm = high_mm - low_mm;
-  result.excess_N = std::max(rig.max_excess_N, rig.max_outer_excess_N);
+  result.excess_N = rig.max_excess_N;
   return result;
 }
 

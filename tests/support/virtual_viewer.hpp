@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -38,6 +39,7 @@ struct Felt {
   std::uint64_t refused = 0;   ///< messages
   std::uint64_t rejected = 0;  ///< objects, and slices of them
   double last_force_N = 0.0;
+  double max_trust_score_ticks = 0.0;
   double metered_mJ = 0.0;  ///< the same work by the client's own meters, at the end
 
   /// Ticks in which any of these acted.
@@ -136,6 +138,10 @@ class VirtualViewer {
     while (decode_thread_.step()) {
     }
     const Vec3 sent_N = renderer_->report().force_N;
+    if (target_) {
+      const MediaTime next = renderer_->report().play_time + kTickPeriod;
+      device_.setTarget(mapping().toDevice(target_(toSeconds(next.time_since_epoch()))));
+    }
     const Vec3 from_mm = device_.truePosition_mm();
     const Vec3 speed_mm_s = device_.trueVelocity_mm_s();
     DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), DeviceStatus::kOk}
@@ -145,10 +151,17 @@ class VirtualViewer {
            device_.trueVelocity_mm_s() - speed_mm_s, state.position_mm);
     return report;
   }
-  /// Where a nailed tip is, nominal mm.
-  void nail(const Vec3& nominal_mm) {
-    nail_mm_ = DeviceMapping::fit(Workspace{}, settings_.profile.workspace_mm).toDevice(nominal_mm);
+  /// Leads the hand: `target` gives its target (nominal mm) at a play time (s). The tip is free.
+  void lead(std::function<Vec3(double)> target) {
+    target_ = std::move(target);
+    nailed_ = false;
   }
+  /// Position of the simulated device, nominal mm.
+  [[nodiscard]] Vec3 truePosition_mm() const {
+    return mapping().toNominal(device_.truePosition_mm());
+  }
+  /// Where a nailed tip is, nominal mm.
+  void nail(const Vec3& nominal_mm) { nail_mm_ = mapping().toDevice(nominal_mm); }
 
   /// Frames that come over TCP are handed on as datagrams, in any order. This share of them is
   /// lost, and of those that come as such. (Signatures change nothing of that: the server that lies
@@ -158,6 +171,9 @@ class VirtualViewer {
   Felt felt;
 
  private:
+  [[nodiscard]] DeviceMapping mapping() const {
+    return DeviceMapping::fit(Workspace{}, settings_.profile.workspace_mm);
+  }
   bool isLost() {
     return datagram_loss_ && std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_;
   }
@@ -235,6 +251,7 @@ class VirtualViewer {
     felt.interferences.push_back(report.interferences);
     felt.contact.push_back(report.contact);
     felt.last_force_N = report.force_N.norm();
+    felt.max_trust_score_ticks = std::max(felt.max_trust_score_ticks, report.trust_score_ticks);
     felt.metered_mJ = report.work.user_mJ();
   }
 
@@ -250,6 +267,7 @@ class VirtualViewer {
   Receiver receiver_;
   std::unique_ptr<HapticRenderer> renderer_;
   bool nailed_;
+  std::function<Vec3(double)> target_;
   bool welcomed_ = false;
   std::optional<DatagramVerifier> verifier_;  // where the welcome offers datagrams
   std::uint64_t token_ = 0;
@@ -260,11 +278,17 @@ class VirtualViewer {
   std::array<Vec3, VirtualDevice::kLongestDelay_ticks + 1> sent_N_;
 };
 
+/// Ignores the reports of a session.
+struct NoObserver {
+  void operator()(const TickReport&) const {}
+};
+
 /// A server with welcome(), messages(until_s) and answer(ping, now_s), times since its welcome,
 /// and, if it has datagrams, takeDatagrams(); and a viewer that connects, pings, and comes back
-/// after a refusal, as the client does.
-template <class Server>
-TickReport runSession(Server& server, VirtualViewer& viewer, double seconds) {
+/// after a refusal, as the client does. `observe` is called with the report of every tick.
+template <class Server, class Observer = NoObserver>
+TickReport runSession(Server& server, VirtualViewer& viewer, double seconds,
+                      const Observer& observe = {}) {
   constexpr double kRetry_s = 0.2;
   double welcomed_s = 0.0;
   double next_try_s = 0.0;
@@ -294,6 +318,7 @@ TickReport runSession(Server& server, VirtualViewer& viewer, double seconds) {
       }
     }
     last = viewer.tick();
+    observe(last);
   }
   return last;
 }

@@ -37,7 +37,7 @@ struct HipEstimate {
   /// Measured position; without a new reading it is the last valid position.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();  ///< velocity from the measured positions alone
-  HipState ahead;                     ///< predicted state at the time when a force sent now acts
+  HipState ahead;                     ///< predicted state, lookahead() after the reading
   Vec3 acceleration_m_s2 = Vec3::Zero();
   bool finite = true;          ///< false: the reading was NaN; position and velocity are unchanged
   bool restarted = false;      ///< this reading does not continue the motion of the reading before
@@ -52,6 +52,11 @@ class HipEstimator {
   /// Sets the delay: the number of ticks from the reading of a position to the begin of its force.
   /// The value is clamped to 0..kMostDelay_ticks.
   void setDelay(int delay_ticks) noexcept;
+  /// Returns how far HipEstimate::ahead lies after the reading: the delay plus the margin of the
+  /// prediction.
+  [[nodiscard]] Duration lookahead() const noexcept {
+    return (delay_ticks_ + kPredictionMargin_ticks) * kTickPeriod;
+  }
   /// Records the force that was sent to the device since the last update(). `wall_N_mm` is the
   /// stiffness of the wall in contact. Call it before each update().
   void sent(const Vec3& force_N, double wall_N_mm) noexcept;

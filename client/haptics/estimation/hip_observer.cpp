@@ -21,7 +21,6 @@ constexpr double kMean_s = 11e-3;
 const double kCalms = std::exp(-kTick_s / 55e-3);
 // Largest motion of the HIP, over as many ticks as its count was constant.
 constexpr double kFastest_counts = 16.0;
-constexpr double kBeyondDelay_ticks = 2.0;  // margin for a delay longer than declared
 
 const double kShareStep = 1.0 - std::exp(-200.0 * kTick_s);  // low- and high-passes of 200 rad/s
 constexpr double kShareMargin = 1.15;  // an overstated mass costs more than an understated one
@@ -124,8 +123,8 @@ HipState HipObserver::ahead(const SentForces& sent, int delay_ticks) const noexc
   const Vec3 most_mm_s =
       (kFastest_counts * count_mm_ / kTick_s) * rest_ticks_.cwiseMax(1.0).cwiseInverse();
   tip.velocity_mm_s = tip.velocity_mm_s.cwiseMax(-most_mm_s).cwiseMin(most_mm_s);
-  const Vec3 path_mm = (delay_ticks + kBeyondDelay_ticks) * kTick_s * most_mm_s;
-  tip.position_mm += kBeyondDelay_ticks * kTick_s * tip.velocity_mm_s;
+  const Vec3 path_mm = (delay_ticks + kPredictionMargin_ticks) * kTick_s * most_mm_s;
+  tip.position_mm += kPredictionMargin_ticks * kTick_s * tip.velocity_mm_s;
   tip.position_mm =
       tip.position_mm.cwiseMax(tip_.position_mm - path_mm).cwiseMin(tip_.position_mm + path_mm);
   return tip;

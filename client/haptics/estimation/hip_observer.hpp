@@ -61,6 +61,11 @@ class EffectiveMassEstimator {
   Vec3 share_ = Vec3::Ones();
 };
 
+/// Margin of the prediction, ticks: a device may answer this much later than its profile declares.
+/// Measured: with a margin of 0.5 or 1 tick, a bare device that is one tick late runs away at
+/// K_max.
+inline constexpr int kPredictionMargin_ticks = 2;
+
 /// Position and velocity of the HIP in the device frame.
 struct HipState {
   Vec3 position_mm = Vec3::Zero();
@@ -81,9 +86,9 @@ class HipObserver {
   void update(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
   /// Returns the present state of the HIP.
   [[nodiscard]] const HipState& tip() const noexcept { return tip_; }
-  /// Returns the predicted state two ticks after the time when a force sent now acts. The two ticks
-  /// are a margin. `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay from a
-  /// position to its force.
+  /// Returns the predicted state at the time when a force sent now acts, plus
+  /// kPredictionMargin_ticks. `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay
+  /// from a position to its force.
   [[nodiscard]] HipState ahead(const SentForces& sent, int delay_ticks) const noexcept;
 
  private:

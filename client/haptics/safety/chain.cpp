@@ -22,10 +22,11 @@ double springEnergy_mJ(double stiffness_N_mm, double depth_mm, double limit_N) n
                             : limit_N * (depth_mm - 0.5 * limit_N / stiffness_N_mm);
 }
 
-/// Returns the depth of the counted position. The wall acts at the predicted position.
+/// Returns the depth of the counted position in the present surface. The wall acts at the predicted
+/// position in the surface of that time.
 double countedDepth_mm(const StepState& state) noexcept {
-  return std::max(0.0,
-                  state.depth_mm - (state.position_mm - state.ahead.position_mm).dot(state.normal));
+  const Vec3 since_mm = state.position_mm - state.ahead.position_mm + state.surface_ahead_mm;
+  return std::max(0.0, state.depth_mm - since_mm.dot(state.normal));
 }
 }  // namespace
 
@@ -38,6 +39,7 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
       wall_N_mm_(profile.stiffness_N_mm),
       limit_N_(profile.peak_N),
       steps_(profile),
+      moved_(profile.count_mm),
       ports_(profile.delay_ticks, profile.count_mm),
       tank_(profile),
       thermal_(profile),
@@ -71,9 +73,10 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   // A scene that disappears in contact leaves no force to fade: the last force ramps down.
   const bool vanished = !in.in_contact && geometry_.contact && !geometry.contact;
   const bool jump = halt_now || vanished || jumped(in, geometry);
+  const bool scene_jumped = in.scene_jumped && acts();
   damper_.step(geometry.contact);
   StepState now = computeState(in, geometry, out.not_finite);
-  meter(now, geometry, in.measurement_jumped, jump, out);  // 5, 10
+  meter(in, now, geometry, jump, out);  // 5, 10
 
   out.static_force_N = wallForce(now, geometry, out);     // 3, 5
   out.dynamic_force_N = dynamicForce(in, geometry, out);  // 4
@@ -96,7 +99,7 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   last_ = now;
   geometry_ = geometry;
   if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
-  trust_.add(out.interferences);
+  trust_.add(out.interferences, scene_jumped);
   return out;
 }
 
@@ -137,7 +140,7 @@ void SafetyChain::rearm() noexcept {
 }
 
 StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geometry,
-                                    bool not_finite) const noexcept {
+                                    bool not_finite) noexcept {
   StepState now{.position_mm = in.position_mm,
                 .velocity_mm_s = in.velocity_mm_s,
                 .ahead = in.ahead,
@@ -149,6 +152,9 @@ StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geome
     now.velocity_mm_s = last_.velocity_mm_s;
     now.ahead = last_.ahead;
   }
+  moved_.add(now.position_mm, in.measurement_jumped);
+  now.moved_mm = moved_.step_mm();
+  now.velocity_change_mm_s = moved_.change_mm_s();
   if (!now.contact) return now;
   now.local_stiffness_N_mm = geometry.stiffness_N_mm * geometry.stiffness_factor;
   now.damping_Ns_m = geometry.damping_Ns_m;
@@ -160,11 +166,13 @@ StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geome
 }
 
 /// Feeds the energy meters and the oscillation detector with the tick that ended at this position.
-void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool measurement_jumped,
-                        bool jump, SafetyOutput& out) noexcept {
+void SafetyChain::meter(const SafetyInput& in, StepState& now, const Geometry& geometry, bool jump,
+                        SafetyOutput& out) noexcept {
+  surface_.add(geometry.surface_step_mm, delay_ticks_ + kPredictionMargin_ticks);
+  now.surface_ahead_mm = surface_.coming_mm();
   PortTick tick{.position_mm = now.position_mm,
-                .connected = !measurement_jumped,
-                .surface_mm = geometry.surface_step_mm,
+                .connected = !in.measurement_jumped,
+                .surface_mm = surface_.present_mm(),
                 .contact = geometry.contact,
                 .jump = jump};
   const double gain = smoothstep(fade_);
@@ -181,9 +189,8 @@ void SafetyChain::meter(const StepState& now, const Geometry& geometry, bool mea
   }
   const Vec3& normal = now.contact ? geometry.normal : geometry_.normal;
   const double moved_mm =
-      measurement_jumped ? 0.0 : normal.dot(now.position_mm - last_.position_mm);
-  const bool swings =
-      watch_.alarmed(moved_mm, normal.dot(geometry.surface_step_mm), acts() && !jump);
+      in.measurement_jumped ? 0.0 : normal.dot(now.position_mm - last_.position_mm);
+  const bool swings = watch_.alarmed(moved_mm, normal.dot(tick.surface_mm), acts() && !jump);
   const bool bounces =
       bounces_.alarmed({now.velocity_mm_s, geometry.surface_velocity_mm_s, geometry.normal,
                         now.local_stiffness_N_mm, now.contact, acts(), jump},

@@ -39,9 +39,12 @@ struct SafetyInput {
   // The HIP as the device measured it.
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  HipState ahead;  ///< predicted HIP at the time when this tick's force acts; the wall law uses it
+  /// Predicted HIP, delay + kPredictionMargin_ticks after the reading. The wall law uses it, and
+  /// the contact below belongs to that instant.
+  HipState ahead;
   bool measurement_jumped =
       false;  ///< the HIP was measured, but its position does not continue that of the last tick
+  bool scene_jumped = false;  ///< the stream caused a jump: a new epoch, or a surface that jumped
   /// The device does not answer; the halt that follows lasts until rearm().
   bool device_lost = false;
   // The contact.
@@ -115,6 +118,9 @@ class SafetyChain {
   /// Sets the delay back to the profile's value, after a new connection. The change happens as soon
   /// as there is no contact and no force.
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
+  /// Returns the count of safety actions that the stream caused, ticks. Trust ends at
+  /// Trust::kMost_ticks.
+  [[nodiscard]] double trustScore_ticks() const noexcept { return trust_.score(); }
   /// Returns the work of the force since the start, by its cause.
   [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
 
@@ -139,8 +145,8 @@ class SafetyChain {
   Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
   StepState computeState(const SafetyInput& input, const Geometry& geometry,
-                         bool not_finite) const noexcept;
-  void meter(const StepState& now, const Geometry& geometry, bool measurement_jumped, bool jump,
+                         bool not_finite) noexcept;
+  void meter(const SafetyInput& input, StepState& now, const Geometry& geometry, bool jump,
              SafetyOutput& out) noexcept;
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
@@ -159,6 +165,8 @@ class SafetyChain {
   double stiffness_limit_N_mm_ = 0.0, damping_limit_Ns_m_ = 0.0;
   DamperLimit damper_;
   StepLimit steps_;
+  CountedMotion moved_;
+  SurfaceHistory surface_;
   PassivityObserver ports_;
   EnergyTank tank_;
   ThermalBudget thermal_;

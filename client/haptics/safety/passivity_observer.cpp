@@ -27,6 +27,18 @@ constexpr double kReserve_s = 0.3;  // chosen: a rise of 30 mm under the hand en
 constexpr double kLastingShare = 0.2;  // chosen: 0.04 W on an Omni, less than a shake needs
 }  // namespace
 
+void SurfaceHistory::add(const Vec3& step_mm, int ticks_ahead) noexcept {
+  newest_ = (newest_ + 1) % kKept;
+  step_mm_.col(newest_) = step_mm;
+  ticks_ahead_ = std::clamp(ticks_ahead, 0, kKept - 1);
+}
+
+Vec3 SurfaceHistory::coming_mm() const noexcept {
+  Vec3 sum_mm = Vec3::Zero();
+  for (int i = 0; i < ticks_ahead_; ++i) sum_mm += ago(i);
+  return sum_mm;
+}
+
 void PassivityObserver::setDelay(int delay_ticks) noexcept {
   age_ = static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks));
 }

@@ -9,7 +9,9 @@
 #include <array>
 #include <cstddef>
 
+#include "client/haptics/estimation/hip_observer.hpp"
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/safety/wall_law.hpp"
 
 namespace hapticast::client {
 
@@ -23,6 +25,29 @@ struct PortWork {
   double surface_mJ = 0.0;
   double object_mJ = 0.0;  ///< work of the object's dynamic force in the HIP's motion
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
+};
+
+/// Remembers the surface's motion of the last ticks. The contact is computed for the predicted HIP,
+/// so its surface is some ticks ahead of the measured position. The meters need the motion at the
+/// measured position.
+class SurfaceHistory {
+ public:
+  /// Adds the surface's motion in one tick (mm), `ticks_ahead` ticks before it happens.
+  /// `ticks_ahead` is at most 7.
+  void add(const Vec3& step_mm, int ticks_ahead) noexcept;
+  /// Returns the surface's motion in the tick that just ended, mm.
+  [[nodiscard]] Vec3 present_mm() const noexcept { return ago(ticks_ahead_); }
+  /// Returns the surface's motion from now to the time of the contact, mm.
+  [[nodiscard]] Vec3 coming_mm() const noexcept;
+
+ private:
+  static constexpr int kKept = kMostDelay_ticks + kPredictionMargin_ticks + 1;
+  [[nodiscard]] Vec3 ago(int ticks) const noexcept {
+    return step_mm_.col((newest_ + kKept - ticks) % kKept);
+  }
+  Eigen::Matrix<double, 3, kKept> step_mm_ = Eigen::Matrix<double, 3, kKept>::Zero();
+  int newest_ = 0;
+  int ticks_ahead_ = 0;
 };
 
 /// Input of the meters for one tick. The tick ended when the HIP was measured at `position_mm`.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/time.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -17,22 +19,37 @@ Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
 }
 }  // namespace
 
+void CountedMotion::add(const Vec3& position_mm, bool jumped) noexcept {
+  newest_ = (newest_ + 1) % kKept;
+  position_mm_.col(newest_) = position_mm;
+  if (jumped) position_mm_.colwise() = position_mm;
+}
+
+double CountedMotion::step_mm() const noexcept {
+  return std::min((ago(0) - ago(1)).norm(), (ago(0) - ago(4)).norm() / 4.0);
+}
+
+Vec3 CountedMotion::change_mm_s() const noexcept {
+  const Vec3 bend_mm = ago(0) - 2.0 * ago(2) + ago(4);
+  const double size_mm = bend_mm.norm();
+  if (size_mm <= count_mm_) return Vec3::Zero();
+  return bend_mm * ((size_mm - count_mm_) / (size_mm * 4.0 * kTick_s));
+}
+
 MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept {
   if (!now.contact && !last.contact) return {};
   const StepState& wall = last.contact ? last : now;
-  const Vec3 moved_mm = now.position_mm - last.position_mm;
   const double inwards_mm = -(now.ahead.position_mm - last.ahead.position_mm).dot(wall.normal);
   const bool entering = !last.contact;
   if (entering && now.depth_mm > inwards_mm) return {};  // the surface moved, not the hand
-  const Vec3 change_mm_s = entering ? now.velocity_mm_s : now.velocity_mm_s - last.velocity_mm_s;
-  // Limit of the damper: the full speed at its begin, later from one end to the other.
-  const double most_mm_s = entering ? kDamperSpeed_mm_s : 2.0 * kDamperSpeed_mm_s;
-  const double damped_mm_s = std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
-  const double path_mm = moved_mm.norm();
-  const double full_N = wall.damping_Ns_m * 1e-3 * damped_mm_s;
-  const double damper_N = entering ? std::min(full_N, now.most_damper_N) : full_N;
-  return {damper_N * wall.normal,
-          wall.local_stiffness_N_mm * (entering ? std::min(now.depth_mm, path_mm) : path_mm)};
+  if (entering)
+    return {Vec3::Zero(), wall.local_stiffness_N_mm * std::min(now.depth_mm, now.moved_mm)};
+  // Limit of the damper: its speed goes from one end of its range to the other.
+  constexpr double kMost_mm_s = 2.0 * kDamperSpeed_mm_s;
+  const double damped_mm_s =
+      std::clamp(-now.velocity_change_mm_s.dot(wall.normal), -kMost_mm_s, kMost_mm_s);
+  return {wall.damping_Ns_m * 1e-3 * damped_mm_s * wall.normal,
+          wall.local_stiffness_N_mm * now.moved_mm};
 }
 
 StepLimit::StepLimit(const DeviceProfile& profile) noexcept

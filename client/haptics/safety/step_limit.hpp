@@ -13,12 +13,43 @@ namespace hapticast::client {
 inline constexpr double kDamperSpeed_mm_s =
     300.0;  ///< the wall's damper uses at most this speed; the value is a choice
 
+/// Bounds the motion of the HIP by the measured positions of the last ticks. A velocity filter
+/// turns one encoder count into a jump of the velocity (56 mm/s a count). So the limit must not use
+/// it.
+class CountedMotion {
+ public:
+  /// `count_mm` is the size of an encoder count.
+  explicit CountedMotion(double count_mm) noexcept : count_mm_(count_mm) {}
+  /// Adds the position that this tick measured. If `jumped` is true, it does not continue the last
+  /// position, and the HIP counts as resting.
+  void add(const Vec3& position_mm, bool jumped) noexcept;
+  /// Returns the motion of the HIP in this tick, mm. It is the smaller of two values: the measured
+  /// motion of this tick, and the mean of the last four ticks.
+  [[nodiscard]] double step_mm() const noexcept;
+  /// Returns the change of the HIP's velocity in this tick, mm/s: the second difference over two
+  /// intervals of two ticks, less one count.
+  [[nodiscard]] Vec3 change_mm_s() const noexcept;
+
+ private:
+  static constexpr int kKept = 5;
+  [[nodiscard]] Vec3 ago(int ticks) const noexcept {
+    return position_mm_.col((newest_ + kKept - ticks) % kKept);
+  }
+  double count_mm_;
+  Eigen::Matrix<double, 3, kKept> position_mm_ = Eigen::Matrix<double, 3, kKept>::Zero();
+  int newest_ = 0;
+};
+
 /// State of one tick that the limit needs. All vectors are in the device frame.
 struct StepState {
   Vec3 force_N = Vec3::Zero();
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();
-  HipState ahead;  ///< predicted HIP; the wall acts there
+  double moved_mm = 0.0;                     ///< motion in this tick (CountedMotion)
+  Vec3 velocity_change_mm_s = Vec3::Zero();  ///< change in this tick (CountedMotion)
+  HipState ahead;                            ///< predicted HIP; the wall acts there
+  /// Motion of the surface from now to the time of `ahead`.
+  Vec3 surface_ahead_mm = Vec3::Zero();
   // These are zero without a contact:
   bool contact = false;
   double local_stiffness_N_mm = 0.0;  ///< along the normal
@@ -37,14 +68,14 @@ struct MotionExplainedStep {
 };
 /// Returns the part of the step from `last` to `now` that the motion of the hand explains.
 ///
-/// The result depends on the measured motion of the HIP and on the wall before this tick, not on
-/// the force. The spring with the stiffness K explains K |dx| in any direction, where dx is the
-/// motion of the HIP. The damper with the damping B explains B dv along the normal, where dv is the
-/// change of the HIP's velocity v.
+/// The result depends on the counted motion of the HIP and on the wall before this tick, not on the
+/// force. The spring with the stiffness K explains K |dx| in any direction, where dx is the motion
+/// of the HIP (CountedMotion::step_mm). The damper with the damping B explains B dv along the
+/// normal, where dv is the change of the HIP's velocity (CountedMotion::change_mm_s).
 ///
-/// In a tick in which the HIP itself enters the surface, the spring explains K times the depth. The
-/// damper then explains B v, up to its limit. The HIP enters by itself if the depth is at most its
-/// motion inwards. All speeds are limited like the speed of the damper.
+/// In a tick in which the HIP itself enters the surface, the spring explains K times the depth, and
+/// the damper explains nothing. The HIP enters by itself if the depth is at most its motion
+/// inwards.
 ///
 /// A change of stiffness, surface or contact by the stream explains nothing. A predicted motion
 /// explains nothing either: if the motion does not occur, a stream would cause the steps.

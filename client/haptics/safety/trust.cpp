@@ -5,15 +5,17 @@
 
 namespace hapticast::client {
 
-void Trust::add(std::uint32_t interferences) noexcept {
+void Trust::add(std::uint32_t interferences, bool scene_jumped) noexcept {
   constexpr double kKeep = 1.0 - 1.0 / kMemory_ticks;
-  bool any = false;
+  double most = 0.0;
   for (std::size_t i = 0; i < kCounted.size(); ++i) {
-    const bool acted = (interferences & bit(kCounted[i])) != 0;
-    any = any || acted;
-    of_each_[i] = of_each_[i] * kKeep + (acted ? 1.0 : 0.0);
+    const bool jump = kCounted[i] == SafetyAction::kJump;
+    const bool acted = jump ? scene_jumped : (interferences & bit(kCounted[i])) != 0;
+    const double cost = !acted ? 0.0 : jump ? kJumpCost_ticks : 1.0;
+    most = std::max(most, cost);
+    of_each_[i] = of_each_[i] * kKeep + cost;
   }
-  ticks_ = ticks_ * kKeep + (any ? 1.0 : 0.0);
+  ticks_ = ticks_ * kKeep + most;
 }
 
 SafetyAction Trust::mostly() const noexcept {

@@ -16,12 +16,13 @@ namespace hapticast::client {
 class Trust {
  public:
   /// The safety actions that count. The selection was measured (client/haptics/README.md, "Trust"):
-  /// a stream causes these actions, and a hand cannot cause them. The other actions have honest
+  /// a stream causes these actions, and a hand cannot cause them. A jump counts only if the stream
+  /// caused it. The other actions have honest
   /// causes. A hand reaches the peak, a cut disarms, an author requests stiff walls, and a late
   /// device makes a contact generate energy.
-  static constexpr std::array<SafetyAction, 4> kCounted = {SafetyAction::kImplausible,
-                                                           SafetyAction::kTank, SafetyAction::kSlew,
-                                                           SafetyAction::kSurfaceSpeed};
+  static constexpr std::array<SafetyAction, 5> kCounted = {
+      SafetyAction::kImplausible, SafetyAction::kTank, SafetyAction::kSlew,
+      SafetyAction::kSurfaceSpeed, SafetyAction::kJump};
 
   /// Threshold of the count, in ticks. The value is a choice: far above all honest streams, and
   /// below most streams that shake a hand without end.
@@ -31,8 +32,14 @@ class Trust {
   /// limits its force. A stream may strike the hand seven times a second before trust is lost.
   static constexpr double kMost_ticks = 200.0;
 
-  /// Adds one tick. `interferences` has one bit for each safety action of the tick.
-  void add(std::uint32_t interferences) noexcept;
+  /// Cost of a jump of the scene under a force, in ticks. Each jump ends a force and lets another
+  /// one fade in, and this transfers energy into the hand. Chosen: a clip that starts again every
+  /// second keeps its trust, and one that starts again every 0.3 s loses it within 1.2 s.
+  static constexpr double kJumpCost_ticks = 70.0;
+
+  /// Adds one tick. `interferences` has one bit for each safety action of the tick. `scene_jumped`
+  /// is true if the scene jumped while a force acted.
+  void add(std::uint32_t interferences, bool scene_jumped = false) noexcept;
   /// Returns true if the count has reached the threshold.
   [[nodiscard]] bool lost() const noexcept { return score() >= kMost_ticks; }
   /// Returns the number of counted ticks. Each tick's share decays with a time constant of 2 s.

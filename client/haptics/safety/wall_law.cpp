@@ -17,14 +17,14 @@ constexpr double kShrink_N = 0.5;        // per tick without contact; chosen
 constexpr double kGrown_N = 20.0;        // above any device's peak
 constexpr double kStiffest_N_mm = 10.0;  // measured: above, chatter of one count at 1 kHz
 constexpr double kMassShare = 0.64;      // measured
-constexpr double kDampingShare = 0.35;   // measured: up to half of m / (T/2 + d T) is as quiet
+constexpr double kDampingShare = 0.35;   // measured: more buzzes in motion, counts move the speed
 constexpr double kArmDepth_mm = 2.0;     // chosen
 }  // namespace
 
 double wallLead_s(int delay_ticks) noexcept {
-  // Measured with the battery of client/haptics/README.md, section 6. The value for 4 ticks is the
-  // mean of its neighbours and was not measured.
-  constexpr std::array<double, 6> kLead_s = {1.2e-3, 2.4e-3, 3.9e-3, 5.3e-3, 6.65e-3, 8.0e-3};
+  // Measured with battery and presses of client/haptics/README.md, sections 5a and 6. The value for
+  // 4 ticks is the mean of its neighbours and was not measured.
+  constexpr std::array<double, 6> kLead_s = {1.2e-3, 2.19e-3, 3.09e-3, 3.79e-3, 6.14e-3, 8.48e-3};
   return kLead_s[static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks))];
 }
 
@@ -51,7 +51,7 @@ double DamperLimit::most_N(double spring_N) const noexcept {
 }
 
 double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept {
-  const double delay_s = (0.5 + std::clamp(delay_ticks, 0, kMostDelay_ticks)) * kTick_s;
+  const double delay_s = (1.5 + std::clamp(delay_ticks, 0, kMostDelay_ticks)) * kTick_s;
   return kDampingShare * mass_kg / delay_s;
 }
 

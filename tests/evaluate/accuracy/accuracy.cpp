@@ -78,7 +78,7 @@ void evaluateAccuracy(const Options& options) {
   std::vector<Case> cases;
   for (const auto& part :
        {smoothCases(options.quick), wallCases(options.quick), motionCases(options.quick),
-        frictionCases(options.quick), dynamicCases(options.quick)})
+        frictionCases(options.quick), loopCases(options.quick), dynamicCases(options.quick)})
     cases.insert(cases.end(), part.begin(), part.end());
   Work(cases, report).run();
   report.write();

@@ -40,6 +40,7 @@ std::vector<Case> smoothCases(bool quick);    ///< still, moving, approaching, t
 std::vector<Case> wallCases(bool quick);      ///< pushes into side walls, presses at rims
 std::vector<Case> motionCases(bool quick);    ///< contacts held, steps at frames
 std::vector<Case> frictionCases(bool quick);  ///< breakaway and slip
+std::vector<Case> loopCases(bool quick);      ///< moving surfaces with device and observer
 std::vector<Case> dynamicCases(bool quick);   ///< m a, impacts, inertia of the cursor
 
 }  // namespace hapticast::evaluate

@@ -68,20 +68,21 @@ void withAndWithout(const StabilityReport& to) {
     to.claims.add(text("%s: %s", link, what), "better with it",
                   text("%.3g with, %.3g without (%s)", with, without, unit), better);
   };
-  double with = counts({}, 10.0, 3, 3, Hand::firmGrip());
-  double without = counts({.stiffness_limit = false}, 10.0, 3, 3, Hand::firmGrip());
-  line("K_max", "10 N/mm asked at d 3, firm grip: residual", "counts", with, without,
+  double with = counts({}, 10.0, 5, 5, Hand::none());
+  double without = counts({.stiffness_limit = false}, 10.0, 5, 5, Hand::none());
+  line("K_max", "10 N/mm asked at d 5, without a hand: residual", "counts", with, without,
        with <= 2.0 && without > 10.0);
   with = counts({.latency_watch = false}, 2.0, 1, 2, Hand::none());
   without = counts({.damping = false, .latency_watch = false}, 2.0, 1, 2, Hand::none());
   line("damping B = sqrt(K m)", "2 N/mm told d 1, really 2, without a hand: residual", "counts",
        with, without, with <= 2.0 && without > 10.0);
-  const SafetyLinks loose{.stiffness_limit = false, .damping = false, .latency_watch = false};
+  const SafetyLinks loose{
+      .stiffness_limit = false, .damping = false, .slew = false, .latency_watch = false};
   SafetyLinks uninsured = loose;
   uninsured.passivity = false;
-  with = counts(loose, 5.0, 3, 3, Hand::lightGrip());
-  without = counts(uninsured, 5.0, 3, 3, Hand::lightGrip());
-  line("passivity controller", "damper and K_max missing, 5 N/mm at d 3, light grip: residual",
+  with = counts(loose, 5.0, 3, 3, Hand::firmGrip());
+  without = counts(uninsured, 5.0, 3, 3, Hand::firmGrip());
+  line("passivity controller", "damper, K_max and slew missing, 5 N/mm at d 3, firm grip: residual",
        "counts", with, without, with < without);
   with = counts({}, 5.0, 1, 3, Hand::lightGrip());
   without = counts({.latency_watch = false}, 5.0, 1, 3, Hand::lightGrip());

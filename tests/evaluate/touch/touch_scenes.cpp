@@ -78,6 +78,13 @@ TouchScene movingSphere(double px_per_frame, double duration_s) {
   return reliefScene(body);
 }
 
+TouchScene swingingSphere(const Vec3& amplitude_mm, double rate_Hz) {
+  ReliefBody body{"swinging sphere", ellipsoid(20, 20, 20), 21.0, 8.0,
+                  swinging(kHere + Vec3(0, 0, std::abs(amplitude_mm.z())), amplitude_mm,
+                           2.0 * std::numbers::pi * rate_Hz)};
+  return reliefScene(body);
+}
+
 TouchScene spinningEllipsoid(double duration_s) {
   ReliefBody body{"turning ellipsoid", ellipsoid(26, 18, 15), 27.0, duration_s, [](double t) {
                     constexpr double kRate_rad_s = 1.7;

@@ -16,6 +16,8 @@ TouchScene stillEllipsoid();  ///< semi-axes 26, 18, 15
 TouchScene stillSinusoid();   ///< 1 mm high, 16 mm long, on a disc
 /// R 15, to and fro in x, at most this fast; as far as the picture allows.
 TouchScene movingSphere(double px_per_frame, double duration_s = 12.0);
+/// R 20, to and fro by `amplitude_mm`, `rate_Hz` times a second.
+TouchScene swingingSphere(const Vec3& amplitude_mm, double rate_Hz);
 /// An ellipsoid that turns about the viewing axis.
 TouchScene spinningEllipsoid(double duration_s = 8.0);
 /// R 20, in x at one speed, or (0) a plate.

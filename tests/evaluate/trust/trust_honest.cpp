@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <random>
 
 #include "client/haptics/safety/trust.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
+#include "tests/evaluate/touch/stream_server.hpp"
 #include "tests/evaluate/touch/touch_scenes.hpp"
 #include "tests/evaluate/touch/touch_stream.hpp"
 #include "tests/support/clips.hpp"
@@ -23,40 +23,6 @@ using namespace client;
 struct HonestStream {
   std::string name;
   Stream stream;
-};
-
-/// Sends a stream as it was made, as soon as it is complete, but for what is lost on the way.
-class HonestServer {
- public:
-  HonestServer(const Stream& stream, double lost) : stream_(stream), lost_(lost) {}
-
-  [[nodiscard]] std::vector<std::uint8_t> welcome() const {
-    Welcome welcome;
-    welcome.description = stream_.description;
-    return encode(welcome);
-  }
-  [[nodiscard]] std::vector<std::vector<std::uint8_t>> messages(double until_s) {
-    std::vector<std::vector<std::uint8_t>> out;
-    const double latency_s = toSeconds(stream_.description.pipeline_latency);
-    while (next_ < stream_.frames.size() &&
-           stream_.frames[next_].time_s + latency_s + kWay_s <= until_s) {
-      const bool lost = next_ > 0 && std::bernoulli_distribution(lost_)(random_);
-      if (!lost) out.push_back(*stream_.frames[next_].message);
-      ++next_;
-    }
-    return out;
-  }
-  [[nodiscard]] static std::optional<std::vector<std::uint8_t>> answer(const Ping& ping,
-                                                                       double now_s) {
-    return encode(Pong{ping.t0, mediaTime(now_s), mediaTime(now_s)});
-  }
-
- private:
-  static constexpr double kWay_s = 0.01;
-  const Stream& stream_;
-  double lost_;
-  std::mt19937_64 random_{5};
-  std::size_t next_ = 0;
 };
 
 std::vector<HonestStream> honestStreams(bool quick, Report& report) {
@@ -118,7 +84,7 @@ void play(HonestRun& run) {
   const HandScript script = scriptOf(run.kind);
   auto viewer =
       std::make_unique<VirtualViewer>(RendererSettings{}, PlantProfile{}, run.hand, &script);
-  HonestServer server(run.stream->stream, run.lost);
+  StreamServer server(run.stream->stream, run.lost);
   run.last = runSession(server, *viewer, run.stream->stream.frames.back().time_s + 1.0);
   run.felt = std::move(viewer->felt);
 }
@@ -134,22 +100,11 @@ double share(const client::Felt& felt, SafetyAction which) {
   return double(felt.ticksWith(bit(which))) / double(felt.interferences.size());
 }
 
-/// The highest that what costs trust came to.
-double highestScore(const client::Felt& felt) {
-  Trust trust;
-  double most = 0.0;
-  for (const std::uint32_t each : felt.interferences) {
-    trust.add(each);
-    most = std::max(most, trust.score());
-  }
-  return most;
-}
-
 void take(Worst& worst, const HonestRun& run) {
   worst.doubted = std::max(worst.doubted, share(run.felt, SafetyAction::kImplausible));
   worst.tank = std::max(worst.tank, share(run.felt, SafetyAction::kTank));
   worst.slew = std::max(worst.slew, share(run.felt, SafetyAction::kSlew));
-  worst.score_ticks = std::max(worst.score_ticks, highestScore(run.felt));
+  worst.score_ticks = std::max(worst.score_ticks, run.felt.max_trust_score_ticks);
   worst.work_mJ = std::max(worst.work_mJ, run.felt.mostWork_mJ(10.0));
   worst.lost_trust += run.last.halt == Halt::kNone ? 0 : 1;
 }

@@ -47,6 +47,7 @@ TEST(FlightRecorder, DumpsRowsAndRecordsAgain) {
   fault.fault = Fault::kNotFinite;
   fault.play_time = mediaTime(-0.25);
   fault.hip_mm = {1.5, -2.0, 3.0};
+  fault.ahead_mm = {1.5, -2.0, 2.5};
   fault.force_N = {0.0, 0.25, 1.0};
   fault.penetration_mm = 2.5;
   fault.lookup = Lookup::kExtrapolated;
@@ -55,9 +56,9 @@ TEST(FlightRecorder, DumpsRowsAndRecordsAgain) {
   dumpRecorder(out, *recorder, localTime(0.001));
   EXPECT_EQ(out.str(),
             "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,"
-            "penetration_mm,lookup\n"
-            "0.000000,0.000000,0,0,0,0,0,0,0,0,0,0,0,0,0,none\n"
-            "0.001000,-0.250000,1.5,-2,3,0,0.25,1,0,0,0,0,0,0,2.5,extrapolated\n");
+            "penetration_mm,lookup,ahead_x_mm,ahead_y_mm,ahead_z_mm\n"
+            "0.000000,0.000000,0,0,0,0,0,0,0,0,0,0,0,0,0,none,0,0,0\n"
+            "0.001000,-0.250000,1.5,-2,3,0,0.25,1,0,0,0,0,0,0,2.5,extrapolated,1.5,-2,2.5\n");
   EXPECT_FALSE(recorder->frozen());
   EXPECT_EQ(recorder->size(), 0u);
   recorder->record(fault);

@@ -76,6 +76,15 @@ TEST(PassivityObserver, AWayIsPaidWithTheMeanForceSinceTheLast) {
   EXPECT_EQ(ports.meter(elsewhere), 0.0);
 }
 
+TEST(SurfaceHistory, GivesTheMotionAtTheMeasuredPosition) {
+  SurfaceHistory history;
+  for (int i = 1; i <= 20; ++i) {
+    history.add({0.0, 0.0, static_cast<double>(i)}, 3);
+    EXPECT_EQ(history.present_mm().z(), std::max(0, i - 3));
+    EXPECT_EQ(history.coming_mm().z(), i == 1 ? 1 : i == 2 ? 3 : 3 * i - 3);
+  }
+}
+
 TEST(PassivityObserver, TellsTheSurfacesPushFromTheContactsOwnWork) {
   PassivityObserver ports(0, 0.0);
   Tip tip;

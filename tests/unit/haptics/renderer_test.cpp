@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 
 #include "tests/support/renderer_fixture.hpp"
@@ -229,6 +230,22 @@ TEST(HapticRenderer, AFullLogIsCountedNotWaitedFor) {
   TickReport first;
   ASSERT_TRUE(log->tryPop(first));
   EXPECT_EQ(first.tick, 1u);
+}
+
+TEST(HapticRenderer, EvaluatesTheSceneWhereItPredictsTheHip) {
+  for (const int delay_ticks : {0, 1, 5}) {
+    RendererSettings settings;
+    settings.profile.delay_ticks = delay_ticks;
+    RendererFixture stage(settings, nullptr, 3.0);
+    (void)stage.run(1000);
+    const double ahead_s = 1e-3 * (delay_ticks + kPredictionMargin_ticks);
+    for (int i = 0; i < 2000; ++i) {
+      const TickReport& report = stage.step();
+      const double time_s = toSeconds(report.play_time.time_since_epoch()) + ahead_s;
+      // 19 mm/s at most: a scene at play time would be wrong by 0.04 to 0.13 mm.
+      EXPECT_NEAR(report.object_position_mm.z(), 12.0 + 3.0 * std::sin(2.0 * M_PI * time_s), 0.005);
+    }
+  }
 }
 
 TEST(HapticRenderer, StopRampsToZeroAndStaysThere) {

@@ -43,13 +43,13 @@ SafetyOutput settled(SafetyChain& chain, SafetyInput input) {
 }
 
 TEST(SafetyChain, ConstantsOfTheWallLaw) {
-  const double expected[] = {10.0, 5.0, 1.893, 1.025, 0.651, 0.45};
+  const double expected[] = {10.0, 6.005, 3.016, 2.005, 0.764, 0.400};
   for (int d = 0; d <= 5; ++d) {
     EXPECT_NEAR(stiffnessLimit_N_mm(omni(1.0, d)), expected[d], 1e-3) << d;
   }
-  EXPECT_DOUBLE_EQ(wallLead_s(1), 2.4e-3);
+  EXPECT_DOUBLE_EQ(wallLead_s(1), 2.19e-3);
   EXPECT_DOUBLE_EQ(wallLead_s(-3), 1.2e-3);
-  EXPECT_DOUBLE_EQ(wallLead_s(99), 8.0e-3);
+  EXPECT_DOUBLE_EQ(wallLead_s(99), 8.48e-3);
   EXPECT_DOUBLE_EQ(wallDamping_Ns_m(5.0, 0.045, 5.0), std::sqrt(5000.0 * 0.045));
   EXPECT_DOUBLE_EQ(wallDamping_Ns_m(1.0, 0.045, 5.0), 0.6 * std::sqrt(1000.0 * 0.045));
 }

