@@ -16,7 +16,7 @@ Lies geometry() {
          t.shows(shape([&](double, double) { return t.between(0.0, 1.0) < 0.02 ? 30.0 : 10.0; }));
        }},
       {"strobe_2mm", kHold, kHarmless, [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 10.0 : 12.0); }},
-      {"strobe_20mm", kHold, kTrustLost, [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0); }},
+      {"strobe_20mm", kHold, kLimited, [](Telling& t) { moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0); }},
       {"strobe_20mm_new_ids", kHold, kLimited,
        [](Telling& t) {
          moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0);
@@ -41,7 +41,7 @@ Lies geometry() {
       {"oscillate_2hz", kHold, kHarmless, heave(2.0, 5.0)},
       {"oscillate_5hz", kHold, kLimited, heave(5.0, 4.0)},
       {"oscillate_8hz", kHold, kLimited, heave(8.0, 4.0)},
-      {"oscillate_12hz", kHold, kTrustLost, heave(12.0, 4.0)},
+      {"oscillate_12hz", kHold, kLimited, heave(12.0, 4.0)},
       {"oscillate_12hz_press", kPress, kLimited, heave(12.0, 4.0)},
       {"ratchet", kHold, kHarmless,
        [](Telling& t) {

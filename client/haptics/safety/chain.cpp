@@ -99,7 +99,9 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   last_ = now;
   geometry_ = geometry;
   if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
-  trust_.add(out.interferences, scene_jumped);
+  // A hand in a stiff wall causes slowed steps as well: only those of the stream cost trust.
+  trust_.add(stream_stepped_ ? out.interferences : out.interferences & ~bit(SafetyAction::kSlew),
+             scene_jumped);
   return out;
 }
 
@@ -118,11 +120,18 @@ bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
 /// Applies the slew limit to now.force_N. Returns the share of wall and inertia in it: that share
 /// steps as far as it could step alone, and the object's share absorbs the rest of the limit.
 Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
-                            SafetyOutput& out) const noexcept {
+                            SafetyOutput& out) noexcept {
+  const MotionExplainedStep possible =
+      measurement_jumped ? MotionExplainedStep{} : stepPossibleByHand(now, last_);
+  // Compares what the chain wants in both ticks: a force behind its target catches up afterwards.
+  const bool by_stream = steps_.excess_N(now.force_N, wanted_N_, possible) > 0.0;
+  wanted_N_ = now.force_N;
   const MotionExplainedStep hand =
       measurement_jumped ? MotionExplainedStep{} : stepAllowedByMotion(now, last_);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
-  if (!(out.step_excess_N > 0.0) || !links_.slew) return static_N;
+  const bool slowed = out.step_excess_N > 0.0 && links_.slew;
+  stream_stepped_ = slowed && by_stream;
+  if (!slowed) return static_N;
   now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
   out.interferences |= bit(SafetyAction::kSlew);

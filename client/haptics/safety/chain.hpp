@@ -153,7 +153,7 @@ class SafetyChain {
   void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
   Vec3 limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
-                 SafetyOutput& out) const noexcept;
+                 SafetyOutput& out) noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
@@ -187,6 +187,8 @@ class SafetyChain {
   Vec3 static_N_ = Vec3::Zero();          // share of wall and inertia in the last force
   bool check_depth_ = true;  // the next geometry under which a force may act decides about arming
   bool blocked_ = false;     // disarmed: too deep after a jump
+  Vec3 wanted_N_ = Vec3::Zero();  // force of the last tick before the slew limit
+  bool stream_stepped_ = false;   // the slew limit slowed a step that no hand can cause
 };
 
 }  // namespace hapticast::client

@@ -36,20 +36,45 @@ Vec3 CountedMotion::change_mm_s() const noexcept {
   return bend_mm * ((size_mm - count_mm_) / (size_mm * 4.0 * kTick_s));
 }
 
+namespace {
+/// Returns true if the stream moved the surface over the HIP: the hand did not enter it.
+bool isCovered(const StepState& now, const StepState& last) noexcept {
+  const double inwards_mm = -(now.ahead.position_mm - last.ahead.position_mm).dot(now.normal);
+  return !last.contact && now.depth_mm > inwards_mm;
+}
+
+/// Returns the change of the damper's force for a change of the HIP's velocity along the normal.
+/// The speed of the damper goes at most from one end of its range to the other.
+double damperStep_N(const StepState& wall, const Vec3& change_mm_s, double most_mm_s) noexcept {
+  return wall.damping_Ns_m * 1e-3 *
+         std::clamp(-change_mm_s.dot(wall.normal), -most_mm_s, most_mm_s);
+}
+}  // namespace
+
 MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept {
   if (!now.contact && !last.contact) return {};
+  if (isCovered(now, last)) return {};
   const StepState& wall = last.contact ? last : now;
-  const double inwards_mm = -(now.ahead.position_mm - last.ahead.position_mm).dot(wall.normal);
-  const bool entering = !last.contact;
-  if (entering && now.depth_mm > inwards_mm) return {};  // the surface moved, not the hand
-  if (entering)
+  if (!last.contact) {
     return {Vec3::Zero(), wall.local_stiffness_N_mm * std::min(now.depth_mm, now.moved_mm)};
-  // Limit of the damper: its speed goes from one end of its range to the other.
-  constexpr double kMost_mm_s = 2.0 * kDamperSpeed_mm_s;
-  const double damped_mm_s =
-      std::clamp(-now.velocity_change_mm_s.dot(wall.normal), -kMost_mm_s, kMost_mm_s);
-  return {wall.damping_Ns_m * 1e-3 * damped_mm_s * wall.normal,
+  }
+  return {damperStep_N(wall, now.velocity_change_mm_s, 2.0 * kDamperSpeed_mm_s) * wall.normal,
           wall.local_stiffness_N_mm * now.moved_mm};
+}
+
+MotionExplainedStep stepPossibleByHand(const StepState& now, const StepState& last) noexcept {
+  if (!now.contact && !last.contact) return {};
+  if (isCovered(now, last)) return {};
+  const StepState& wall = last.contact ? last : now;
+  const double path_mm = (now.position_mm - last.position_mm).norm();
+  if (!last.contact) {
+    const double damper_N = damperStep_N(wall, now.velocity_mm_s, kDamperSpeed_mm_s);
+    return {std::min(damper_N, now.most_damper_N) * wall.normal,
+            wall.local_stiffness_N_mm * std::min(now.depth_mm, path_mm)};
+  }
+  const Vec3 change_mm_s = now.velocity_mm_s - last.velocity_mm_s;
+  return {damperStep_N(wall, change_mm_s, 2.0 * kDamperSpeed_mm_s) * wall.normal,
+          wall.local_stiffness_N_mm * path_mm};
 }
 
 StepLimit::StepLimit(const DeviceProfile& profile) noexcept
