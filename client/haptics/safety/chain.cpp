@@ -99,10 +99,14 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   last_ = now;
   geometry_ = geometry;
   if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
-  // A hand in a stiff wall causes slowed steps as well: only those of the stream cost trust.
-  trust_.add(stream_stepped_ ? out.interferences : out.interferences & ~bit(SafetyAction::kSlew),
-             scene_jumped);
+  countTrust(out.interferences, scene_jumped);
   return out;
+}
+
+/// A hand in a stiff wall causes slowed steps as well: only those of the stream cost trust.
+void SafetyChain::countTrust(std::uint32_t interferences, bool scene_jumped) noexcept {
+  if (!stream_stepped_) interferences &= ~bit(SafetyAction::kSlew);
+  trust_.add(interferences, scene_jumped);
 }
 
 /// Determines the cause of a halt. Returns true if the halt begins in this tick.

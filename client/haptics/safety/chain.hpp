@@ -154,6 +154,7 @@ class SafetyChain {
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
   Vec3 limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                  SafetyOutput& out) noexcept;
+  void countTrust(std::uint32_t interferences, bool scene_jumped) noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
