@@ -141,7 +141,7 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.lookup = scene.kind;
   report_.halt = safety_.halt();
   report_.trust_loss_cause = safety_.distrusted();
-  report_.trust_score_ticks = safety_.trustScore_ticks();
+  report_.trust_score_ticks = safety_.trustScore();
   report_.step_excess_N = out.step_excess_N;
   report_.interferences = out.interferences;
   report_.work = safety_.work();

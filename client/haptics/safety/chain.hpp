@@ -120,7 +120,7 @@ class SafetyChain {
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
   /// Returns the count of safety actions that the stream caused, ticks. Trust ends at
   /// Trust::kMost_ticks.
-  [[nodiscard]] double trustScore_ticks() const noexcept { return trust_.score(); }
+  [[nodiscard]] double trustScore() const noexcept { return trust_.score(); }
   /// Returns the work of the force since the start, by its cause.
   [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }
 
