@@ -8,6 +8,9 @@ namespace hapticast::client {
 void Trust::add(std::uint32_t interferences, bool scene_jumped) noexcept {
   constexpr double kKeep = 1.0 - 1.0 / kMemory_ticks;
   double most = 0.0;
+  since_jump_ticks_ = std::min(since_jump_ticks_ + 1, kJumpPause_ticks);
+  scene_jumped = scene_jumped && since_jump_ticks_ == kJumpPause_ticks;
+  if (scene_jumped) since_jump_ticks_ = 0;
   for (std::size_t i = 0; i < kCounted.size(); ++i) {
     const bool jump = kCounted[i] == SafetyAction::kJump;
     const bool acted = jump ? scene_jumped : (interferences & bit(kCounted[i])) != 0;

@@ -29,12 +29,16 @@ class Trust {
   ///
   /// The counts were measured. Honest streams and hands in stiff walls stay below 130. Some shaking
   /// streams stay below the threshold as well, so the chain only limits their force.
-  static constexpr double kMost_ticks = 150.0;
+  static constexpr double kMost_ticks = 200.0;
 
   /// Cost of a jump of the scene under a force, in ticks. Each jump ends a force and lets another
   /// one fade in, and this transfers energy into the hand. Chosen: a clip that starts again every
   /// second keeps its trust, and one that starts again every 0.3 s loses it within 1.2 s.
-  static constexpr double kJumpCost_ticks = 55.0;
+  static constexpr double kJumpCost_ticks = 70.0;
+
+  /// Jumps within this many ticks are one. Chosen: a surface that moves too fast jumps in every
+  /// tick.
+  static constexpr int kJumpPause_ticks = 100;
 
   /// Adds one tick. `interferences` has one bit for each safety action of the tick. `scene_jumped`
   /// is true if the scene jumped while a force acted.
@@ -52,6 +56,7 @@ class Trust {
   /// Time constant of the count's decay: 2 s.
   static constexpr double kMemory_ticks = 2000.0;
   double ticks_ = 0.0;
+  int since_jump_ticks_ = kJumpPause_ticks;
   std::array<double, kCounted.size()> of_each_{};
 };
 

@@ -20,7 +20,7 @@ TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
   Trust lasting;
   int ticks = 0;
   for (; !lasting.lost() && ticks < 10000; ++ticks) lasting.add(kTankBit);
-  EXPECT_NEAR(ticks, 156, 5) << "0.2 s of nothing but interference";
+  EXPECT_NEAR(ticks, 210, 5) << "0.2 s of nothing but interference";
   Trust rare;  // a blow of 14 ticks twice a second, for a minute
   for (int i = 0; i < 60000; ++i) {
     rare.add(i % 500 < 14 ? bit(SafetyAction::kSlew) : 0);

@@ -279,7 +279,7 @@ TEST(SafetyLinks, TheLatencyWatchIsSilentWhereTheDelayIsTold) {
 
 TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
   // Why the watch is there: told 1, real 3, the meters see a contact that pays for itself.
-  Told blind(5.0, 1, 3, Hand::none(), {.latency_watch = false});
+  Told blind(5.0, 1, 3, Hand::none(), {.latency_watch = false, .trust = false});
   const double metered_mJ = blind.rig.chain.work().relative_mJ;
   std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);
   EXPECT_LT(metered_mJ, 0.0);
