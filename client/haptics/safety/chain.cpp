@@ -185,15 +185,17 @@ void SafetyChain::meter(const SafetyInput& in, StepState& now, const Geometry& g
   now.surface_ahead_mm = surface_.coming_mm();
   PortTick tick{.position_mm = now.position_mm,
                 .connected = !in.measurement_jumped,
-                .surface_mm = surface_.present_mm(),
-                .contact = geometry.contact,
-                .jump = jump};
+                .surface_mm = surface_.present_mm()};
   const double gain = smoothstep(fade_);
   // Each energy uses the stiffness of its own tick; with one tick in contact, both use that tick's
   // stiffness.
   const double stiffness_N_mm = (now.contact ? now : last_).local_stiffness_N_mm;
   const double before_N_mm = (last_.contact ? last_ : now).local_stiffness_N_mm;
-  tick.stored_mJ = gain * springEnergy_mJ(stiffness_N_mm, countedDepth_mm(now), limit_N_);
+  // After a jump the new spring begins without force. The energy of the old one belongs to the
+  // hand.
+  if (!jump) {
+    tick.stored_mJ = gain * springEnergy_mJ(stiffness_N_mm, countedDepth_mm(now), limit_N_);
+  }
   tick.stored_before_mJ = gain * springEnergy_mJ(before_N_mm, countedDepth_mm(last_), limit_N_);
   tank_.withdraw(ports_.meter(tick), now.velocity_mm_s);
 

@@ -63,8 +63,6 @@ struct PortTick {
   // energy.
   double stored_mJ = 0.0;
   double stored_before_mJ = 0.0;
-  bool contact = false;
-  bool jump = false;  ///< the scene or the measurement jumped: the observer starts again at 0
 };
 
 /// Meters the work at the ports, and computes the damping against generated energy.
@@ -90,10 +88,12 @@ class PassivityObserver {
 
   /// Returns the damping (N·s/m) along the normal that the wall has to add at the relative speed
   /// `u_mm_s`. It is (G - 3 mJ) / (T u²), with the generated energy G and the tick T. It is at most
-  /// 5 N·s/m. It is 0 while G is below 3 mJ, and for speeds of at most 5 mm/s.
+  /// 5 N·s/m, and from G = 6 mJ to 12 mJ that limit grows to 15 N·s/m. The damping is 0 while G is
+  /// below 3 mJ, and for speeds of at most 5 mm/s.
   [[nodiscard]] double damping_Ns_m(double u_mm_s) const noexcept;
-  /// Returns G, the energy that the contact has generated, mJ. G decays with a time constant of 1
-  /// s. It restarts at 0 after a jump and after 20 ticks without a contact.
+  /// Returns G, the energy that all contacts have generated, mJ. G decays with a time constant of
+  /// 10 s. Jumps and ends of a contact do not reset it: a contact that beats generates a little in
+  /// each beat.
   [[nodiscard]] double generated_mJ() const noexcept { return generated_mJ_; }
   /// Returns the work at each port since the start.
   [[nodiscard]] const PortWork& work() const noexcept { return work_; }
@@ -121,7 +121,6 @@ class PassivityObserver {
   std::size_t age_ = 1;
   PortWork work_;
   double generated_mJ_ = 0.0;
-  int free_ticks_ = 0;
 };
 
 /// Energy tank: it bounds the energy that the force transfers into the hand.

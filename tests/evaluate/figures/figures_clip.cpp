@@ -10,6 +10,29 @@
 
 namespace hapticast::evaluate {
 
+namespace {
+
+/// Returns the path (ms, nominal mm) of a tip that is attached to the reference point of the first
+/// object, 1 mm below the surface. The tip comes from above.
+std::map<std::int64_t, Vec3> attachedPath(const Stream& stream) {
+  std::map<std::int64_t, Vec3> path;
+  const auto far = [](double) { return HandPoint{{0, 0, 100}, Vec3::Zero()}; };
+  feel(stream, defaultVariant(), far, {},
+       [&](const client::Scene& scene, const client::StreamTiming& timing, const client::Contact&,
+           const Tick& tick) {
+         if (scene.object_count == 0) return;
+         const client::InterpolatedObject& body = scene.objects[0];
+         Vec3 at_mm = body.position_mm;
+         const auto under = client::evaluateSurface(body, at_mm.head<2>(), timing.workspace);
+         at_mm.z() =
+             under.sample.height_mm - 1.0 + 12.0 * std::max(0.0, 1.0 - (tick.time_s - 0.4) / 0.2);
+         path[std::llround(tick.time_s * 1e3)] = at_mm;
+       });
+  return path;
+}
+
+}  // namespace
+
 void drawRealClip(const Options& options, Report& report) {
   const std::filesystem::path clip = test::clipsFolder() / "visp_rbt_desk";
   if (!std::filesystem::exists(clip)) {
@@ -27,26 +50,7 @@ void drawRealClip(const Options& options, Report& report) {
     settings.stretch = false;
     streams[variant.name] = makeStream(*source, settings, true);
   }
-  // The tip stays on the dragon, 1 mm deep, where our stream says that its body is: one path for
-  // both methods.
-  std::map<std::int64_t, Vec3> path;
-  const Stream& ours = streams[defaultVariant().name];
-  feel(
-      ours, defaultVariant(),
-      [](double) {
-        return HandPoint{{0, 0, 100}, Vec3::Zero()};
-      },
-      {},
-      [&](const client::Scene& scene, const client::StreamTiming& stream, const client::Contact&,
-          const Tick& tick) {
-        if (scene.object_count == 0) return;
-        Vec3 at = scene.objects[0].position_mm;
-        const auto under =
-            client::evaluateSurface(scene.objects[0], at.head<2>(), stream.workspace);
-        at.z() =
-            under.sample.height_mm - 1.0 + 12.0 * std::max(0.0, 1.0 - (tick.time_s - 0.4) / 0.2);
-        path[std::llround(tick.time_s * 1e3)] = at;
-      });
+  const std::map<std::int64_t, Vec3> path = attachedPath(streams[defaultVariant().name]);
   const Hand hand = [&](double t) {
     const auto at = path.lower_bound(std::llround(t * 1e3));
     return HandPoint{at != path.end() ? at->second : Vec3(0, 0, 100), Vec3::Zero()};
@@ -56,14 +60,16 @@ void drawRealClip(const Options& options, Report& report) {
     const std::vector<Moment> moments =
         forcesOf(streams[variant.name], variant, hand, nullptr, nullptr);
     const std::string method = variant.is_thesis ? "thesis" : "hapticast";
-    for (const int axis : {0, 1}) panels.push_back(forcePanel(moments, axis, method, false));
+    for (const int axis : {0, 1}) panels.push_back(forcePanel(moments, axis, method));
   }
   shareScale(panels);
   plotCurves(options.out / "figure_9.png", panels, 2);
   report.say(
-      "Figure 9: static and total force over time on a real clip (dragon of visp_rbt_desk): the "
+      "Figure 9: static and total force over time on a real clip (dragon of visp_rbt_desk). The "
       "tip "
-      "stays 1 mm deep where the middle of the body is.");
+      "is attached to one spot of the body, its tracked reference point, 1 mm below the surface. "
+      "The "
+      "static force changes with the slope of the measured surface at the spot.");
   report.show("figure_9.png", "figure 9");
 }
 

@@ -2,6 +2,8 @@
 #include "tests/evaluate/figures/figures_moments.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "client/device/device_profile.hpp"
 #include "client/haptics/dynamic_force.hpp"
@@ -12,13 +14,11 @@ namespace hapticast::evaluate {
 
 namespace {
 
-constexpr const char* kStaticColor = "#2a78d6";
-constexpr const char* kTotalColor = "#d1495b";
 constexpr double kCount_mm = 0.055;  // the device's
 
 Curve curveOf(const std::vector<Moment>& moments, Vec3 Moment::*what, int axis, std::string name,
-              std::string color, double width, bool dashed = false) {
-  Curve out{std::move(name), std::move(color), {}, width, dashed, false};
+              std::string color) {
+  Curve out{std::move(name), std::move(color), {}, 1.5, false, false};
   for (const Moment& moment : moments) out.points.push_back({moment.time_s, (moment.*what)[axis]});
   return out;
 }
@@ -69,20 +69,41 @@ double errorOf(const std::vector<Moment>& moments, Vec3 Moment::*what, Vec3 Mome
   return all > 0 ? 100.0 * std::sqrt(error / all) : 0.0;
 }
 
-CurvePanel forcePanel(const std::vector<Moment>& moments, int axis, const std::string& title,
-                      bool with_truth) {
+CurvePanel slicePanel(const std::string& title, int axis, double radius_mm,
+                      const std::vector<SliceArrows>& arrows) {
+  constexpr double kMmPerN = 10.0;
+  Curve surface{"surface", "#404040", {}, 2.0, false, false};
+  for (int i = -90; i <= 90; ++i) {
+    const double slope = i * std::numbers::pi / 180.0;
+    surface.points.push_back({radius_mm * std::sin(slope), radius_mm * std::cos(slope)});
+  }
+  std::vector<Curve> curves{surface};
+  for (const SliceArrows& each : arrows) {
+    Curve curve{each.name, each.color, {}, each.width, false, true};
+    for (const auto& [at_mm, force_N] : each.forces) {
+      curve.points.push_back(
+          {at_mm[axis], at_mm.z(), kMmPerN * force_N[axis], kMmPerN * force_N.z()});
+    }
+    curves.push_back(curve);
+  }
+  return {title,
+          std::string(1, "xyz"[axis]) + ", mm",
+          "z, mm; arrows: 1 N = 10 mm",
+          curves,
+          true,
+          -1.8 * radius_mm,
+          1.8 * radius_mm,
+          -0.1 * radius_mm,
+          1.7 * radius_mm};
+}
+
+CurvePanel forcePanel(const std::vector<Moment>& moments, int axis, const std::string& title) {
   CurvePanel panel;
   panel.title = title;
   panel.x_label = "time, s";
   panel.y_label = std::string("force in ") + "xyz"[axis] + ", N";
-  if (with_truth) {
-    panel.curves.push_back(
-        curveOf(moments, &Moment::true_static_N, axis, "static, truth", "#b8c8dc", 4.0));
-    panel.curves.push_back(
-        curveOf(moments, &Moment::true_total_N, axis, "total, truth", "#e6bcc2", 4.0));
-  }
-  panel.curves.push_back(curveOf(moments, &Moment::static_N, axis, "static", kStaticColor, 1.5));
-  panel.curves.push_back(curveOf(moments, &Moment::total_N, axis, "total", kTotalColor, 1.5));
+  panel.curves.push_back(curveOf(moments, &Moment::static_N, axis, "static", kStaticColor));
+  panel.curves.push_back(curveOf(moments, &Moment::total_N, axis, "total", kTotalColor));
   return panel;
 }
 

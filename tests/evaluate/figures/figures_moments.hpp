@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/evaluate/curves.hpp"
@@ -11,6 +12,9 @@
 #include "tests/evaluate/touch/touch_scene.hpp"
 
 namespace hapticast::evaluate {
+
+inline constexpr const char* kStaticColor = "#2a78d6";
+inline constexpr const char* kTotalColor = "#d1495b";
 
 struct Moment {
   double time_s = 0.0;
@@ -29,8 +33,20 @@ std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const
 /// Rms of the error over rms of the truth, %.
 double errorOf(const std::vector<Moment>& moments, Vec3 Moment::*what, Vec3 Moment::*truth);
 
+/// Force arrows at places of a ball's slice.
+struct SliceArrows {
+  std::string name, color;
+  double width = 1.5;
+  std::vector<std::pair<Vec3, Vec3>>
+      forces;  ///< place relative to the ball's centre (mm), force (N)
+};
+
+/// The upper half of a ball in the plane of `axis` (0: x, 1: y) and z, with arrows of 10 mm for 1
+/// N.
+CurvePanel slicePanel(const std::string& title, int axis, double radius_mm,
+                      const std::vector<SliceArrows>& arrows);
+
 /// Static and total force in one direction over time.
-CurvePanel forcePanel(const std::vector<Moment>& moments, int axis, const std::string& title,
-                      bool with_truth);
+CurvePanel forcePanel(const std::vector<Moment>& moments, int axis, const std::string& title);
 
 }  // namespace hapticast::evaluate

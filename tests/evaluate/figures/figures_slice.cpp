@@ -34,31 +34,25 @@ Hand slicingHand(const Vec3& centre_mm) {
   };
 }
 
-CurvePanel slicePanel(const Felt& felt, const Vec3& centre_mm, const std::string& title,
-                      double& error) {
-  Curve profile{"surface", "#404040", {}, 2.0, false, false};
-  for (int i = -90; i <= 90; ++i) {
-    const double slope = i * std::numbers::pi / 180.0;
-    profile.points.push_back({kRadius_mm * std::sin(slope), kRadius_mm * std::cos(slope)});
-  }
-  Curve truth{"truth", "#909090", {}, 3.0, false, true};
-  Curve force{"static force, 1 N = 10 mm", "#2a78d6", {}, 1.5, false, true};
-  constexpr double kMmPerN = 10.0;
+CurvePanel staticPanel(const Felt& felt, const Vec3& centre_mm, const std::string& title,
+                       double& error) {
+  SliceArrows truth{"truth", "#909090", 3.0, {}};
+  SliceArrows force{"static force", kStaticColor, 1.5, {}};
   std::vector<Moment> all;
   for (int arrow = 0; arrow < kArrows; ++arrow) {
     const double at_s = 0.4 + (arrow + 0.95) * kArrow_s;
     const auto tick = std::find_if(felt.ticks.begin(), felt.ticks.end(),
                                    [&](const Tick& t) { return t.time_s >= at_s; });
     if (tick == felt.ticks.end()) continue;
-    const Vec3 from = tick->hand.hip_mm - centre_mm;
+    const Vec3 from_mm = tick->hand.hip_mm - centre_mm;
     const Vec3 is_N = kStiffness_N_mm * tick->displacement_mm;
     const Vec3 should_N = kStiffness_N_mm * tick->hand.truth_mm;
-    truth.points.push_back({from.x(), from.z(), kMmPerN * should_N.x(), kMmPerN * should_N.z()});
-    force.points.push_back({from.x(), from.z(), kMmPerN * is_N.x(), kMmPerN * is_N.z()});
+    truth.forces.emplace_back(from_mm, should_N);
+    force.forces.emplace_back(from_mm, is_N);
     all.push_back({0.0, is_N, is_N, should_N, should_N});
   }
   error = errorOf(all, &Moment::static_N, &Moment::true_static_N);
-  return {title, "x, mm", "z, mm", {profile, truth, force}, true, -36.0, 36.0, -2.0, 34.0};
+  return slicePanel(title, 0, kRadius_mm, {truth, force});
 }
 
 }  // namespace
@@ -77,7 +71,7 @@ void drawSlice(const Options& options, Report& report) {
     kind.longest_s = 0.4 + kArrows * kArrow_s + 0.3;
     double error = 0;
     const Felt felt = feel(makeStream(scene, kind), variant, hand);
-    panels.push_back(slicePanel(felt, centre_mm, variant.name, error));
+    panels.push_back(staticPanel(felt, centre_mm, variant.name, error));
     report.add({"slice of the ball", "static force", variant.name, error, "%", 0.0,
                 variant.is_default, variant.is_thesis});
   }
