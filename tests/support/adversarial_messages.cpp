@@ -160,7 +160,7 @@ Lies structure() {
 
 Lies order() {
   return {
-      {"id_max_once", kHold, kLimited,
+      {"id_max_once", kHold, kHarmless,
        [](Telling& t) {
          if (t.n == 40) t.frame.id = std::numeric_limits<std::uint64_t>::max();
        }},

@@ -225,7 +225,9 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
       std::clamp((geometry.surface_velocity_mm_s - now.ahead.velocity_mm_s).dot(geometry.normal),
                  -kDamperSpeed_mm_s, kDamperSpeed_mm_s);
   const Vec3 spring_N = geometry.stiffness_N_mm * geometry.displacement_mm;
-  const double insurance_Ns_m = links_.passivity ? ports_.damping_Ns_m(u_mm_s) : 0.0;
+  // Only while the HIP leaves: against an approaching surface it would push the hand.
+  const bool leaves = u_mm_s < 0.0;
+  const double insurance_Ns_m = links_.passivity && leaves ? ports_.damping_Ns_m(u_mm_s) : 0.0;
   if (insurance_Ns_m > 0.0) out.interferences |= bit(SafetyAction::kPassivity);
   const double law_N = std::min(geometry.damping_Ns_m * u_mm_s * 1e-3, now.most_damper_N);
   const double damper_N = law_N + insurance_Ns_m * u_mm_s * 1e-3;

@@ -41,7 +41,7 @@ TouchScene swingingBall(const Vec3& amplitude_mm, double hz) {
 // The hand visits one spot of the slice in each period of the ball. It is there at the ball's
 // largest acceleration. Around that moment the hand has a constant acceleration.
 constexpr int kSpots = 25;
-constexpr double kSteepest_rad = 60.0 * std::numbers::pi / 180.0;
+constexpr double kSteepestSpot_rad = 60.0 * std::numbers::pi / 180.0;
 constexpr double kDepth_mm = 1.5;
 constexpr double kBall_hz = 2.0;
 constexpr double kFirstVisit_s = 0.875;  // sin(turn t) = -1
@@ -51,7 +51,7 @@ constexpr double kLift_mm = 8.0;         // between two spots
 double visitTime_s(int spot) { return kFirstVisit_s + spot / kBall_hz; }
 
 Vec3 outwards(int spot) {
-  const double slope = kSteepest_rad * (2.0 * spot / (kSpots - 1) - 1.0);
+  const double slope = kSteepestSpot_rad * (2.0 * spot / (kSpots - 1) - 1.0);
   return {0.0, std::sin(slope), std::cos(slope)};
 }
 

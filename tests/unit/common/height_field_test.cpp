@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -362,21 +361,6 @@ TEST(HeightField, AnyCoordinateIsSafe) {
       EXPECT_TRUE(std::isfinite(field.edge(px).distance_mm));
       EXPECT_TRUE(px.allFinite() || !field.inside(px));
     }
-  }
-}
-
-TEST(HeightField, TimeOfPreparingIsReported) {
-  for (const PixelRect& rect : {PixelRect{200, 100, 200, 200}, PixelRect{0, 0, 640, 480}}) {
-    const Workspace workspace;
-    const Vec2 centre(rect.u + 0.5 * rect.width, rect.v + 0.5 * rect.height);
-    const auto disc = [&](const Vec2& px) { return (px - centre).norm() < 0.5 * rect.height; };
-    const Relief relief = makeRelief(
-        rect, workspace, [](const Vec2& at) { return 9.0 + 0.1 * at.x(); }, disc);
-    const auto start = std::chrono::steady_clock::now();
-    const HeightField field = HeightField::prepare(relief, workspace);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    std::printf("prepare %d x %d: %.2f ms\n", rect.width, rect.height, took.count());
-    EXPECT_TRUE(field.inside(centre));
   }
 }
 
