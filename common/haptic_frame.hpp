@@ -56,6 +56,7 @@ struct MotionGrid {
   int rows = 0;
   std::vector<Eigen::Vector3f> velocity_mm_s;
   std::vector<Eigen::Vector3f> acceleration_mm_s2;
+  bool operator==(const MotionGrid&) const = default;
 };
 
 /// Point of the object that `Motion::position_mm` describes.
@@ -75,12 +76,14 @@ struct Motion {
   ReferencePoint reference_point = ReferencePoint::kUnknown;
   double quality = 1.0;           ///< 0 (lost, so the motion is predicted) to 1 (measured well)
   double visible_fraction = 1.0;  ///< visible share of the object, 0..1
+  bool operator==(const Motion&) const = default;
 };
 
 /// A bounce: the object's velocity changes by `delta_velocity_mm_s` at `time`.
 struct Impact {
   MediaTime time;
   Vec3 delta_velocity_mm_s = Vec3::Zero();
+  bool operator==(const Impact&) const = default;
 };
 
 /// The author's material of the surface. No value is negative. For absent values the viewer uses

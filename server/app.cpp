@@ -61,8 +61,7 @@ class App::Impl {
   /// Members of UDP delivery.
   struct Datagrams {
     Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-              const Settings& settings);
-    DatagramSigner signer;
+              const FrameSigner& signer, const Settings& settings);
     std::optional<MulticastGroup> group;
     DatagramSender sender;
   };
@@ -81,6 +80,7 @@ class App::Impl {
   LocalMediaClock media_clock_;
   std::unique_ptr<RgbdSource> source_;
   Vision vision_;
+  FrameSigner signer_;  // outlives all encoded frames
   asio::io_context io_;
   Broadcaster broadcaster_;
   Listener listener_;
@@ -105,17 +105,18 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {
+  broadcaster_.introduce(signer_);
   if (!settings_.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings_.datagrams) {
     if (settings_.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
     return;
   }
-  datagrams_.emplace(io_, clock, listener_, settings_);
+  datagrams_.emplace(io_, clock, listener_, signer_, settings_);
   broadcaster_.enableUdp(datagrams_->sender);
 }
 
 App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-                                const Settings& settings)
+                                const FrameSigner& signer, const Settings& settings)
     : group(openMulticastGroup(io, settings)),
       sender(io, clock, listener.endpoint(), signer, group ? &*group : nullptr) {}
 
@@ -139,8 +140,7 @@ void App::Impl::run() {
     const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
     if (settings_.explain)
       spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
-    EncoderThread encoder({&broadcaster_},  // add further sinks here
-                          datagrams_ ? &datagrams_->signer : nullptr, slices);
+    EncoderThread encoder({&broadcaster_}, &signer_, slices);  // add further sinks here
     if (!stop_) play(encoder);
     encoder.finish();
   } catch (...) {

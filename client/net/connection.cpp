@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/protocol/signed_frame.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -30,6 +32,8 @@ struct Connection::Session {
   std::optional<Delivery> order;      // next request to the server
   asio::steady_timer pinger;
   asio::steady_timer watcher;
+  std::optional<VerifyingKey> key;  // absent: the server signs nothing
+  std::uint32_t stream = 0;
   bool closed = false;
   bool welcomed = false;
   std::optional<LocalTime> unanswered_since;  // welcome without an answered ping yet
@@ -185,7 +189,9 @@ asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr ses
       co_return CloseReason{"the connection was lost (" + session->channel->whyEnded() + ")", {}};
     }
     auto message = decode(*payload.value());
-    auto error = message.ok() ? handle(*session, std::move(message).value()) : message.error();
+    auto error = message.ok() ? checkSignature(*session, message.value(), *payload.value())
+                              : message.error();
+    if (!error) error = handle(*session, std::move(message).value());
     if (error) co_return CloseReason{std::move(error->message), error->code};
     if (session->welcomed && !session->pinging) {
       session->pinging = true;
@@ -193,6 +199,15 @@ asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr ses
           io_, [this, session] { return writeLoop(session); }, asio::detached);
     }
   }
+}
+
+std::optional<WireError> Connection::checkSignature(const Session& session, const Message& message,
+                                                    std::span<const std::uint8_t> bytes) {
+  if (!session.key || !std::holds_alternative<CodedFrame>(message) ||
+      verifyFrame(bytes, session.stream, *session.key))
+    return std::nullopt;
+  return WireError{ErrorCode::kMalformed,
+                   "a frame has no valid signature: somebody on the way may have changed it"};
 }
 
 std::optional<WireError> Connection::handleWelcome(Session& session, const Message& message) {
@@ -203,6 +218,12 @@ std::optional<WireError> Connection::handleWelcome(Session& session, const Messa
     return WireError{ErrorCode::kVersion, "the server has protocol version " +
                                               std::to_string(welcome->protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
+  }
+  if (welcome->verifying_key) {
+    auto key = VerifyingKey::from(*welcome->verifying_key);
+    if (!key.ok()) return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
+    session.key.emplace(std::move(key).value());
+    session.stream = welcome->stream;
   }
   session.welcomed = true;
   session.unanswered_since = clock_.now();

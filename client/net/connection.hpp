@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -108,6 +109,9 @@ class Connection {
   asio::awaitable<void> startTimer(ConversationPtr session);
   asio::awaitable<bool> send(ConversationPtr session, Message message);
   [[nodiscard]] std::optional<WireError> handle(Session& session, Message message);
+  [[nodiscard]] static std::optional<WireError> checkSignature(const Session& session,
+                                                               const Message& message,
+                                                               std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Message& message);
   void handlePong(Session& session, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;

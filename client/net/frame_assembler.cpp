@@ -9,6 +9,37 @@ namespace hapticast::client {
 
 namespace {
 
+/// Returns true if the reliefs differ, as far as both have slices.
+bool differ(const CodedRelief& a, const CodedRelief& b) {
+  const auto within = [](const CodedRelief& part, const CodedRelief& whole) {
+    return std::all_of(part.slices.begin(), part.slices.end(), [&](const SliceBytes& slice) {
+      return std::find(whole.slices.begin(), whole.slices.end(), slice) != whole.slices.end();
+    });
+  };
+  return a.rect != b.rect || a.slice_count != b.slice_count ||
+         (b.whole() ? !within(a, b) : a.whole() && !within(b, a));
+}
+
+bool differ(const CodedObject& a, const CodedObject& b) {
+  return a.changed_in_frame != b.changed_in_frame || a.motion != b.motion ||
+         a.impacts != b.impacts || a.material != b.material ||
+         (a.relief && b.relief && differ(*a.relief, *b.relief)) ||
+         (a.grid && b.grid && *a.grid != *b.grid);
+}
+
+/// Returns true if two versions of a frame differ. One of them may lack reliefs that did not
+/// change, and slices or grids that have not arrived.
+bool differ(const CodedFrame& a, const CodedFrame& b) {
+  if (a.epoch != b.epoch || a.media_time != b.media_time || a.objects.size() != b.objects.size())
+    return true;
+  return std::any_of(a.objects.begin(), a.objects.end(), [&](const CodedObject& object) {
+    const auto same =
+        std::find_if(b.objects.begin(), b.objects.end(),
+                     [&](const CodedObject& other) { return makeKey(other) == makeKey(object); });
+    return same == b.objects.end() || differ(object, *same);
+  });
+}
+
 /// Sum of the received bytes of all frames.
 template <class Frames>
 std::size_t countBytes(const Frames& frames) {
@@ -25,6 +56,7 @@ void FrameAssembler::restart() {
   last_id_.reset();
   forget();
   late_.clear();
+  contradicted_ = false;
 }
 
 void FrameAssembler::forget() {
@@ -32,6 +64,15 @@ void FrameAssembler::forget() {
   left_.clear();
   done_.clear();
   by_tcp_.clear();
+  compared_.clear();
+}
+
+bool FrameAssembler::contradicts(const CodedFrame& frame, const Reassembly* joined) {
+  const auto left = compared_.find(frame.id);
+  contradicted_ = (left != compared_.end() && differ(frame, left->second)) ||
+                  (joined != nullptr && joined->headed() && differ(frame, joined->frame()));
+  if (contradicted_) forget();
+  return contradicted_;
 }
 
 bool FrameAssembler::behind(std::uint64_t id) const { return last_id_ && id <= *last_id_; }
@@ -40,10 +81,17 @@ bool FrameAssembler::jumps(std::uint64_t id) const { return last_id_ && jump(*la
 
 bool FrameAssembler::add(CodedFrame frame, LocalTime arrived) {
   const std::uint64_t id = frame.id;
+  if (contradicted_) return false;
   if (jumps(id)) {
     forget();
   } else if (behind(id)) {
+    const auto left = left_.find(id);
+    (void)contradicts(frame, left != left_.end() ? &left->second : nullptr);
     return false;
+  }
+  if (const auto known = waiting_.find(id); known != waiting_.end()) {
+    const Waiting& other = known->second;
+    if (contradicts(frame, other.joined ? &*other.joined : nullptr)) return false;
   }
   Waiting& waiting = waiting_[id];
   if (waiting.frame || (waiting.joined && waiting.joined->whole())) return false;
@@ -58,6 +106,7 @@ std::uint64_t FrameAssembler::newest() const {
 }
 
 FrameAssembler::Want FrameAssembler::classify(const DatagramHeader& part) const {
+  if (contradicted_) return Want::kHad;
   const std::uint64_t newest_id = newest();
   const bool any = last_id_ || !waiting_.empty();
   const bool astray = part.frame > newest_id ? part.frame - newest_id > kLargestJump
@@ -87,7 +136,9 @@ Result<bool, WireError> FrameAssembler::add(const DatagramHeader& part,
     abandon(part.frame);
     return *error;
   }
-  return waiting.joined->whole();
+  const bool whole = waiting.joined->whole();
+  if (waiting.frame) (void)contradicts(CodedFrame(*waiting.frame), &*waiting.joined);
+  return whole;
 }
 
 Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
@@ -100,6 +151,9 @@ Result<bool, WireError> FrameAssembler::addLate(const DatagramHeader& part,
     return *error;
   }
   const bool whole = joined.whole();
+  if (const auto left = compared_.find(part.frame);
+      left != compared_.end() && contradicts(CodedFrame(left->second), &joined))
+    return false;
   // The frame remains in left_: it completes reliefs that later frames declare unchanged.
   if (whole && !by_tcp_.contains(part.frame)) late_.push_back({part.media_time, arrived});
   boundLeft();
@@ -177,6 +231,8 @@ AssembledFrame FrameAssembler::remove(CodedFrame frame, std::optional<LocalTime>
   }
   last_id_ = frame.id;
   last_media_time_ = frame.media_time;
+  compared_.insert_or_assign(frame.id, frame);
+  if (compared_.size() > kMaxCompared) compared_.erase(compared_.begin());
   forgetOld();
   fillUp(frame);
   return {place, std::move(frame)};

@@ -67,8 +67,15 @@ class FrameAssembler {
   static constexpr std::size_t kMaxWaiting = 32;
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20U;
 
+  /// Number of the last frames that left and whose content is kept, to detect a second version. The
+  /// value is a choice: a second version of an older frame has no use.
+  static constexpr std::size_t kMaxCompared = 8;
+
   /// Starts a connection, with a new numbering and a new epoch.
   void restart();
+  /// Returns true if the connection brought two versions of one frame that differ. A server that
+  /// signs both contradicts itself, so no version is right. No more frames leave until restart().
+  [[nodiscard]] bool contradicted() const { return contradicted_; }
   /// Returns the present client-side epoch. A next frame that continues the server's epoch gets
   /// this value. A next frame that begins a new epoch of the server gets this value plus one.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
@@ -114,6 +121,9 @@ class FrameAssembler {
     [[nodiscard]] std::size_t bytes() const { return joined ? joined->bytes() : 0; }
   };
 
+  /// Compares a version of a frame with the versions that arrived by the other transport or
+  /// earlier. Returns true if they differ, and drops all frames.
+  bool contradicts(const CodedFrame& frame, const Reassembly* joined);
   /// Deletes everything except the position of the last frame that left.
   void forget();
   /// Returns true if `id` is at most the id of the last frame that left.
@@ -146,6 +156,8 @@ class FrameAssembler {
   std::set<std::uint64_t> done_;
   std::set<std::uint64_t> by_tcp_;  // left over TCP; their fragments only show that UDP works
   std::deque<LateFrame> late_;
+  std::map<std::uint64_t, CodedFrame> compared_;  // by id: the last frames that left
+  bool contradicted_ = false;
 };
 
 }  // namespace hapticast::client

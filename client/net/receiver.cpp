@@ -25,6 +25,7 @@ Receiver::Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& strea
 void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();
   assembler_.restart();
+  contradicted_ = false;
   latest_.first_epoch = assembler_.epoch();
   described_ = false;  // announcements before this one belong to another connection
   describe(description, now);
@@ -81,6 +82,7 @@ void Receiver::expectCopies(std::uint32_t copies, LocalTime now) {
 
 void Receiver::frame(CodedFrame frame, LocalTime now) {
   if (!assembler_.add(std::move(frame), now)) ++counts_.duplicates;
+  countContradiction();
   release(now);
 }
 
@@ -88,8 +90,14 @@ bool Receiver::part(const DatagramHeader& part, std::span<const std::uint8_t> pa
                     LocalTime now) {
   const auto added = assembler_.add(part, payload, now);
   if (!added.ok()) ++counts_.malformed;
+  countContradiction();
   release(now);
   return added.ok() && added.value();
+}
+
+void Receiver::countContradiction() {
+  if (assembler_.contradicted() && !contradicted_) ++counts_.contradictions;
+  contradicted_ = assembler_.contradicted();
 }
 
 std::optional<LocalTime> Receiver::nextDue() const {

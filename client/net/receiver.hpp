@@ -28,9 +28,11 @@ struct ReceiverCounts {
   /// Number of lost frames before a frame that arrived in time for the interpolation.
   std::uint64_t concealed = 0;
   std::uint64_t duplicates = 0;  ///< frames that arrived twice or out of order: dropped
-  std::uint64_t malformed = 0;   ///< frames with contradicting fragments: dropped
-  std::uint64_t resyncs = 0;     ///< number of steps of the ids that no loss explains
-  std::uint64_t overrun = 0;     ///< frames that arrived faster than they were decoded: dropped
+  /// Connections with two versions of a frame that differ. Their frames were dropped.
+  std::uint64_t contradictions = 0;
+  std::uint64_t malformed = 0;  ///< frames with contradicting fragments: dropped
+  std::uint64_t resyncs = 0;    ///< number of steps of the ids that no loss explains
+  std::uint64_t overrun = 0;    ///< frames that arrived faster than they were decoded: dropped
   /// Frames that were dropped because the loop occupied every slot of the pool.
   std::uint64_t no_slot = 0;
   /// Reliefs that a frame declares unchanged but that never arrived. Their objects have no relief.
@@ -83,6 +85,7 @@ class Receiver {
 
  private:
   void publish(LocalTime now);
+  void countContradiction();
   void observe(const PreparedFrame& frame);
   /// Returns the lateness of a frame that arrived at `arrived`: the media time of the arrival,
   /// minus `media_time`, minus the pipeline latency.
@@ -98,6 +101,7 @@ class Receiver {
   StreamTiming latest_;
   ReceiverCounts counts_;
   bool described_ = false;
+  bool contradicted_ = false;  // counted for this connection
   std::uint32_t copies_ = 1;
 };
 

@@ -49,6 +49,8 @@ std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts
     if (count > logged)
       text += (text.empty() ? "" : "; ") + (what + std::to_string(count - logged));
   };
+  add(counts.contradictions, logged_.contradictions,
+      "two versions of a frame that differ, so there is no force until the next connection: ");
   add(counts.reliefs_rejected, logged_.reliefs_rejected,
       "reliefs outside the announced picture or too high, whose objects are not shown: ");
   add(counts.slices_refused, logged_.slices_refused, "slices of heights that cannot be decoded: ");

@@ -55,10 +55,10 @@ Json faultNames(const std::array<std::uint64_t, kFaultKinds>& faults) {
 }
 
 Json toJson(const ReceiverCounts& frames) {
-  return {{"received", frames.received},  {"lost", frames.lost},
-          {"late", frames.late},          {"concealed", frames.concealed},
-          {"resyncs", frames.resyncs},    {"reliefs_refused", frames.reliefs_rejected},
-          {"malformed", frames.malformed}};
+  return {{"received", frames.received},   {"lost", frames.lost},
+          {"late", frames.late},           {"concealed", frames.concealed},
+          {"resyncs", frames.resyncs},     {"reliefs_refused", frames.reliefs_rejected},
+          {"malformed", frames.malformed}, {"contradictions", frames.contradictions}};
 }
 
 Json toJson(const DatagramCounts& datagrams) {

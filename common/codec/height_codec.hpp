@@ -30,7 +30,9 @@ namespace hapticast {
 inline constexpr double kDefaultHeightError_mm = 0.02;
 /// Largest size of a slice. A datagram also has its header, its signature, and the ids of object
 /// and relief. With all of them it stays below 1280 bytes, the smallest MTU of IPv6.
-inline constexpr std::size_t kMostSliceBytes = 1100;
+inline constexpr std::size_t kMostSliceBytes = 1070;
+/// Smallest size of a slice: a header of 7 bytes, and at least one byte of code.
+inline constexpr std::size_t kLeastSliceBytes = 8;
 
 /// Settings of the encoder.
 struct SliceSettings {

@@ -177,6 +177,8 @@ Result<Message, WireError> decode(std::span<const std::uint8_t> bytes) {
                   "bytes that are not a message");
   }
   if (check.error()) return *check.error();
+  check.require(parsed.signature().empty() || parsed.signature().size() == kSignatureBytes,
+                "a signature is not 64 bytes");
   Message message = readContent(parsed, check);
   if (check.error()) return *check.error();
   return message;

@@ -21,7 +21,7 @@ namespace hapticast {
 
 /// Protocol version. A developer increments it at every incompatible change of
 /// proto/hapticast.proto.
-inline constexpr std::uint32_t kProtocolVersion = 2;
+inline constexpr std::uint32_t kProtocolVersion = 3;
 
 /// First message of a client.
 struct Hello {
@@ -41,11 +41,12 @@ struct DatagramGroup {
 struct Welcome {
   std::uint32_t protocol_version = kProtocolVersion;
   std::uint32_t session_id = 0;
-  /// 0: the server sends no datagrams, and the members below are unused.
-  std::uint64_t datagram_token = 0;
+  std::uint64_t datagram_token = 0;  ///< 0: the server sends no datagrams
   StreamDescription description;
   std::uint16_t datagram_port = 0;  ///< 0: the port of the TCP connection
-  std::uint32_t stream = 0;         ///< number of this run of the server; every datagram has it
+  /// Number of this run of the server. Every datagram has it, and it is part of each signature.
+  std::uint32_t stream = 0;
+  /// Key of the signatures. Where it is present, every frame is signed. Datagrams need it.
   std::optional<KeyBytes> verifying_key = std::nullopt;
   std::optional<DatagramGroup> group = std::nullopt;
 };

@@ -113,6 +113,7 @@ std::shared_ptr<const CodedRelief> read(const proto::Relief& from, bool in_piece
   to->slices.reserve(static_cast<std::size_t>(from.slices_size()));
   for (const std::string& slice : from.slices()) {
     check.bound(slice.size(), kMostSliceBytes, "a slice is too long");
+    check.require(slice.size() >= kLeastSliceBytes, "a slice is too short");
     if (check.error()) return nullptr;
     to->slices.emplace_back(slice.begin(), slice.end());
   }

@@ -10,6 +10,9 @@ namespace hapticast {
 
 namespace {
 
+/// Id of the key that seals a datagram. No other id exists yet.
+constexpr std::uint8_t kPlain = 0;
+
 /// Reads successive little-endian numbers.
 struct Reader {
   std::span<const std::uint8_t> rest;
@@ -48,6 +51,7 @@ std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexce
   datagram.token = in.next<std::uint64_t>();
   DatagramHeader& header = datagram.header;
   header.stream = in.next<std::uint32_t>();
+  if (in.next<std::uint8_t>() != kPlain) return std::nullopt;
   header.epoch = in.next<std::uint32_t>();
   header.frame = in.next<std::uint64_t>();
   header.media_time = MediaTime(Duration(in.next<std::int64_t>()));
@@ -66,6 +70,7 @@ std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
   std::vector<std::uint8_t> body(to_sign + kSignatureBytes);
   std::uint8_t* out = body.data();
   out = write(header.stream, out);
+  out = write(kPlain, out);
   out = write(header.epoch, out);
   out = write(header.frame, out);
   out = write(header.media_time.time_since_epoch().count(), out);
@@ -80,7 +85,7 @@ std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
 std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key) {
   DatagramHeader header;
   header.stream = stream;
-  const std::vector<std::uint8_t> padding(kMostPieceBytes);
+  const std::vector<std::uint8_t> padding(kMostPieceBytes + kSealBytes);
   return signedBody(header, padding, key);
 }
 

@@ -20,9 +20,11 @@ namespace hapticast {
 /// IPv6.
 inline constexpr std::size_t kMostDatagramBytes = 1232;
 inline constexpr std::size_t kTokenBytes = 8;
-inline constexpr std::size_t kDatagramHeaderBytes = 36;  ///< includes the token
+inline constexpr std::size_t kDatagramHeaderBytes = 37;  ///< includes the token
+/// Bytes that a sealed datagram needs in addition: a counter and a tag. No datagram is sealed yet.
+inline constexpr std::size_t kSealBytes = 8 + 16;
 inline constexpr std::size_t kMostPieceBytes =
-    kMostDatagramBytes - kDatagramHeaderBytes - kSignatureBytes;
+    kMostDatagramBytes - kDatagramHeaderBytes - kSealBytes - kSignatureBytes;
 inline constexpr std::size_t kMostParts = 65'535;
 inline constexpr std::size_t kEchoBytes = 12;
 
@@ -61,7 +63,8 @@ struct Datagram {
                                                    std::span<const std::uint8_t> payload,
                                                    SigningKey& key);
 /// Returns the bytes of a probe that follow the token. A probe has the size of the largest
-/// datagram. So if a probe arrives, datagrams of every size can arrive.
+/// datagram, the reserved bytes included. So if a probe arrives, datagrams of every size can
+/// arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);
 /// Returns the token in the byte order of the wire.
 [[nodiscard]] TokenBytes tokenBytes(std::uint64_t token) noexcept;

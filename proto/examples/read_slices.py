@@ -131,6 +131,8 @@ def read_mask(coder, width, height):
             start = at = edge
             inside = 1 - inside
         if not row or row[-1][0] != width:
+            if inside:
+                mask[y, start:] = 1
             row.append((width, 0))
         above = row[:-1] + [(width, 0)]
     return mask

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """A client of a hapticast server in plain Python, as proto/README.md describes it, to be read beside that page. It
-shares no code with hapticast's own and needs no protobuf library; numpy, and for --udp python3-cryptography.
+shares no code with hapticast's own and needs no protobuf library; numpy, and to check signatures (--udp must)
+python3-cryptography.
 
     read_stream.py [HOST[:PORT]] [--udp] [--frames N] [--out DIR]
 
@@ -128,7 +129,7 @@ class Connection:
     def __init__(self, host, port, on_tcp):
         self.socket = socket.create_connection((host, port), timeout=GIVE_UP_S)
         self.buffer, self.pinged = b"", 0.0
-        self.send(1, field(1, 2) + field(2, b"read_stream.py") + field(4, int(on_tcp)))
+        self.send(1, field(1, 3) + field(2, b"read_stream.py") + field(4, int(on_tcp)))
 
     def send(self, kind, content):
         message = field(kind, content)
@@ -149,10 +150,33 @@ class Connection:
         if len(self.buffer) < 4 + size:
             return None
         message, self.buffer = self.buffer[4:4 + size], self.buffer[4 + size:]
-        [(kind, [content])] = fields(message).items()
+        content = fields(message)
+        signature = one(content, 12, b"")
+        content.pop(12, None)
+        [(kind, [content])] = content.items()
         if kind == 9:
             sys.exit("the server says: " + one(fields(content), 2, b"").decode())
+        if kind == 2:
+            self.welcome = fields(content)
+        if kind == 6 and not self.genuine(content, signature):
+            sys.exit("a frame has no valid signature")
         return kind, content
+
+    def genuine(self, frame, signature):
+        """Whether a frame has the signature of the welcome's key. Without a key, or without the library, any frame has."""
+        try:
+            from cryptography.exceptions import InvalidSignature
+            from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+        except ImportError:
+            return True
+        if 7 not in self.welcome:
+            return True
+        key = Ed25519PublicKey.from_public_bytes(one(self.welcome, 7))
+        try:
+            key.verify(signature, one(self.welcome, 6, bytes(4)) + frame)
+        except InvalidSignature:
+            return False
+        return True
 
     def receive(self):
         data = self.socket.recv(1 << 16)
@@ -195,11 +219,11 @@ class Datagrams:
     def receive(self):
         """The objects of a frame that has become whole, if one has."""
         data = self.socket.recv(2048)
-        if not 100 <= len(data) <= 1232:
+        if not 101 <= len(data) <= 1232:
             self.refused += 1
             return None
-        token, stream, _, frame, _, part, parts = struct.unpack("<QIIQqHH", data[:36])
-        if token != self.token or stream != self.stream or not self.genuine(data):
+        token, stream, sealed, _, frame, _, part, parts = struct.unpack("<QIBIQqHH", data[:37])
+        if token != self.token or stream != self.stream or sealed or not self.genuine(data):
             self.refused += 1
             return None
         self.verified += 1
@@ -209,7 +233,7 @@ class Datagrams:
         had, objects = self.frames.setdefault(frame, (set(), Objects()))
         if part not in had:
             had.add(part)
-            for message in fields(data[36:-64]).get(4, []):
+            for message in fields(data[37:-64]).get(4, []):
                 objects.add(message)
         if len(had) < parts:
             return None

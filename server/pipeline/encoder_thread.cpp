@@ -13,7 +13,7 @@ constexpr int kJpegQuality = 80;      // chosen: a 640 x 480 picture is some 30 
 constexpr std::size_t kMostJobs = 2;  // bounds the latency: with more jobs vision waits
 }  // namespace
 
-EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer,
+EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, FrameSigner* signer,
                              SliceSettings slices)
     : sinks_(std::move(sinks)), signer_(signer), slices_(slices), thread_([this] { run(); }) {}
 
@@ -74,8 +74,7 @@ void EncoderThread::encode(Job job) {
   VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
   const bool datagrams =
       std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
-  const EncodedFrame frame =
-      encoder_.encode(job.result.frame, slices_, datagrams ? signer_ : nullptr);
+  const EncodedFrame frame = encoder_.encode(job.result.frame, slices_, signer_, datagrams);
   {
     const std::lock_guard lock(mutex_);
     relief_bytes_ = encoder_.reliefBytes();

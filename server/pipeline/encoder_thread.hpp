@@ -20,9 +20,9 @@ namespace hapticast::server {
 /// The encoder's thread, with the queue of frames that wait for it.
 class EncoderThread {
  public:
-  /// Begins the thread. The sinks and `signer` must outlive it. If `signer` is null, no datagrams
-  /// are made. `slices`: settings of the height codec.
-  explicit EncoderThread(std::vector<StreamSink*> sinks, DatagramSigner* signer = nullptr,
+  /// Begins the thread. The sinks and `signer` must outlive it. If `signer` is null, frames are not
+  /// signed, and no datagrams are made. `slices`: settings of the height codec.
+  explicit EncoderThread(std::vector<StreamSink*> sinks, FrameSigner* signer = nullptr,
                          SliceSettings slices = {});
   /// Encodes the frames that wait, and ends the thread. An exception of the encoder is lost unless
   /// push() or finish() has rethrown it.
@@ -48,7 +48,7 @@ class EncoderThread {
   void stop() noexcept;
 
   std::vector<StreamSink*> sinks_;
-  DatagramSigner* signer_;
+  FrameSigner* signer_;
   SliceSettings slices_;
   FrameEncoder encoder_;                        // used by the thread only
   std::optional<StreamDescription> described_;  // used by the thread only

@@ -159,7 +159,8 @@ std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
 }
 
-void Broadcaster::offerDatagrams(const Hosts& hosts, Welcome& welcome) {
+void Broadcaster::completeWelcome(const Hosts& hosts, Welcome& welcome) {
+  if (signer_ != nullptr) signer_->introduce(welcome);
   if (datagrams_ != nullptr) datagrams_->offer(hosts, welcome);
 }
 

@@ -39,6 +39,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
+  /// Announces the key of `signer`, which signs all frames. Call it before the first viewer
+  /// connects. `signer` must outlive the Broadcaster.
+  void introduce(const FrameSigner& signer) { signer_ = &signer; }
   /// Enables delivery by UDP through `sender`. Call it before the first viewer connects. `sender`
   /// must outlive all sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
@@ -83,7 +86,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] const MediaClock& mediaClock() const override { return media_clock_; }
   [[nodiscard]] const StreamDescription& description() const override { return description_; }
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override;
-  void offerDatagrams(const Hosts& hosts, Welcome& welcome) override;
+  void completeWelcome(const Hosts& hosts, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onJoined(Session& session) override;
   void onClosing(const std::shared_ptr<Session>& session,
@@ -121,6 +124,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   const MediaClock& media_clock_;
   StreamDescription description_;
   StreamSettings settings_;
+  const FrameSigner* signer_ = nullptr;  // null: frames are not signed
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent

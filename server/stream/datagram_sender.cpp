@@ -11,23 +11,6 @@
 
 namespace hapticast::server {
 
-DatagramSigner::DatagramSigner()
-    : stream_(static_cast<std::uint32_t>(unguessable())), probe_(probeBody(stream_, key_)) {}
-
-SignedDatagrams DatagramSigner::sign(const CodedFrame& frame) {
-  const auto payloads = packFrame(frame);
-  if (payloads.empty()) return nullptr;
-  auto bodies = std::make_shared<std::vector<std::vector<std::uint8_t>>>();
-  bodies->reserve(payloads.size());
-  DatagramHeader header{stream_,          frame.epoch, frame.id,
-                        frame.media_time, 0,           static_cast<std::uint16_t>(payloads.size())};
-  for (const auto& payload : payloads) {
-    bodies->push_back(signedBody(header, payload, key_));
-    ++header.part;
-  }
-  return bodies;
-}
-
 namespace {
 
 // Chosen: a frame's datagrams for some hundred viewers. The system's limit may be lower.
@@ -40,8 +23,8 @@ std::vector<SignedDatagrams> mergeRound(const std::deque<SignedDatagrams>& frame
 }  // namespace
 
 DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
-                               const asio::ip::tcp::endpoint& listener,
-                               const DatagramSigner& signer, MulticastGroup* group)
+                               const asio::ip::tcp::endpoint& listener, const FrameSigner& signer,
+                               MulticastGroup* group)
     : socket_(io),
       clock_(clock),
       signer_(signer),
@@ -76,8 +59,6 @@ void DatagramSender::offer(const Hosts& hosts, Welcome& welcome) {
   if (hosts.peer.is_unspecified() || hosts.local.is_unspecified()) return;
   welcome.datagram_token = book_.add(hosts.peer, hosts.local);
   welcome.datagram_port = port_ == listener_port_ ? 0 : port_;
-  welcome.stream = signer_.stream();
-  welcome.verifying_key = signer_.verifyingKey();
   if (group_ != nullptr) {
     const auto& at = group_->endpoint();
     welcome.group = DatagramGroup{at.address().to_string(), at.port(), group_token_};

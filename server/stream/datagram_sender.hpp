@@ -14,39 +14,16 @@
 #include <optional>
 #include <vector>
 
-#include "common/protocol/fragment.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/channel.hpp"
 #include "common/transport/datagram.hpp"
 #include "server/stream/encoded.hpp"
+#include "server/stream/frame_signer.hpp"
 #include "server/stream/multicast_group.hpp"
 #include "server/stream/udp_fanout.hpp"
 #include "server/stream/udp_subscribers.hpp"
 
 namespace hapticast::server {
-
-// Signs a frame's datagrams (Ed25519), once for all receivers. Thread: the encoder's for sign();
-// any for the other members, which are constant.
-
-/// Signs datagrams with the key of one run of the server. The stream number identifies this run.
-class DatagramSigner {
- public:
-  /// Creates a random key and a random stream number. Both are unpredictable.
-  DatagramSigner();
-
-  /// Returns the signed datagrams of a frame, without the receivers' tokens. Returns null if the
-  /// frame is too large for datagrams.
-  [[nodiscard]] SignedDatagrams sign(const CodedFrame& frame);
-
-  [[nodiscard]] std::uint32_t stream() const { return stream_; }
-  [[nodiscard]] const KeyBytes& verifyingKey() const { return key_.verifyingKey(); }
-  [[nodiscard]] const std::vector<std::uint8_t>& probe() const { return probe_; }
-
- private:
-  SigningKey key_;
-  std::uint32_t stream_;
-  std::vector<std::uint8_t> probe_;
-};
 
 /// Counts of datagrams and echoes since the sender's creation.
 struct DatagramSenderCounts {
@@ -85,7 +62,7 @@ class DatagramSender {
   /// null) and `clock` must outlive the sender. One thread runs `io`; it must end before the
   /// sender's destruction.
   DatagramSender(asio::io_context& io, const Clock& clock, const asio::ip::tcp::endpoint& listener,
-                 const DatagramSigner& signer, MulticastGroup* group = nullptr);
+                 const FrameSigner& signer, MulticastGroup* group = nullptr);
 
   /// Adds a viewer and writes its token and the other parameters for datagrams into `welcome`. The
   /// token identifies the viewer in later calls. Does nothing if an address in `hosts` is
@@ -117,7 +94,7 @@ class DatagramSender {
 
   asio::ip::udp::socket socket_;
   const Clock& clock_;
-  const DatagramSigner& signer_;
+  const FrameSigner& signer_;
   MulticastGroup* group_;
   std::uint64_t group_token_ = 0;
   std::optional<LocalTime> group_probed_at_;

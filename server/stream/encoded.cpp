@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "server/stream/datagram_sender.hpp"
-
 namespace hapticast::server {
 
 namespace {
@@ -12,19 +10,23 @@ namespace {
 // The protocol promises that a viewer that lost a relief receives it again within a second.
 constexpr Duration kRepeatReliefs = std::chrono::seconds(1);
 
+SharedBytes encodeFrame(const CodedFrame& frame, FrameSigner* signer) {
+  return signer != nullptr ? signer->signMessage(frame) : encodeShared(frame);
+}
+
 }  // namespace
 
 SharedBytes LazyKeyFrame::payload() {
   const std::lock_guard lock(mutex_);
   if (!payload_) {
-    payload_ = encodeShared(std::move(*frame_));
+    payload_ = encodeFrame(*frame_, signer_);
     frame_.reset();
   }
   return payload_;
 }
 
 EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& slices,
-                                  DatagramSigner* signer) {
+                                  FrameSigner* signer, bool datagrams) {
   CodedFrame frame = coder_.code(made, slices);
   relief_bytes_.clear();
   for (const CodedObject& object : frame.objects)
@@ -42,10 +44,11 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   }
   if (!left_out) last_key_frame_ = frame.media_time;
   epoch_ = frame.epoch;
-  if (signer != nullptr) encoded.datagrams = signer->sign(lean);
-  encoded.too_many_datagrams = signer != nullptr && !encoded.datagrams;
-  encoded.delta = encodeShared(std::move(lean));
-  encoded.key_frame = left_out ? std::make_shared<LazyKeyFrame>(std::move(frame))
+  const bool wanted = signer != nullptr && datagrams;
+  if (wanted) encoded.datagrams = signer->signDatagrams(lean);
+  encoded.too_many_datagrams = wanted && !encoded.datagrams;
+  encoded.delta = encodeFrame(lean, signer);
+  encoded.key_frame = left_out ? std::make_shared<LazyKeyFrame>(std::move(frame), signer)
                                : std::make_shared<LazyKeyFrame>(encoded.delta);
   return encoded;
 }

@@ -15,6 +15,7 @@
 #include "common/haptic_frame.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/framing.hpp"
+#include "server/stream/frame_signer.hpp"
 
 namespace hapticast::server {
 
@@ -22,7 +23,8 @@ namespace hapticast::server {
 /// frames are never needed, so it is encoded only at the first call of payload(). Thread: any.
 class LazyKeyFrame {
  public:
-  explicit LazyKeyFrame(CodedFrame frame) : frame_(std::move(frame)) {}
+  /// `signer` signs the message and must outlive the object; null: no signature.
+  LazyKeyFrame(CodedFrame frame, FrameSigner* signer) : signer_(signer), frame_(std::move(frame)) {}
   /// Creates a key frame from bytes that are encoded already.
   explicit LazyKeyFrame(SharedBytes payload) : payload_(std::move(payload)) {}
 
@@ -31,12 +33,10 @@ class LazyKeyFrame {
 
  private:
   std::mutex mutex_;
+  FrameSigner* signer_ = nullptr;
   std::optional<CodedFrame> frame_;  // the frame until payload() encodes it
   SharedBytes payload_;
 };
-
-/// Signed datagrams of one frame, without the receivers' tokens.
-using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8_t>>>;
 
 /// A frame in all encoded forms that viewers need.
 struct EncodedFrame {
@@ -48,8 +48,6 @@ struct EncodedFrame {
   SignedDatagrams datagrams = nullptr;      ///< datagrams of the delta frame; null: none
   bool too_many_datagrams = false;  ///< the frame is too large for the datagrams that viewers want
 };
-
-class DatagramSigner;
 
 /// A picture, encoded for all viewers.
 struct EncodedVideo {
@@ -68,9 +66,10 @@ class FrameEncoder {
   /// Returns `frame` in encoded form. `frame` has every relief. The delta frame leaves out the
   /// reliefs that did not change in this frame (`changed_in_frame`). Once a second of media time,
   /// and at each new epoch, it contains all reliefs. `slices`: settings of the height codec.
-  /// `signer`: signs datagrams of the frame; null: no datagrams.
+  /// `signer`: signs the frame and must outlive the result; null: no signature and no datagrams.
+  /// `datagrams`: the result has datagrams, too.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
-                                    DatagramSigner* signer = nullptr);
+                                    FrameSigner* signer = nullptr, bool datagrams = true);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }
 
  private:

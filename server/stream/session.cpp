@@ -192,7 +192,7 @@ void Session::handle(const Hello& hello) {
   hello_ = hello;
   frames_on_tcp_ = hello.wants_frames_on_tcp;
   Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
-  host_.offerDatagrams(channel_->hosts(), welcome);
+  host_.completeWelcome(channel_->hosts(), welcome);
   datagram_token_ = welcome.datagram_token;
   idle_ = false;
   (void)queue_.pushControl(encodeShared(welcome));  // first message

@@ -62,9 +62,9 @@ BENCHMARK(encodeFrame)->Unit(benchmark::kMicrosecond);
 /// A coded frame as signed datagrams.
 void signDatagrams(benchmark::State& state) {
   const CodedFrame frame = FrameCoder().code(visionResult().frame);
-  server::DatagramSigner signer;
-  for (auto _ : state) benchmark::DoNotOptimize(signer.sign(frame));
-  const auto bodies = signer.sign(frame);
+  server::FrameSigner signer;
+  for (auto _ : state) benchmark::DoNotOptimize(signer.signDatagrams(frame));
+  const auto bodies = signer.signDatagrams(frame);
   state.counters["datagrams"] = static_cast<double>(bodies->size());
   std::size_t bytes = 0;
   for (const auto& body : *bodies) bytes += kTokenBytes + body.size();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The client's connection against the real server, over good and bad networks, and against servers
 // that err.
+#include "common/protocol/signed_frame.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/lossy_link.hpp"
 
@@ -192,6 +193,35 @@ TEST_F(ConnectionTest, WaitsForAServerThatIsSlowToAnswer) {
   server.peer->send(WireError{ErrorCode::kMalformed, "what?"});
   ASSERT_TRUE(runUntil([&] { return server.accept(); }));
   EXPECT_TRUE(client.failure.empty());
+}
+
+TEST_F(ConnectionTest, WhereTheWelcomeHasAKeyEveryFrameIsSigned) {
+  FakeServer server(io);
+  TestClient client(io, clock, server.port());
+  SigningKey key;
+  Welcome welcome{kProtocolVersion, 1, 0, TestServer::description()};
+  welcome.stream = 7;
+  welcome.verifying_key = key.verifyingKey();
+  CodedFrame frame;
+  for (const bool is_signed : {true, false}) {
+    ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+    server.peer->send(welcome);
+    const std::size_t frames = client.frames.size();
+    const std::size_t lost = client.lost.size();
+    ++frame.id;
+    if (is_signed) {
+      server.peer->send(testing::framed(*encodeSigned(frame, 7, key)));
+    } else {
+      server.peer->send(frame);
+    }
+    ASSERT_TRUE(runUntil([&] {
+      client.drain();
+      return client.frames.size() > frames || client.lost.size() > lost;
+    }));
+    EXPECT_EQ(client.frames.size() > frames, is_signed);
+    if (is_signed) server.peer->send(WireError{ErrorCode::kMalformed, "again"});
+  }
+  EXPECT_NE(client.lost.back().find("no valid signature"), std::string::npos) << client.lost.back();
 }
 
 TEST_F(ConnectionTest, AServerThatErrsAfterEveryWelcomeIsTriedAtTheSlowestPace) {

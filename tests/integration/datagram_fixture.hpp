@@ -24,6 +24,7 @@ struct DatagramServer : TestServer {
       : TestServer(io, clock, {}, 0, host) {
     if (multicast) group.emplace(io, *multicast, 1);
     sender.emplace(io, clock, listener.endpoint(), signer, group ? &*group : nullptr);
+    broadcaster.introduce(signer);
     broadcaster.enableUdp(*sender);
   }
   /// A frame with an object of `side` px whose relief is in it.
@@ -34,14 +35,13 @@ struct DatagramServer : TestServer {
     frame.media_time = media.now();
     frame.objects.push_back({1, 0, id, noise(side), {}, nullptr, {}, {}});
     last = frame;
-    broadcaster.publish(
-        encoder.encode(frame, {}, broadcaster.datagramsWanted() ? &signer : nullptr));
+    broadcaster.publish(encoder.encode(frame, {}, &signer, broadcaster.datagramsWanted()));
   }
   [[nodiscard]] std::uint64_t echoes(server::AddressValidation verdict) const {
     return sender->counts().of(verdict);
   }
 
-  server::DatagramSigner signer;
+  server::FrameSigner signer;
   std::optional<server::MulticastGroup> group;
   std::optional<server::DatagramSender> sender;
   HapticFrame last;

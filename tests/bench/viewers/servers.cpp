@@ -148,7 +148,7 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
     settings.max_clients = server::raiseFileLimit(frames.viewers);
     server::Broadcaster broadcaster(io, clock, media, description, settings);
     server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
-    server::DatagramSigner signer;
+    server::FrameSigner signer;
     server::DatagramSender sender(io, clock, listener.endpoint(), signer);
     broadcaster.enableUdp(sender);
     listener.start();
@@ -159,9 +159,9 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
       const MediaTime now = media.now();
       const CodedFrame frame = frameWith(id, now, relief);
       const SharedBytes payload = encodeShared(frame);
-      broadcaster.publish(
-          server::EncodedFrame{0, id, now, payload, std::make_shared<server::LazyKeyFrame>(payload),
-                               broadcaster.datagramsWanted() ? signer.sign(frame) : nullptr});
+      broadcaster.publish(server::EncodedFrame{
+          0, id, now, payload, std::make_shared<server::LazyKeyFrame>(payload),
+          broadcaster.datagramsWanted() ? signer.signDatagrams(frame) : nullptr});
     });
   };
 }
@@ -194,10 +194,11 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
                   ::sendto(socket.socket, &hello, 1, 0, name, length) == 1,
               "no viewer");
     }
-    server::DatagramSigner signer;
+    server::FrameSigner signer;
     const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
-      const server::SignedDatagrams bodies = signer.sign(frameWith(id, steadyNow(), relief));
+      const server::SignedDatagrams bodies =
+          signer.signDatagrams(frameWith(id, steadyNow(), relief));
       for (const auto& body : *bodies) {
         std::vector<std::uint8_t> bytes(kTokenBytes);
         bytes.insert(bytes.end(), body.begin(), body.end());

@@ -115,7 +115,8 @@ class FrameAssemblerParts : public ::testing::Test {
     std::vector<DatagramHeader> headers;
     std::vector<std::vector<std::uint8_t>> payloads;
   };
-  static Packed packed(std::uint64_t id, bool changed = true, std::uint64_t changed_in = 0) {
+  static CodedFrame codedFrame(std::uint64_t id, bool changed = true,
+                               std::uint64_t changed_in = 0) {
     HapticFrame made;
     made.id = id;
     made.media_time = mediaTime(0.04 * static_cast<double>(id));
@@ -124,7 +125,11 @@ class FrameAssemblerParts : public ::testing::Test {
     object.changed_in_frame = changed ? id : changed_in;
     if (changed) object.relief = bumps(id);
     made.objects.push_back(object);
-    Packed out{{}, packFrame(testing::coded(made))};
+    return testing::coded(made);
+  }
+  static Packed packed(std::uint64_t id, bool changed = true, std::uint64_t changed_in = 0) {
+    const CodedFrame made = codedFrame(id, changed, changed_in);
+    Packed out{{}, packFrame(made)};
     for (std::size_t part = 0; part < out.payloads.size(); ++part)
       out.headers.push_back({7, 0, id, made.media_time, static_cast<std::uint16_t>(part),
                              static_cast<std::uint16_t>(out.payloads.size())});
@@ -218,8 +223,8 @@ TEST_F(FrameAssemblerParts, FramesOverTcpTakeTheirPlaceAmongThem) {
   EXPECT_TRUE(assembler.add(frameOf(11), localTime(2.0)));
   EXPECT_EQ(assembler.next(false)->frame.id, 11U);
   EXPECT_EQ(assembler.next(false)->frame.id, 12U);
-  EXPECT_FALSE(assembler.add(frameOf(12), localTime(2.0))) << "it has come by datagrams";
-  EXPECT_TRUE(assembler.add(frameOf(15), localTime(2.0)));
+  EXPECT_FALSE(assembler.add(codedFrame(12), localTime(2.0))) << "it has come by datagrams";
+  EXPECT_TRUE(assembler.add(codedFrame(15), localTime(2.0)));
   EXPECT_EQ(assembler.next(false)->place.lost, 2U) << "TCP keeps its order: 13 and 14 do not come";
   // Its parts are taken all the same: they show that datagrams get through.
   addAll(packed(15));

@@ -59,6 +59,7 @@ RunResult eventful() {
   result.frames.resyncs = 9;
   result.frames.reliefs_rejected = 10;
   result.frames.malformed = 11;
+  result.frames.contradictions = 12;
   result.frames.slices_lost = 12;
   result.frames.slices_refused = 13;
   result.datagrams = {14, 15, 16, 17, 18, 19};
@@ -78,7 +79,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "ticks": 10000, "late_ticks": 3,
     "tick_ns": {"p50": 10000, "p99": 10000, "p999": 10000, "max": 10000},
     "frames": {"received": 250, "lost": 6, "late": 7, "concealed": 8, "resyncs": 9,
-               "reliefs_refused": 10, "malformed": 11},
+               "reliefs_refused": 10, "malformed": 11, "contradictions": 12},
     "slices": {"lost": 12, "refused": 13},
     "datagrams": {"received": 14, "repeated": 15, "foreign": 16, "astray": 17, "forged": 18,
                   "over_budget": 19},

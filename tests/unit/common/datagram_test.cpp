@@ -22,8 +22,8 @@ TEST(DatagramTest, WhatIsWrittenIsRead) {
     const DatagramBytes payload(size, 0xAB);
     const DatagramBytes bytes =
         testing::datagramBytes(0x8877665544332211, signedBody(someHeader(), payload, key));
-    EXPECT_EQ(bytes.size(), 100 + size);
-    EXPECT_LE(bytes.size(), kMostDatagramBytes);
+    EXPECT_EQ(bytes.size(), 101 + size);
+    EXPECT_LE(bytes.size() + kSealBytes, kMostDatagramBytes) << "there is room for a seal";
     const auto datagram = readDatagram(bytes);
     ASSERT_TRUE(datagram);
     EXPECT_EQ(datagram->token, 0x8877665544332211U);
@@ -51,12 +51,16 @@ TEST(DatagramTest, EveryByteButTheTokenIsSigned) {
 
 TEST(DatagramTest, SizesAndNumbersThatCannotBeAreRefused) {
   SigningKey key;
-  const DatagramBytes body = signedBody(someHeader(), DatagramBytes(kMostPieceBytes, 1), key);
+  const DatagramBytes body =
+      signedBody(someHeader(), DatagramBytes(kMostPieceBytes + kSealBytes, 1), key);
   DatagramBytes bytes = testing::datagramBytes(5, body);
   EXPECT_TRUE(readDatagram(bytes));
+  DatagramBytes sealed = bytes;
+  sealed[kTokenBytes + 4] = 1;
+  EXPECT_FALSE(readDatagram(sealed)) << "a key that does not exist yet";
   bytes.push_back(0);
   EXPECT_FALSE(readDatagram(bytes)) << "longer than a datagram may be";
-  for (const std::size_t size : {0U, 8U, 12U, 99U})
+  for (const std::size_t size : {0U, 8U, 12U, 100U})
     EXPECT_FALSE(readDatagram(std::span(bytes).first(size))) << size;
   DatagramHeader header = someHeader();
   header.part = header.parts;

@@ -272,12 +272,19 @@ TEST(HeightCodecGolden, SlicesStayAsTheyAre) {
   Relief pixel = emptyRelief(9, 3);
   pixel.mask[9 + 4] = 1;
   pixel.height_mm[9 + 4] = 12.5F;
+  // Rows that reach the right border: row 0 ends 2 px before it, rows 1 and 2 at it.
+  Relief border = emptyRelief(8, 3);
+  for (const int i : {2, 3, 4, 5, 10, 11, 12, 13, 14, 15, 18, 19, 20, 21, 22, 23}) {
+    border.mask[static_cast<std::size_t>(i)] = 1;
+    border.height_mm[static_cast<std::size_t>(i)] = 12.5F;
+  }
   HeightEncoder encoder;
   for (const auto& [name, relief, settings] :
        {std::tuple<std::string, Relief, SliceSettings>{"dome", bowl, {}},
         {"dome_pieces", bowl, {0.055, 12, 300}},
         {"terraces", steps, {0.02, 16, 700}},
-        {"pixel", pixel, {0.02, 16}}}) {
+        {"pixel", pixel, {0.02, 16}},
+        {"border", border, {0.02, 16}}}) {
     const auto slices = encoder.encode(relief, settings);
     const auto file =
         std::filesystem::path(HAPTICAST_TESTS) / "unit/common/golden" / (name + ".slices");

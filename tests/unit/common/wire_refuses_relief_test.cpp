@@ -23,7 +23,7 @@ CodedFrame withSlices(PixelRect rect, std::vector<SliceBytes> slices) {
 
 /// The first bytes of a slice that covers these cells.
 SliceBytes sliceOf(std::uint8_t x, std::uint8_t y, std::uint8_t w, std::uint8_t h) {
-  return {0x0F, x, y, w, h, 0xA3, 0x00};
+  return {0x0F, x, y, w, h, 0xA3, 0x00, 0x00};
 }
 
 TEST(WireRefuses, ReliefsThatDoNotFit) {
@@ -52,8 +52,10 @@ TEST(WireRefuses, SlicesThatDoNotFit) {
   EXPECT_EQ(refusal(with({sliceOf(0, 0, 1, 1), sliceOf(0, 0, 1, 1)})), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(with({SliceBytes{0x0F, 0, 0, 1, 1, 0xA3}})), ErrorCode::kMalformed) << "short";
   EXPECT_EQ(refusal(with({SliceBytes{}})), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(with({SliceBytes{0x2F, 0, 0, 1, 1, 0xA3, 0}})), ErrorCode::kMalformed)
+  EXPECT_EQ(refusal(with({SliceBytes{0x2F, 0, 0, 1, 1, 0xA3, 0, 0}})), ErrorCode::kMalformed)
       << "mode";
+  EXPECT_EQ(refusal(with({SliceBytes{0x0F, 0, 0, 1, 1, 0xA3, 0}})), ErrorCode::kMalformed)
+      << "a header without code";
   SliceBytes longest = sliceOf(0, 0, 1, 1);
   longest.resize(kMostSliceBytes, 1);
   EXPECT_NO_THROW(roundTrip(with({longest})));
@@ -67,10 +69,7 @@ TEST(WireRefuses, MoreSlicesThanThereAreCells) {
   EXPECT_EQ(refusal(withSlices({0, 0, 8, 8}, std::vector<SliceBytes>(kCells + 1))),
             ErrorCode::kTooLarge);
   // Two reliefs in one object would be merged into one with twice the slices.
-  Bytes relief = {0x22, 0x13, 0x18, 8, 0x20, 8, 0x4A, 7, 0x0F, 0, 0,
-                  1,    1,    0xA3, 0, 0,    0, 0,    0, 0,    0};
-  relief.resize(15);
-  relief[1] = 13;
+  const Bytes relief = {0x22, 14, 0x18, 8, 0x20, 8, 0x4A, 8, 0x0F, 0, 0, 1, 1, 0xA3, 0, 0};
   Bytes object = relief;
   const auto message = [&] {
     Bytes frame = {0x22, static_cast<std::uint8_t>(object.size())};

@@ -60,7 +60,7 @@ TEST(EncoderThread, GivesEverySinkTheSameBytesInOrder) {
 }
 
 TEST(EncoderThread, SignsDatagramsOnlyForWhoWantsThem) {
-  DatagramSigner signer;
+  FrameSigner signer;
   for (const bool wanted : {false, true}) {
     CountingSink sink;
     sink.wants_datagrams = wanted;
