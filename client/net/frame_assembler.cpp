@@ -94,7 +94,8 @@ bool FrameAssembler::add(CodedFrame frame, LocalTime arrived) {
     if (contradicts(frame, other.joined ? &*other.joined : nullptr)) return false;
   }
   Waiting& waiting = waiting_[id];
-  if (waiting.frame || (waiting.joined && waiting.joined->whole())) return false;
+  // Before the first frame only TCP brings all reliefs.
+  if (waiting.frame || (last_id_ && waiting.joined && waiting.joined->whole())) return false;
   waiting.frame = std::move(frame);
   waiting.arrived = arrived;
   return true;
@@ -181,13 +182,26 @@ bool FrameAssembler::overfull() const {
   return waiting_.size() > kMaxWaiting || countBytes(waiting_) > kMaxBytes;
 }
 
+void FrameAssembler::dropBeforeTcp() {
+  const auto first = std::find_if(waiting_.begin(), waiting_.end(),
+                                  [](const auto& each) { return each.second.frame.has_value(); });
+  if (first != waiting_.end()) waiting_.erase(waiting_.begin(), first);
+}
+
+bool FrameAssembler::follows(const Reassembly& joined) const {
+  if (last_id_) return joined.header().frame == *last_id_ + 1;
+  const CodedFrame frame = joined.frame();
+  return std::all_of(frame.objects.begin(), frame.objects.end(),
+                     [](const CodedObject& object) { return object.relief != nullptr; });
+}
+
 std::optional<AssembledFrame> FrameAssembler::next(bool due) {
+  if (!last_id_) dropBeforeTcp();
   while (!waiting_.empty()) {
     const auto oldest = waiting_.begin();
     Waiting& waiting = oldest->second;
     const std::uint64_t id = oldest->first;
-    const bool in_order = !last_id_ || id == *last_id_ + 1;
-    const bool ready = waiting.frame || (waiting.joined->whole() && in_order);
+    const bool ready = waiting.frame || (waiting.joined->whole() && follows(*waiting.joined));
     // No frame is due before the first one was played.
     if (!ready && !((due && last_id_) || overfull())) return std::nullopt;
     Waiting accepted = std::move(waiting);

@@ -132,6 +132,12 @@ class FrameAssembler {
   [[nodiscard]] bool jumps(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t newest() const;
   [[nodiscard]] bool overfull() const;
+  /// Drops the frames by datagrams that are older than the first frame by TCP, which has all
+  /// reliefs. Call it before the first frame left.
+  void dropBeforeTcp();
+  /// Returns true if a frame by datagrams follows the last one that left. The first frame of a
+  /// connection has to have all reliefs: its unchanged reliefs came before the connection.
+  [[nodiscard]] bool follows(const Reassembly& joined) const;
   /// Marks a frame as finished: it needs no more fragments.
   void abandon(std::uint64_t id);
   /// Drops the oldest frames of left_ above the limits.

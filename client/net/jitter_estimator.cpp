@@ -30,8 +30,10 @@ Duration JitterEstimator::delay(Duration least) const {
   std::vector<Duration> needed;
   needed.reserve(samples_.size());
   for (const Sample& each : samples_) needed.push_back(each.needed);
-  const auto rank =
-      static_cast<std::ptrdiff_t>(std::ceil(kQuantile * static_cast<double>(needed.size()))) - 1;
+  const std::size_t most = needed.size() - (needed.size() < kFewFrames ? 0 : 1);
+  const auto covered =
+      static_cast<std::size_t>(std::ceil(kQuantile * static_cast<double>(needed.size())));
+  const auto rank = static_cast<std::ptrdiff_t>(std::min(covered, most)) - 1;
   std::nth_element(needed.begin(), needed.begin() + rank, needed.end());
   return std::clamp(needed[static_cast<std::size_t>(rank)] + kMargin, std::min(least, kMaxDelay),
                     kMaxDelay);

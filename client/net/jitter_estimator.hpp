@@ -19,6 +19,9 @@ class JitterEstimator {
   /// the window may be later. At a loss of 1 %, TCP delays every fiftieth frame by 200 ms. The
   /// quantile covers those frames as well.
   static constexpr double kQuantile = 0.99;
+  /// From this number of frames on the latest frame alone never decides. The value is a choice:
+  /// after an outage the first frame is late by all of the outage.
+  static constexpr std::size_t kFewFrames = 10;
   static constexpr Duration kMargin = std::chrono::milliseconds(5);
   static constexpr Duration kMaxDelay = std::chrono::seconds(2);
 
@@ -32,7 +35,8 @@ class JitterEstimator {
   void shift(Duration by);
 
   /// Returns the playout delay: the quantile of the window plus the margin, within [least,
-  /// kMaxDelay]. Without a frame it returns `least` plus the margin.
+  /// kMaxDelay]. In a window of at least kFewFrames frames, the quantile leaves out at least one.
+  /// Without a frame it returns `least` plus the margin.
   [[nodiscard]] Duration delay(Duration least) const;
 
  private:

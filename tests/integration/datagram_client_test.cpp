@@ -138,7 +138,9 @@ TEST_F(DatagramClientTest, UdpThatFailsInMidStreamIsReplacedByTcpAndTheStreamGoe
   link.down().profile.largest_bytes = 1;
   const auto failed_at = clock.now();
   ASSERT_TRUE(streamOn(server, client, 10));
-  EXPECT_GT(clock.now() - failed_at, std::chrono::milliseconds(900)) << "a second without a frame";
+  EXPECT_GT(clock.now() - failed_at, std::chrono::milliseconds(300)) << "0.4 s without a frame";
+  EXPECT_LT(client.receiver.stream().playout_delay_target, std::chrono::milliseconds(300))
+      << "the outage is no jitter";
   ASSERT_TRUE(streamUntil(server, client, [&] { return !client.news.empty(); }));
   EXPECT_EQ(client.news.size(), 1U);
   expectRisingIds(client);

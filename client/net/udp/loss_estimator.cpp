@@ -25,9 +25,12 @@ void blendIn(double& share, double now) {
 
 void LossEstimator::add(const DatagramHeader& header) {
   const std::uint64_t newest = frames_.empty() ? judged_ : frames_.rbegin()->first;
-  if (FrameAssembler::jump(newest, header.frame)) {  // new numbering, or first frame
+  const bool first = frames_.empty() && judged_ == 0;
+  if (first || FrameAssembler::jump(newest, header.frame)) {
     frames_.clear();
-    judged_ = ignored_ = header.frame > 0 ? header.frame - 1 : 0;
+    judged_ = header.frame > 0 ? header.frame - 1 : 0;
+    // Of the first frames the first sends came before this connection.
+    ignored_ = judged_ + limits::kMostCopies;
   }
   if (header.frame <= judged_ && judged_ > 0) return;
   Reception& received = frames_[header.frame];
@@ -50,7 +53,9 @@ std::uint32_t LossEstimator::copies(LocalTime now) {
   judge();
   if (fixed_) return copies_;
   if (needed_ >= copies_ || !needed_at_) needed_at_ = now;
-  if (needed_ == copies_ || (needed_ < copies_ && now - *needed_at_ < kPatience)) return copies_;
+  const Duration patience = changed_ ? kPatience : kFirstPatience;
+  if (needed_ == copies_ || (needed_ < copies_ && now - *needed_at_ < patience)) return copies_;
+  changed_ = true;
   copies_ = needed_;
   needed_at_ = now;
   lost_ = lost_fewer_ = 0.0;

@@ -31,6 +31,9 @@ class LossEstimator {
   /// The redundancy falls only after it was not needed for this time. A network with burst losses
   /// also has times without losses.
   static constexpr Duration kPatience = std::chrono::seconds(30);
+  /// The same time for the redundancy at the start, which no measurement asked for. The value is a
+  /// choice.
+  static constexpr Duration kFirstPatience = std::chrono::seconds(2);
 
   /// Starts with the redundancy `copies`. If `fixed` is true, the redundancy never changes,
   /// whatever the loss is.
@@ -65,6 +68,7 @@ class LossEstimator {
   std::uint64_t ignored_ = 0;                  // frames up to this id had another redundancy
   std::uint32_t copies_;
   bool fixed_;
+  bool changed_ = false;  // copies_ is no longer the redundancy at the start
   double loss_ = 0.0;
   double lost_ = 0.0;        // share of fragments that are lost in all sends
   double lost_fewer_ = 0.0;  // the same, for one send less

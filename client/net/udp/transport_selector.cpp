@@ -63,9 +63,9 @@ void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
   if (transport() != Transport::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
 }
 
-void TransportSelector::update(LocalTime now, std::uint32_t copies) {
+void TransportSelector::update(LocalTime now, std::uint32_t copies, Duration frame_interval) {
   copies_ = copies;
-  if (works_ && now - received_at_ >= kPatience) {
+  if (works_ && now - received_at_ >= std::max(kSilence, kSilentFrames * frame_interval)) {
     // Either the server sends nothing, or nothing arrives. Frames over TCP will show the
     // difference.
     works_ = false;

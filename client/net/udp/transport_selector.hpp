@@ -47,9 +47,13 @@ struct DeliveryStats {
 /// carries out its decisions.
 class TransportSelector {
  public:
-  /// A new transport fails if frames arrive only over TCP for this time. A transport that has
-  /// worked is suspected if it delivers no frame for this time.
+  /// A new transport fails if frames arrive only over TCP for this time.
   static constexpr Duration kPatience = std::chrono::seconds(1);
+  /// A transport that has worked is suspected if it delivers no frame for this time, and for
+  /// kSilentFrames frame intervals. The values are a choice: the force begins to fade 0.4 s after
+  /// the last frame, and bursts of losses are shorter.
+  static constexpr Duration kSilence = std::chrono::milliseconds(400);
+  static constexpr int kSilentFrames = 4;
   /// A suspected transport fails if frames arrive only over TCP for this time. The value is a
   /// choice: the largest difference between the delays of two working transports.
   static constexpr Duration kRace = std::chrono::milliseconds(200);
@@ -80,7 +84,7 @@ class TransportSelector {
   /// the user.
   void markFailed(const std::string& why, LocalTime now);
   /// Checks all time limits. `copies` is the redundancy that the client requests from the server.
-  void update(LocalTime now, std::uint32_t copies);
+  void update(LocalTime now, std::uint32_t copies, Duration frame_interval);
 
   /// Returns a new request to the server, once for each change. Returns nullopt if nothing has
   /// changed.

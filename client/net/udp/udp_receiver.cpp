@@ -104,7 +104,7 @@ const char* UdpReceiver::flood(LocalTime now) {
 void UdpReceiver::update(LocalTime now) {
   if (const char* const why = flood(now)) choice_.markFailed(why, now);
   copies_ = meter_.copies(now);
-  choice_.update(now, copies_);
+  choice_.update(now, copies_, receiver_.stream().frame_interval);
   receiver_.expectCopies(choice_.works() ? copies_ : 1, now);
   applySelection(now);
   const Duration pause = choice_.wasProbed() ? kEchoEvery : kEchoUntilProbed;

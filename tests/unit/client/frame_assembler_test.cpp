@@ -232,6 +232,28 @@ TEST_F(FrameAssemblerParts, FramesOverTcpTakeTheirPlaceAmongThem) {
   EXPECT_FALSE(assembler.late()) << "TCP was in time";
 }
 
+TEST_F(FrameAssemblerParts, TheFirstFrameOfAConnectionHasAllReliefs) {
+  // A group's datagrams overtake the first frame over TCP. Their reliefs came before the
+  // connection.
+  for (const std::uint64_t tcp : {11U, 12U, 14U}) {
+    assembler.restart();
+    addAll(packed(12, false, 3));
+    addAll(packed(13, false, 3));
+    EXPECT_FALSE(assembler.next(false));
+    CodedFrame key = codedFrame(tcp);
+    for (CodedObject& object : key.objects) object.changed_in_frame = 3;
+    ASSERT_TRUE(assembler.add(key, localTime(2.0)));
+    const auto first = assembler.next(false);
+    ASSERT_TRUE(first) << tcp;
+    EXPECT_EQ(first->frame.id, tcp);
+    EXPECT_TRUE(first->frame.objects.at(0).relief);
+    EXPECT_EQ(assembler.next(false).has_value(), tcp != 14U);
+  }
+  assembler.restart();
+  addAll(packed(20));
+  EXPECT_TRUE(assembler.next(false)) << "it has all reliefs";
+}
+
 TEST_F(FrameAssemblerParts, WhatIsFarFromTheStreamIsAstray) {
   constexpr auto kAstray = FrameAssembler::Want::kAstray;
   DatagramHeader header = packed(11).headers[0];

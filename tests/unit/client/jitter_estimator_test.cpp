@@ -20,6 +20,15 @@ TEST(JitterEstimator, CoversAllFramesButOneInAHundred) {
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(99 + 5));
 }
 
+TEST(JitterEstimator, OneLateFrameAfterAnOutageDecidesNothing) {
+  JitterEstimator jitter;
+  for (int i = 1; i <= 20; ++i) jitter.add(localTime(0.04 * i), milliseconds(60));
+  jitter.add(localTime(1.8), milliseconds(1000));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(65));
+  jitter.add(localTime(2.0), milliseconds(300));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(305)) << "two of them are no accident";
+}
+
 TEST(JitterEstimator, ForgetsAfterItsWindow) {
   JitterEstimator jitter;
   for (int i = 0; i < 50; ++i) jitter.add(localTime(0.04 * i), milliseconds(300));

@@ -299,7 +299,7 @@ TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
   EXPECT_NEAR(toSeconds(stream.load().playout_delay_target), 0.060 + 0.005 + 0.040, 1e-4);
   const auto late = receiver.counts().late;
   EXPECT_GT(late, 0U) << "the first of them came unexpected";
-  EXPECT_LE(late, 2U);
+  EXPECT_LE(late, 3U) << "one late frame alone decides nothing";
   arrive(frame(201), 0.200);
   EXPECT_EQ(receiver.counts().late, late + 1);
   EXPECT_EQ(receiver.clockErrorBound(), std::chrono::milliseconds(1));

@@ -22,7 +22,7 @@ struct Story {
     }
   }
   void turn() {
-    choice.update(localTime(now_s), 2);
+    choice.update(localTime(now_s), 2, frame_interval);
     if (const auto said = choice.takeRequest()) order = *said, ++orders;
     if (const auto line = choice.nextMessage()) news.push_back(*line);
   }
@@ -31,6 +31,7 @@ struct Story {
   Transport working = Transport::kDatagrams;
   double now_s = 100.0;
   std::uint64_t id = 0;
+  Duration frame_interval = std::chrono::milliseconds(40);
   Delivery order{true, false, 1};
   int orders = 0;
   std::vector<std::string> news;
@@ -68,13 +69,25 @@ TEST(TransportSelector, AWayThatNeverWorksIsLeftAfterASecondAndTriedAgain) {
   EXPECT_NE(story.news[1].find("again"), std::string::npos);
 }
 
-TEST(TransportSelector, AWayThatFailsInMidStreamIsLeftSoonAfterASecond) {
+TEST(TransportSelector, ASlowStreamIsNoFailure) {
+  Story story({Transport::kDatagrams, Transport::kTcp});
+  story.frame_interval = std::chrono::milliseconds(500);
+  story.play(1.0, true, true);
+  for (int i = 0; i < 20; ++i) {
+    for (int k = 0; k < 12; ++k, story.now_s += 0.04) story.turn();
+    story.play(0.04, true, true);
+  }
+  EXPECT_FALSE(story.order.on_tcp);
+  EXPECT_EQ(story.orders, 1);
+}
+
+TEST(TransportSelector, AWayThatFailsInMidStreamIsLeftSoonAfterFourTenthsOfASecond) {
   Story story({Transport::kDatagrams, Transport::kTcp});
   story.play(5.0, true, true);
-  story.play(0.9, true, false);
+  story.play(0.3, true, false);
   EXPECT_TRUE(story.choice.works());
   story.play(0.2, true, false);
-  EXPECT_TRUE(story.order.on_tcp) << "a second without a frame";
+  EXPECT_TRUE(story.order.on_tcp) << "0.4 s without a frame";
   story.play(0.3, true, false);
   EXPECT_EQ(story.choice.transport(), Transport::kTcp);
   EXPECT_EQ(story.news.size(), 1U);
