@@ -103,8 +103,19 @@ class FramePool {
   // Side of the decode thread.
 
   /// Removes a free slot from the pool and writes its index to `index`. Returns false if the loop
-  /// occupies all slots. The caller then has to drop its frame and to count it.
-  [[nodiscard]] bool acquire(Index& index) noexcept { return free_.tryPop(index); }
+  /// occupies all slots. The caller then has to drop its frame and to count it. The call releases
+  /// the data of all free slots: a full-HD relief has 19 MB.
+  [[nodiscard]] bool acquire(Index& index) noexcept {
+    Index released = 0;
+    while (free_.tryPop(released)) {
+      slots_[released].fields.fill(nullptr);
+      slots_[released].grids.fill(nullptr);
+      empty_[empty_count_++] = released;
+    }
+    if (empty_count_ == 0) return false;
+    index = empty_[--empty_count_];
+    return true;
+  }
   [[nodiscard]] Slot& slot(Index index) noexcept { return slots_[index]; }
   /// Passes a filled slot to the loop. The call cannot fail, because the ring has room for all
   /// slots.
@@ -122,6 +133,8 @@ class FramePool {
   std::array<Slot, kSlots> slots_;
   SpscRing<Index, kSlots> filled_;  // decode thread -> loop
   SpscRing<Index, kSlots> free_;    // loop -> decode thread
+  std::array<Index, kSlots> empty_{};  // free slots without data; decode thread only
+  std::size_t empty_count_ = 0;
 };
 
 }  // namespace hapticast::client

@@ -64,6 +64,16 @@ TEST(FrameQueue, IsBoundedByBytesToo) {
   EXPECT_EQ(taken->left_out[1].id, 3U);
 }
 
+TEST(FrameQueue, APoppedFrameGivesItsBytesBack) {
+  FrameQueue queue;
+  for (std::uint64_t id = 1; id <= 10; ++id) {
+    EXPECT_EQ(queue.push(frameWith(id, {objectOf(1, id, FrameQueue::kMaxBytes / 2)})), 0U);
+    const auto popped = queue.pop();
+    ASSERT_TRUE(popped);
+    EXPECT_TRUE(popped->left_out.empty());
+  }
+}
+
 TEST(FrameQueue, KeepsReliefsOfNoMoreObjectsThanTheCacheDoes) {
   FrameQueue queue;
   const std::uint64_t count = FrameQueue::kMaxFrames + 2 * ReliefCache::kMaxEntries;

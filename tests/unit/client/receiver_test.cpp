@@ -258,6 +258,22 @@ TEST_F(ReceiverTest, ANumberingThatBeginsAnewIsAnotherStream) {
   EXPECT_NE(take()->objects[0].field, nullptr) << "until it is repeated";
 }
 
+TEST_F(ReceiverTest, ANewNumberingGetsNoReliefThatWaitedInTheQueue) {
+  receiver.connected(description, localTime(1));
+  receiver.frame(testing::coded(frame(10'000, flatRelief({0, 0, 8, 8}), 3)), localTime(2));
+  // They push the first frame out of the queue, which keeps its relief.
+  for (std::uint64_t id = 5; id <= 5 + FrameQueue::kMaxFrames; ++id)
+    receiver.frame(testing::coded(frame(id, nullptr, 3)), localTime(2));
+  while (decode_thread.step()) {
+  }
+  int count = 0;
+  while (const PlayFrame* const got = take()) {
+    ++count;
+    EXPECT_EQ(got->objects[0].field, nullptr) << "frame 3 was another one";
+  }
+  EXPECT_GT(count, 10);
+}
+
 TEST_F(ReceiverTest, EpochsNeverRepeat) {
   receiver.connected(description, localTime(1));
   HapticFrame cut = frame(2);

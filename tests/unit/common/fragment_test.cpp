@@ -192,6 +192,48 @@ TEST(FramePiecesTest, PartsThatContradictEachOtherMakeNoFrame) {
   }
 }
 
+/// A frame whose only object has one slice of a relief with this rectangle.
+CodedFrame frameOfObject(std::uint32_t id, const PixelRect& rect) {
+  CodedFrame frame;
+  frame.id = 9;
+  CodedObject& object = frame.objects.emplace_back();
+  object.id = id;
+  object.changed_in_frame = 9;
+  object.relief =
+      std::make_shared<CodedRelief>(CodedRelief{rect, {{0x0F, 0, 0, 1, 1, 0xA3, 0, 1}}, 1});
+  return frame;
+}
+
+TEST(FramePiecesTest, TheReliefsOfAFrameAreBoundedTogether) {
+  Reassembly join(headerOf(CodedFrame{0, 9, {}, {}}, 0, 3));
+  for (std::uint32_t part = 0; part < 3; ++part) {
+    const CodedFrame frame = frameOfObject(part + 1, {0, 0, 1920, 1080});
+    const auto error = join.add(headerOf(frame, part, 3), packFrame(frame).at(0));
+    EXPECT_EQ(error.has_value(), part == 2) << "two full pictures are the most";
+    if (error) {
+      EXPECT_EQ(error->code, ErrorCode::kTooLarge);
+    }
+  }
+}
+
+TEST(FramePiecesTest, AnObjectHasOneHead) {
+  CodedFrame frame = frameOfObject(1, {0, 0, 8, 8});
+  frame.objects[0].relief = nullptr;  // so that no slice comes twice
+  const auto head = packFrame(frame).at(0);
+  Reassembly join(headerOf(frame, 0, 2));
+  EXPECT_FALSE(join.add(headerOf(frame, 0, 2), head));
+  EXPECT_TRUE(join.add(headerOf(frame, 1, 2), head));
+}
+
+TEST(FramePiecesTest, AHeadAnnouncesNoMoreSlicesThanThereAreCells) {
+  // An object of 1920 x 1080 px with 32,400 slices, one for each cell.
+  std::vector<std::uint8_t> head = {0x22, 0x10, 0x08, 1,    0x18, 9,    0x22, 0x0A, 0x18, 0x80,
+                                    0x0F, 0x20, 0xB8, 0x08, 0x50, 0x90, 0xFD, 0x01, 0x28, 1};
+  EXPECT_TRUE(readPiece(head, 9).ok());
+  ++head[15];
+  EXPECT_FALSE(readPiece(head, 9).ok());
+}
+
 TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
   CodedFrame frame = largeFrame(4);
   const Payloads honest = packFrame(frame);

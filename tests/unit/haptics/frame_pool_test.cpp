@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <random>
 #include <set>
@@ -44,6 +45,25 @@ TEST(FramePool, KeepsTheOrderAndGetsSlotsBack) {
     }
   }
   EXPECT_GT(taken, 5000U);
+}
+
+TEST(FramePool, AFreeSlotKeepsNoData) {
+  const auto pool = std::make_unique<FramePool>();
+  std::vector<std::weak_ptr<const HeightField>> fields;
+  FramePool::Index index = 0;
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(pool->acquire(index));
+    const auto field = std::make_shared<const HeightField>();
+    pool->slot(index).fields[0] = field;
+    fields.push_back(field);
+    pool->publish(index);
+    if (i < 3) continue;  // the loop holds three frames
+    ASSERT_TRUE(pool->pop(index));
+    pool->release(index);
+    const auto alive = std::count_if(fields.begin(), fields.end(),
+                                     [](const auto& each) { return !each.expired(); });
+    EXPECT_LE(alive, 5);
+  }
 }
 
 TEST(FramePool, CrossesThreadsWithoutTearing) {

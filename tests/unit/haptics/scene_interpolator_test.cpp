@@ -157,6 +157,19 @@ TEST_F(LookupTest, NeverInterpolatesAcrossAnEpoch) {
   EXPECT_FALSE(at(0.041).jumped);
 }
 
+TEST_F(LookupTest, ALateFrameOfTheOldEpochComesBeforeTheNewEpoch) {
+  sendAt(10, Vec3(0, 0, 0));
+  (void)at(0.40);
+  sendAt(11, Vec3(50, 0, 0), Vec3::Zero(), Vec3::Zero(), 2);
+  EXPECT_EQ(at(0.45).epoch, 2U);
+  sendAt(12, Vec3(1, 0, 0));  // of epoch 1
+  sendAt(13, Vec3(50, 0, 0), Vec3::Zero(), Vec3::Zero(), 2);
+  for (const double time_s : {0.47, 0.485, 0.50, 0.51}) {
+    EXPECT_EQ(at(time_s).epoch, 2U) << time_s;
+    EXPECT_NEAR(at(time_s).objects[0].position_mm.x(), 50.0, 1e-9) << time_s;
+  }
+}
+
 TEST_F(LookupTest, ObjectsComeAndGoWithTheirFrames) {
   const PlayObject one = makeObject(1, nullptr, {0, 0, 0}, {100, 0, 0});
   const PlayObject two = makeObject(2, nullptr, {5, 0, 0});
