@@ -27,9 +27,14 @@ void ForceHistory::add(const TickReport& report) {
 namespace {
 
 const cv::Scalar kGridColor(70, 66, 62);
+const cv::Scalar kZeroColor(150, 146, 142);
 const cv::Scalar kContactShade(58, 52, 40);
 const cv::Scalar kMomentColor(250, 250, 250);
 constexpr double kRecent_s = 8.0;  // chosen: a press and its release
+// Room for labels in the plot of the last seconds: beside it, and a line above and below it.
+constexpr int kLabel_px = 58;
+constexpr int kLine_px = 19;
+constexpr int kNameGap_px = 10;
 
 double findPeak(const std::deque<ForcePoint>& points) {
   double top_N = 0.5;
@@ -81,7 +86,8 @@ void drawGrid(cv::Mat& plot, const Axes& axes) {
   const cv::Rect& area = axes.area;
   for (double force_N = 0.0; force_N <= axes.top + 1e-9; force_N += gridStep_N(axes.top)) {
     const int row = axes.row(force_N);
-    cv::line(plot, {area.x, row}, {area.x + area.width, row}, kGridColor);
+    cv::line(plot, {area.x, row}, {area.x + area.width, row},
+             force_N == 0.0 ? kZeroColor : kGridColor);
     drawLabel(plot, cv::format("%.2f N", force_N), {4, row + 4}, kTextColor);
   }
   const double step_s = axes.span_s <= 12.0 ? 1.0 : std::ceil(axes.span_s / 10.0);
@@ -108,12 +114,43 @@ void drawCurve(cv::Mat& plot, const Axes& axes, const std::deque<ForcePoint>& po
   cv::polylines(plot, line, false, color, width_px, cv::LINE_AA);
 }
 
-void drawLegend(cv::Mat& plot, int left_px) {
+void nameCurves(cv::Mat& plot, int left_px) {
   drawLabel(plot, "force at the device", {left_px, 20}, kForceColor);
   drawLabel(plot, "static", {left_px + 190, 20}, kStaticForceColor);
   drawLabel(plot, "dynamic", {left_px + 270, 20}, kDynamicForceColor);
   drawLabel(plot, "shaded: contact   white line: the moment shown above", {left_px + 370, 20},
             kTextColor);
+}
+
+/// Returns axes for the last seconds, with room for the labels.
+Axes encloseRecent(const std::deque<ForcePoint>& points, double least,
+                   std::span<const Curve> curves, cv::Size size) {
+  const cv::Rect area(kLabel_px, kLine_px, std::max(1, size.width - kLabel_px - 4),
+                      std::max(1, size.height - 2 * kLine_px));
+  Axes axes{area, -kRecent_s, kRecent_s, least};
+  if (!points.empty()) axes.start_s = points.back().time_s - kRecent_s;
+  for (const ForcePoint& point : points) {
+    if (point.time_s < axes.start_s) continue;
+    for (const Curve& curve : curves) {
+      while (point.*curve.value > axes.top && axes.top < 1e6) axes.top *= 2.0;
+    }
+  }
+  return axes;
+}
+
+void drawRecentAxes(cv::Mat& plot, const Axes& axes, const std::string& unit) {
+  const cv::Rect& area = axes.area;
+  for (const double value : {axes.top, 0.5 * axes.top, 0.0}) {
+    const int row = axes.row(value);
+    cv::line(plot, {area.x, row}, {area.x + area.width, row},
+             value == 0.0 ? kZeroColor : kGridColor);
+  }
+  drawLabel(plot, cv::format("%g ", axes.top) + unit, {2, axes.row(axes.top) + 5}, kTextColor);
+  drawLabel(plot, "0", {2, axes.row(0.0) + 5}, kTextColor);
+  const int below = area.y + area.height + kLine_px - 3;
+  drawLabel(plot, "-8 s", {area.x, below}, kTextColor);
+  drawLabel(plot, "-4 s", {axes.column(axes.start_s + 4.0) - 14, below}, kTextColor);
+  drawLabel(plot, "now", {area.x + area.width - labelWidth_px("now"), below}, kTextColor);
 }
 
 }  // namespace
@@ -131,24 +168,24 @@ cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size siz
   drawCurve(plot, axes, points, &ForcePoint::force_N, kForceColor, 2);
   // The strongest moment may be older than the plot.
   if (marked_s >= axes.start_s) axes.drawUpright(plot, marked_s, kMomentColor);
-  drawLegend(plot, axes.area.x);
+  nameCurves(plot, axes.area.x);
   return plot;
 }
 
 cv::Mat drawRecentPlot(const ForceHistory& history, double least, const std::string& unit,
                        std::span<const Curve> curves, cv::Size size) {
   const auto& points = history.points();
-  Axes axes{{0, 2, size.width - 1, size.height - 4}, -kRecent_s, kRecent_s, least};
-  if (!points.empty()) axes.start_s = points.back().time_s - kRecent_s;
-  for (const ForcePoint& point : points) {
-    if (point.time_s < axes.start_s) continue;
-    for (const Curve& curve : curves) {
-      while (point.*curve.value > axes.top && axes.top < 1e6) axes.top *= 2.0;
-    }
-  }
+  const Axes axes = encloseRecent(points, least, curves, size);
   cv::Mat plot(size, CV_8UC3, kGroundColor);
-  for (const Curve& curve : curves) drawCurve(plot, axes, points, curve.value, curve.color, 1);
-  drawLabel(plot, cv::format("%g ", axes.top) + unit, {3, 13}, kTextColor);
+  drawRecentAxes(plot, axes, unit);
+  int names_px = 0;
+  for (const Curve& curve : curves) names_px += labelWidth_px(curve.name) + kNameGap_px;
+  int name_px = std::clamp(size.width - names_px, 2, axes.area.x);
+  for (const Curve& curve : curves) {
+    drawCurve(plot, axes, points, curve.value, curve.color, 1);
+    drawLabel(plot, curve.name, {name_px, kLine_px - 8}, curve.color);
+    name_px += labelWidth_px(curve.name) + kNameGap_px;
+  }
   return plot;
 }
 

@@ -54,12 +54,14 @@ class ForceHistory {
 /// One line of a plot.
 struct Curve {
   double ForcePoint::*value;
-  cv::Scalar color;  ///< BGR
+  cv::Scalar color;       ///< BGR
+  const char* name = "";  ///< stands above the plot, in the colour of the curve
 };
 
 /// Returns a plot of `curves` in the last eight seconds: a CV_8UC3 picture of `size` px. The
-/// vertical axis extends from 0 to a round number above all plotted values, which is at least
-/// `least` and stands in the plot's corner, with the unit `unit`.
+/// vertical axis extends from 0 to a round number above all values of all curves, which is at least
+/// `least` and has the unit `unit`. A line marks zero. The horizontal axis is the time, and its end
+/// is now.
 [[nodiscard]] cv::Mat drawRecentPlot(const ForceHistory& history, double least,
                                      const std::string& unit, std::span<const Curve> curves,
                                      cv::Size size);

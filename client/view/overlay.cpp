@@ -33,6 +33,7 @@ cv::Mat drawOverlay(const cv::Mat& picture, const TickReport& report, const Work
   cv::Mat scene = overlay.rowRange(0, kHeadHeight_px + size.height);
   drawTouch(scene, {workspace, {0.0, kHeadHeight_px}, {size.width, size.height}}, report);
   drawLabel(scene, caption(report), {10, 18}, kTextColor);
+  drawLegend(scene, {10, 38});
   drawForcePlot(history, toSeconds(report.time), {size.width, kPlotHeight_px})
       .copyTo(overlay.rowRange(scene.rows, overlay.rows));
   return overlay;

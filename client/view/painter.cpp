@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 namespace hapticast::client {
 
@@ -16,7 +17,10 @@ constexpr double kCone_mm = 18.0;
 // larger.
 constexpr double kEye_mm = 120.0;
 const Vec2 kTowardsViewer(0.35, -0.75);  // up and a little to the right, px per px
-constexpr double kMost_px = 1e4;         // OpenCV's drawing functions can represent it
+// Forces with a shorter projection have the direction of kTowardsViewer; per magnitude. Chosen.
+constexpr double kLeastProjection = 0.05;
+constexpr double kInvisible_N = 5e-3;  // a shorter arrow is not visible
+constexpr double kMost_px = 1e4;       // OpenCV's drawing functions can represent it
 // Points in 1/16 px, so that slow motions look smooth.
 constexpr int kShift = 4;
 const cv::Scalar kWhite(255, 255, 255);
@@ -77,6 +81,39 @@ void drawArrow(cv::Mat& image, const Vec2& from, const Vec2& way, double width_p
   paint(0.0, color);
 }
 
+/// Draws a thin, dashed arrow: a part of a force.
+void drawDashedArrow(cv::Mat& image, const Vec2& from, const Vec2& way, double width_px,
+                     const cv::Scalar& color) {
+  const double length = way.norm();
+  if (length < 2.0) return;
+  const Vec2 along = way / length;
+  const double head = std::min(length, 4.0 * width_px);
+  const double dash = 3.5 * width_px;
+  for (double at = 0.0; at < length - head; at += 1.7 * dash) {
+    const Vec2 begin = from + at * along;
+    const Vec2 end = from + std::min(at + dash, length - head) * along;
+    drawLine(image, begin, end, kRimColor, width_px + 2.0);
+    drawLine(image, begin, end, color, width_px);
+  }
+  const Vec2 end = from + way;
+  const Vec2 side = 0.5 * head * Vec2(-along.y(), along.x());
+  fill<3>(image, {end, end - head * along + side, end - head * along - side}, color);
+}
+
+/// Draws the distance to the surface: a line from the HIP down to its shadow.
+void drawGap(cv::Mat& image, const ScenePlace& place, const TickReport& report, const Vec2& tip,
+             double unit) {
+  const auto gap_mm = surfaceGap_mm(report);
+  if (report.contact || !gap_mm || !(*gap_mm > 0.0)) return;
+  const Vec2 foot = tip - *gap_mm * place.pixelsPerMm() * kTowardsViewer;
+  drawLine(image, tip, foot, kRimColor, 3.0 * unit);
+  drawLine(image, tip, foot, kGapColor, unit);
+  const cv::Size shadow(static_cast<int>(8.0 * unit), static_cast<int>(4.0 * unit));
+  const cv::Point at(static_cast<int>(bounded(foot).x()), static_cast<int>(bounded(foot).y()));
+  cv::ellipse(image, at, shadow, 0.0, 0.0, 360.0, kRimColor, cv::FILLED, cv::LINE_AA);
+  cv::ellipse(image, at, shadow, 0.0, 0.0, 360.0, kGapColor, 1, cv::LINE_AA);
+}
+
 /// Draws the stylus: a translucent cone with its apex at `tip`, opening towards the viewer.
 void drawCone(cv::Mat& image, const Vec2& tip, double size_px) {
   constexpr int kSides = 28;
@@ -97,7 +134,7 @@ void drawCone(cv::Mat& image, const Vec2& tip, double size_px) {
   if (around.empty()) return;
   cv::Mat below = image(around);
   const cv::Mat seen_through = below.clone();
-  fill<3>(image, {tip, rim(0.0), top}, cv::Scalar(190, 205, 70));
+  fill<3>(image, {tip, rim(0.0), top}, kConeColor);
   fill<3>(image, {tip, top, rim(CV_PI)}, cv::Scalar(140, 150, 40));
   fill(image, opening, cv::Scalar(220, 235, 120));
   cv::addWeighted(below, 0.78, seen_through, 0.22, 0.0, below);
@@ -133,8 +170,23 @@ Vec2 ScenePlace::toNominal(const Vec2& point) const {
 }
 
 Vec2 ScenePlace::arrow(const Vec3& force_N) const {
-  const Vec2 way = Vec2(force_N.x(), -force_N.y()) + kTowardsViewer * force_N.z();
-  return bounded(kArrowShare * size().x() * way);
+  const double magnitude_N = force_N.norm();
+  const Vec2 projected = Vec2(force_N.x(), -force_N.y()) + kTowardsViewer * force_N.z();
+  const bool visible = projected.norm() > kLeastProjection * magnitude_N;
+  const Vec2 direction = (visible ? projected : kTowardsViewer).normalized();
+  return bounded(kArrowShare * size().x() * magnitude_N * direction);
+}
+
+std::optional<double> surfaceGap_mm(const TickReport& report) {
+  if (!report.object_present || !report.over_object) return std::nullopt;
+  return report.hip_mm.z() - report.height_at_hip_mm;
+}
+
+double renderedShare(const TickReport& report) {
+  const double before_N = (report.static_force_N + report.dynamic_force_N).norm();
+  const double force_N = report.force_N.norm();
+  if (!(before_N > kInvisible_N) || !(force_N > kInvisible_N)) return 0.0;
+  return std::min(force_N / before_N, 1.0);
 }
 
 cv::Mat fitPicture(const cv::Mat& picture, cv::Size size) {
@@ -156,12 +208,16 @@ void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report
     drawRing(image, goal, 6.0 * unit, kWhite, 2);
   }
   const double nearness = kEye_mm / std::max(kEye_mm - report.hip_mm.z(), 0.3 * kEye_mm);
+  drawGap(image, place, report, tip, unit);
   drawCone(image, tip, kCone_mm * place.pixelsPerMm() * nearness);
   if (report.contact)
     drawRing(image, place.fromNominal(report.contact_mm.head<2>()), 7.0 * unit, kContactColor, 2);
   drawArrow(image, tip, place.arrow(report.force_N), 7.0 * unit, kForceColor);
-  drawArrow(image, tip, place.arrow(report.static_force_N), 4.0 * unit, kStaticForceColor);
-  drawArrow(image, tip, place.arrow(report.dynamic_force_N), 4.0 * unit, kDynamicForceColor);
+  const double share = renderedShare(report);
+  const double thin = 2.0 * unit;
+  drawDashedArrow(image, tip, place.arrow(share * report.static_force_N), thin, kStaticForceColor);
+  drawDashedArrow(image, tip, place.arrow(share * report.dynamic_force_N), thin,
+                  kDynamicForceColor);
   drawRing(image, tip, 3.5 * unit, kWhite, cv::FILLED);
 }
 
@@ -192,6 +248,23 @@ void drawOutlines(cv::Mat& image, const ScenePlace& place,
       fixed.push_back(toFixed(place.fromImage(Vec2(double{point.x}, double{point.y}))));
     cv::polylines(image, fixed, true, cv::Scalar::all(235), 2, cv::LINE_AA, kShift);
   }
+}
+
+void drawLegend(cv::Mat& image, cv::Point at) {
+  const std::array<std::pair<const char*, cv::Scalar>, 5> names{
+      {{"arrow: force at the device", kForceColor},
+       {"dashed: static share", kStaticForceColor},
+       {"dashed: dynamic share", kDynamicForceColor},
+       {"ring: contact", kContactColor},
+       {"line: height above the object", kGapColor}}};
+  for (const auto& [name, color] : names) {
+    drawLabel(image, name, at, color);
+    at.x += labelWidth_px(name) + 18;
+  }
+}
+
+int labelWidth_px(const std::string& text) {
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, nullptr).width;
 }
 
 void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color) {

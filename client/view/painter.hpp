@@ -5,6 +5,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ inline const cv::Scalar kForceColor(64, 214, 255);
 inline const cv::Scalar kStaticForceColor(255, 120, 64);
 inline const cv::Scalar kDynamicForceColor(48, 56, 255);
 inline const cv::Scalar kContactColor(120, 255, 90);
+inline const cv::Scalar kGapColor(230, 215, 190);
+inline const cv::Scalar kConeColor(190, 205, 70);
 
 /// Position of the stream's picture in an image or in the window. The picture is as large as
 /// possible at its aspect ratio. Points are in px of the image or of the window.
@@ -42,9 +45,10 @@ class ScenePlace {
   [[nodiscard]] Vec2 fromImage(const Vec2& image_px) const;
   /// Returns the nominal (x, y) of a point.
   [[nodiscard]] Vec2 toNominal(const Vec2& point) const;
-  /// Returns the arrow for a force. The x component of the force points to the right, and the y
-  /// component up. The z component points to the viewer, so the arrow shows it obliquely: up and a
-  /// little to the right.
+  /// Returns the arrow for a force, px. Its length is the magnitude of the force: one newton has
+  /// the same length in every direction. Its direction is that of the oblique projection: x to the
+  /// right, y up, z up and a little to the right. A force along the viewing direction has no such
+  /// direction, and its arrow has the one of z.
   [[nodiscard]] Vec2 arrow(const Vec3& force_N) const;
   [[nodiscard]] double pixelsPerMm() const { return scale_ * workspace_.pixelsPerMm().x(); }
 
@@ -54,12 +58,21 @@ class ScenePlace {
   Vec2 corner_;
 };
 
+/// Returns the distance from the surface under the HIP up to the HIP, nominal mm. It is negative if
+/// the HIP is below the surface, and empty if the HIP is not over an object.
+[[nodiscard]] std::optional<double> surfaceGap_mm(const TickReport& report);
+
+/// Returns the share of the static and the dynamic force that the device renders, 0..1. Both are
+/// forces before the safety chain.
+[[nodiscard]] double renderedShare(const TickReport& report);
+
 /// Returns `picture` (CV_8UC3) in the size `size`. If it is empty, returns a dark ground.
 [[nodiscard]] cv::Mat fitPicture(const cv::Mat& picture, cv::Size size);
 
-/// Draws the HIP as a cone, the contact as a ring, and the forces of `report` as arrows into
-/// `image` (CV_8UC3). Also draws the target of the pointer, if it is known. A HIP beside the
-/// picture is shown at the picture's edge.
+/// Draws the HIP as a cone and the contact as a ring into `image` (CV_8UC3). The force at the
+/// device is a solid arrow. The rendered shares of the static and the dynamic force are dashed
+/// arrows. Before contact, a line leads from the HIP to its shadow on the surface. Also draws the
+/// target of the pointer, if it is known. A HIP beside the picture is shown at the picture's edge.
 void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report,
                const PointerTarget& pointer = {});
 
@@ -70,7 +83,13 @@ void drawShade(cv::Mat& image, const ScenePlace& place, const ReliefMesh& mesh);
 void drawOutlines(cv::Mat& image, const ScenePlace& place,
                   const std::vector<std::vector<cv::Point2f>>& lines);
 
+/// Draws the names of the arrows and marks of drawTouch() into `image` in one line. `at` (px) is
+/// the lower left corner of the text.
+void drawLegend(cv::Mat& image, cv::Point at);
+
 /// Draws a line of small text into `image`. `at` (px) is the lower left corner of the text.
 void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
+/// Returns the width of such a text, px.
+[[nodiscard]] int labelWidth_px(const std::string& text);
 
 }  // namespace hapticast::client

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "client/view/force_plot.hpp"
+#include "client/view/painter.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -48,6 +51,66 @@ TEST(Overlay, ConeStandsAtTheHipAndTheArrowGrowsWithTheForce) {
   const cv::Rect two = differing(none(below_text), drawn(2.0)(below_text));
   EXPECT_GT(two.area(), one.area());
   EXPECT_GT(one.area(), 0);
+}
+
+TEST(Overlay, ANewtonHasTheSameLengthInEveryDirection) {
+  const ScenePlace place({}, {0.0, 0.0}, {960.0, 720.0});
+  const double wanted_px = place.arrow({1.0, 0.0, 0.0}).norm();
+  EXPECT_NEAR(wanted_px, 86.4, 1e-9);
+  for (double azimuth = 0.0; azimuth < 6.3; azimuth += 0.1) {
+    for (double height = -1.0; height <= 1.0; height += 0.05) {
+      const double flat = std::sqrt(std::max(0.0, 1.0 - height * height));
+      const Vec3 force_N(flat * std::cos(azimuth), flat * std::sin(azimuth), height);
+      EXPECT_NEAR(place.arrow(force_N).norm(), wanted_px, 0.05 * wanted_px) << force_N.transpose();
+    }
+  }
+  const Vec3 along_view(-0.35, -0.75, 1.0);  // its projection is a point
+  EXPECT_NEAR(place.arrow(along_view.normalized()).norm(), wanted_px, 0.05 * wanted_px);
+  EXPECT_EQ(place.arrow(Vec3::Zero()), Vec2(0.0, 0.0));
+}
+
+TEST(Overlay, AForceKeepsTheDirectionOfItsProjection) {
+  const ScenePlace place({}, {0.0, 0.0}, {960.0, 720.0});
+  const Vec2 up = place.arrow({0.0, 0.6, 0.8}).normalized();
+  EXPECT_LT((up - Vec2(0.28, -1.2).normalized()).norm(), 1e-9);
+}
+
+TEST(Overlay, ForcesBeforeTheChainAreScaledToTheRenderedShare) {
+  TickReport report = pressing(0, 4.0);
+  EXPECT_DOUBLE_EQ(renderedShare(report), 1.0);
+  report.force_N = {0.0, 0.0, 1.0};
+  EXPECT_DOUBLE_EQ(renderedShare(report), 0.25);
+  report.force_N = Vec3::Zero();
+  EXPECT_EQ(renderedShare(report), 0.0);
+}
+
+TEST(Overlay, WithoutAForceAtTheDeviceThereIsNoArrow) {
+  TickReport report = pressing(0, 4.0);
+  report.dynamic_force_N = {1.0, 0.0, 0.0};
+  report.force_N = Vec3::Zero();
+  TickReport none = report;
+  none.static_force_N = none.dynamic_force_N = Vec3::Zero();
+  const ForceHistory history;
+  const cv::Rect below_text(0, 46, 960, kHead_px + 720 - 46);
+  EXPECT_EQ(differing(drawOverlay({}, report, {}, history)(below_text),
+                      drawOverlay({}, none, {}, history)(below_text))
+                .area(),
+            0);
+}
+
+TEST(Overlay, BeforeContactALineShowsTheHeightAboveTheSurface) {
+  TickReport report = pressing(0, 0.0);
+  const cv::Mat without = drawOverlay({}, report, {}, ForceHistory());
+  report.object_present = report.over_object = true;
+  const auto measureLine_px = [&](double height_mm) {
+    report.height_at_hip_mm = height_mm;
+    const cv::Rect below_text(0, 46, 960, kHead_px + 720 - 46);
+    return differing(without(below_text), drawOverlay({}, report, {}, ForceHistory())(below_text))
+        .height;
+  };
+  EXPECT_GT(measureLine_px(2.0), measureLine_px(7.0));
+  EXPECT_GT(measureLine_px(7.0), 0);
+  EXPECT_EQ(measureLine_px(10.5), 0) << "below the surface";
 }
 
 TEST(Overlay, PlotKeepsPeaksBetweenItsPoints) {
