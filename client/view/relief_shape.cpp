@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 namespace hapticast::client {
 
@@ -87,6 +88,75 @@ ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace, int lea
     addRelief(mesh, *relief, workspace,
               ReliefMesh::kMostCells / static_cast<double>(reliefs.size()), least_px);
   }
+  return mesh;
+}
+
+bool isWall(const ReliefMesh& mesh, const std::array<int, 4>& cell) {
+  constexpr double kSlope = 2.0;  // chosen: a sphere has it at 89 % of its radius
+  const auto position_mm = [&](std::size_t i) -> const Vec3& {
+    return mesh.corners[static_cast<std::size_t>(cell[i])].position_mm;
+  };
+  double low_mm = position_mm(0).z();
+  double high_mm = low_mm;
+  for (std::size_t i = 1; i < cell.size(); ++i) {
+    low_mm = std::min(low_mm, position_mm(i).z());
+    high_mm = std::max(high_mm, position_mm(i).z());
+  }
+  const double width_mm = (position_mm(1) - position_mm(0)).head<2>().norm();
+  return high_mm - low_mm > kSlope * width_mm;
+}
+
+namespace {
+
+using Edge = std::pair<int, int>;
+
+/// Returns the edges that belong to one cell only.
+std::vector<Edge> findRim(const ReliefMesh& mesh) {
+  std::vector<Edge> edges;
+  edges.reserve(4 * mesh.cells.size());
+  for (const auto& cell : mesh.cells) {
+    for (std::size_t i = 0; i < cell.size(); ++i)
+      edges.push_back(std::minmax({cell[i], cell[(i + 1) % cell.size()]}));
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<Edge> rim;
+  for (std::size_t i = 0; i < edges.size();) {
+    const auto next =
+        std::upper_bound(edges.begin() + static_cast<std::ptrdiff_t>(i), edges.end(), edges[i]) -
+        edges.begin();
+    if (static_cast<std::size_t>(next) == i + 1) rim.push_back(edges[i]);
+    i = static_cast<std::size_t>(next);
+  }
+  return rim;
+}
+
+/// Moves each corner of the rim halfway to the mean of its neighbours on the rim.
+void smoothRim(ReliefMesh& mesh, const std::vector<Edge>& rim) {
+  std::vector<Vec3> sum_mm(mesh.corners.size(), Vec3::Zero());
+  std::vector<int> count(mesh.corners.size(), 0);
+  const auto add = [&](int corner, int neighbour) {
+    const auto at = static_cast<std::size_t>(corner);
+    sum_mm[at] += mesh.corners[static_cast<std::size_t>(neighbour)].position_mm;
+    ++count[at];
+  };
+  for (const auto& [a, b] : rim) {
+    add(a, b);
+    add(b, a);
+  }
+  for (std::size_t i = 0; i < mesh.corners.size(); ++i) {
+    if (count[i] == 0) continue;
+    Vec3& position_mm = mesh.corners[i].position_mm;
+    position_mm = 0.5 * (position_mm + sum_mm[i] / count[i]);
+  }
+}
+
+}  // namespace
+
+ReliefMesh cutWalls(ReliefMesh mesh) {
+  constexpr int kSmoothings = 6;  // chosen: no step of a cell remains visible
+  std::erase_if(mesh.cells, [&mesh](const auto& cell) { return isWall(mesh, cell); });
+  const std::vector<Edge> rim = findRim(mesh);
+  for (int i = 0; i < kSmoothings; ++i) smoothRim(mesh, rim);
   return mesh;
 }
 

@@ -36,4 +36,11 @@ struct ReliefMesh {
 [[nodiscard]] ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace,
                                    int least_px = 1);
 
+/// Returns true if the cell is a part of a wall: its heights differ by more than twice its width.
+/// At the edge of a mask such cells are the cut-off sides of the object.
+[[nodiscard]] bool isWall(const ReliefMesh& mesh, const std::array<int, 4>& cell);
+
+/// Returns `mesh` without its walls, and with a smooth rim. Corners inside the rim are unchanged.
+[[nodiscard]] ReliefMesh cutWalls(ReliefMesh mesh);
+
 }  // namespace hapticast::client
