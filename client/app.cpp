@@ -61,7 +61,7 @@ struct LocalDevice {
         settings(rendererSettings(settings, selected)),
         renderer(std::make_unique<HapticRenderer>(this->settings, pool, stream, ui.controls(),
                                                   &reports)) {
-    ui.setDevice(selected.device->profile());
+    ui.setDevice(selected.device->profile(), followsPointer(*selected.device));
   }
 
   SelectedDevice selected;

@@ -75,6 +75,7 @@ class Session::Impl {
   DecodeThread decode_thread;
   Receiver receiver;
   Connection connection;
+  double scan_share = 1.0;              // of the server's clip; network thread
   StreamErrorLog stream_errors;         // network thread
   ConnectionLog connection_log;         // network thread; after it has ended the caller's
   std::atomic<bool> is_waiting{false};  // for the first connection, after a failed one
@@ -87,6 +88,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
   return {
       .welcomed =
           [this](const auto& stream) {
+            scan_share = 1.0;
             publishStats(true);
             is_waiting = false;
             logLine(spdlog::level::info,
@@ -96,6 +98,8 @@ ConnectionEvents Session::Impl::connectionEvents() {
           [this](const VideoFrame& video) { events.picture(video, receiver.stream().workspace); },
       .preparing =
           [this](double share) {
+            scan_share = share;
+            publishStats(true);
             logLine(spdlog::level::info, connection_log.preparing(share, clock.now()));
           },
       .delivery =
@@ -118,6 +122,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
 
 void Session::Impl::onPrepared(const PreparedFrame& frame) {
   receiver.prepared(frame);
+  scan_share = 1.0;
   events.frame(frame.playable);
   publishStats(true);
   logLine(spdlog::level::warn, stream_errors.onCounts(receiver.counts(), clock.now()));
@@ -130,6 +135,7 @@ void Session::Impl::publishStats(bool connected) {
                .frames_lost = counts.lost,
                .frames_late = counts.late,
                .slices_lost = counts.slices_lost,
+               .scan_share = scan_share,
                .clock_error_us = toSeconds(receiver.clockErrorBound()) * 1e6,
                .fps = 1.0 / toSeconds(receiver.stream().frame_interval)});
 }

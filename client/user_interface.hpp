@@ -29,8 +29,12 @@ class UserInterface {
   [[nodiscard]] LatestValue<PointerTarget>* pointer() { return has_pointer_ ? &pointer_ : nullptr; }
   /// Returns the controls of the user, which the renderer reads.
   [[nodiscard]] LatestValue<UserControls>& controls() { return controls_; }
-  /// Sets which buttons of the device have a function, by its profile.
-  void setDevice(const DeviceProfile& profile) { buttons_.emplace(profile); }
+  /// Sets which buttons of the device have a function, by its profile. `follows_pointer` is true if
+  /// the pointer moves the device.
+  void setDevice(const DeviceProfile& profile, bool follows_pointer) {
+    buttons_.emplace(profile);
+    state_.pointer_is_device = follows_pointer;
+  }
   [[nodiscard]] bool wantsVideo() const;
   [[nodiscard]] const RearmPolicy& rearm() const { return rearm_; }
 

@@ -39,6 +39,10 @@ class Mouse final : public HapticDevice {
 
 }  // namespace
 
+bool followsPointer(const HapticDevice& device) {
+  return dynamic_cast<const Mouse*>(&device) != nullptr;
+}
+
 std::unique_ptr<HapticDevice> openMouse(const DeviceRequest& request) {
   if (request.pointer == nullptr)
     throw std::runtime_error("--device mouse: needs the window to point in (--view on)");

@@ -83,6 +83,9 @@ PlantProfile loadProfile(const std::string& name_or_file, const std::string& own
 /// OpenDevice, and also for an unknown name.
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request);
 
+/// Returns true if `device` follows DeviceRequest::pointer: it is a mouse.
+[[nodiscard]] bool followsPointer(const HapticDevice& device);
+
 /// Opens the first detected device that answers, and returns it. Returns null if no detected device
 /// answers. Logs detected devices that do not answer.
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request);

@@ -25,17 +25,19 @@ struct ConnectionStats {
   std::uint64_t frames_lost = 0;
   std::uint64_t frames_late = 0;
   std::uint64_t slices_lost = 0;
+  double scan_share = 1.0;      ///< scanned share of the server's clip, 0..1; 1: no scan
   double clock_error_us = 0.0;  ///< largest error of the media clock; 0: unknown
   double fps = 25.0;            ///< frames per second that the server announced
 };
 
 /// State that the client and its views share.
 struct UiState {
-  UserControls user;       ///< controls of the user; a view may change them
-  PointerTarget pointer;   ///< only the view with points() writes it
-  ConnectionStats stream;  ///< state of the connection; views only read it
-  bool record = false;     ///< a view sets it; while it is true, the client logs into a new file
-  std::string recording;   ///< name of that log file, or an error; empty before the first one
+  UserControls user;               ///< controls of the user; a view may change them
+  PointerTarget pointer;           ///< only the view with points() writes it
+  bool pointer_is_device = false;  ///< true: the pointer moves the HIP (mouse)
+  ConnectionStats stream;          ///< state of the connection; views only read it
+  bool record = false;    ///< a view sets it; while it is true, the client logs into a new file
+  std::string recording;  ///< name of that log file, or an error; empty before the first one
 };
 
 /// Interface of a view of a run.
