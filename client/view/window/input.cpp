@@ -3,8 +3,6 @@
 #if HAPTICAST_IMGUI
 #include <backends/imgui_impl_sdl.h>
 
-#include <algorithm>
-
 #include "client/view/window/display.hpp"
 #include "client/view/window/window.hpp"
 
@@ -13,14 +11,14 @@ namespace hapticast::client {
 namespace {
 
 constexpr std::uint64_t kFrame_ms = 16;  // chosen: the usual rate of a screen
-constexpr double kWheel_mm = 1.0;        // chosen: per notch of the wheel
 constexpr double kDrag_mm_per_px = 0.1;  // chosen: half of a hand's movement is a press
-// Limits of the HIP before and behind the picture.
-constexpr double kNearest_mm = 35.0;
-constexpr double kFarthest_mm = -5.0;
 
-bool within(const ImVec4& box, const Vec2& point) {
-  return point.x() >= box.x && point.y() >= box.y && point.x() < box.z && point.y() < box.w;
+/// Returns the turn of the wheel in notches, positive away from the user. A touchpad turns by
+/// fractions. The system's "natural" direction does not change it.
+double readNotches(const SDL_MouseWheelEvent& wheel) {
+  const double exact = double{wheel.preciseY};
+  const double notches = exact != 0.0 ? exact : static_cast<double>(wheel.y);
+  return wheel.direction == SDL_MOUSEWHEEL_FLIPPED ? -notches : notches;
 }
 
 }  // namespace
@@ -29,6 +27,7 @@ bool ViewerWindow::update(UiState& ui_state) {
   if (displayIsLost()) return false;
   SDL_Event event;
   while (SDL_PollEvent(&event) != 0) handleEvent(event, ui_state);
+  input_.update(ticks_.last(), place_, placed_, ui_state.pointer);
   const std::uint64_t now_ms = SDL_GetTicks64();
   if (now_ms - drawn_ms_ >= kFrame_ms && !displayIsLost()) {
     drawn_ms_ = now_ms;
@@ -55,11 +54,11 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
       point(event.motion, ui_state);
       break;
     case SDL_MOUSEWHEEL:
-      if (!io.WantCaptureMouse) press(-kWheel_mm * double{event.wheel.preciseY}, ui_state);
+      if (!io.WantCaptureMouse) PointerInput::turnWheel(readNotches(event.wheel), ui_state.pointer);
       break;
     case SDL_MOUSEBUTTONDOWN:
       if (event.button.button == SDL_BUTTON_LEFT && place_.contains(cursor) && !io.WantCaptureMouse)
-        drag(isRotating(cursor) ? Drag::kTurns : Drag::kPresses);
+        pressButton(cursor);
       break;
     case SDL_MOUSEBUTTONUP:
       if (event.button.button == SDL_BUTTON_LEFT) drag(Drag::kNone);
@@ -69,34 +68,47 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
   }
 }
 
+/// A press of the left button over the picture begins a drag, or closes the box of the relief.
+void ViewerWindow::pressButton(const Vec2& cursor) {
+  switch (partAt(cursor)) {
+    case BoxPart::kClose:
+      state_.relief = ReliefLook::kNone;
+      break;
+    case BoxPart::kTitle:
+      drag(Drag::kMoves);
+      break;
+    case BoxPart::kBody:
+      drag(Drag::kTurns);
+      break;
+    case BoxPart::kNone:
+      drag(Drag::kPresses);
+      break;
+  }
+}
+
 void ViewerWindow::point(const SDL_MouseMotionEvent& motion, UiState& ui_state) {
-  if (drag_ == Drag::kPresses) press(kDrag_mm_per_px * motion.yrel, ui_state);
+  const Vec2 by_px(motion.xrel, motion.yrel);
+  if (drag_ == Drag::kPresses) PointerInput::press(kDrag_mm_per_px * by_px.y(), ui_state.pointer);
   if (drag_ == Drag::kTurns)
     relief_.rotate(static_cast<float>(motion.xrel), static_cast<float>(motion.yrel));
+  if (drag_ == Drag::kMoves) relief_.box().move(place_, by_px);
   if (drag_ != Drag::kNone) return;
   const Vec2 at(motion.x, motion.y);
-  if (!place_.contains(at) || isRotating(at) || ImGui::GetIO().WantCaptureMouse) return;
-  if (!ui_state.pointer.known) {  // the depth begins at the HIP
-    ui_state.pointer = {.known = true, .position_mm = ticks_.last().hip_mm};
-    press(0.0, ui_state);
-  }
-  ui_state.pointer.position_mm.head<2>() = place_.toNominal(at);
+  if (!place_.contains(at) || partAt(at) != BoxPart::kNone || ImGui::GetIO().WantCaptureMouse)
+    return;
+  input_.point(at);
 }
 
-/// Moves the target into the picture.
-void ViewerWindow::press(double by_mm, UiState& ui_state) const {
-  double& z_mm = ui_state.pointer.position_mm.z();
-  z_mm = std::clamp(z_mm - by_mm, kFarthest_mm, kNearest_mm);
-}
-
-/// During a drag the pointer remains at its place and has no edge to stop at.
+/// During a drag of the HIP or of the view, the pointer remains at its place and has no edge to
+/// stop at.
 void ViewerWindow::drag(Drag what) {
   drag_ = what;
-  SDL_SetRelativeMouseMode(what == Drag::kNone ? SDL_FALSE : SDL_TRUE);
+  const bool stays = what == Drag::kPresses || what == Drag::kTurns;
+  SDL_SetRelativeMouseMode(stays ? SDL_TRUE : SDL_FALSE);
 }
 
-bool ViewerWindow::isRotating(const Vec2& point) const {
-  return state_.relief == ReliefLook::kInSpace && within(WindowRelief::box(place_), point);
+BoxPart ViewerWindow::partAt(const Vec2& point) const {
+  return state_.relief == ReliefLook::kInSpace ? relief_.box().part(place_, point) : BoxPart::kNone;
 }
 
 }  // namespace hapticast::client

@@ -17,7 +17,10 @@ constexpr double kTurn_rad_per_px = 0.01;  // chosen: about half a turn across t
 // The software renderer leaves holes between smaller triangles (measured), px of the window.
 constexpr double kCell_px = 4.0;
 constexpr double kArrow_mm_per_N = 12.0;
-constexpr double kStylus_mm = 25.0;
+constexpr double kStylus_mm = 16.0;
+constexpr double kConeRadius_mm = 4.5;
+// Chosen: the view follows a HIP up to this distance from the relief.
+constexpr double kNear_mm = 14.0;
 
 float toFloat(double value) {
   return std::isfinite(value) ? static_cast<float>(std::clamp(value, -1e5, 1e5)) : 0.0F;
@@ -45,11 +48,13 @@ ImU32 lit(float light) {
 /// Orthographic projection of the workspace from the side.
 class Aside {
  public:
-  Aside(const ReliefMesh& mesh, const ImVec4& box, double yaw_rad, double pitch_rad)
+  /// Shows `mesh`, and the stylus at `tip_mm` if it is near, in the rectangle `box`.
+  Aside(const ReliefMesh& mesh, const Vec3& tip_mm, const cv::Rect2d& box, double yaw_rad,
+        double pitch_rad)
       : rotation_((Eigen::AngleAxisd(pitch_rad, Vec3::UnitX()) *
                    Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ()))
                       .toRotationMatrix()),
-        middle_(0.5 * Vec2(box.x + box.z, box.y + box.w)) {
+        middle_(box.x + 0.5 * box.width, box.y + 0.5 * box.height) {
     Vec3 low = Vec3::Constant(1e9);
     Vec3 high = Vec3::Constant(-1e9);
     for (const ReliefMesh::Corner& corner : mesh.corners) {
@@ -57,24 +62,35 @@ class Aside {
       high = high.cwiseMax(corner.position_mm);
     }
     if (mesh.corners.empty()) low = high = Vec3::Zero();
+    const Vec3 near_mm =
+        tip_mm.cwiseMax(low - Vec3::Constant(kNear_mm)).cwiseMin(high + Vec3::Constant(kNear_mm));
+    low = low.cwiseMin(near_mm);
+    high = high.cwiseMax(near_mm + Vec3(0.0, 0.0, kStylus_mm));
     centre_mm_ = 0.5 * (low + high);
-    // Margin for the stylus.
-    const double across_mm = (high - low).head<2>().norm() + kStylus_mm;
-    px_per_mm_ = static_cast<double>(std::min(box.z - box.x, box.w - box.y)) / across_mm;
+    fit(low, high, Vec2(box.width, box.height));
   }
+  /// Returns a position in the directions of the view: right, up, towards the viewer.
   [[nodiscard]] Vec3 rotated(const Vec3& nominal_mm) const {
     return rotation_ * (nominal_mm - centre_mm_);
   }
+  /// Returns the point of the window at which a position is drawn.
   [[nodiscard]] Vec2 operator()(const Vec3& nominal_mm) const {
     const Vec3 seen = px_per_mm_ * rotated(nominal_mm);
     return middle_ + Vec2(seen.x(), -seen.y());
   }
 
  private:
+  /// Chooses the scale at which the rotated corners of a block fit into `size_px`.
+  void fit(const Vec3& low_mm, const Vec3& high_mm, const Vec2& size_px) {
+    const Vec3 half_mm = rotation_.cwiseAbs() * (0.5 * (high_mm - low_mm));
+    const Vec2 needed_mm = half_mm.head<2>() + Vec2::Constant(kConeRadius_mm);
+    px_per_mm_ = (0.5 * size_px).cwiseQuotient(needed_mm).minCoeff();
+  }
+
   Eigen::Matrix3d rotation_;
   Vec2 middle_;
   Vec3 centre_mm_;
-  double px_per_mm_;
+  double px_per_mm_ = 1.0;
 };
 
 /// Painter's algorithm: returns the cells from the farthest to the nearest.
@@ -108,6 +124,22 @@ void drawCells(ImDrawList& list, const ReliefMesh& mesh, const Aside& aside) {
   }
 }
 
+/// Draws the stylus as a cone with its apex at the HIP.
+void drawConeInSpace(ImDrawList& list, const Aside& aside, const Vec3& tip_mm) {
+  constexpr int kSides = 24;
+  std::array<ImVec2, kSides> opening;
+  for (std::size_t i = 0; i < opening.size(); ++i) {
+    const double angle_rad = 6.283185307179586 * static_cast<double>(i) / kSides;
+    opening[i] = toImVec(aside(tip_mm + Vec3(kConeRadius_mm * std::cos(angle_rad),
+                                             kConeRadius_mm * std::sin(angle_rad), kStylus_mm)));
+  }
+  const ImVec2 tip = toImVec(aside(tip_mm));
+  for (std::size_t i = 0; i < opening.size(); ++i)
+    list.AddTriangleFilled(tip, opening[i], opening[(i + 1) % opening.size()],
+                           IM_COL32(40, 150, 140, 255));
+  list.AddConvexPolyFilled(opening.data(), kSides, IM_COL32(120, 235, 220, 255));
+}
+
 /// Draws stylus, HIP, surface point and force.
 void drawTouchInSpace(ImDrawList& list, const Aside& aside, const TickReport& report) {
   const Vec3& tip_mm = report.hip_mm;
@@ -117,8 +149,7 @@ void drawTouchInSpace(ImDrawList& list, const Aside& aside, const TickReport& re
     list.AddLine(toImVec(tip), held, toImGui(kContactColor), 1.5F);
     list.AddCircle(held, 5.0F, toImGui(kContactColor), 0, 2.0F);
   }
-  list.AddLine(toImVec(tip), toImVec(aside(tip_mm + Vec3(0.0, 0.0, kStylus_mm))),
-               IM_COL32(70, 205, 190, 255), 3.0F);
+  drawConeInSpace(list, aside, tip_mm);
   list.AddCircleFilled(toImVec(tip), 4.0F, IM_COL32(255, 255, 255, 255));
   drawArrow(list, tip, aside(tip_mm + kArrow_mm_per_N * report.force_N), toImGui(kForceColor));
 }
@@ -164,9 +195,18 @@ void WindowRelief::rotate(float right_px, float down_px) {
 const ReliefMesh& WindowRelief::mesh(const ScenePlace& place) {
   const double px = place.pixelsPerMm() / workspace_.pixelsPerMm().x();
   const int least_px = std::max(1, static_cast<int>(std::ceil(kCell_px / px)));
-  if (!mesh_ || least_px != cell_px_) mesh_ = buildMesh(reliefs_, workspace_, least_px);
+  if (!mesh_ || least_px != cell_px_) {
+    mesh_ = buildMesh(reliefs_, workspace_, least_px);
+    cut_mesh_.reset();
+  }
   cell_px_ = least_px;
   return *mesh_;
+}
+
+const ReliefMesh& WindowRelief::cutMesh(const ScenePlace& place) {
+  const ReliefMesh& whole = mesh(place);
+  if (!cut_mesh_) cut_mesh_ = cutWalls(whole);
+  return *cut_mesh_;
 }
 
 void WindowRelief::drawOutline(cv::Mat& image, const ScenePlace& place) {
@@ -183,26 +223,28 @@ void WindowRelief::drawShaded(cv::Mat& image, const ScenePlace& place) {
   drawShade(image, place, mesh(place));
 }
 
-ImVec4 WindowRelief::box(const ScenePlace& place) {
-  constexpr double kShare = 0.45;  // chosen: the middle of the picture stays free
-  const ImVec2 end = toImVec(place.corner() + kShare * place.size());
-  const ImVec2 corner = toImVec(place.corner());
-  const float below = toImVec(place.end()).y - end.y;
-  return {corner.x, corner.y + below, end.x, end.y + below};
-}
-
 void WindowRelief::drawInSpace(ImDrawList& list, const ScenePlace& place,
                                const TickReport& report) {
-  const ImVec4 room = box(place);
-  const ImVec2 corner(room.x, room.y);
-  const ImVec2 end(room.z, room.w);
+  const cv::Rect2d box = box_.rect(place);
+  const ImVec2 corner = toImVec({box.x, box.y});
+  const ImVec2 end = toImVec({box.br().x, box.br().y});
+  const auto title = static_cast<float>(ReliefBox::kTitle_px);
   list.PushClipRect(corner, end, true);
   list.AddRectFilled(corner, end, IM_COL32(18, 20, 24, 225));
-  const Aside aside(mesh(place), room, yaw_rad_, pitch_rad_);
-  drawCells(list, mesh(place), aside);
+  const cv::Rect2d body(box.x, box.y + ReliefBox::kTitle_px, box.width,
+                        box.height - ReliefBox::kTitle_px);
+  const ReliefMesh& shape = cutMesh(place);
+  const Aside aside(shape, report.hip_mm, body, yaw_rad_, pitch_rad_);
+  drawCells(list, shape, aside);
   drawTouchInSpace(list, aside, report);
-  list.AddText({room.x + 5.0F, room.y + 3.0F}, IM_COL32(170, 170, 170, 255),
-               "drag here to turn it");
+  list.AddRectFilled(corner, {end.x, corner.y + title}, IM_COL32(44, 50, 60, 255));
+  list.AddText({corner.x + 5.0F, corner.y + 3.0F}, IM_COL32(200, 200, 200, 255),
+               "relief: drag below to turn");
+  const ImVec2 cross(end.x - 0.5F * title, corner.y + 0.5F * title);
+  constexpr float kArm_px = 5.0F;
+  for (const float side : {-kArm_px, kArm_px})
+    list.AddLine({cross.x - kArm_px, cross.y - side}, {cross.x + kArm_px, cross.y + side},
+                 IM_COL32(230, 230, 230, 255), 2.0F);
   list.AddRect(corner, end, IM_COL32(120, 120, 120, 255));
   list.PopClipRect();
 }

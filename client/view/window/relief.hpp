@@ -15,6 +15,7 @@
 #include "client/haptics/playback/frame_pool.hpp"
 #include "client/view/painter.hpp"
 #include "client/view/relief_shape.hpp"
+#include "client/view/window/relief_box.hpp"
 
 namespace hapticast::client {
 
@@ -42,12 +43,14 @@ class WindowRelief {
   /// Draws the shape in space, inside the rectangle of box(), with the HIP and the force of
   /// `report`.
   void drawInSpace(ImDrawList& list, const ScenePlace& place, const TickReport& report);
-  /// Returns the rectangle for the shape in space: left, top, right, bottom. It is in the lower
-  /// left corner of the picture.
-  [[nodiscard]] static ImVec4 box(const ScenePlace& place);
+  /// Returns the box for the shape in space.
+  [[nodiscard]] ReliefBox& box() { return box_; }
+  [[nodiscard]] const ReliefBox& box() const { return box_; }
 
  private:
   const ReliefMesh& mesh(const ScenePlace& place);
+  /// Returns the mesh without walls, for the shape in space.
+  const ReliefMesh& cutMesh(const ScenePlace& place);
 
   std::mutex mutex_;
   std::deque<PlayableReliefs> frames_;  // guarded by mutex_
@@ -56,10 +59,12 @@ class WindowRelief {
   Workspace workspace_;
   // Built from reliefs_ on demand:
   std::optional<ReliefMesh> mesh_;
-  int cell_px_ = 0;  // smallest cell of mesh_
+  std::optional<ReliefMesh> cut_mesh_;  // of mesh_
+  int cell_px_ = 0;                     // smallest cell of mesh_
   std::optional<std::vector<std::vector<cv::Point2f>>> outlines_;
   double yaw_rad_ = -0.5;
   double pitch_rad_ = -0.9;
+  ReliefBox box_;
 };
 
 }  // namespace hapticast::client

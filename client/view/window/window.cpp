@@ -30,11 +30,19 @@ bool drawsForNobody() {
   return (driver == "offscreen" || driver == "dummy") && SDL_getenv("SDL_VIDEODRIVER") == nullptr;
 }
 
-/// Width of the panel.
-float panelWidth(const ImVec2& window) { return std::clamp(0.3F * window.x, 250.0F, 460.0F); }
-
-int textHeight(const ImVec2& window) {
-  return window.y < 600.0F ? 13 : window.y < 1000.0F ? 15 : 19;
+/// Draws `text` in the middle of the upper edge of the picture, on a dark ground.
+void drawHint(ImDrawList& list, const ScenePlace& place, const std::string& text) {
+  if (text.empty()) return;
+  const float margin = 0.5F * ImGui::GetFontSize();
+  const auto most = static_cast<float>(0.9 * place.size().x());
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, most);
+  const auto middle = static_cast<float>(place.corner().x() + 0.5 * place.size().x());
+  const ImVec2 corner(middle - 0.5F * size.x,
+                      static_cast<float>(place.corner().y()) + 2.0F * margin);
+  list.AddRectFilled({corner.x - margin, corner.y - margin},
+                     {corner.x + size.x + margin, corner.y + size.y + margin},
+                     IM_COL32(18, 20, 24, 215), 4.0F);
+  list.AddText(nullptr, 0.0F, corner, IM_COL32(255, 240, 180, 255), text.c_str(), nullptr, most);
 }
 
 }  // namespace
@@ -114,20 +122,23 @@ void ViewerWindow::finish() {
 }
 
 void ViewerWindow::draw(UiState& ui_state) {
-  const ImGuiIO& io = ImGui::GetIO();
   int width = 0;
   int height = 0;
   SDL_GetWindowSize(gui_->window, &width, &height);
-  gui_->gui_renderer->setTextHeight(
-      textHeight(ImVec2(static_cast<float>(width), static_cast<float>(height))));
+  const WindowLayout layout = arrangeWindow(Vec2(width, height), state_.panel);
+  gui_->gui_renderer->setTextHeight(layout.text_px);
   selectPicture();
   ImGui_ImplSDL2_NewFrame();
   ImGui::NewFrame();
-  const float panel = panelWidth(io.DisplaySize);
-  showScene(ui_state);
-  showPanel({io.DisplaySize.x - panel, 0.0F}, {panel, io.DisplaySize.y}, ticks_, history_,
-            *gui_->gui_renderer, ui_state, state_);
-  showHelp({io.DisplaySize.x - panel, io.DisplaySize.y}, state_.help);
+  showScene(layout, ui_state);
+  showTexts(layout, ui_state);
+  state_.folded = layout.isFolded();
+  if (state_.folded) {
+    showButtons(layout, state_);
+  } else {
+    showPanel(layout, ticks_, history_, *gui_->gui_renderer, ui_state, state_);
+  }
+  showHelp(layout, state_.help);
   ImGui::Render();
   SDL_SetRenderDrawColor(gui_->renderer, 24, 26, 28, 255);
   SDL_RenderClear(gui_->renderer);
@@ -158,22 +169,29 @@ void ViewerWindow::selectPicture() {
   last_play_time_ = play_time;
 }
 
-void ViewerWindow::showScene(const UiState& ui_state) {
-  const ImVec2& window = ImGui::GetIO().DisplaySize;
-  const float head = 1.8F * ImGui::GetFontSize();
-  place_ = ScenePlace(workspace_, {0.0, head},
-                      {window.x - panelWidth(window), std::max(window.y - head, 1.0F)});
+void ViewerWindow::showScene(const WindowLayout& layout, const UiState& ui_state) {
+  place_ = ScenePlace(workspace_, layout.corner, layout.room);
+  placed_ = shown_ != nullptr;
   relief_.update(ticks_.last().play_time, workspace_);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const auto point = [](const Vec2& at) {
     return ImVec2(static_cast<float>(at.x()), static_cast<float>(at.y()));
   };
-  list.AddImage(gui_->gui_renderer->upload(GuiImage::kScene, paintScene(ui_state.pointer)),
+  const PointerTarget pointer = ui_state.pointer_is_device ? ui_state.pointer : PointerTarget{};
+  list.AddImage(gui_->gui_renderer->upload(GuiImage::kScene, paintScene(pointer)),
                 point(place_.corner()), point(place_.end()));
   if (state_.relief == ReliefLook::kInSpace) relief_.drawInSpace(list, place_, ticks_.last());
+}
+
+/// Draws the status line above the picture, and the hint in it.
+void ViewerWindow::showTexts(const WindowLayout& layout, const UiState& ui_state) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float margin = 0.4F * ImGui::GetFontSize();
   const std::string status = statusLine(ticks_.last(), ui_state);
-  list.AddText({0.5F * ImGui::GetFontSize(), 0.4F * ImGui::GetFontSize()},
-               IM_COL32(235, 235, 235, 255), status.c_str());
+  const auto wrap = static_cast<float>(layout.room.x() - buttonsWidth_px(layout)) - 2.0F * margin;
+  list.AddText(nullptr, 0.0F, {margin, margin}, IM_COL32(235, 235, 235, 255), status.c_str(),
+               nullptr, wrap);
+  if (!state_.help) drawHint(list, place_, hintLine(ticks_, ui_state));
 }
 
 /// Returns the picture with the HIP and the forces, in px of the screen.

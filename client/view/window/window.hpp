@@ -12,6 +12,8 @@
 
 #include "client/view/painter.hpp"
 #include "client/view/picture.hpp"
+#include "client/view/pointer_input.hpp"
+#include "client/view/window/layout.hpp"
 #include "client/view/window/panel.hpp"
 #include "client/view/window/relief.hpp"
 
@@ -49,15 +51,15 @@ class ViewerWindow final : public View {
  private:
   void handleEvent(const SDL_Event& event, UiState& ui_state);
   void point(const SDL_MouseMotionEvent& motion, UiState& ui_state);
-  void press(double by_mm, UiState& ui_state) const;
-  enum class Drag : std::uint8_t { kNone, kPresses, kTurns };
+  enum class Drag : std::uint8_t { kNone, kPresses, kTurns, kMoves };
+  void pressButton(const Vec2& cursor);
   void drag(Drag what);
-  /// Returns true if a drag that begins at `point` rotates the relief. Otherwise the drag moves the
-  /// target of the HIP.
-  [[nodiscard]] bool isRotating(const Vec2& point) const;
+  /// Returns the part of the relief's box at `point`. It is kNone while the box is closed.
+  [[nodiscard]] BoxPart partAt(const Vec2& point) const;
   void selectPicture();
   [[nodiscard]] cv::Mat paintScene(const PointerTarget& pointer);
-  void showScene(const UiState& ui_state);
+  void showScene(const WindowLayout& layout, const UiState& ui_state);
+  void showTexts(const WindowLayout& layout, const UiState& ui_state);
   void savePicture();
 
   struct Gui;  // SDL, ImGui and their resources, in the order of their destruction
@@ -70,6 +72,8 @@ class ViewerWindow final : public View {
   TickWatch ticks_;
   PanelState state_;
   ScenePlace place_;
+  bool placed_ = false;  // place_ is that of the stream's picture
+  PointerInput input_;
   Drag drag_ = Drag::kNone;
   WindowRelief relief_;
   Histogram eye_hand_ns_;

@@ -87,7 +87,8 @@ TEST_F(WindowTest, ThePictureOfAPausedFrameStaysHoweverLongThePauseIs) {
   ViewerWindow window(640, 480);
   const auto shown = [&] {
     window.draw(ui_state);
-    return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y()) - 3, 3)[1];
+    return window.pixels().at<cv::Vec3b>(static_cast<int>(window.place().end().y()) - 3,
+                                         static_cast<int>(window.place().corner().x()) + 3)[1];
   };
   window.onPicture(grey(90), Workspace{});
   window.onReport(touch());
@@ -135,19 +136,51 @@ TEST_F(WindowTest, HearsKeysPointerAndWheel) {
   SDL_PushEvent(&motion);
   EXPECT_TRUE(window.update(ui_state));
   ASSERT_TRUE(ui_state.pointer.known);
-  EXPECT_LT((ui_state.pointer.position_mm - Vec3(-10.0, 20.0, 12.0)).norm(), 1.0)
-      << "in depth it begins where the tip is";
+  EXPECT_LT((ui_state.pointer.position_mm - Vec3(-10.0, 20.0, 35.0)).norm(), 1.0)
+      << "the start is above the picture";
   SDL_Event wheel{};
   wheel.type = SDL_MOUSEWHEEL;
   wheel.wheel.preciseY = -4.0F;
   SDL_PushEvent(&wheel);
   EXPECT_TRUE(window.update(ui_state));
-  EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 8.0);
+  EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 31.0);
+  wheel.wheel.preciseY = -0.25F;  // a touchpad
+  for (int i = 0; i < 8; ++i) {
+    SDL_PushEvent(&wheel);
+    EXPECT_TRUE(window.update(ui_state));
+  }
+  EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 29.0);
+  wheel.wheel.direction = SDL_MOUSEWHEEL_FLIPPED;
+  SDL_PushEvent(&wheel);
+  EXPECT_TRUE(window.update(ui_state));
+  EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 29.25);
+  key(SDLK_HOME);
+  EXPECT_DOUBLE_EQ(ui_state.pointer.position_mm.z(), 35.0);
 
   SDL_Event quit{};
   quit.type = SDL_QUIT;
   SDL_PushEvent(&quit);
   EXPECT_FALSE(window.update(ui_state));
+}
+
+TEST_F(WindowTest, APointerInTheWindowAtItsStartDoesNotSetTheDepth) {
+  ViewerWindow window(640, 480);
+  SDL_Event motion{};
+  motion.type = SDL_MOUSEMOTION;
+  motion.motion.x = 300;
+  motion.motion.y = 200;
+  SDL_PushEvent(&motion);
+  EXPECT_TRUE(window.update(ui_state));
+  EXPECT_FALSE(ui_state.pointer.known) << "there is no report yet";
+  window.onPicture(grey(90), Workspace{});
+  window.onReport(touch());
+  window.draw(ui_state);
+  EXPECT_TRUE(window.update(ui_state));
+  ASSERT_TRUE(ui_state.pointer.known);
+  EXPECT_EQ(ui_state.pointer.position_mm.z(), 35.0);
+  EXPECT_LT(
+      (window.place().fromNominal(ui_state.pointer.position_mm.head<2>()) - Vec2(300, 200)).norm(),
+      1.0);
 }
 
 TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
@@ -211,9 +244,7 @@ TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
   key.key.keysym.sym = SDLK_v;
   send(key);
   send(key);
-  const ImVec4 box = WindowRelief::box(window.place());
-  const cv::Rect inside(static_cast<int>(box.x), static_cast<int>(box.y),
-                        static_cast<int>(box.z - box.x), static_cast<int>(box.w - box.y));
+  const cv::Rect inside = ReliefBox().rect(window.place());
   const cv::Mat before = window.pixels()(inside).clone();
   SDL_Event button{};
   button.type = SDL_MOUSEBUTTONDOWN;
@@ -232,6 +263,30 @@ TEST_F(WindowTest, ADragInItsBoxTurnsTheReliefAndLeavesTheTipAlone) {
   EXPECT_GT(cv::norm(before, window.pixels()(inside), cv::NORM_L1), 10'000.0);
   button.type = SDL_MOUSEBUTTONUP;
   send(button);
+  button.type = SDL_MOUSEBUTTONDOWN;  // the cross in the title
+  button.button.x = inside.br().x - 8;
+  button.button.y = inside.y + 8;
+  send(button);
+  EXPECT_NEAR(window.pixels().at<cv::Vec3b>(inside.br().y - 4, inside.x + 40)[1], 60, 3);
+}
+
+TEST_F(WindowTest, F2FoldsThePanel) {
+  ViewerWindow window(1280, 720);
+  window.onPicture(grey(60), Workspace{});
+  window.onReport(touch());
+  const auto press = [&] {
+    SDL_Event key{};
+    key.type = SDL_KEYDOWN;
+    key.key.keysym.sym = SDLK_F2;
+    SDL_PushEvent(&key);
+    EXPECT_TRUE(window.update(ui_state));
+    window.draw(ui_state);
+    return window.place().size().x();
+  };
+  window.draw(ui_state);
+  const double before_px = window.place().size().x();
+  EXPECT_GT(press(), before_px);
+  EXPECT_EQ(press(), before_px);
 }
 
 TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
@@ -248,16 +303,6 @@ TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
   EXPECT_EQ(window.eyeHand()->max_ns(), 20'000'000U);
 }
 
-TEST_F(WindowTest, TheChainSpeaksInPlainWords) {
-  TickWatch ticks;
-  TickReport report = touch();
-  ticks.add(report);
-  EXPECT_EQ(ticks.chain(), "no action");
-  report.interferences = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
-  ticks.add(report);
-  EXPECT_EQ(ticks.chain(), "a step was slowed");
-}
-
 TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
   setenv("SDL_VIDEODRIVER", "x11", 1);
   setenv("DISPLAY", ":987", 1);
@@ -268,20 +313,6 @@ TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
     EXPECT_EQ(std::string(error.what()).find("no display ("), 0U) << error.what();
   }
   unsetenv("DISPLAY");
-}
-
-TEST_F(WindowTest, TheLineOfStatusSaysWhyThereIsNoForce) {
-  TickReport report = touch();
-  report.force_N = {0.0, 0.0, 1.2};
-  EXPECT_EQ(statusLine(report, ui_state), "in contact, 1.2 N");
-  report.lookup = Lookup::kStale;
-  EXPECT_EQ(statusLine(report, ui_state), "no fresh frames: the force has faded");
-  report.halt = Halt::kTrustLost;
-  EXPECT_EQ(statusLine(report, ui_state),
-            "the client does not trust the stream: no force (R re-arms)");
-  report.halt = Halt::kNone;
-  ui_state.stream.connected = false;
-  EXPECT_EQ(statusLine(report, ui_state), "no server yet: the client waits");
 }
 
 }  // namespace

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Status of the run for the window: statistics of the ticks, and lines for the user.
+// Thread: one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "client/haptics/safety/safety_action.hpp"
+#include "client/haptics/tick_report.hpp"
+#include "client/view/view.hpp"
+
+namespace hapticast::client {
+
+/// Statistics of the ticks for the panel.
+class TickWatch {
+ public:
+  /// Adds the report of a tick.
+  void add(const TickReport& report);
+  /// Returns the last report.
+  [[nodiscard]] const TickReport& last() const { return last_; }
+  /// Returns the number of ticks.
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+  /// Returns the number of ticks that began more than 1.5 ms after the tick before, as in the
+  /// summary.
+  [[nodiscard]] std::uint64_t lateTicks() const { return late_; }
+  /// Return the longest and the mean computing time of a tick in the last complete second.
+  [[nodiscard]] double longest_us() const { return longest_us_; }
+  [[nodiscard]] double mean_us() const { return mean_us_; }
+  /// Returns true if the device has rendered a force in contact.
+  [[nodiscard]] bool hasTouched() const { return has_touched_; }
+  /// Returns the safety actions of the last second as text.
+  [[nodiscard]] std::string chain() const;
+
+ private:
+  TickReport last_;
+  std::uint64_t ticks_ = 0;
+  std::uint64_t late_ = 0;
+  double longest_us_ = 0.0;
+  double mean_us_ = 0.0;
+  bool has_touched_ = false;
+  // For the present second:
+  Duration second_longest_{0};
+  Duration second_sum_{0};
+  std::uint64_t second_ticks_ = 0;
+  LocalTime second_begin_{};
+  std::array<LocalTime, kInterferenceNames.size()> acted_{};
+  std::array<bool, kInterferenceNames.size()> ever_{};
+};
+
+/// Returns a line for the user such as "in contact, 1.2 N". If there is no force, the line states
+/// the reason and the remedy. Before contact it states the distance to the surface.
+[[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
+
+/// Returns a hint for a user who has not touched anything yet: what the client waits for, or how to
+/// touch. Returns an empty text after the first touch, and if the status line says what to do.
+[[nodiscard]] std::string hintLine(const TickWatch& ticks, const UiState& ui_state);
+
+}  // namespace hapticast::client
