@@ -3,6 +3,7 @@
 // (see its --help); quote ratios from one run, medians over --benchmark_repetitions.
 #include <benchmark/benchmark.h>
 
+#include "common/protocol/fragment.hpp"
 #include "common/protocol/messages.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/stream/datagram_sender.hpp"
