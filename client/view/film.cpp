@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
-#include "client/view/overlay.hpp"
+#include "client/view/film_frame.hpp"
 #include "client/view/picture.hpp"
 
 namespace hapticast::client {
@@ -25,9 +24,6 @@ double elapsedBetween(const TickReport& before, const TickReport& now) {
   const double play_s = toSeconds(now.play_time - before.play_time);
   return play_s > 0.0 && play_s < kJump_s ? play_s : toSeconds(now.time - before.time);
 }
-
-/// Codecs require even sizes.
-cv::Size even(cv::Size size) { return {size.width & ~1, size.height & ~1}; }
 
 }  // namespace
 
@@ -78,7 +74,7 @@ bool FilmView::update(UiState& ui_state) {
 void FilmView::finish() {
   stop();
   if (failed_) std::rethrow_exception(failed_);
-  if (size_.empty())
+  if (!begun_)
     throw std::runtime_error("--film " + file_ + ": no picture arrived, so the film is empty");
 }
 
@@ -119,24 +115,21 @@ void FilmView::write(const Shot& shot) {
   const Workspace& workspace = shot.picture->workspace;
   const cv::Mat picture =
       decodeJpeg(shot.picture->video.jpeg, {workspace.width_px, workspace.height_px});
-  cv::Mat drawing = drawOverlay(picture, shot.ticks.back(), workspace, history_);
-  if (size_.empty()) open(drawing, shot.fps);
-  const cv::Size of_drawing = even(drawing.size());
-  if (of_drawing == size_) {
-    drawing = drawing(cv::Rect({0, 0}, size_));
-  } else {  // another stream with other proportions
-    cv::resize(drawing, drawing, size_);
+  const TickReport& shown = shot.ticks.back();
+  for (const TickReport& report : shot.ticks) {
+    while (report.force_N.norm() > top_N_) top_N_ *= 2.0;
   }
+  const cv::Mat drawing = drawFilmFrame(picture, shown, workspace, history_, top_N_);
+  if (!writer_.isOpened()) open(shot.fps);
   for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
 }
 
 /// Opens the file: H.264 if available, else MPEG-4.
-void FilmView::open(const cv::Mat& drawing, double fps) {
-  const cv::Size size = even(drawing.size());
+void FilmView::open(double fps) {
   for (const int codec :
        {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
-    if (!writer_.open(file_, cv::CAP_FFMPEG, codec, fps, size)) continue;
-    size_ = size;
+    if (!writer_.open(file_, cv::CAP_FFMPEG, codec, fps, kFilmSize_px)) continue;
+    begun_ = true;
     return;
   }
   throw std::runtime_error("--film " + file_ + ": OpenCV has no encoder for it");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The view of --film. It writes a film at the video's rate. The film shows the same drawing as the
-// screenshot. A thread of its own draws and encodes.
-// Thread: onPicture() any, everything else main.
+// The view of --film. It writes a film of 1280 x 720 px at the video's rate. A thread of its own
+// draws and encodes. Thread: onPicture() any, everything else main.
 #pragma once
 
 #include <condition_variable>
@@ -52,7 +51,7 @@ class FilmView final : public View {
   // In the film's thread:
   void run();
   void write(const Shot& shot);
-  void open(const cv::Mat& drawing, double fps);
+  void open(double fps);
 
   std::string file_;
   PictureBuffer pictures_;
@@ -68,7 +67,8 @@ class FilmView final : public View {
 
   // For the film's thread only:
   cv::VideoWriter writer_;
-  cv::Size size_;
+  bool begun_ = false;
+  double top_N_ = 4.0;  // end of the force axis; it only grows
   ForceHistory history_;
   std::thread thread_;  // last member: the thread uses all members above
 };

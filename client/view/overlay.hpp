@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Drawing of the film and of the screenshot. It shows the video with the HIP as a cone and the
+// Drawing of the screenshot. It shows the video with the HIP as a cone and the
 // force as an arrow. Below it is the force over time. The drawing needs no display.
 // Thread: any (pure function).
 #pragma once
