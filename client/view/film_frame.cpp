@@ -14,7 +14,7 @@ namespace {
 const cv::Rect kPictureRoom(0, 44, 900, 506);
 const cv::Rect kPlotRoom(0, 556, 1280, 164);
 constexpr int kColumn_px = 924;  // left edge of the legend
-constexpr int kLine_px = 30;
+constexpr int kLegendLine_px = 30;
 
 void drawText(cv::Mat& image, const std::string& text, cv::Point at, double size,
               const cv::Scalar& color) {
@@ -36,7 +36,7 @@ void drawColumn(cv::Mat& frame, const TickReport& report) {
   int row_px = 250;
   for (const auto& [text, color] : lines) {
     drawText(frame, text, {kColumn_px, row_px}, 0.55, color);
-    row_px += kLine_px;
+    row_px += kLegendLine_px;
   }
 }
 
