@@ -52,6 +52,7 @@ int runClient(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
+    hapticast::client::requireDistinctOutputs(settings);
     app = std::make_unique<hapticast::client::App>(settings, clock,
                                                    hapticast::client::openViews(settings));
   } catch (const hapticast::client::DeviceAbsent& error) {

@@ -53,5 +53,8 @@ struct Settings {
 /// Checks before a run that `file` can be written after the run. An empty name is always valid.
 /// Throws std::runtime_error with one line, which names `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);
+/// Checks before a run that each output has a file of its own. Throws std::runtime_error with one
+/// line, which names both flags and the file.
+void requireDistinctOutputs(const Settings& settings);
 
 }  // namespace hapticast::client

@@ -153,8 +153,10 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
   if (text.size() > kMaxKeyValueText_bytes) {
     return Error{name + ": larger than 64 KiB"};
   }
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8, by some editors
   std::vector<KeyValue> pairs;
   std::string_view rest = text;
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
   for (int line = 1; !rest.empty(); ++line) {
     const std::string_view whole = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(whole.size() + 1, rest.size()));

@@ -50,7 +50,8 @@ struct KeyValue {
 
 /// Returns the `key = value` lines of `in`, which has at most 64 KiB. `#` begins a comment. A key
 /// is a letter followed by letters, digits, `-` and `_`, with at most 64 bytes. A value may be in
-/// quotes. An error begins with `name`: "NAME:LINE: ...".
+/// quotes. A byte order mark of UTF-8 at the begin is ignored. An error begins with `name`:
+/// "NAME:LINE: ...".
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
 // Suggestions for misspelt words, by the Damerau-Levenshtein distance (optimal string alignment).

@@ -16,6 +16,7 @@
 #include "common/transport/asio.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
+#include "server/pipeline/input_check.hpp"
 #include "server/pipeline/plan_log.hpp"
 #include "server/source/pacer.hpp"
 #include "server/stream/announce.hpp"
@@ -156,6 +157,7 @@ void App::Impl::browse() {
     spdlog::info("--fov {:g}: replaces the source's own field of view ({:.1f} degrees)",
                  *settings_.vision.fov_deg, info.camera->degreesAcross(info.width_px));
   }
+  const bool can_touch = warnOfUnlikelyInput(*source_, settings_.vision);
   MediaTime told{};
   const auto tell = [&](double share) {
     open();
@@ -167,6 +169,10 @@ void App::Impl::browse() {
   if (scanClip(vision_, *source_, media_clock_, stop_, tell))
     broadcaster_.describe(vision_.description());
   range_teller_.log(vision_.mapped());
+  if (stop_ || info.live || vision_.mapped() || !can_touch) return;
+  spdlog::warn(
+      "--source {}: no object was found, so there is nothing to touch; name one with --object U,V",
+      info.name);
 }
 
 void App::Impl::open() {

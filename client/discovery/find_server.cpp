@@ -14,6 +14,8 @@ namespace {
 // Chosen: twice the time after which a lost first query is repeated.
 constexpr std::chrono::milliseconds kSearch(2000);
 constexpr std::chrono::milliseconds kStep(50);
+// Chosen: a daemon answers its clients much sooner.
+constexpr std::chrono::milliseconds kNoDaemon(500);
 constexpr Duration kUpdateInterval = std::chrono::seconds(1);
 constexpr const char* kNoSearch = "no search for servers on the LAN: ";  // a reason follows
 
@@ -23,6 +25,8 @@ asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std
   asio::steady_timer timer(io);
   std::string why;
   for (auto searched = Duration::zero(); searched < Duration(kSearch); searched += kStep) {
+    const std::string absent = discovery->absent();
+    if (!absent.empty() && searched >= Duration(kNoDaemon)) co_return DialError{absent};
     const auto found = only(discovery->servers(), name, why);
     if (found) co_return co_await dialTcp(io, found->address, deadline, stop);
     stop.onStop([&timer] { timer.cancel(); });
@@ -32,8 +36,7 @@ asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std
     stop.onStop({});
     if (stop.stopped()) co_return DialError{"stopped"};
   }
-  const std::string absent = discovery->absent();
-  co_return DialError{absent.empty() ? why : absent};
+  co_return DialError{why};
 }
 
 }  // namespace

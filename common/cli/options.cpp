@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "common/cli/program_flags.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
@@ -112,6 +113,8 @@ class KeyValueConfig : public CLI::ConfigBase {
       keys.push_back(option->get_lnames().empty() ? option->get_name()
                                                   : option->get_lnames().front());
     }
+    if (const auto owner = ownerOfFlag(pair.key, app_.get_name()); !owner.empty())
+      complain(quote(pair.key) + " is a flag of " + std::string(owner));
     complain(quote(pair.key) + " is not the name of a flag" + spellingHint(pair.key, keys));
   }
 

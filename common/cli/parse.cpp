@@ -8,6 +8,8 @@
 
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
+#include "common/cli/program_flags.hpp"
+#include "common/endpoint.hpp"
 #include "common/mdns.hpp"
 #include "common/text.hpp"
 
@@ -15,22 +17,47 @@ namespace hapticast {
 
 namespace {
 
-/// Returns the unknown arguments of `app` as one text, with a spelling hint for the first flag.
-std::string unknownWords(const CLI::App& app) {
-  std::string words;
-  std::string meant;
+bool isAddress(const std::string& word) {
+  const auto endpoint = parseEndpoint(word, Endpoint{});
+  if (!endpoint) return false;
+  return endpoint->host == "localhost" ||
+         endpoint->host.find_first_not_of("0123456789.") == std::string::npos;
+}
+
+/// Returns a hint for an argument of `app` that is no flag.
+std::string argumentHint(const CLI::App& app, const std::string& word) {
+  if (word == "help") return "; did you mean --help?";
+  if (app.get_option_no_throw("--listen") != nullptr && isAddress(word))
+    return "; is --listen missing in front of it? Only hapticast-client takes a bare address";
+  return "; is a flag missing in front of it?";
+}
+
+/// Returns a hint for a flag that `app` does not have. It is empty if there is none.
+std::string flagHint(const CLI::App& app, const std::string& word) {
+  if (word == "-v" || word == "-V") return "; did you mean --version?";
+  const std::string flag = word.substr(0, word.find('='));
+  if (const auto owner = ownerOfFlag(flag, app.get_name()); !owner.empty())
+    return "; " + flag + " is a flag of " + std::string(owner);
   std::vector<std::string> flags;
   for (const CLI::Option* const option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
   }
+  return spellingHint(flag, flags);
+}
+
+/// Returns the unknown arguments of `app` as one text, with a hint for the first flag.
+std::string unknownWords(const CLI::App& app) {
+  std::string words;
+  std::string meant;
   bool a_flag = false;
-  for (const std::string& word : app.remaining()) {
+  const std::vector<std::string> unknown = app.remaining();
+  for (const std::string& word : unknown) {
     words += " " + quote(word);
     if (!word.starts_with('-')) continue;
     a_flag = true;
-    if (meant.empty()) meant = spellingHint(word.substr(0, word.find('=')), flags);
+    if (meant.empty()) meant = flagHint(app, word);
   }
-  return words + (a_flag ? meant : "; is a flag missing in front of it?");
+  return words + (a_flag ? meant : argumentHint(app, unknown.front()));
 }
 
 template <class Kind>

@@ -14,7 +14,8 @@ namespace hapticast {
 
 namespace {
 constexpr unsigned kRetry_ms = 2000;  // chosen: a restarted daemon is soon back
-constexpr const char* kNoDaemon = "avahi-daemon does not run";
+constexpr const char* kNoDaemon =
+    "avahi-daemon does not run; start it (sudo systemctl start avahi-daemon)";
 }  // namespace
 
 AvahiSession::AvahiSession(Events events)
@@ -40,7 +41,8 @@ void AvahiSession::connect() {
       [](AvahiClient* client, AvahiClientState state, void* self) { changed(client, state, self); },
       this, &error);
   if (client_ != nullptr) return;
-  lost(std::string("avahi-daemon cannot be reached: ") + avahi_strerror(error));
+  lost(std::string("avahi-daemon cannot be reached (") + avahi_strerror(error) +
+       "); start it (sudo systemctl start avahi-daemon)");
   retryLater();
 }
 

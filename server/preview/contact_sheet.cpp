@@ -6,20 +6,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
+#include "server/preview/picture_axes.hpp"
 #include "server/vision/base/masks.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kText_px = 22;         // a line of text; chosen
-constexpr int kLeastWidth_px = 960;  // of both halves: fits the lines of text; chosen
-constexpr int kColumns = 6;          // columns of a sheet
-constexpr int kThumbnail_px = 240;   // width of a frame in a sheet; chosen
-constexpr int kAround_px = 8;        // margin around the relief; chosen
-constexpr double kLetters = 0.45;    // font size for kText_px
+constexpr int kText_px = 22;  // a line of text; chosen
+constexpr int kLeastPanel_px =
+    480;                            // width of a panel of the first frame: two fit the text; chosen
+constexpr int kMostPanel_px = 960;  // likewise; chosen
+constexpr int kColumns = 6;         // columns of a sheet
+constexpr int kThumbnail_px = 240;  // width of a frame in a sheet; chosen
+constexpr int kAround_px = 8;       // margin around the relief; chosen
+constexpr double kLetters = 0.45;   // font size for kText_px
 
 // BGR colours that are distinct on most pictures and for colour-blind people (Okabe and Ito 2008).
 const std::array<cv::Scalar, 4> kColors{cv::Scalar(66, 228, 240), cv::Scalar(233, 180, 86),
@@ -80,15 +84,87 @@ cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
   return out;
 }
 
+cv::Rect boxOfObjects(const PreviewFrame& frame) {
+  cv::Rect box;
+  for (const HapticObject& object : frame.haptic.objects) {
+    if (!object.relief) continue;
+    const auto& rect = object.relief->rect;
+    box |= cv::Rect(rect.u, rect.v, rect.width, rect.height);
+  }
+  return box;
+}
+
+// Draws the author's points, --object as a green cross and --not as a red one that is tilted.
+void drawPoints(cv::Mat& picture, const cv::Rect& part, const std::vector<AuthorPoint>& points,
+                bool on_object) {
+  const double scale = double(picture.cols) / part.width;
+  const int size = picture.cols > kThumbnail_px ? 17 : 9;
+  const int type = on_object ? cv::MARKER_CROSS : cv::MARKER_TILTED_CROSS;
+  const cv::Scalar color = on_object ? cv::Scalar(90, 255, 90) : cv::Scalar(80, 80, 255);
+  for (const AuthorPoint& point : points) {
+    const cv::Point at_px(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
+    if (!part.contains(at_px)) continue;
+    const cv::Point at = placeOfPixel(at_px, part, scale);
+    cv::drawMarker(picture, at, {0, 0, 0}, type, size + 2, size > 9 ? 4 : 3);
+    cv::drawMarker(picture, at, color, type, size, size > 9 ? 2 : 1);
+  }
+}
+
+// Returns the points whose time is nearest to that of frame `index`.
+std::vector<AuthorPoint> selectPoints(const std::vector<AuthorPoint>& points,
+                                      const std::vector<PreviewFrame>& frames, std::size_t index) {
+  std::vector<AuthorPoint> out;
+  for (const AuthorPoint& point : points) {
+    const auto nearest = std::min_element(
+        frames.begin(), frames.end(), [&point](const PreviewFrame& a, const PreviewFrame& b) {
+          return std::abs(a.time_s - point.time_s) < std::abs(b.time_s - point.time_s);
+        });
+    if (nearest - frames.begin() == static_cast<std::ptrdiff_t>(index)) out.push_back(point);
+  }
+  return out;
+}
+
+// Returns a part of the first frame with outlines, the points of its time, and axes.
+cv::Mat drawPanel(const PreviewFrame& frame, const VisionSettings& settings, const cv::Rect& part,
+                  const cv::Size& size) {
+  const auto at_start = [](const std::vector<AuthorPoint>& points) {
+    std::vector<AuthorPoint> out;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(out),
+                 [](const AuthorPoint& point) { return point.time_s == 0.0; });
+    return out;
+  };
+  cv::Mat picture = drawOutlined(frame, part, size);
+  cv::Mat with_axes = drawAxes(picture, part);
+  cv::Mat inside = with_axes(cv::Rect({kAxisLeft_px, kAxisTop_px}, size));
+  drawPoints(inside, part, at_start(settings.not_points), false);
+  drawPoints(inside, part, at_start(settings.object_points), true);
+  return with_axes;
+}
+
+// Returns the text in lines below `picture`.
+cv::Mat addText(const cv::Mat& picture, const std::vector<std::string>& lines) {
+  std::vector<std::string> text;
+  for (const std::string& line : lines) {
+    for (std::string& part : broken(line, picture.cols - 16)) text.push_back(std::move(part));
+  }
+  const int below_px = kText_px * static_cast<int>(text.size()) + 10;
+  cv::Mat out;
+  cv::copyMakeBorder(picture, out, 0, below_px, 0, 0, cv::BORDER_CONSTANT, {40, 40, 40});
+  for (std::size_t i = 0; i < text.size(); ++i)
+    write(out, text[i], {8, picture.rows + kText_px * static_cast<int>(i + 1)}, {255, 255, 255});
+  return out;
+}
+
 }  // namespace
 
-cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size) {
+cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Rect& part, const cv::Size& size) {
   cv::Mat picture;
-  cv::resize(frame.color, picture, size, 0, 0, cv::INTER_AREA);
+  const bool enlarges = size.width > part.width;
+  cv::resize(frame.color(part), picture, size, 0, 0, enlarges ? cv::INTER_LINEAR : cv::INTER_AREA);
   const int width_px = std::max(1, size.width / 400);
   for (const std::uint32_t id : listIds(frame.haptic)) {
     cv::Mat mask;
-    cv::resize(renderMask(frame.haptic, id, frame.color.size()), mask, size, 0, 0,
+    cv::resize(renderMask(frame.haptic, id, frame.color.size())(part), mask, size, 0, 0,
                cv::INTER_NEAREST);
     std::vector<std::vector<cv::Point>> outline;
     cv::findContours(mask, outline, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
@@ -124,27 +200,28 @@ cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace) {
 }
 
 cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
-                  const std::vector<std::string>& lines) {
-  cv::Mat both;
-  cv::hconcat(drawOutlined(frame, frame.color.size()), drawRelief(frame, workspace), both);
-  if (both.cols < kLeastWidth_px) {
-    const double scale = double(kLeastWidth_px) / both.cols;
-    cv::resize(both, both, {}, scale, scale, cv::INTER_LINEAR);
-  }
-  std::vector<std::string> text;
-  for (const std::string& line : lines) {
-    for (std::string& part : broken(line, both.cols - 16)) text.push_back(std::move(part));
-  }
-  const int below_px = kText_px * static_cast<int>(text.size()) + 10;
-  cv::Mat picture;
-  cv::copyMakeBorder(both, picture, 0, below_px, 0, 0, cv::BORDER_CONSTANT, {40, 40, 40});
-  for (std::size_t i = 0; i < text.size(); ++i)
-    write(picture, text[i], {8, both.rows + kText_px * static_cast<int>(i + 1)}, {255, 255, 255});
-  return picture;
+                  const VisionSettings& settings, const std::vector<std::string>& lines) {
+  const cv::Rect whole({0, 0}, frame.color.size());
+  const int width_px = std::clamp(whole.width, kLeastPanel_px, kMostPanel_px);
+  const cv::Size size(width_px, std::max(1, whole.height * width_px / whole.width));
+  std::vector<cv::Mat> panels{drawPanel(frame, settings, whole, size)};
+  const cv::Rect near = selectCloseUp(boxOfObjects(frame), whole.size());
+  if (near != whole) panels.push_back(drawPanel(frame, settings, near, size));
+  cv::Mat relief;
+  cv::resize(drawRelief(frame, workspace), relief, size, 0, 0, cv::INTER_LINEAR);
+  cv::Mat framed;
+  cv::copyMakeBorder(relief, framed, kAxisTop_px, 0, 0, 0, cv::BORDER_CONSTANT, {40, 40, 40});
+  panels.push_back(framed);
+  cv::Mat all;
+  cv::hconcat(panels, all);
+  return addText(all, lines);
 }
 
-cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames) {
+cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames, const VisionSettings& settings) {
   const cv::Size of = frames.front().color.size();
+  cv::Rect box;
+  for (const PreviewFrame& frame : frames) box |= boxOfObjects(frame);
+  const cv::Rect shown = selectCloseUp(box, of);
   const cv::Size each(kThumbnail_px, std::max(1, kThumbnail_px * of.height / of.width));
   const int columns = std::min(kColumns, static_cast<int>(frames.size()));
   const int rows = (static_cast<int>(frames.size()) + columns - 1) / columns;
@@ -152,7 +229,9 @@ cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const int n = static_cast<int>(i);
     cv::Mat part = sheet(cv::Rect({n % columns * each.width, n / columns * each.height}, each));
-    drawOutlined(frames[i], each).copyTo(part);
+    drawOutlined(frames[i], shown, each).copyTo(part);
+    drawPoints(part, shown, selectPoints(settings.not_points, frames, i), false);
+    drawPoints(part, shown, selectPoints(settings.object_points, frames, i), true);
     const bool lost = frames[i].haptic.objects.empty();
     write(part, fmt::format("{:.2f} s{}", frames[i].time_s, lost ? " lost" : ""), {6, 16},
           lost ? cv::Scalar(80, 80, 255) : cv::Scalar(255, 255, 255));

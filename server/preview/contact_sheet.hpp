@@ -8,21 +8,28 @@
 #include <vector>
 
 #include "server/preview/preview_frame.hpp"
+#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
 
-/// Returns the frame's picture, resized to `size`, with the outline of each object. Large pictures
-/// also show each object's id.
-[[nodiscard]] cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Size& size);
+/// Returns `part` of the frame's picture, resized to `size`, with the outline of each object. Large
+/// pictures also show each object's id.
+[[nodiscard]] cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Rect& part,
+                                   const cv::Size& size);
 /// Returns a picture of the heights, lit from above left and enlarged to the size of the frame. It
 /// is black outside the objects.
 [[nodiscard]] cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace);
-/// Returns one picture, at least 960 px wide. It shows the outlined frame and its relief side by
-/// side, and the text `lines` below them.
+/// Returns one picture. It shows panels of 480 to 960 px side by side, and the text `lines` below
+/// them. The first panel is the outlined frame with pixel axes. Small objects have a close-up
+/// beside it, with axes too. The last panel is the relief. Both pictures have the points of
+/// `settings` that belong to the first frame: --object as a green cross, --not as a red tilted one.
 [[nodiscard]] cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
+                                const VisionSettings& settings,
                                 const std::vector<std::string>& lines);
-/// Returns a picture of all frames in rows, each with outlines and its time. Requires at least one
-/// frame.
-[[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames);
+/// Returns a picture of all frames in rows, each with outlines and its time. All frames show the
+/// same part of the picture, a close-up if the objects stay in a small part. Each point of
+/// `settings` is in the frame whose time is nearest to it. Requires at least one frame.
+[[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames,
+                                       const VisionSettings& settings);
 
 }  // namespace hapticast::server

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
@@ -21,6 +22,28 @@ constexpr double kOtherColor = 40.0;
 // Chosen: precision needed for a point.
 constexpr int kLargestClustered_px = 20'000;
 
+// Chosen, as part of the picture's width: a hint so near to a click would contradict it. The region
+// of a hint counts as larger by the second number.
+constexpr double kNearClick = 0.06;
+constexpr int kRim_px = 4;
+
+// Part of a mask that may not belong to the object.
+struct Suspect {
+  cv::Point at_px;
+  cv::Mat region;
+  const char* why;
+};
+
+// Returns whether the author said that the object is there.
+bool contradicts(const Suspect& suspect, const std::vector<cv::Point>& clicks) {
+  const cv::Mat region = dilatedBy(suspect.region, kRim_px);
+  const double near_px = kNearClick * region.cols;
+  return std::any_of(clicks.begin(), clicks.end(), [&](const cv::Point& click) {
+    if (cv::norm(click - suspect.at_px) < near_px) return true;
+    return cv::Rect({0, 0}, region.size()).contains(click) && region.at<unsigned char>(click) != 0;
+  });
+}
+
 // Returns the place farthest from all edges of `part` and from the picture's edge.
 cv::Point findDeepestPoint(const cv::Mat& part) {
   cv::Mat framed;
@@ -32,8 +55,8 @@ cv::Point findDeepestPoint(const cv::Mat& part) {
   return deepest - cv::Point(1, 1);
 }
 
-// Returns the deepest place inside the largest piece of `part`, if its size is worth a hint.
-std::optional<cv::Point> findMiddle(const cv::Mat& part, double object_px) {
+// Returns the largest piece of `part` with its deepest place, if its size is worth a hint.
+std::optional<Suspect> findLargestPart(const cv::Mat& part, double object_px, const char* why) {
   cv::Mat opened;
   cv::morphologyEx(part, opened, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
@@ -41,10 +64,11 @@ std::optional<cv::Point> findMiddle(const cv::Mat& part, double object_px) {
   const int largest = pieces.largest();
   const int area_px = pieces.areas_px[static_cast<std::size_t>(largest)];
   if (area_px < kLeastPart * object_px || area_px > kMostPart * object_px) return std::nullopt;
-  return findDeepestPoint(pieces.labels == largest);
+  const cv::Mat region = pieces.labels == largest;
+  return Suspect{findDeepestPoint(region), region, why};
 }
 
-std::optional<CorrectionHint> atTheEdge(const cv::Mat& mask) {
+std::optional<Suspect> atTheEdge(const cv::Mat& mask) {
   const int rim_px = std::max(2, static_cast<int>(kEdge * mask.cols));
   if (std::min(mask.cols, mask.rows) <= 2 * rim_px) return std::nullopt;
   cv::Mat inner = cv::Mat::zeros(mask.size(), CV_8UC1);
@@ -56,22 +80,23 @@ std::optional<CorrectionHint> atTheEdge(const cv::Mat& mask) {
   if (deeper.empty()) return std::nullopt;
   cv::Mat near = mask.clone();
   near(deeper).setTo(0);
-  return CorrectionHint{findDeepestPoint(near),
-                        "it reaches the picture's edge there, as an arm does"};
+  const cv::Point at = findDeepestPoint(near);
+  const cv::Mat labels = findPieces(near).labels;
+  return Suspect{at, labels == labels.at<int>(at),
+                 "it reaches the picture's edge there, as an arm does"};
 }
 
 // Skin in YCrCb (Chai and Ngan 1999, face segmentation using skin-color map in videophones).
-std::optional<CorrectionHint> skin(const cv::Mat& color, const cv::Mat& mask) {
+std::optional<Suspect> skin(const cv::Mat& color, const cv::Mat& mask) {
   cv::Mat ycrcb;
   cv::cvtColor(color, ycrcb, cv::COLOR_BGR2YCrCb);
   cv::Mat part;
   cv::inRange(ycrcb, cv::Scalar(0, 133, 77), cv::Scalar(255, 173, 127), part);
-  const auto at = findMiddle(part & mask, cv::countNonZero(mask));
-  if (!at) return std::nullopt;
-  return CorrectionHint{*at, "it has the colours of skin there, as a hand does"};
+  return findLargestPart(part & mask, cv::countNonZero(mask),
+                         "it has the colours of skin there, as a hand does");
 }
 
-std::optional<CorrectionHint> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
+std::optional<Suspect> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
   cv::Mat smooth;
   cv::GaussianBlur(color, smooth, {}, 3.0);
   smooth.convertTo(smooth, CV_32F, 1.0 / 255.0);
@@ -100,18 +125,24 @@ std::optional<CorrectionHint> anotherColor(const cv::Mat& color, const cv::Mat& 
     const cv::Vec3f& here = lab.at<cv::Vec3f>(at);
     if (cv::norm(here, other) < cv::norm(here, own)) part.at<unsigned char>(at) = 255;
   }
-  const auto at = findMiddle(part, static_cast<double>(inside.size()));
-  if (!at) return std::nullopt;
-  return CorrectionHint{*at, "it has other colours there than elsewhere"};
+  return findLargestPart(part, static_cast<double>(inside.size()),
+                         "it has other colours there than elsewhere");
 }
 
 }  // namespace
 
-std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color, const cv::Mat& mask) {
+std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color, const cv::Mat& mask,
+                                                const std::vector<cv::Point>& clicks) {
   if (cv::countNonZero(mask) == 0) return std::nullopt;
-  if (auto hint = atTheEdge(mask)) return hint;
-  if (auto hint = skin(color, mask)) return hint;
-  return anotherColor(color, mask);
+  using Search = std::function<std::optional<Suspect>()>;
+  for (const Search& search :
+       {Search([&] { return atTheEdge(mask); }), Search([&] { return skin(color, mask); }),
+        Search([&] { return anotherColor(color, mask); })}) {
+    const auto suspect = search();
+    if (suspect && !contradicts(*suspect, clicks))
+      return CorrectionHint{suspect->at_px, suspect->why};
+  }
+  return std::nullopt;
 }
 
 }  // namespace hapticast::server

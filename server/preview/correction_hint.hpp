@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace hapticast::server {
 
@@ -17,8 +18,10 @@ struct CorrectionHint {
 
 /// Returns a place in `mask` that may not belong to the object, or nullopt if there is none. It
 /// searches in this order: pixels at the picture's edge, pixels with colours of skin, pixels with
-/// other colours than the rest of the mask. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
+/// other colours than the rest of the mask. It never returns a place in the region of one of the
+/// author's `clicks`, or near one. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
 [[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color,
-                                                              const cv::Mat& mask);
+                                                              const cv::Mat& mask,
+                                                              const std::vector<cv::Point>& clicks);
 
 }  // namespace hapticast::server

@@ -13,6 +13,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "server/pipeline/clip_scan.hpp"
+#include "server/pipeline/input_check.hpp"
 #include "server/preview/contact_sheet.hpp"
 #include "server/preview/correction_hint.hpp"
 
@@ -135,9 +136,12 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched)
   const PreviewFrame& first = watched.kept.front();
   const std::vector<std::uint32_t> ids = listIds(first.haptic);
   if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
+  std::vector<cv::Point> clicks;
+  for (const AuthorPoint& point : settings.vision.object_points)
+    clicks.emplace_back(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
   for (const std::uint32_t id : ids) {
-    const cv::Size size = first.color.size();
-    if (const auto hint = suggestCorrection(first.color, renderMask(first.haptic, id, size))) {
+    const cv::Mat mask = renderMask(first.haptic, id, first.color.size());
+    if (const auto hint = suggestCorrection(first.color, mask, clicks)) {
       return fmt::format("if object {} should not include the pixel {},{}, try --not {},{}: {}", id,
                          hint->at_px.x, hint->at_px.y, hint->at_px.x, hint->at_px.y, hint->why);
     }
@@ -149,8 +153,8 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched)
   }
   if (settings.vision.object_points.empty())
     return "the server chose this object automatically; to choose another one, add --object U,V";
-  return "the outline has no visible error; to remove a part of it, add --not U,V with a pixel on "
-         "that part";
+  return "no wrong part was detected; check the outline, and to remove a part of it, add --not U,V "
+         "with a pixel on that part";
 }
 
 std::vector<std::string> formatLines(const Settings& settings, const Watched& watched,
@@ -173,6 +177,7 @@ void writePreview(const Settings& settings, const Clock& clock) {
   const std::unique_ptr<RgbdSource> source = openSource(settings.source, settings.fps);
   checkPlace(place);
   Vision vision(source->info(), dropInvalidPoints(settings.vision, source->info()));
+  warnOfUnlikelyInput(*source, settings.vision);
   const LocalMediaClock media_clock(clock);
   const std::atomic<bool> stop{false};
   scanClip(vision, *source, media_clock, stop, nullptr);
@@ -180,13 +185,13 @@ void writePreview(const Settings& settings, const Clock& clock) {
   if (watched.kept.empty()) throw SourceError(settings.source + ": has no frame");
   const Workspace& workspace = vision.description().workspace;
   const std::vector<std::string> lines = formatLines(settings, watched, source->info(), workspace);
-  const cv::Mat first = drawFirst(watched.kept.front(), workspace, lines);
+  const cv::Mat first = drawFirst(watched.kept.front(), workspace, settings.vision, lines);
   for (const std::string& line : lines) fmt::print("{}\n", line);
   if (isPicture(place)) {
     write(place, first);
   } else {
     write(place / "first.png", first);
-    write(place / "clip.png", drawContactSheet(watched.kept));
+    write(place / "clip.png", drawContactSheet(watched.kept, settings.vision));
   }
 }
 

@@ -160,11 +160,16 @@ bool isColorCoded(const cv::Mat& raw) {
   if (raw.type() != CV_8UC3) return false;
   std::array<cv::Mat, 3> bgr;
   cv::split(raw, bgr.data());
-  // Grey after a lossy codec stays within a few levels; a colour map differs by tens of levels.
-  constexpr double kGreyTolerance = 8.0;
-  const auto pixels = static_cast<double>(raw.total());
-  return cv::norm(bgr[0], bgr[1], cv::NORM_L1) / pixels > kGreyTolerance ||
-         cv::norm(bgr[2], bgr[1], cv::NORM_L1) / pixels > kGreyTolerance;
+  cv::Mat most;
+  cv::Mat least;
+  cv::max(cv::max(bgr[0], bgr[1]), bgr[2], most);
+  cv::min(cv::min(bgr[0], bgr[1]), bgr[2], least);
+  // Grey after a lossy codec stays within a few levels; colours differ by tens of levels. A share,
+  // because the background of a picture may be black.
+  constexpr double kGreyTolerance = 24.0;
+  constexpr double kFewColored = 0.02;
+  const int colored = cv::countNonZero(most - least > kGreyTolerance);
+  return colored > kFewColored * static_cast<double>(raw.total());
 }
 
 }  // namespace hapticast::server

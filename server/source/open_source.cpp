@@ -50,6 +50,19 @@ std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view
   return std::make_unique<Camera>(color, parse(numbers.substr(comma + 1)), fps);
 }
 
+/// Throws SourceError for a kind of source that the server does not read.
+void refuseOtherKinds(const std::string& spec) {
+  const auto scheme = spec.find("://");
+  if (scheme != std::string::npos && spec.find_first_of("/,") == scheme + 1) {
+    throw SourceError(spec +
+                      ": is an address; the server reads only files and cameras of this "
+                      "machine, so download the video first");
+  }
+  const std::string type = fs::path(spec).extension().string();
+  if (type == ".zip" || type == ".tar" || type == ".gz" || type == ".tgz" || type == ".7z")
+    throw SourceError(spec + ": is an archive; unpack it, then use its folder");
+}
+
 bool isFile(const std::string& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);
@@ -88,6 +101,7 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps) {
   if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
   std::error_code error;
   if (fs::is_directory(spec, error)) return std::make_unique<ImageSequence>(spec, fps);
+  refuseOtherKinds(spec);
   if (isFile(spec)) {
     throw SourceError(spec +
                       ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");

@@ -21,6 +21,11 @@ constexpr double kCountTolerance = 5.0;
 
 cv::VideoCapture openVideo(const std::string& file) {
   std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    throw SourceError(file +
+                      ": is a folder, but a pair is two video files; a folder of images is "
+                      "one source, with rgb/ and depth/");
+  }
   if (!std::filesystem::is_regular_file(file, error)) throw SourceError(file + ": no such file");
   // FFmpeg's own log would hide the error message. OpenCV reads this variable once, at the first
   // video; a value set by the user takes precedence.
@@ -94,6 +99,12 @@ bool isEightBitFormat(std::uint32_t tag) {
 
 VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
     : color_file_(std::move(color_file)), depth_file_(std::move(depth_file)) {
+  std::error_code error;
+  if (std::filesystem::equivalent(color_file_, depth_file_, error)) {
+    throw SourceError(depth_file_ +
+                      ": is the colour video and the depth video; name a grey video "
+                      "of the depth (near is white) as the second one");
+  }
   open();
   requireEightBitDepth(depth_, depth_file_);
   const cv::Mat color = firstFrame(color_, color_file_);
@@ -106,6 +117,29 @@ VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
   if (isColorCoded(depth)) {
     throw SourceError(depth_file_ + ": shows depth as colours; make it grey (near is white)");
   }
+  warnOfOtherRate();
+  info_.frame_count = countFrames();
+  info_.name = fileName(color_file_);
+  info_.width_px = color.cols;
+  info_.height_px = color.rows;
+  info_.fps = fps > 0.0 ? fps : readFrameRate(color_);
+  info_.depth_kind = DepthKind::kHeight;
+  open();  // back to the first frame
+}
+
+void VideoPair::warnOfOtherRate() const {
+  constexpr double kSameRate = 0.01;  // chosen: 29.97 and 30 frames/s are one rate
+  const double color = color_.get(cv::CAP_PROP_FPS);
+  const double depth = depth_.get(cv::CAP_PROP_FPS);
+  if (!(color >= 1.0 && depth >= 1.0) || std::abs(color - depth) <= kSameRate * color) return;
+  spdlog::warn(
+      "--source {}: has {:.4g} frames/s, but the colour video has {:.4g}; the server pairs frames "
+      "by "
+      "number, so convert one to the other's rate (ffmpeg -i FILE -vf fps={:.4g} OUT)",
+      depth_file_, depth, color, color);
+}
+
+std::optional<std::uint64_t> VideoPair::countFrames() const {
   const double colors = color_.get(cv::CAP_PROP_FRAME_COUNT);
   const double depths = depth_.get(cv::CAP_PROP_FRAME_COUNT);
   // Not every container states its count; implausible counts are unknown.
@@ -115,13 +149,8 @@ VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
                       " frames, but the colour video has " + std::to_string(std::llround(colors)) +
                       "; cut both to the same frames");
   }
-  info_.name = fileName(color_file_);
-  info_.width_px = color.cols;
-  info_.height_px = color.rows;
-  info_.fps = fps > 0.0 ? fps : readFrameRate(color_);
-  info_.depth_kind = DepthKind::kHeight;
-  if (known) info_.frame_count = static_cast<std::uint64_t>(std::min(colors, depths));
-  open();  // back to the first frame
+  if (!known) return std::nullopt;
+  return static_cast<std::uint64_t>(std::min(colors, depths));
 }
 
 void VideoPair::open() {

@@ -2,7 +2,9 @@
 // Source from two video files: colour, and 8-bit grey depth (near is white). Thread: one.
 #pragma once
 
+#include <cstdint>
 #include <opencv2/videoio.hpp>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -15,8 +17,8 @@ class VideoPair final : public RgbdSource {
  public:
   /// Opens both files and decodes their first frames. `fps` > 0 overrides the colour video's rate,
   /// frames/s. Throws SourceError if the files' sizes differ, or if their frame counts differ by
-  /// more than five. It also throws for depth with more than 8 bits per sample, which OpenCV 4.6
-  /// decodes wrongly without an error.
+  /// more than five. It also throws if both are one file, and for depth with more than 8 bits per
+  /// sample, which OpenCV 4.6 decodes wrongly without an error.
   VideoPair(std::string color_file, std::string depth_file, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -28,6 +30,11 @@ class VideoPair final : public RgbdSource {
 
  private:
   void open();
+  /// Logs a warning if the two files state different frame rates.
+  void warnOfOtherRate() const;
+  /// Returns the number of frames of the shorter file; nullopt if a file does not state its number.
+  /// Throws SourceError if the numbers differ by more than five.
+  [[nodiscard]] std::optional<std::uint64_t> countFrames() const;
   /// Moves both files to the next frame. Returns false at the end of either. Throws SourceError if
   /// there is no first frame.
   bool grab();

@@ -147,9 +147,12 @@ TEST_F(ProgramsLanTest, ADaemonThatComesBackIsToldAgain) {
   listed({kName});
 
   interrupt(*daemons_[1], SIGTERM);
-  listed({"no search for servers on the LAN: avahi-daemon does not run"});
+  listed({"no search for servers on the LAN: avahi-daemon does not run; start it (sudo systemctl"});
   buses_.clear();  // not even a bus any more
-  listed({"no search for servers on the LAN: avahi-daemon cannot be reached"});
+  listed({"no search for servers on the LAN: avahi-daemon cannot be reached", "; start it ("});
+  const auto named = run(hosts_.viewer(), {HAPTICAST_CLIENT_PROGRAM, std::string("mdns:") + kName});
+  EXPECT_TRUE(named->says("avahi-daemon cannot be reached", kSoon)) << named->output();
+  interrupt(*named);
   EXPECT_TRUE(server->says("not announced on the LAN", kSoon, 2)) << server->output();
   interrupt(*server);
 }

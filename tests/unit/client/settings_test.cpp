@@ -8,6 +8,8 @@
 
 #include "common/build_options.hpp"
 #include "common/cli/parse.hpp"
+#include "common/cli/program_flags.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::client {
@@ -43,6 +45,47 @@ TEST(ClientSettings, Defaults) {
   EXPECT_FALSE(run.settings.quiet);
   EXPECT_TRUE(run.settings.log_file.empty() && run.settings.summary_file.empty() &&
               run.settings.screenshot_file.empty() && run.settings.film_file.empty());
+}
+
+TEST(ClientSettings, EachFlagOfTheServerIsTold) {
+  for (const std::string_view flag : ownFlags(kServerProgram)) {
+    const std::string word = "--" + std::string(flag);
+    const Probe run({word + "=1"});
+    EXPECT_EQ(run.exit_code, 2) << word;
+    run.expectErrorWith({"'" + word + "=1'; " + word + " is a flag of hapticast-server"});
+  }
+  const Probe own({"--help"});
+  for (const std::string_view flag : ownFlags(kClientProgram)) {
+    const bool optional = flag.starts_with("falcon") || flag == "sound";
+    EXPECT_TRUE(optional || own.output.find("--" + std::string(flag)) != std::string::npos) << flag;
+  }
+}
+
+TEST(ClientSettings, EachOutputNeedsAFileOfItsOwn) {
+  const TempFolder folder;
+  const auto complaintOf = [](const Settings& settings) -> std::string {
+    try {
+      requireDistinctOutputs(settings);
+      return "";
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  };
+  Settings settings;
+  settings.log_file = (folder / "a").string();
+  settings.summary_file = (folder / "b").string();
+  EXPECT_EQ(complaintOf(settings), "");
+  settings.summary_file = (folder / "." / "a").string();
+  const std::string same =
+      "--summary " + settings.summary_file + ": is the file of --log, too; name another file";
+  EXPECT_EQ(complaintOf(settings), same) << "neither file exists yet";
+  folder.write("a", "x");
+  EXPECT_EQ(complaintOf(settings), same);
+  settings.film_file = settings.summary_file;
+  settings.summary_file = "";
+  EXPECT_EQ(complaintOf(settings).substr(0, 7), "--film ");
+  settings.log_file = settings.film_file = "/dev/null";
+  EXPECT_EQ(complaintOf(settings), "");
 }
 
 void expectAll(const Settings& settings) {

@@ -42,6 +42,17 @@ TEST(Text, KeyValueLinesWithCommentsSpaceAndQuotes) {
   EXPECT_EQ(all, "3:fps=60|4:max-clients=3|5:file=a b|6:file=c|7:empty=|8:q=\"|9:x_2=a = b|");
 }
 
+TEST(Text, AByteOrderMarkIsIgnored) {
+  const auto result = read("\xEF\xBB\xBFsource = synthetic:still\r\n");
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  ASSERT_EQ(result.value().size(), 1U);
+  EXPECT_EQ(result.value()[0].key, "source");
+  EXPECT_NE(complaint("a = 1\n\xEF\xBB\xBF"
+                      "b = 1"),
+            "accepted")
+      << "at the begin only";
+}
+
 TEST(Text, OtherLinesAreToldWithTheirNumber) {
   EXPECT_EQ(complaint("a = 1\nb"), "f:2: 'b' is not a `key = value` line");
   EXPECT_EQ(complaint("= 1"), "f:1: '= 1' is not a `key = value` line");

@@ -48,6 +48,15 @@ TEST(OpenSource, APathWithNeither) {
   EXPECT_THAT(openError(folder.string()), HasSubstr("no folder rgb/"));
 }
 
+TEST(OpenSource, AddressesAndArchivesAreTold) {
+  for (const char* spec : {"http://h/c.mp4,http://h/d.mp4", "https://h/c.mp4", "rtsp://h/1"})
+    EXPECT_THAT(openError(spec), HasSubstr(": is an address; the server reads only files"));
+  const SourceFolder folder;
+  folder.write("clip.zip", std::string("x"));
+  EXPECT_THAT(openError((folder / "clip.zip").string()),
+              HasSubstr("clip.zip: is an archive; unpack it"));
+}
+
 TEST(OpenSource, APairWithAPartMissing) {
   const SourceFolder folder;
   folder.write("c.mp4", std::string("x"));

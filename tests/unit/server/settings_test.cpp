@@ -5,6 +5,7 @@
 
 #include "common/build_options.hpp"
 #include "common/cli/parse.hpp"
+#include "common/cli/program_flags.hpp"
 #include "common/codec/height_codec.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
@@ -187,6 +188,25 @@ TEST(ServerSettings, WhatIsMissingOrUnknownIsTold) {
   const Probe unknown({"--source", "a", "--speed", "1"});
   EXPECT_EQ(unknown.exit_code, 2);
   unknown.expectErrorWith({"--speed"});
+}
+
+TEST(ServerSettings, EachFlagOfTheClientIsTold) {
+  for (const std::string_view flag : ownFlags(kClientProgram)) {
+    const std::string word = "--" + std::string(flag);
+    const Probe run({"--source", "synthetic:still", word, "1"});
+    EXPECT_EQ(run.exit_code, 2) << word;
+    run.expectErrorWith({"'" + word + "' '1'; " + word + " is a flag of hapticast-client"});
+  }
+  const Probe own({"--help"});
+  for (const std::string_view flag : ownFlags(kServerProgram))
+    EXPECT_NE(own.output.find("--" + std::string(flag)), std::string::npos) << flag;
+}
+
+TEST(ServerSettings, AnAddressAndCommonSlipsAreTold) {
+  for (const char* address : {"192.168.1.5", "192.168.1.5:7447", "7500", "localhost"})
+    Probe({address}).expectErrorWith({address, "is --listen missing in front of it?"});
+  Probe({"help"}).expectErrorWith({"did you mean --help?"});
+  Probe({"-v"}).expectErrorWith({"did you mean --version?"});
 }
 
 TEST(ServerSettings, HelpAndVersionEndWithZero) {

@@ -21,9 +21,10 @@ class VideoPairFiles : public testing::Test {
  protected:
   /// Motion JPEG; frame i is evenly 40 + 8 i bright, times `tint`.
   [[nodiscard]] std::string video(const std::string& name, int frames, cv::Size size = {64, 48},
-                                  const cv::Scalar& tint = {1.0, 1.0, 1.0}) const {
+                                  const cv::Scalar& tint = {1.0, 1.0, 1.0},
+                                  double fps = 30.0) const {
     std::string file = (folder / name).string();
-    cv::VideoWriter writer(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30.0, size);
+    cv::VideoWriter writer(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps, size);
     EXPECT_TRUE(writer.isOpened());
     for (int i = 0; i < frames; ++i) writer.write(cv::Mat(size, CV_8UC3, tint * (40.0 + 8.0 * i)));
     return file;
@@ -116,6 +117,41 @@ TEST_F(VideoPairFiles, DifferentSizesAreRefused) {
 TEST_F(VideoPairFiles, DepthInColoursIsRefused) {
   EXPECT_THAT(openError(video("c.avi", 3), video("d.avi", 3, {64, 48}, {4.0, 1.0, 0.1})),
               HasSubstr("d.avi: shows depth as colours"));
+}
+
+TEST_F(VideoPairFiles, ColourInASmallPartOfDepthIsRefused) {
+  const std::string depth = (folder / "d.avi").string();
+  cv::VideoWriter writer(depth, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30.0, {160, 120});
+  cv::Mat picture = cv::Mat::zeros(120, 160, CV_8UC3);  // a background that was removed
+  picture(cv::Rect(64, 48, 32, 24)).setTo(cv::Scalar(110, 140, 210));
+  for (int i = 0; i < 3; ++i) writer.write(picture);
+  writer.release();
+  EXPECT_THAT(openError(video("c.avi", 3, {160, 120}), depth),
+              HasSubstr("d.avi: shows depth as colours"));
+}
+
+TEST_F(VideoPairFiles, OneFileForBothIsRefused) {
+  const std::string color = video("c.avi", 3);
+  EXPECT_THAT(openError(color, (folder / "." / "c.avi").string()),
+              HasSubstr("c.avi: is the colour video and the depth video"));
+}
+
+TEST_F(VideoPairFiles, AFolderInThePairIsToldAsOne) {
+  EXPECT_THAT(openError(video("c.avi", 3), folder.string()), HasSubstr(": is a folder, but"));
+}
+
+TEST_F(VideoPairFiles, DifferentRatesAreToldOnce) {
+  const LogLines log;
+  const std::string color = video("c.avi", 8, {64, 48}, {1.0, 1.0, 1.0}, 24.0);
+  VideoPair source(color, video("d.avi", 8), 0.0);
+  EXPECT_EQ(log.count(), 1);
+  EXPECT_THAT(log.text(), AllOf(HasSubstr("d.avi: has 30 frames/s, but the colour video has 24"),
+                                HasSubstr("pairs frames by number"), HasSubstr("fps=24")));
+  source.rewind();
+  EXPECT_EQ(log.count(), 1);
+  EXPECT_EQ(source.info().fps, 24.0);
+  VideoPair same(video("c.avi", 8, {64, 48}, {1.0, 1.0, 1.0}, 29.97), video("d.avi", 8), 0.0);
+  EXPECT_EQ(log.count(), 1) << "29.97 is 30";
 }
 
 TEST_F(VideoPairFiles, TooLargeIsRefused) {

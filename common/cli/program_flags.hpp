@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Flags that only one of the two programs has, for hints in error messages. Tests compare the lists
+// with the parsers of both programs. Thread: any.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace hapticast {
+
+inline constexpr std::string_view kServerProgram = "hapticast-server";
+inline constexpr std::string_view kClientProgram = "hapticast-client";
+
+/// Returns the names, without "--", of the flags that `program` has and the other program lacks.
+/// `program`: kServerProgram or kClientProgram. Flags of optional parts are in the list, too.
+[[nodiscard]] const std::vector<std::string_view>& ownFlags(std::string_view program);
+
+/// Returns the name of the other program than `program`, if only that one has the flag `flag`.
+/// Otherwise returns an empty text. `flag` may begin with "--" and may end with "=VALUE".
+[[nodiscard]] std::string_view ownerOfFlag(std::string_view flag, std::string_view program);
+
+}  // namespace hapticast

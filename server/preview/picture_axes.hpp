@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Pixel axes and close-ups of the --preview pictures, so that the author can read a pixel's place.
+// Each function leaves its arguments unchanged. Thread: any.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace hapticast::server {
+
+/// Returns the part of a picture of size `picture` that shows the objects in `box` with a margin.
+/// It has the sides' ratio of the picture. Returns the whole picture if `box` is empty, or if that
+/// part would be wider than half of the picture.
+[[nodiscard]] cv::Rect selectCloseUp(const cv::Rect& box, const cv::Size& picture);
+
+/// Returns the distance of two ticks, px: 1, 2 or 5 times a power of ten. `scale`: drawn px for
+/// each px of the picture.
+[[nodiscard]] int tickStep_px(double scale);
+
+/// Returns where a picture of `part`, drawn with `scale`, shows the pixel `at_px`.
+[[nodiscard]] cv::Point placeOfPixel(const cv::Point& at_px, const cv::Rect& part, double scale);
+
+inline constexpr int kAxisLeft_px = 44;  ///< width of the axis of v
+inline constexpr int kAxisTop_px = 22;   ///< height of the axis of u
+
+/// Returns `drawn` with an axis of u above it, an axis of v on its left, and a light grid in it.
+/// The numbers are pixels of the source's picture. `drawn` shows `part` of that picture.
+[[nodiscard]] cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part);
+
+}  // namespace hapticast::server
