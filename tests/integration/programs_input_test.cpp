@@ -226,6 +226,24 @@ TEST_F(ProgramsInputTest, ClipsThatDoNotFit) {
   serverEnds({"--source", clip, "--segment", "source"}, 2, {"--segment source", "no mask"});
 }
 
+TEST_F(ProgramsInputTest, AClipWithNothingToTouchIsTold) {
+  const std::string clip = makeClip("clip");
+  std::filesystem::remove_all(clip + "/mask");
+  const auto warning = [&](const cv::Mat& depth) {
+    for (int i = 100; i < 106; ++i) setDepth(clip, i, depth);
+    const auto server = startServer({"--source", clip, "--frames", "2", "--quiet"});
+    EXPECT_EQ(server->wait(kStart), 0) << server->output();
+    EXPECT_EQ(countOf("\n", server->output()), 1U) << server->output();
+    return server->output();
+  };
+  cv::Mat depth = cv::Mat::zeros(96, 128, CV_16UC1);
+  EXPECT_NE(warning(depth).find("depth is 0 in every pixel"), std::string::npos);
+  depth.setTo(2000);
+  depth.at<std::uint16_t>(90, 120) = 2001;
+  EXPECT_NE(warning(depth).find("no object was found, so there is nothing to touch"),
+            std::string::npos);
+}
+
 TEST_F(ProgramsInputTest, FramesThatCannotBeReadAreLeftOut) {
   const std::string clip = makeClip("clip");
   write("clip/depth/102.png", "this is no picture");
