@@ -131,8 +131,8 @@ class FramePool {
 
  private:
   std::array<Slot, kSlots> slots_;
-  SpscRing<Index, kSlots> filled_;  // decode thread -> loop
-  SpscRing<Index, kSlots> free_;    // loop -> decode thread
+  SpscRing<Index, kSlots> filled_;     // decode thread -> loop
+  SpscRing<Index, kSlots> free_;       // loop -> decode thread
   std::array<Index, kSlots> empty_{};  // free slots without data; decode thread only
   std::size_t empty_count_ = 0;
 };

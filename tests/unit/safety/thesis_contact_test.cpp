@@ -62,7 +62,8 @@ TEST(SafetyThesis, DoesNotBeatOnASlope) {
       std::printf("at %.0f, %.0f from %.0f s: %d beats, %.1f mJ\n", at.x_mm, at.y_mm, from_s,
                   beats.count, beats.relative_mJ);
       EXPECT_LE(beats.count, 3) << at.x_mm << ", " << at.y_mm << " from " << from_s << " s";
-      EXPECT_LE(beats.relative_mJ, 15.0) << at.x_mm << ", " << at.y_mm << " from " << from_s << " s";
+      EXPECT_LE(beats.relative_mJ, 15.0)
+          << at.x_mm << ", " << at.y_mm << " from " << from_s << " s";
     }
   }
 }

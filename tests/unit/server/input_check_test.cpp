@@ -96,13 +96,13 @@ cv::Mat toLevels(const cv::Mat& depth_mm, const DepthRange& range) {
   return out;
 }
 
-struct RealClip {
+struct CheckedClip {
   std::string folder;
   DepthRange range;  // 1 and 99 % of its depths
   std::vector<AuthorPoint> clicks;
 };
 
-std::vector<RealClip> realClips() {
+std::vector<CheckedClip> realClips() {
   const auto shared = [](const char* name) { return (test::clipsFolder() / name).string(); };
   return {{HAPTICAST_TESTS "/data/typing_hands", {534, 1116}, {}},
           {HAPTICAST_TESTS "/data/typing_hands", {534, 1116}, {{{167, 111}}}},
@@ -113,7 +113,7 @@ std::vector<RealClip> realClips() {
 }
 
 TEST(InputCheck, TheBorderIsNearerThanTheObjectOnlyInInvertedDepth) {
-  for (const RealClip& clip : realClips()) {
+  for (const CheckedClip& clip : realClips()) {
     if (!std::filesystem::exists(clip.folder)) continue;
     const auto source = openSource(clip.folder, 0.0);
     VisionSettings settings;
