@@ -100,7 +100,7 @@ class App::Impl {
 App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
-      source_(openSource(settings_.source, settings_.fps)),
+      source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
       broadcaster_(io_, clock, media_clock_, vision_.description(),

@@ -121,6 +121,8 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
+  app.add_flag("--to-and-fro", settings.to_and_fro,
+               "Play the images of a folder forwards, then backwards; with --loop no jump remains");
   app.add_flag("--wait-for-viewer", settings.wait_for_viewer,
                "Begin to play when the first viewer has joined");
   addNumber(app, "--frames", settings.frames, std::uint64_t{1}, std::uint64_t{1'000'000'000}, "N",

@@ -18,6 +18,7 @@ struct Settings {
   std::string source;
   double fps = 0.0;  ///< frames/s; 0: the source's own rate
   bool loop = false;
+  bool to_and_fro = false;
   bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< number of frames to stream; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};

@@ -2,6 +2,7 @@
 #include "server/source/image_sequence.hpp"
 
 #include <spdlog/spdlog.h>
+#include <vector>
 
 namespace hapticast::server {
 
@@ -32,8 +33,12 @@ DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& cli
 
 }  // namespace
 
-ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps)
+ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro)
     : files_(findClipFiles(folder)) {
+  if (to_and_fro && files_.frames.size() > 2) {
+    const std::vector<FrameFiles> back(files_.frames.rbegin() + 1, files_.frames.rend() - 1);
+    files_.frames.insert(files_.frames.end(), back.begin(), back.end());
+  }
   const FrameFiles& first = files_.frames.front();
   const ImageResult color = readColorFile(first.color);
   if (!color.ok()) {

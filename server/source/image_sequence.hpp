@@ -17,8 +17,9 @@ namespace hapticast::server {
 class ImageSequence final : public RgbdSource {
  public:
   /// Finds the files in `folder` and checks the first frame. `fps` > 0 overrides the folder's rate,
-  /// frames/s. Throws SourceError.
-  ImageSequence(const std::filesystem::path& folder, double fps);
+  /// frames/s. If `to_and_fro` is true, the images follow again from the last but one back to the
+  /// second. So a loop has no jump. Throws SourceError.
+  ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro = false);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   /// Returns the next frame, as in RgbdSource. Throws SourceError if no frame of the whole clip is

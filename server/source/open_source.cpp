@@ -90,17 +90,20 @@ std::string fileName(const fs::path& path) {
   return (error ? path : whole).filename().string();
 }
 
-std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps) {
+std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro) {
   if (fps != 0.0 && !(fps >= 1.0 && fps <= 240.0)) {
     throw SourceError("frame rate " + std::to_string(fps) + ": allowed is 1 to 240 per second");
   }
   constexpr std::string_view kSynthetic = "synthetic:";
   constexpr std::string_view kCamera = "camera:";
   const std::string_view view = spec;
+  std::error_code error;
+  const bool is_folder = fs::is_directory(spec, error);
+  if (to_and_fro && !is_folder)
+    throw SourceError(spec + ": only a folder of images plays --to-and-fro; use --loop alone");
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
   if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
-  std::error_code error;
-  if (fs::is_directory(spec, error)) return std::make_unique<ImageSequence>(spec, fps);
+  if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro);
   refuseOtherKinds(spec);
   if (isFile(spec)) {
     throw SourceError(spec +

@@ -77,7 +77,9 @@ class RgbdSource {
 std::string fileName(const std::filesystem::path& path);
 
 /// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH or
-/// camera:N,M. `fps` > 0 overrides its rate, frames/s. Throws SourceError.
-std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps);
+/// camera:N,M. `fps` > 0 overrides its rate, frames/s. `to_and_fro`: the images of a folder play
+/// forwards, then backwards. Throws SourceError, also if only a folder can do that.
+std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps,
+                                       bool to_and_fro = false);
 
 }  // namespace hapticast::server

@@ -22,6 +22,8 @@ TEST(OpenSource, EverySyntheticScene) {
     EXPECT_TRUE(source->read());
   }
   EXPECT_EQ(openSource("synthetic:still", 100.0)->info().fps, 100.0);
+  EXPECT_NE(errorOf([] { (void)openSource("synthetic:still", 0.0, true); }).find("--to-and-fro"),
+            std::string::npos);
 }
 
 TEST(OpenSource, AnUnknownSceneListsThoseThereAre) {
