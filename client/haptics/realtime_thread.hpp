@@ -8,8 +8,9 @@ namespace hapticast::client {
 
 /// Real-time properties that the system granted.
 struct RealtimeGrant {
-  bool fifo = false;   ///< the thread runs under SCHED_FIFO
-  bool mlock = false;  ///< present and future memory of the process stays in RAM
+  bool fifo = false;  ///< the thread runs under SCHED_FIFO
+  /// All memory of the process stays in RAM once it is used. The loop's code is loaded in advance.
+  bool mlock = false;
 };
 
 /// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns what the
