@@ -2,72 +2,79 @@
 #include "common/cli/program_flags.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace hapticast {
 
-const std::vector<std::string_view>& ownFlags(std::string_view program) {
-  static const std::vector<std::string_view> kServer{"announce",
-                                                     "compensate-pan",
-                                                     "damping",
-                                                     "depth-range",
-                                                     "error-budget",
-                                                     "explain",
-                                                     "fov",
-                                                     "fps",
-                                                     "frames",
-                                                     "friction",
-                                                     "listen",
-                                                     "loop",
-                                                     "low-latency",
-                                                     "map-range",
-                                                     "mass",
-                                                     "max-clients",
-                                                     "motion",
-                                                     "multicast",
-                                                     "multicast-ttl",
-                                                     "name",
-                                                     "not",
-                                                     "object",
-                                                     "plan",
-                                                     "preview",
-                                                     "segment",
-                                                     "source",
-                                                     "stiffness",
-                                                     "stretch",
-                                                     "texture-depth",
-                                                     "to-and-fro",
-                                                     "wait-for-viewer"};
-  static const std::vector<std::string_view> kClient{"device",
-                                                     "falcon-calibrate",
-                                                     "falcon-firmware",
-                                                     "falcon-gain",
-                                                     "falcon-serial",
-                                                     "fault-dir",
-                                                     "film",
-                                                     "forces",
-                                                     "hand",
-                                                     "interface",
-                                                     "list",
-                                                     "list-devices",
-                                                     "log",
-                                                     "profile",
-                                                     "rearm",
-                                                     "redundancy",
-                                                     "screenshot",
-                                                     "seconds",
-                                                     "sound",
-                                                     "stiffness-limit",
-                                                     "summary",
-                                                     "surface",
-                                                     "view"};
-  return program == kServerProgram ? kServer : kClient;
+namespace {
+
+constexpr auto kServerFlags = std::to_array<std::string_view>({"announce",
+                                                               "compensate-pan",
+                                                               "damping",
+                                                               "depth-range",
+                                                               "error-budget",
+                                                               "explain",
+                                                               "fov",
+                                                               "fps",
+                                                               "frames",
+                                                               "friction",
+                                                               "listen",
+                                                               "loop",
+                                                               "low-latency",
+                                                               "map-range",
+                                                               "mass",
+                                                               "max-clients",
+                                                               "motion",
+                                                               "multicast",
+                                                               "multicast-ttl",
+                                                               "name",
+                                                               "not",
+                                                               "object",
+                                                               "plan",
+                                                               "preview",
+                                                               "segment",
+                                                               "source",
+                                                               "stiffness",
+                                                               "stretch",
+                                                               "texture-depth",
+                                                               "to-and-fro",
+                                                               "wait-for-viewer"});
+constexpr auto kClientFlags = std::to_array<std::string_view>({"device",
+                                                               "falcon-calibrate",
+                                                               "falcon-firmware",
+                                                               "falcon-gain",
+                                                               "falcon-serial",
+                                                               "fault-dir",
+                                                               "film",
+                                                               "forces",
+                                                               "hand",
+                                                               "interface",
+                                                               "list",
+                                                               "list-devices",
+                                                               "log",
+                                                               "profile",
+                                                               "rearm",
+                                                               "redundancy",
+                                                               "screenshot",
+                                                               "seconds",
+                                                               "sound",
+                                                               "stiffness-limit",
+                                                               "summary",
+                                                               "surface",
+                                                               "view"});
+
+}  // namespace
+
+std::span<const std::string_view> ownFlags(std::string_view program) {
+  if (program == kServerProgram) return kServerFlags;
+  return kClientFlags;
 }
 
 std::string_view ownerOfFlag(std::string_view flag, std::string_view program) {
   std::string_view name = flag.substr(0, flag.find('='));
   if (name.starts_with("--")) name.remove_prefix(2);
   const std::string_view other = program == kServerProgram ? kClientProgram : kServerProgram;
-  const auto& flags = ownFlags(other);
+  const auto flags = ownFlags(other);
   return std::find(flags.begin(), flags.end(), name) == flags.end() ? "" : other;
 }
 

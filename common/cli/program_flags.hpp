@@ -3,8 +3,8 @@
 // with the parsers of both programs. Thread: any.
 #pragma once
 
+#include <span>
 #include <string_view>
-#include <vector>
 
 namespace hapticast {
 
@@ -13,7 +13,7 @@ inline constexpr std::string_view kClientProgram = "hapticast-client";
 
 /// Returns the names, without "--", of the flags that `program` has and the other program lacks.
 /// `program`: kServerProgram or kClientProgram. Flags of optional parts are in the list, too.
-[[nodiscard]] const std::vector<std::string_view>& ownFlags(std::string_view program);
+[[nodiscard]] std::span<const std::string_view> ownFlags(std::string_view program);
 
 /// Returns the name of the other program than `program`, if only that one has the flag `flag`.
 /// Otherwise returns an empty text. `flag` may begin with "--" and may end with "=VALUE".

@@ -174,7 +174,8 @@ std::vector<std::string> formatLines(const Settings& settings, const Watched& wa
 
 void writePreview(const Settings& settings, const Clock& clock) {
   const fs::path place = settings.preview;
-  const std::unique_ptr<RgbdSource> source = openSource(settings.source, settings.fps, settings.to_and_fro);
+  const std::unique_ptr<RgbdSource> source =
+      openSource(settings.source, settings.fps, settings.to_and_fro);
   checkPlace(place);
   Vision vision(source->info(), dropInvalidPoints(settings.vision, source->info()));
   warnOfUnlikelyInput(*source, settings.vision);

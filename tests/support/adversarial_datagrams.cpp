@@ -91,7 +91,7 @@ Lies counts() {
           parted([](PartsTelling& t) { t.parts.erase(t.parts.begin()); })),
       lie("probes", kHarmless, parted([](PartsTelling& t) {
             const Part probe{{t.parts.front().header.stream, 0, 0, {}, 0, 0},
-                             Bytes(kMostPieceBytes)};
+                             Bytes(kMostPieceBytes + kSealBytes)};
             t.parts.insert(t.parts.begin(), 150, probe);
           })),
       lie("short_probes", kRefused, parted([](PartsTelling& t) {
@@ -130,7 +130,7 @@ Lies places() {
       lie("epoch_of_each_frame", kLimited, headed([](DatagramHeader& header, PartsTelling& t) {
             header.epoch = static_cast<std::uint32_t>(t.n);
           })),
-      lie("epoch_against_tcp", kLimited, headed([](DatagramHeader& header, PartsTelling& t) {
+      lie("epoch_against_tcp", kHarmless, headed([](DatagramHeader& header, PartsTelling& t) {
             header.frame += 1;
             header.epoch = static_cast<std::uint32_t>(t.n);
           }),
@@ -172,7 +172,7 @@ Lies places() {
 
 Lies payloads() {
   return {
-      lie("slices_of_another_frame", kLimited, parted([](PartsTelling& t) {
+      lie("slices_of_another_frame", kHarmless, parted([](PartsTelling& t) {
             const std::vector<Part> others = partsAt(t, 20.0);
             for (std::size_t i = 1; i < std::min(others.size(), t.parts.size()); i += 2)
               t.parts[i].payload = others[i].payload;

@@ -13,7 +13,7 @@
 namespace hapticast::client {
 namespace {
 
-CodedFrame versionOf(std::uint64_t id) {
+CodedFrame makeVersion(std::uint64_t id) {
   HapticFrame frame = testing::goldenFrame();
   frame.id = id;
   frame.media_time = mediaTime(0.04 * static_cast<double>(id));
@@ -52,10 +52,10 @@ struct Ways {
 
 /// Both orders; `other` is the second version of frame 11.
 void compare(const CodedFrame& other, bool differs, std::size_t missing = 0) {
-  const CodedFrame frame = versionOf(11);
+  const CodedFrame frame = makeVersion(11);
   for (const bool tcp_first : {true, false}) {
     Ways ways;
-    ways.byTcp(versionOf(10));
+    ways.byTcp(makeVersion(10));
     if (tcp_first) {
       ways.byTcp(frame);
       ways.byDatagrams(other, missing);
@@ -65,21 +65,21 @@ void compare(const CodedFrame& other, bool differs, std::size_t missing = 0) {
     }
     EXPECT_EQ(ways.assembler.contradicted(), differs) << "TCP first: " << tcp_first;
     const int left = ways.left;
-    ways.byTcp(versionOf(12));
-    ways.byDatagrams(versionOf(13));
+    ways.byTcp(makeVersion(12));
+    ways.byDatagrams(makeVersion(13));
     EXPECT_EQ(ways.left, differs ? left : left + 2);
     ways.assembler.restart();
-    ways.byTcp(versionOf(14));
+    ways.byTcp(makeVersion(14));
     EXPECT_FALSE(ways.assembler.contradicted());
   }
 }
 
 TEST(Contradiction, TheSameFrameByBothWaysIsNone) {
-  compare(versionOf(11), false);
-  CodedFrame lean = versionOf(11);  // unchanged reliefs are left out
+  compare(makeVersion(11), false);
+  CodedFrame lean = makeVersion(11);  // unchanged reliefs are left out
   for (CodedObject& object : lean.objects) object.relief = nullptr;
   compare(lean, false);
-  if (packFrame(versionOf(11)).size() > 1) compare(versionOf(11), false, 1);
+  if (packFrame(makeVersion(11)).size() > 1) compare(makeVersion(11), false, 1);
 }
 
 TEST(Contradiction, AnyDifferenceIsOne) {
@@ -103,7 +103,7 @@ TEST(Contradiction, AnyDifferenceIsOne) {
         frame.objects[0].relief = relief;
       }};
   for (const auto& change : kChanges) {
-    CodedFrame other = versionOf(11);
+    CodedFrame other = makeVersion(11);
     change(other);
     compare(other, true);
   }
@@ -111,8 +111,8 @@ TEST(Contradiction, AnyDifferenceIsOne) {
 
 TEST(Contradiction, ASecondMessageByTcpCountsAsWell) {
   Ways ways;
-  ways.byTcp(versionOf(10));
-  CodedFrame other = versionOf(10);
+  ways.byTcp(makeVersion(10));
+  CodedFrame other = makeVersion(10);
   other.objects[0].motion.position_mm.x() += 1.0;
   ways.byTcp(other);
   EXPECT_TRUE(ways.assembler.contradicted());
