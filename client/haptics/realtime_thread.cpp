@@ -28,6 +28,7 @@ constexpr std::size_t kStack_bytes = 256 << 10;  // chosen: many times the depth
 void lockRange(std::uintptr_t begin, std::size_t bytes) noexcept {
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
   const std::uintptr_t first = begin / page * page;
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): the dynamic linker reports addresses as numbers
   (void)!mlock(reinterpret_cast<const void*>(first), begin - first + bytes);
 }
 

@@ -157,7 +157,9 @@ void drawMotion(const MotionFigure& figure, const Options& options, Report& repo
           stream, variant, visitingHand(scene.motion, hand_mm_s2),
           [=](double) { return Vec3(1e-3 * hand_mm_s2); }, scene.motion));
       const std::string cursor = accelerates ? "cursor accelerating" : "cursor still";
-      panels.push_back(profilePanel(method + ", " + cursor, moments));
+      std::string title = method + ", ";
+      title += cursor;
+      panels.push_back(profilePanel(title, moments));
       for (const auto& [stage, is, should] :
            {std::tuple{"static force", &Moment::static_N, &Moment::true_static_N},
             std::tuple{"total force", &Moment::total_N, &Moment::true_total_N}}) {

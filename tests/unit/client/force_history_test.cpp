@@ -74,7 +74,7 @@ TEST(RecentPlot, HasAZeroLineATimeAxisAndNames) {
   const cv::Mat plain = drawRecentPlot({}, 1.0, "N", unnamed, size);
   const cv::Mat with_name = drawRecentPlot({}, 1.0, "N", named, size);
   EXPECT_GT(cv::norm(plain.rowRange(0, 14), with_name.rowRange(0, 14), cv::NORM_L1), 0.0);
-  const auto ground = plain.at<cv::Vec3b>(60, 60);
+  const auto& ground = plain.at<cv::Vec3b>(60, 60);
   EXPECT_NE(plain.at<cv::Vec3b>(98, 150), ground) << "zero line";
   EXPECT_GT(cv::norm(plain.rowRange(103, 117), cv::Mat(14, 300, CV_8UC3, cv::Scalar(ground)),
                      cv::NORM_L1),

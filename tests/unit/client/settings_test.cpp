@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "client/command_line.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +53,7 @@ TEST(ClientSettings, EachFlagOfTheServerIsTold) {
     const std::string word = "--" + std::string(flag);
     const Probe run({word + "=1"});
     EXPECT_EQ(run.exit_code, 2) << word;
-    run.expectErrorWith({"'" + word + "=1'; " + word + " is a flag of hapticast-server"});
+    run.expectErrorWith({fmt::format("'{0}=1'; {0} is a flag of hapticast-server", word)});
   }
   const Probe own({"--help"});
   for (const std::string_view flag : ownFlags(kClientProgram)) {

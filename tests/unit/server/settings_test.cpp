@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/command_line.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "common/build_options.hpp"
@@ -195,7 +196,7 @@ TEST(ServerSettings, EachFlagOfTheClientIsTold) {
     const std::string word = "--" + std::string(flag);
     const Probe run({"--source", "synthetic:still", word, "1"});
     EXPECT_EQ(run.exit_code, 2) << word;
-    run.expectErrorWith({"'" + word + "' '1'; " + word + " is a flag of hapticast-client"});
+    run.expectErrorWith({fmt::format("'{0}' '1'; {0} is a flag of hapticast-client", word)});
   }
   const Probe own({"--help"});
   for (const std::string_view flag : ownFlags(kServerProgram))
