@@ -49,8 +49,8 @@ int lockLoopCode(dl_phdr_info* object, std::size_t /*size*/, void* /*data*/) noe
   return 0;
 }
 
-/// Locks all memory of the process once it is used, and loads what the loop uses. Without
-/// MCL_ONFAULT the kernel would load 270 MB of libraries and stacks that nobody uses.
+/// Locks each page of the process after its first use, and loads the loop's code at once. Without
+/// MCL_ONFAULT the kernel would load 270 MB of libraries and stacks that the client does not use.
 bool lockMemory() noexcept {
   // Under a limit, locked future memory would make later allocations fail.
   rlimit limit{};

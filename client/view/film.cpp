@@ -115,11 +115,10 @@ void FilmView::write(const Shot& shot) {
   const Workspace& workspace = shot.picture->workspace;
   const cv::Mat picture =
       decodeJpeg(shot.picture->video.jpeg, {workspace.width_px, workspace.height_px});
-  const TickReport& shown = shot.ticks.back();
   for (const TickReport& report : shot.ticks) {
     while (report.force_N.norm() > top_N_) top_N_ *= 2.0;
   }
-  const cv::Mat drawing = drawFilmFrame(picture, shown, workspace, history_, top_N_);
+  const cv::Mat drawing = drawFilmFrame(picture, shot.ticks.back(), workspace, history_, top_N_);
   if (!writer_.isOpened()) open(shot.fps);
   for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
 }

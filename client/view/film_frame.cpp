@@ -2,7 +2,6 @@
 #include "client/view/film_frame.hpp"
 
 #include <array>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "client/view/painter.hpp"
@@ -16,16 +15,12 @@ const cv::Rect kPlotRoom(0, 556, 1280, 164);
 constexpr int kColumn_px = 924;  // left edge of the legend
 constexpr int kLegendLine_px = 30;
 
-void drawText(cv::Mat& image, const std::string& text, cv::Point at, double size,
-              const cv::Scalar& color) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
-}
-
 void drawColumn(cv::Mat& frame, const TickReport& report) {
-  drawText(frame, cv::format("%.2f N", report.force_N.norm()), {kColumn_px, 100}, 1.4, kForceColor);
-  drawText(frame, "force at the device", {kColumn_px, 130}, 0.6, kForceColor);
-  drawText(frame, cv::format("%.2f mm deep", report.penetration_mm), {kColumn_px, 172}, 0.6,
-           kTextColor);
+  drawLabel(frame, cv::format("%.2f N", report.force_N.norm()), {kColumn_px, 100}, kForceColor,
+            1.4);
+  drawLabel(frame, "force at the device", {kColumn_px, 130}, kForceColor, 0.6);
+  drawLabel(frame, cv::format("%.2f mm deep", report.penetration_mm), {kColumn_px, 172}, kTextColor,
+            0.6);
   const std::array<std::pair<const char*, cv::Scalar>, 6> lines{
       {{"yellow arrow: force at the device", kForceColor},
        {"dashed: its static share", kStaticForceColor},
@@ -35,7 +30,7 @@ void drawColumn(cv::Mat& frame, const TickReport& report) {
        {"line: height above the object", kGapColor}}};
   int row_px = 250;
   for (const auto& [text, color] : lines) {
-    drawText(frame, text, {kColumn_px, row_px}, 0.55, color);
+    drawLabel(frame, text, {kColumn_px, row_px}, color, 0.55);
     row_px += kLegendLine_px;
   }
 }
@@ -60,8 +55,8 @@ cv::Mat drawFilmFrame(const cv::Mat& picture, const TickReport& report, const Wo
   const cv::Size size(cvRound(place.size().x()), cvRound(place.size().y()));
   fitPicture(picture, size).copyTo(frame(cv::Rect(corner, size)));
   drawTouch(frame, place, report);
-  drawText(frame, filmCaption(report), {16, 30}, 0.75, kTextColor);
-  drawText(frame, "hapticast", {kColumn_px, 30}, 0.75, kTextColor);
+  drawLabel(frame, filmCaption(report), {16, 30}, kTextColor, 0.75);
+  drawLabel(frame, "hapticast", {kColumn_px, 30}, kTextColor, 0.75);
   drawColumn(frame, report);
   const std::array<Curve, 3> curves{{{&ForcePoint::dynamic_force_N, kDynamicForceColor, "dynamic"},
                                      {&ForcePoint::static_force_N, kStaticForceColor, "static"},

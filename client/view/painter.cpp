@@ -264,11 +264,12 @@ void drawLegend(cv::Mat& image, cv::Point at) {
 }
 
 int labelWidth_px(const std::string& text) {
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, nullptr).width;
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kLabelSize, 1, nullptr).width;
 }
 
-void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
+void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color,
+               double size) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, size, color, 1, cv::LINE_AA);
 }
 
 }  // namespace hapticast::client

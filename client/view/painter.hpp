@@ -87,9 +87,13 @@ void drawOutlines(cv::Mat& image, const ScenePlace& place,
 /// the lower left corner of the text.
 void drawLegend(cv::Mat& image, cv::Point at);
 
-/// Draws a line of small text into `image`. `at` (px) is the lower left corner of the text.
-void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color);
-/// Returns the width of such a text, px.
+inline constexpr double kLabelSize = 0.45;  ///< OpenCV's font scale of small text
+
+/// Draws a line of text into `image`. `at` (px) is the lower left corner of the text. `size` is
+/// OpenCV's font scale.
+void drawLabel(cv::Mat& image, const std::string& text, cv::Point at, const cv::Scalar& color,
+               double size = kLabelSize);
+/// Returns the width of a small text, px.
 [[nodiscard]] int labelWidth_px(const std::string& text);
 
 }  // namespace hapticast::client

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Checks for input that is valid, but that nobody can mean: depth without a surface, inverted
-// depth, metres in place of millimetres, tiny pictures. Each one gets one warning with the remedy.
+// Checks for input that is valid, but probably a mistake: depth without a surface, inverted depth,
+// metres in place of millimetres, tiny pictures. Each one gets one warning with the remedy.
 // Thread: the pipeline's.
 #pragma once
 

@@ -45,31 +45,6 @@ class ImageSequenceFolder : public testing::Test {
   SourceFolder folder;
 };
 
-TEST_F(ImageSequenceFolder, PlaysToAndFro) {
-  fill();
-  ImageSequence source(folder.string(), 0.0, true);
-  EXPECT_EQ(source.info().frame_count, 8U);
-  for (int round = 0; round < 2; ++round) {
-    std::uint64_t index = 0;
-    for (const int i : {0, 1, 2, 3, 4, 3, 2, 1}) {
-      const auto frame = source.read();
-      ASSERT_TRUE(frame);
-      EXPECT_EQ(frame->index, index++);
-      EXPECT_EQ(frame->depth.at<float>(0, 0), 1000.0F + static_cast<float>(i));
-    }
-    EXPECT_FALSE(source.read());
-    source.rewind();
-  }
-}
-
-TEST_F(ImageSequenceFolder, OneOrTwoImagesHaveNoWayBack) {
-  for (const int frames : {1, 2}) {
-    fill(frames);
-    ImageSequence source(folder.string(), 0.0, true);
-    EXPECT_EQ(source.info().frame_count, static_cast<std::uint64_t>(frames));
-  }
-}
-
 TEST_F(ImageSequenceFolder, ReadsFramesInOrder) {
   fill();
   ImageSequence source(folder.string(), 0.0);

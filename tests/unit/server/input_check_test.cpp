@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Warnings for input that nobody can mean.
+// Warnings for input that is probably a mistake.
 #include "server/pipeline/input_check.hpp"
 
 #include <gmock/gmock.h>
