@@ -34,6 +34,7 @@ SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
                               .clock = clock,
                               .pointer = pointer,
                               .falcon = settings.falcon,
+                              .options = settings.device_options,
                               .log = [](const std::string& line) { spdlog::info("{}", line); }};
   const bool scripted = settings.device == "auto" && settings.hand_given;
   if (settings.device == "auto" && !scripted) {

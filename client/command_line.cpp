@@ -41,7 +41,7 @@ const std::map<std::string, Forces> kForces{
 const std::map<std::string, std::string>& devices() {
   static const auto kDevices = [] {
     std::map<std::string, std::string> names{{"auto", "auto"}};
-    for (const DeviceKind& kind : deviceKinds()) names.emplace(kind.name, kind.name);
+    for (const std::string& name : deviceNames()) names.emplace(name, name);
     return names;
   }();
   return kDevices;
@@ -91,8 +91,25 @@ void addServer(CLI::App& app, Settings& settings) {
       ->each([](const std::string& /*value*/) { requireDiscovery("--list"); });
 }
 
+void addDriverOption(CLI::App& app, Settings& settings) {
+  const auto add = [&settings](const std::string& text) {
+    const std::size_t split = text.find('=');
+    if (split == 0 || split == std::string::npos)
+      throw CLI::ValidationError("--device-option", quote(text) + " is not KEY=VALUE");
+    settings.device_options[text.substr(0, split)] = text.substr(split + 1);
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "--device-option",
+         [add](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) add(text);
+         },
+         "A setting for the driver of the device; `serial` selects one of several devices")
+      ->type_name("KEY=VALUE");
+}
+
 void addDeviceOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--device", settings.device, devices(), deviceHelp());
+  addDriverOption(app, settings);
   app.add_option("--profile", settings.profile,
                  "The limits of the device: omni (default; for a Falcon falcon), falcon, or a file "
                  "of KEY = VALUE lines (keys: client/README.md, Profiles)")

@@ -72,7 +72,11 @@ int main(int argc, char** argv) {
   if (const auto exit_code = hapticast::client::readCommandLine(settings, argc, argv))
     return *exit_code;
   if (settings.list_devices) {
-    std::fputs(hapticast::client::listDevices().c_str(), stdout);
+    const hapticast::SteadyClock clock;
+    std::fputs(hapticast::client::listDevices(
+                   {.clock = clock, .falcon = settings.falcon, .options = settings.device_options})
+                   .c_str(),
+               stdout);
     return kDone;
   }
   if (settings.list_servers) return hapticast::client::listServers() ? kDone : kFailed;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "client/device/open_device.hpp"
@@ -27,6 +28,7 @@ struct Settings {
   std::string device = "auto";
   std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device
   FalconSettings falcon;
+  std::map<std::string, std::string> device_options;  ///< of --device-option KEY=VALUE
   bool list_devices = false;
   double calibration_g = 0.0;  ///< weight of --falcon-calibrate in g; 0: no calibration
   DeliverySettings delivery;

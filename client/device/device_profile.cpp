@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "client/haptics/safety/wall_law.hpp"
 #include "common/text.hpp"
 
 namespace hapticast::client {
@@ -69,7 +70,6 @@ constexpr std::array<NumberKey, 14> kNumberKeys = {{
     {"friction_N", &PlantProfile::friction_N, 0.0, 10.0},
     {"damping_Ns_m", &PlantProfile::damping_Ns_m, 0.0, 100.0},
 }};
-constexpr int kMostDelay_ticks = 5;
 constexpr int kMostButton = 31;
 constexpr double kLeastWorkspace_mm = 10.0;
 constexpr double kMostWorkspace_mm = 2000.0;

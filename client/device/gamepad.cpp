@@ -231,7 +231,7 @@ std::unique_ptr<HapticDevice> openGamepad(const DeviceRequest& request) {
   return std::make_unique<Gamepad>(profile, request);
 }
 
-std::vector<std::string> listGamepads() {
+std::vector<std::string> listGamepads(const DeviceRequest& /*request*/) {
   const PadSystem system;
   std::vector<std::string> lines;
   for (int i = 0; i < SDL_NumJoysticks(); ++i) {

@@ -44,7 +44,7 @@ typedef struct hapticast_device hapticast_device;
 typedef struct hapticast_host {
   uint32_t size;
   void* self; /* first argument of the functions */
-  /* Shows one line to the user. Any thread, but not in wait() or exchange(). */
+  /* Shows one line to the user. It does not block. Any thread. */
   void (*log)(void* self, const char* line);
   /* Returns the value of --device-option KEY=VALUE, or NULL if the user did not give it. Call it in
    * list() and open() only. */
@@ -111,7 +111,8 @@ typedef struct hapticast_driver {
               void (*found)(void* to, const char* id, const char* problem), void* to,
               char why[256]);
   /* Opens the device `id` (NULL: the first one) with a force of zero. It may last minutes and log
-   * its progress. Returns NULL on failure; the reason and the remedy are then in `why`. */
+   * its progress. Returns NULL on failure; the reason and the remedy are then in `why`. A
+   * reason that begins with `--` names a flag of the user with a wrong value. */
   hapticast_device* (*open)(const hapticast_host* host, const char* id, hapticast_profile* profile,
                             char why[256]);
   /* Waits for the device's own tick, at most until `until_ns`. NULL: the host's timer paces the

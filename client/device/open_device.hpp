@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -12,30 +13,16 @@
 #include <vector>
 
 #include "client/device/device_profile.hpp"
+#include "client/device/falcon/falcon_settings.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/user_controls.hpp"
 #include "common/sync/latest_value.hpp"
 
 namespace hapticast::client {
 
-// Settings of a Falcon (--falcon-...).
-// Thread: any.
-
-/// Default gain: motor counts for each N m at the arm. The value was measured: the frames of a
-/// stock driver correspond to 3500. Other drivers send three times as much, and devices differ
-/// slightly.
-inline constexpr double kFalconGain = 3500.0;
-
-struct FalconSettings {
-  /// Empty: the default file, or no file if the firmware already runs.
-  std::string firmware_file = {};
-  std::string serial = {};      ///< serial number of the device; empty: the first device
-  double gain = kFalconGain;    ///< motor counts for each N m at the arm
-  bool event_character = true;  ///< see falconRuns(); false serves only to measure the effect
-};
-
 /// Arguments for opening a device. All references must outlive the device.
 struct DeviceRequest {
+  std::string kind = {};  ///< name of the kind; openDevice() and its like set it
   /// --profile: a built-in name or a file; empty: the default of the kind.
   std::string profile = {};
   std::string hand = "press";  ///< --hand: name of a script, or a CSV file
@@ -43,6 +30,8 @@ struct DeviceRequest {
   /// Target of the window's pointer, or null if there is no window. Only the device may read it.
   LatestValue<PointerTarget>* pointer = nullptr;
   FalconSettings falcon = {};
+  std::map<std::string, std::string> options = {};  ///< --device-option: settings of the driver
+  std::string helper_program = {};  ///< path of hapticast-device; empty: findHelperProgram()
   /// Receives lines about the progress while the device opens.
   std::function<void(const std::string& line)> log = [](const std::string& /*line*/) {};
 };
@@ -66,13 +55,17 @@ struct DeviceKind {
   OpenDevice* open;
   /// Returns one line for each detected device; may throw. Null means that a device of this kind is
   /// always available.
-  std::vector<std::string> (*list)() = nullptr;
+  std::vector<std::string> (*list)(const DeviceRequest& request) = nullptr;
   bool by_itself = true;  ///< true: --device auto may select this kind
 };
 
 /// Returns all kinds of this build. For --device auto the client uses the device that findDevice()
 /// returns. If that is null, it opens the mouse if there is a window, else the first kind.
 std::span<const DeviceKind> deviceKinds() noexcept;
+
+/// Returns the names for --device, without `auto`: those of deviceKinds(), and those of drivers in
+/// files of their own.
+std::vector<std::string> deviceNames();
 
 /// Returns the profile `name_or_file` (loadDeviceProfile()). For an empty name it returns the
 /// profile `own`. Throws like OpenDevice.
@@ -90,8 +83,8 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRe
 /// answers. Logs detected devices that do not answer.
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request);
 
-/// Returns the text of --list-devices. It has one line for each kind, with the detected devices of
-/// the kind.
-std::string listDevices();
+/// Returns the text of --list-devices. It has one line for each kind and for each driver in a file,
+/// with the detected devices of the kind.
+std::string listDevices(const DeviceRequest& request);
 
 }  // namespace hapticast::client

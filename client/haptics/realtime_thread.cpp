@@ -64,9 +64,9 @@ bool lockMemory() noexcept {
 }
 }  // namespace
 
-RealtimeGrant requestRealtime() noexcept {
+RealtimeGrant requestRealtime(int above) noexcept {
   sched_param parameters{};
-  parameters.sched_priority = kPriority;
+  parameters.sched_priority = kPriority + above;
   RealtimeGrant grant;
   grant.fifo = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
   grant.mlock = lockMemory();

@@ -81,7 +81,10 @@ Json toJson(const std::optional<DeviceTraffic>& device) {
   if (!device) return nullptr;
   return {{"round_trips", device->round_trips},
           {"misses", device->misses},
-          {"resyncs", device->resyncs}};
+          {"resyncs", device->resyncs},
+          {"saturated", device->saturated},
+          {"reduced", device->reduced},
+          {"slow", device->slow}};
 }
 
 Json summary(const RunResult& result) {

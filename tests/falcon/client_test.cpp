@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The unmodified client with a Falcon below its libusb, streaming from a real server.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -44,6 +47,23 @@ class FalconClient : public FalconTest {
     port_->with([z_mm](FalconModel& model, BusFaults&) {
       model.target_m = client::kFalconCentre_m + 1e-3 * Vec3(0.0, 0.0, z_mm);
     });
+  }
+  /// Time from `begin` to the first zero that stays.
+  double timeToZero_s(LocalTime begin) {
+    const auto all = heard();
+    LocalTime zero = begin;
+    for (const FalconHeard& each : all) {
+      if (each.request.motors != kNoTorque) zero = LocalTime{};
+      if (each.request.motors == kNoTorque && zero == LocalTime{}) zero = each.at;
+    }
+    return toSeconds(std::max(zero - begin, Duration{}));
+  }
+  /// The client's child.
+  pid_t findHelper() const {
+    std::ifstream in(fmt::format("/proc/{0}/task/{0}/children", client_->id()));
+    pid_t helper = 0;
+    in >> helper;
+    return helper;
   }
   bool acts() {
     const auto all = heard();
@@ -108,12 +128,12 @@ double relativeError(const std::vector<Logged>& sent, const std::vector<Logged>&
   return std::sqrt(error / whole);
 }
 
-/// The log does not say when on the clock it begins: with one of the first requests, the one that
-/// fits best.
+/// The log does not say when on the clock it begins: with one of the first requests after the
+/// helper has measured the delay, the one that fits best.
 double relativeError(const std::vector<FalconHeard>& heard, const std::vector<Logged>& sent,
                      const std::vector<Logged>& logged) {
   double best = 1.0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(heard.size(), 40); ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(heard.size(), 1500); ++i) {
     for (int ms = -3; ms <= 3; ++ms)
       best = std::min(best, relativeError(sent, logged, toSeconds(heard[i].at) + 1e-3 * ms));
   }
@@ -205,15 +225,58 @@ TEST_F(FalconClient, GoesOnWithoutOneThatIsPulledOutAndTakesItBack) {
   expectZeroAtLast();
 }
 
-TEST_F(FalconClient, KilledInContactLeavesItsTorqueAndTheNextStartTakesItAway) {
+/// However the client ends in contact, the helper commands zero.
+TEST_F(FalconClient, EachSignalInContactEndsWithZeroAtTheMotors) {
+  for (const int signal : {SIGKILL, SIGQUIT, SIGSEGV, SIGABRT, SIGUSR1}) {
+    SCOPED_TRACE(strsignal(signal));
+    if (client_) port_->unplug();
+    bootAndPlugIn();
+    if (!server_) startServer();
+    startClient({"--device", "falcon"});
+    touch();
+    if (HasFatalFailure()) return;
+    client_->signal(signal);
+    const LocalTime sent = clock_.now();
+    (void)client_->wait(kPatience);
+    EXPECT_TRUE(waitUntil(kPatience, [&] { return !acts(); }));
+    std::printf("%s: zero after %.1f ms\n", strsignal(signal), 1e3 * timeToZero_s(sent));
+    expectZeroAtLast();
+  }
+}
+
+TEST_F(FalconClient, AStoppedClientMeansZeroAndItsForceReturnsSlowly) {
   bootAndPlugIn();
   startServer();
-  startClient({"--device", "falcon"});
+  startClient({"--device", "falcon", "--rearm"});
   touch();
-  client_->signal(SIGKILL);
-  (void)client_->wait(kPatience);
-  EXPECT_TRUE(acts()) << "nobody could tell the motors anything";
-  (void)openFalcon();
+  client_->signal(SIGSTOP);
+  const LocalTime sent = clock_.now();
+  EXPECT_TRUE(waitUntil(kPatience, [&] { return !acts(); }));
+  std::printf("SIGSTOP: zero after %.1f ms\n", 1e3 * timeToZero_s(sent));
+  client_->signal(SIGCONT);
+  touch();
+  client_->signal(SIGINT);
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  expectZeroAtLast();
+}
+
+TEST_F(FalconClient, AKilledHelperIsReplacedByOneThatCommandsZero) {
+  bootAndPlugIn();
+  startServer();
+  startClient({"--device", "falcon", "--rearm"});
+  touch();
+  const pid_t helper = findHelper();
+  ASSERT_GT(helper, 0);
+  ASSERT_EQ(kill(helper, SIGKILL), 0);
+  const LocalTime sent = clock_.now();
+  EXPECT_TRUE(waitUntil(kPatience, [&] { return !acts(); }));
+  std::printf("helper killed: zero after %.1f ms\n", 1e3 * timeToZero_s(sent));
+  EXPECT_TRUE(client_->says("its driver ended (signal 9 (Killed)); no force", kPatience))
+      << client_->output();
+  EXPECT_TRUE(client_->says("its driver runs again", kPatience)) << client_->output();
+  touch();
+  client_->signal(SIGINT);
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
   expectZeroAtLast();
 }
 

@@ -44,11 +44,14 @@ class FalconTest : public ::testing::Test {
     port_->with([](FalconModel& model, BusFaults&) { model.boot(); });
     port_->plugIn();
   }
+  client::DeviceRequest request() {
+    return {.clock = clock_,
+            .falcon = {.firmware_file = file_},
+            .helper_program = HAPTICAST_DEVICE_PROGRAM,
+            .log = [this](const std::string& line) { logged_.append(line).append("\n"); }};
+  }
   std::unique_ptr<client::HapticDevice> openFalcon() {
-    return client::openDevice(
-        "falcon", {.clock = clock_,
-                   .falcon = {.firmware_file = file_},
-                   .log = [this](const std::string& line) { logged_.append(line).append("\n"); }});
+    return client::openDevice("falcon", request());
   }
   std::string complaint() {
     try {
@@ -94,7 +97,7 @@ class Turning {
             if (state.status == client::DeviceStatus::kLost) ++lost_;
             device.sendForceEarly(force_N_.load() * Vec3::UnitZ());
           }
-          (void)device.exchange(Vec3::Zero(), {});
+          if (!frozen_) (void)device.exchange(Vec3::Zero(), {});
         }) {}
   ~Turning() { stop(); }
   Turning(const Turning&) = delete;
@@ -102,6 +105,11 @@ class Turning {
   void stop() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
+  }
+  /// The loop hangs: it commands nothing any more, not even zero.
+  void freeze() {
+    frozen_ = true;
+    stop();
   }
   void push(double force_N) { force_N_ = force_N; }
   [[nodiscard]] int good() const { return good_; }
@@ -113,6 +121,7 @@ class Turning {
 
  private:
   std::atomic<bool> stop_{false};
+  std::atomic<bool> frozen_{false};
   std::atomic<double> force_N_{0.0};
   std::atomic<int> good_{0};
   std::atomic<int> lost_{0};

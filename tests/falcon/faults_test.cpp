@@ -68,8 +68,7 @@ class FalconFaultsTest : public FalconTest {
 
 TEST_F(FalconFaultsTest, TheEndIsZeroSeveralTimesAndAnswered) {
   push();
-  turning_->stop();
-  EXPECT_TRUE(acts()) << "the loop has ended in the middle of a force";
+  turning_->freeze();
   device_.reset();
   const auto all = heard();
   ASSERT_GT(all.size(), 4U);
@@ -179,8 +178,8 @@ TEST_F(FalconFaultsTest, AThreadOfEventsThatHangs) {
 
 TEST_F(FalconFaultsTest, ALoopThatHangs) {
   push();
-  turning_->stop();  // and nobody hands over anything any more
-  EXPECT_TRUE(waitForZero()) << "the link's own thread says it";
+  turning_->freeze();
+  EXPECT_TRUE(waitForZero()) << "the heartbeat is stale";
   end();
   expectZeroAtLast();
 }

@@ -13,7 +13,8 @@ class FalconStart : public FalconTest {};
 TEST_F(FalconStart, OneThatRunsIsHomedByTheHandAndPushesBack) {
   bootAndPlugIn();
   const auto device = openFalcon();
-  EXPECT_EQ(device->description(), "Falcon (falcon, 3500 counts a N m)");
+  EXPECT_EQ(device->description(),
+            "falcon (falcon, serial number FT0TEST1) in a process of its own");
   Turning turning(*device, clock_);
   turning.push(1.0);
   EXPECT_TRUE(turning.runsAgain());
@@ -47,14 +48,14 @@ TEST_F(FalconStart, TheFirmwareIsLoadedOverAShakyStart) {
 TEST_F(FalconStart, OneThatIsNotThere) {
   EXPECT_EQ(complaint(),
             "--device falcon: none was found on USB: is it plugged in, and its power supply too?");
-  EXPECT_TRUE(client::findDevice({.clock = clock_}) == nullptr);
-  EXPECT_NE(client::listDevices().find("none was found"), std::string::npos);
+  EXPECT_TRUE(client::findDevice(request()) == nullptr);
+  EXPECT_NE(client::listDevices(request()).find("none was found"), std::string::npos);
 }
 
 TEST_F(FalconStart, OneThatIsFoundByItself) {
   bootAndPlugIn();
-  EXPECT_NE(client::listDevices().find("serial number FT0TEST1"), std::string::npos);
-  EXPECT_TRUE(client::findDevice({.clock = clock_}) != nullptr);
+  EXPECT_NE(client::listDevices(request()).find("serial number FT0TEST1"), std::string::npos);
+  EXPECT_TRUE(client::findDevice(request()) != nullptr);
 }
 
 TEST_F(FalconStart, OneThatBelongsToAnother) {
@@ -62,7 +63,7 @@ TEST_F(FalconStart, OneThatBelongsToAnother) {
   port_->with([](FalconModel&, BusFaults& bus) { bus.busy = true; });
   EXPECT_EQ(complaint(),
             "--device falcon: another program uses the device: end that program first");
-  EXPECT_NE(client::listDevices().find("another program"), std::string::npos);
+  EXPECT_NE(client::listDevices(request()).find("another program"), std::string::npos);
 }
 
 TEST_F(FalconStart, OneThatMayNotBeOpened) {
@@ -70,7 +71,13 @@ TEST_F(FalconStart, OneThatMayNotBeOpened) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become somebody without the permission";
   port_->forbid();
   ASSERT_EQ(seteuid(65534), 0);
-  const std::string line = complaint();
+  // In this process: the loader ignores the preload library in a child with another effective user.
+  std::string line;
+  try {
+    const client::FalconUsb usb("");
+  } catch (const client::FalconError& error) {
+    line = error.what();
+  }
   ASSERT_EQ(seteuid(0), 0);
   EXPECT_NE(line.find("no permission to open it: copy deploy/70-hapticast-falcon.rules"),
             std::string::npos)
@@ -80,7 +87,9 @@ TEST_F(FalconStart, OneThatMayNotBeOpened) {
 TEST_F(FalconStart, AnotherSerialNumber) {
   bootAndPlugIn();
   try {
-    (void)client::openDevice("falcon", {.clock = clock_, .falcon = {.serial = "FTOTHER"}});
+    auto another = request();
+    another.falcon.serial = "FTOTHER";
+    (void)client::openDevice("falcon", another);
     ADD_FAILURE();
   } catch (const client::DeviceAbsent& error) {
     EXPECT_STREQ(

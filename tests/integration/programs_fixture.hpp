@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <csignal>
@@ -71,7 +72,8 @@ inline std::vector<LogRow> readLog(const std::string& file) {
     }
     EXPECT_TRUE(good) << "row " << rows.size() << ": " << line;
     if (!good) return rows;
-    rows.push_back({values[0], {values[5], values[6], values[7]}, values[14], {at, end}});
+    rows.push_back(
+        {values[0], {values[5], values[6], values[7]}, values[14], {at, std::find(at, end, ',')}});
   }
   return rows;
 }

@@ -10,7 +10,6 @@
 
 #include "client/device/falcon/firmware.hpp"
 #include "client/device/falcon/pilot.hpp"
-#include "client/device/open_device.hpp"
 #include "client/device/sleep_until.hpp"
 #include "common/time.hpp"
 
@@ -33,11 +32,12 @@ const FalconRequest kNoTorque{.lights = FalconLight::kRed};
 
 }  // namespace
 
-FalconLink::FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line)
-    : settings_(std::move(settings)), clock_(clock) {
+FalconLink::FalconLink(FalconSettings settings, const Clock& clock, LogLine log_line)
+    : settings_(std::move(settings)), clock_(clock), log_line_(std::move(log_line)) {
   if (settings_.firmware_file.empty()) settings_.firmware_file = usualFalconFirmware();
   if (!settings_.firmware_file.empty()) (void)readFalconFirmware(settings_.firmware_file);
-  auto usb = open(log_line);
+  auto usb = open();
+  serial_ = usb->serial();
   sem_init(&replied_, 0, 0);
   thread_ = std::thread([this, first = std::move(usb)]() mutable { keepOpen(std::move(first)); });
 }
@@ -48,14 +48,14 @@ FalconLink::~FalconLink() {
   sem_destroy(&replied_);
 }
 
-std::unique_ptr<FalconUsb> FalconLink::open(const LogLine& log_line) {
+std::unique_ptr<FalconUsb> FalconLink::open() {
   auto usb = std::make_unique<FalconUsb>(settings_.serial);
-  if (!falconRuns(*usb, settings_.event_character)) initialise(usb, log_line);
+  if (!falconRuns(*usb, settings_.event_character)) initialise(usb);
   return usb;
 }
 
 /// Loads the firmware; each attempt reopens the device.
-void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line) {
+void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb) {
   if (settings_.firmware_file.empty())
     throw FalconError(
         "its firmware is not loaded, as after every power-up: name the file with --falcon-firmware "
@@ -64,17 +64,17 @@ void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_
   std::string trouble;
   for (int load = 1; load <= kLoads && !stop_; ++load) {
     if (load > 1) {
-      log_line(fmt::format("Falcon: {}; attempt {} of {}", trouble, load, kLoads));
+      log_line_(fmt::format("Falcon: {}; attempt {} of {}", trouble, load, kLoads));
       usb.reset();
       usb = std::make_unique<FalconUsb>(settings_.serial);
     }
-    log_line(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
+    log_line_(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
     try {
       int logged_tenths = 0;
       loadFalconFirmware(*usb, image, [&](double share) {
         if (10.0 * share < logged_tenths + 5) return;
         logged_tenths += 5;
-        log_line(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
+        log_line_(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
       });
       if (falconRuns(*usb, settings_.event_character)) return;
       trouble = "the device does not run with this firmware: is it the right file?";
@@ -91,9 +91,9 @@ void FalconLink::keepOpen(std::unique_ptr<FalconUsb> usb) {
     serve(*usb);
     usb.reset();
     if (stop_) return;
-    pushMessage("Falcon: the connection is lost; no force. The client reconnects automatically");
+    log_line_("Falcon: the connection is lost; no force. The client reconnects automatically");
     usb = openAgain();
-    if (usb) pushMessage("Falcon: the connection is restored");
+    if (usb) log_line_("Falcon: the connection is restored");
   }
 }
 
@@ -103,11 +103,11 @@ std::unique_ptr<FalconUsb> FalconLink::openAgain() {
   while (!stop_) {
     std::this_thread::sleep_for(kBetweenTries);
     try {
-      return open([this](const std::string& line) { pushMessage(line); });
+      return open();
     } catch (const std::runtime_error& error) {
       if (logged == error.what()) continue;
       logged = error.what();
-      pushMessage("Falcon: " + logged);
+      log_line_("Falcon: " + logged);
     }
   }
   return nullptr;
@@ -180,7 +180,7 @@ void FalconLink::endWithZero(FalconUsb& usb) {
     if (round_trips_ != before) ++answered;
   }
   if (answered == 0)
-    pushMessage("Falcon: the device does not confirm zero force at the end: switch its power off");
+    log_line_("Falcon: the device does not confirm zero force at the end: switch its power off");
 }
 
 void FalconLink::send(const FalconRequest& request) noexcept {
@@ -210,124 +210,11 @@ DeviceTraffic FalconLink::traffic() const noexcept {
   return {.round_trips = round_trips_, .misses = misses_, .resyncs = resyncs_};
 }
 
-void FalconLink::pushMessage(const std::string& line) {
-  const std::lock_guard lock(messages_mutex_);
-  messages_.push_back(line);
-}
-
-std::optional<std::string> FalconLink::nextMessage() {
-  const std::lock_guard lock(messages_mutex_);
-  if (messages_.empty()) return std::nullopt;
-  std::string line = std::move(messages_.front());
-  messages_.pop_front();
-  return line;
-}
-
-namespace {
-
-// Chosen: the tick begins without a reply half a period after the request.
-constexpr Duration kPatience{500'000};
-
-const char* toText(FalconPilot::Phase phase) {
-  switch (phase) {
-    case FalconPilot::Phase::kHoming:
-      return "Falcon: pull the grip out as far as possible, then push it in as far as possible; "
-             "the lights are red until the device is homed";
-    case FalconPilot::Phase::kOutside:
-      return "Falcon: the device is homed (blue); move the grip to the middle";
-    case FalconPilot::Phase::kReady:
-      return "Falcon: ready (green)";
-    case FalconPilot::Phase::kAway:
-      break;
-  }
-  return "";
-}
-
-class Falcon final : public HapticDevice {
- public:
-  Falcon(const DeviceProfile& profile, const DeviceRequest& request)
-      : profile_(profile),
-        clock_(request.clock),
-        gain_(request.falcon.gain),
-        pilot_(request.falcon.gain),
-        link_(request.falcon, request.clock, request.log) {}
-
-  const DeviceProfile& profile() const noexcept override { return profile_; }
-  std::string description() const override {
-    return fmt::format("Falcon ({}, {:g} counts a N m)", profile_.name, gain_);
-  }
-
-  void waitForTick(LocalTime deadline) noexcept override {
-    if (!link_.there()) {
-      sleepUntil(deadline);
-      return;
-    }
-    const LocalTime now = clock_.now();
-    due_ += kTickPeriod;
-    // Skip the deadlines that a stall has missed; the grid remains.
-    if (due_ + kPatience < now) due_ += (now - due_) / kTickPeriod * kTickPeriod;
-    if (due_ > now + kTickPeriod) due_ = now;
-    sleepUntil(due_);
-    link_.send(pilot_.request(force_N_, clock_.now()));
-    (void)link_.waitForReply(due_ + kPatience);
-  }
-
-  DeviceState exchange(const Vec3& force_N, const TickReport& /*report*/) noexcept override {
-    force_N_ = force_N;
-    FalconNews event;
-    while (link_.popEvent(event)) {
-      if (std::exchange(life_, event.life) != event.life) pilot_.lost();
-      pilot_.onReply(event.reply, event.at);
-    }
-    if (!link_.there()) pilot_.lost();
-    phase_.store(pilot_.phase(), std::memory_order_relaxed);
-    return pilot_.state();
-  }
-
-  void sendForceEarly(const Vec3& force_N) noexcept override { force_N_ = force_N; }
-
-  std::optional<std::string> nextMessage() override {
-    if (auto line = link_.nextMessage()) return line;
-    const FalconPilot::Phase phase = phase_.load(std::memory_order_relaxed);
-    if (std::exchange(logged_, phase) == phase || *toText(phase) == '\0') return std::nullopt;
-    return toText(phase);
-  }
-
-  std::optional<DeviceTraffic> traffic() const noexcept override { return link_.traffic(); }
-
- private:
-  DeviceProfile profile_;
-  const Clock& clock_;
-  double gain_;
-  FalconPilot pilot_;  // loop
-  LocalTime due_{};    // loop: time of the last request
-  Vec3 force_N_ = Vec3::Zero();
-  std::uint32_t life_ = 0;
-  std::atomic<FalconPilot::Phase> phase_{FalconPilot::Phase::kAway};
-  FalconPilot::Phase logged_ = FalconPilot::Phase::kAway;  // main
-  FalconLink link_;                                        // last member: its thread ends first
-};
-
-}  // namespace
-
-std::unique_ptr<HapticDevice> openFalcon(const DeviceRequest& request) {
-  PlantProfile profile = loadProfile(request.profile, "falcon");
-  profile.pause_button = FalconButton::kCentre;
-  profile.rearm_button = FalconButton::kRight;
-  try {
-    return std::make_unique<Falcon>(profile, request);
-  } catch (const FalconError& error) {
-    throw DeviceAbsent(std::string("--device falcon: ") + error.what());
-  }
-}
-
-std::vector<std::string> listFalcons() {
-  std::vector<std::string> lines;
-  for (const FalconFound& found : findFalcons()) {
-    lines.push_back(found.problem.empty() ? "serial number " + found.serial
-                                          : "found, but " + found.problem);
-  }
-  return lines;
+bool FalconLink::sendZero() noexcept {
+  const std::lock_guard lock(usb_mutex_);
+  if (usb_ == nullptr || !usb_->submit(encode(kNoTorque), true)) return false;
+  torque_sent_ = false;
+  return true;
 }
 
 }  // namespace hapticast::client

@@ -11,7 +11,6 @@
 #include <semaphore.h>
 
 #include <atomic>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -19,9 +18,9 @@
 #include <string>
 #include <thread>
 
+#include "client/device/falcon/falcon_settings.hpp"
 #include "client/device/falcon/protocol.hpp"
 #include "client/device/falcon/usb.hpp"
-#include "client/device/open_device.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "common/sync/spsc_ring.hpp"
 #include "common/time.hpp"
@@ -42,10 +41,10 @@ class FalconLink {
  public:
   using LogLine = std::function<void(const std::string& line)>;
 
-  /// Opens the device, and loads its firmware if necessary. `log_line` receives lines about the
-  /// progress. Throws FalconError if no device answers. Throws std::runtime_error for an invalid
-  /// firmware file. `clock` must outlive this object.
-  FalconLink(FalconSettings settings, const Clock& clock, const LogLine& log_line);
+  /// Opens the device, and loads its firmware if necessary. `log_line` receives lines for the user,
+  /// also in the link's thread until the destructor ends. Throws FalconError if no device answers.
+  /// Throws std::runtime_error for an invalid firmware file. `clock` must outlive this object.
+  FalconLink(FalconSettings settings, const Clock& clock, LogLine log_line);
   /// Sets the motors to zero force, waits for the device's reply, and closes the device.
   ~FalconLink();
   FalconLink(const FalconLink&) = delete;
@@ -67,22 +66,25 @@ class FalconLink {
 
   // Thread: any.
   [[nodiscard]] DeviceTraffic traffic() const noexcept;
-  /// Returns the next line for the user, or nullopt if there is none. Thread: main.
-  std::optional<std::string> nextMessage();
+  /// Returns the serial number of the device. Thread: the constructor's.
+  [[nodiscard]] const std::string& serial() const noexcept { return serial_; }
+  /// Queues a request for zero force. Returns false if the device is not open or its queue is full.
+  bool sendZero() noexcept;
 
  private:
-  std::unique_ptr<FalconUsb> open(const LogLine& log_line);
-  void initialise(std::unique_ptr<FalconUsb>& usb, const LogLine& log_line);
+  std::unique_ptr<FalconUsb> open();
+  void initialise(std::unique_ptr<FalconUsb>& usb);
   void keepOpen(std::unique_ptr<FalconUsb> usb);
   void serve(FalconUsb& usb);
   void onData(std::span<const std::uint8_t> data);
   void watchLoop(FalconUsb& usb);
   void endWithZero(FalconUsb& usb);
   std::unique_ptr<FalconUsb> openAgain();
-  void pushMessage(const std::string& line);
 
   FalconSettings settings_;
   const Clock& clock_;
+  const LogLine log_line_;
+  std::string serial_;
   std::mutex usb_mutex_;      // never locked in the tick
   FalconUsb* usb_ = nullptr;  // guarded by usb_mutex_; null: send() does nothing
   std::atomic<bool> there_{false};
@@ -97,8 +99,6 @@ class FalconLink {
   std::atomic<std::uint64_t> round_trips_{0};
   std::atomic<std::uint64_t> misses_{0};
   std::atomic<std::uint64_t> resyncs_{0};
-  std::mutex messages_mutex_;
-  std::deque<std::string> messages_;
   std::thread thread_;  // last member: the thread uses all members above
 };
 

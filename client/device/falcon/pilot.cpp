@@ -119,7 +119,9 @@ FalconRequest FalconPilot::request(const Vec3& force_N, LocalTime now) noexcept 
   if (phase_ != Phase::kReady || now - accepted_ > kSilent) return request;
   const double ramp = std::clamp(toSeconds(now - ramp_begin_) / toSeconds(kRamp), 0.0, 1.0);
   const auto torques = falconTorques(position_m_, ramp * force_N);
-  if (torques) request.motors = falconMotors(*torques, gain_, kMostMotor);
+  if (!torques) return request;
+  request.motors = falconMotors(*torques, gain_, kMostMotor);
+  if (gain_ * torques->cwiseAbs().maxCoeff() > kMostMotor) ++saturated_;
   return request;
 }
 

@@ -58,6 +58,8 @@ class FalconPilot {
   /// Returns the number of replies with an implausible position. Such a position is out of the
   /// arms' reach, or too far from the last one for the time between the two replies.
   [[nodiscard]] std::uint64_t implausible() const noexcept { return implausible_; }
+  /// Returns the number of requests for which the motors were scaled down to kMostMotor.
+  [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
 
  private:
   void home(const FalconReply& reply, LocalTime at) noexcept;
@@ -79,6 +81,7 @@ class FalconPilot {
   Vec3 position_m_ = Vec3::Zero();
   std::uint8_t buttons_ = 0;
   std::uint64_t implausible_ = 0;
+  std::uint64_t saturated_ = 0;
 };
 
 }  // namespace hapticast::client

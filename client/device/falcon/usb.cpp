@@ -10,6 +10,8 @@
 #include <memory>
 #include <utility>
 
+#include "common/text.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -67,7 +69,10 @@ std::string readSerial(libusb_device* device, libusb_device_handle* handle) {
   if (libusb_get_device_descriptor(device, &it) != LIBUSB_SUCCESS) return "";
   const int length = libusb_get_string_descriptor_ascii(handle, it.iSerialNumber, text.data(),
                                                         static_cast<int>(text.size()));
-  return length <= 0 ? "" : std::string(text.begin(), text.begin() + length);
+  // The device is a stranger: its text may contain control characters.
+  return length <= 0 ? ""
+                     : sanitizeUtf8({reinterpret_cast<const char*>(text.data()),
+                                     static_cast<std::size_t>(length)});
 }
 
 /// Calls visit(device, handle or null, result of the opening) for every Falcon until `visit`
@@ -150,6 +155,7 @@ void FalconUsb::claim(const std::string& serial) {
       return false;
     }
     handle_ = handle.release();
+    serial_ = its;
     return true;
   });
   if (handle_ == nullptr) throw FalconError(problem);

@@ -50,6 +50,9 @@ class FalconUsb {
   FalconUsb(const FalconUsb&) = delete;
   FalconUsb& operator=(const FalconUsb&) = delete;
 
+  /// Returns the serial number of the device.
+  [[nodiscard]] const std::string& serial() const noexcept { return serial_; }
+
   // Before start(): these functions block and throw FalconError.
 
   /// Sends a control request to the serial chip.
@@ -93,6 +96,7 @@ class FalconUsb {
   void release() noexcept;
 
   libusb_context* context_ = nullptr;
+  std::string serial_;
   libusb_device_handle* handle_ = nullptr;
   OnData on_data_;
   std::array<Transfer, kIncoming> incoming_;

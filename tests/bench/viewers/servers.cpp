@@ -150,6 +150,7 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
     server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
     server::FrameSigner signer;
     server::DatagramSender sender(io, clock, listener.endpoint(), signer);
+    broadcaster.introduce(signer);
     broadcaster.enableUdp(sender);
     listener.start();
     const std::jthread network([&io] { io.run(); });
@@ -158,7 +159,7 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
     pace(frames.fps, playing, [&](std::uint64_t id) {
       const MediaTime now = media.now();
       const CodedFrame frame = frameWith(id, now, relief);
-      const SharedBytes payload = encodeShared(frame);
+      const SharedBytes payload = signer.signMessage(frame);
       broadcaster.publish(server::EncodedFrame{
           0, id, now, payload, std::make_shared<server::LazyKeyFrame>(payload),
           broadcaster.datagramsWanted() ? signer.signDatagrams(frame) : nullptr});

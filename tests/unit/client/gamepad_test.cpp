@@ -203,14 +203,16 @@ TEST_F(GamepadTest, OneWithoutMotorsSaysSo) {
 }
 
 TEST_F(GamepadTest, IsListedAndTakenOnlyByWhoAsksForIt) {
-  EXPECT_NE(listDevices().find("force; made-up pad\n"), std::string::npos) << listDevices();
+  EXPECT_NE(listDevices({.clock = clock}).find("force; made-up pad\n"), std::string::npos)
+      << listDevices({.clock = clock});
   EXPECT_EQ(device->description(),
             "gamepad (made-up pad): its sticks lead a virtual device (omni)");
   for (const DeviceKind& kind : deviceKinds())
     EXPECT_EQ(kind.by_itself, std::string(kind.name) != "gamepad");
   device.reset();
   pad.unplug();
-  EXPECT_NE(listDevices().find("force; none was found"), std::string::npos) << listDevices();
+  EXPECT_NE(listDevices({.clock = clock}).find("force; none was found"), std::string::npos)
+      << listDevices({.clock = clock});
   EXPECT_THROW((void)open(), DeviceAbsent);
 }
 

@@ -49,7 +49,8 @@ TEST(OpenDevice, AutoIsTheMouseWhereThereIsAWindow) {
 }
 
 TEST(OpenDevice, TheListNamesEveryKind) {
-  const std::string list = listDevices();
+  const ManualClock clock;
+  const std::string list = listDevices({.clock = clock});
   for (const DeviceKind& kind : deviceKinds())
     EXPECT_NE(list.find(std::string(kind.name) + ": "), std::string::npos) << list;
 }

@@ -69,7 +69,8 @@ RunResult eventful() {
   result.clock_offset_us = -1234567890.125;
   result.clock_error_us = 12.5;
   for (int i = 0; i < 100; ++i) result.eye_hand_ns.add(8'000'000);
-  result.device = DeviceTraffic{.round_trips = 20, .misses = 21, .resyncs = 22};
+  result.device = DeviceTraffic{
+      .round_trips = 20, .misses = 21, .resyncs = 22, .saturated = 23, .reduced = 24, .slow = 25};
   result.realtime = {.fifo = true, .mlock = false};
   return result;
 }
@@ -93,7 +94,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "playout_delay_ms": 41.5, "clock_offset_us": -1234567890.125, "clock_error_us": 12.5,
     "eye_hand_ms": {"p50": 8.0, "p95": 8.0},
     "interferences": {},
-    "device": {"round_trips": 20, "misses": 21, "resyncs": 22},
+    "device": {"round_trips": 20, "misses": 21, "resyncs": 22, "saturated": 23, "reduced": 24, "slow": 25},
     "realtime": {"fifo": true, "mlock": false},
     "faults": []
   })");

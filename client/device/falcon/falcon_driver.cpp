@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#if HAPTICAST_LIBUSB
+#include "client/device/falcon/falcon_driver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "client/device/device_profile.hpp"
+#include "client/device/falcon/falcon_link.hpp"
+#include "client/device/falcon/kinematics.hpp"
+#include "client/device/falcon/pilot.hpp"
+#include "client/device/helper/program/driver_texts.hpp"
+#include "client/device/sleep_until.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+// Chosen: the tick begins without a reply half a period after the request.
+constexpr Duration kPatience{500'000};
+
+const char* toText(FalconPilot::Phase phase) {
+  switch (phase) {
+    case FalconPilot::Phase::kHoming:
+      return "Falcon: pull the grip out as far as possible, then push it in as far as possible; "
+             "the lights are red until the device is homed";
+    case FalconPilot::Phase::kOutside:
+      return "Falcon: the device is homed (blue); move the grip to the middle";
+    case FalconPilot::Phase::kReady:
+      return "Falcon: ready (green)";
+    case FalconPilot::Phase::kAway:
+      break;
+  }
+  return "";
+}
+
+FalconSettings readOptions(const hapticast_host& host, const char* serial) {
+  const auto option = [&host](const char* key) { return host.option(host.self, key); };
+  FalconSettings settings;
+  if (serial != nullptr) settings.serial = serial;
+  if (const char* const file = option("firmware")) settings.firmware_file = file;
+  if (const char* const gain = option("gain")) settings.gain = std::strtod(gain, nullptr);
+  if (const char* const event = option("event_character"))
+    settings.event_character = std::string(event) != "0";
+  return settings;
+}
+
+/// An opened Falcon. The loop's thread calls wait() and exchange().
+class Falcon {
+ public:
+  Falcon(const FalconSettings& settings, const hapticast_host& host)
+      : host_(host),
+        pilot_(settings.gain),
+        link_(settings, clock_,
+              [host](const std::string& line) { host.log(host.self, line.c_str()); }) {}
+
+  void wait(LocalTime deadline) {
+    if (!link_.there()) {
+      sleepUntil(deadline);
+      return;
+    }
+    const LocalTime now = clock_.now();
+    due_ += kTickPeriod;
+    // Skip the deadlines that a stall has missed; the grid remains.
+    if (due_ + kPatience < now) due_ += (now - due_) / kTickPeriod * kTickPeriod;
+    if (due_ > now + kTickPeriod) due_ = now;
+    sleepUntil(due_);
+    link_.send(pilot_.request(force_N_, clock_.now()));
+    (void)link_.waitForReply(due_ + kPatience);
+  }
+
+  void exchange(const Vec3& force_N, hapticast_state& state) {
+    force_N_ = force_N;
+    FalconNews event;
+    while (link_.popEvent(event)) {
+      if (std::exchange(life_, event.life) != event.life) pilot_.lost();
+      pilot_.onReply(event.reply, event.at);
+    }
+    if (!link_.there()) pilot_.lost();
+    logPhase();
+    const DeviceState reading = pilot_.state();
+    state.status = static_cast<std::int32_t>(reading.status);
+    std::copy_n(reading.position_mm.data(), 3, state.position_mm);
+    state.buttons = reading.buttons;
+    state.taken_ns = reading.time.time_since_epoch().count();
+    const DeviceTraffic traffic = link_.traffic();
+    state.replies = traffic.round_trips;
+    state.misses = traffic.misses;
+    state.damaged = traffic.resyncs;
+    state.saturated = pilot_.saturated();
+  }
+
+  [[nodiscard]] const std::string& serial() const { return link_.serial(); }
+  /// Thread: any.
+  bool sendZero() { return link_.sendZero(); }
+
+ private:
+  void logPhase() {
+    const FalconPilot::Phase phase = pilot_.phase();
+    if (std::exchange(logged_, phase) != phase && *toText(phase) != '\0')
+      host_.log(host_.self, toText(phase));
+  }
+
+  const SteadyClock clock_;
+  const hapticast_host host_;
+  FalconPilot pilot_;
+  LocalTime due_{};  // time of the last request
+  Vec3 force_N_ = Vec3::Zero();
+  std::uint32_t life_ = 0;
+  FalconPilot::Phase logged_ = FalconPilot::Phase::kAway;
+  FalconLink link_;  // last member: its thread ends first
+};
+
+Falcon& toFalcon(hapticast_device* device) { return *reinterpret_cast<Falcon*>(device); }
+
+int list(const hapticast_host* /*host*/,
+         void (*found)(void* to, const char* id, const char* problem), void* to, char why[256]) {
+  try {
+    for (const FalconFound& each : findFalcons())
+      found(to, each.serial.c_str(), each.problem.empty() ? nullptr : each.problem.c_str());
+    return HAPTICAST_OK;
+  } catch (const std::runtime_error& error) {
+    writeReason(error.what(), why);
+    return HAPTICAST_LOST;
+  }
+}
+
+hapticast_device* open(const hapticast_host* host, const char* id, hapticast_profile* profile,
+                       char why[256]) {
+  try {
+    const FalconSettings settings = readOptions(*host, id);
+    auto falcon = std::make_unique<Falcon>(settings, *host);
+    const PlantProfile own = loadDeviceProfile("falcon");
+    profile->delay_ticks = own.delay_ticks;
+    profile->mass_kg = own.mass_kg;
+    profile->peak_N = std::min(own.peak_N, computeFalconPeak_N(settings.gain));
+    profile->continuous_N = own.continuous_N;
+    profile->count_mm = own.count_mm;
+    profile->stiffness_N_mm = own.stiffness_N_mm;
+    std::copy_n(own.workspace_mm.data(), 3, profile->workspace_mm);
+    (void)falcon->serial().copy(profile->serial, sizeof profile->serial - 1);
+    profile->pause_button = FalconButton::kCentre;
+    profile->rearm_button = FalconButton::kRight;
+    return reinterpret_cast<hapticast_device*>(falcon.release());
+  } catch (const std::runtime_error& error) {
+    writeReason(error.what(), why);
+    return nullptr;
+  }
+}
+
+int wait(hapticast_device* device, std::int64_t until_ns) {
+  toFalcon(device).wait(LocalTime(Duration(until_ns)));
+  return HAPTICAST_OK;
+}
+
+int exchange(hapticast_device* device, const double force_N[3], hapticast_state* state) {
+  toFalcon(device).exchange({force_N[0], force_N[1], force_N[2]}, *state);
+  return HAPTICAST_OK;
+}
+
+int zero(hapticast_device* device) { return toFalcon(device).sendZero() ? 0 : 1; }
+
+void close(hapticast_device* device) { delete &toFalcon(device); }
+
+}  // namespace
+
+double computeFalconPeak_N(double gain) {
+  const Vec3 workspace_m = 1e-3 * loadDeviceProfile("falcon").workspace_mm;
+  double most_count_per_N = 0.0;  // of the worst motor, for the worst direction and corner
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 position_m = kFalconCentre_m;
+    for (int axis = 0; axis < 3; ++axis)
+      position_m[axis] += ((corner >> axis & 1) != 0 ? 0.5 : -0.5) * workspace_m[axis];
+    Eigen::Matrix3d counts;  // for 1 N along each axis
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto torques = falconTorques(position_m, Vec3::Unit(axis));
+      if (!torques) return 0.0;
+      counts.col(axis) = gain * *torques;
+    }
+    most_count_per_N = std::max(most_count_per_N, counts.rowwise().norm().maxCoeff());
+  }
+  return FalconPilot::kMostMotor / most_count_per_N;
+}
+
+const hapticast_driver* falconDriver() {
+  static const hapticast_driver kDriver{sizeof(hapticast_driver),
+                                        HAPTICAST_DEVICE_ABI,
+                                        "falcon",
+                                        "a Novint Falcon on USB",
+                                        "MIT",
+                                        0,
+                                        0,
+                                        list,
+                                        open,
+                                        wait,
+                                        exchange,
+                                        zero,
+                                        close};
+  return &kDriver;
+}
+
+}  // namespace hapticast::client
+
+#endif  // HAPTICAST_LIBUSB

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Settings of a Falcon (--falcon-...).
+// Thread: any.
+#pragma once
+
+#include <string>
+
+namespace hapticast::client {
+
+/// Default gain: motor counts for each N m at the arm. The value was measured: the frames of a
+/// stock driver correspond to 3500. Other drivers send three times as much, and devices differ
+/// slightly.
+inline constexpr double kFalconGain = 3500.0;
+
+struct FalconSettings {
+  /// Empty: the default file, or no file if the firmware already runs.
+  std::string firmware_file = {};
+  std::string serial = {};      ///< serial number of the device; empty: the first device
+  double gain = kFalconGain;    ///< motor counts for each N m at the arm
+  bool event_character = true;  ///< see falconRuns(); false serves only to measure the effect
+};
+
+}  // namespace hapticast::client

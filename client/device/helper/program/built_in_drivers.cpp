@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#include <string_view>
+
+#include "client/device/helper/program/helper_program.hpp"
+
+namespace hapticast::client {
+
+// Each one is defined in the folder of its device.
+const hapticast_driver* falconDriver();
+
+const hapticast_driver* findBuiltInDriver(const std::string& name) noexcept {
+#if HAPTICAST_LIBUSB
+  if (name == "falcon") return falconDriver();
+#endif
+  return nullptr;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Checks what a driver reports, like bytes from outside. A reading with an impossible value counts
+// as no reading. 20 ticks without a reading end the touch (client/haptics).
+// Thread: loop of the client; findings: any.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "client/device/helper/shared_page.hpp"
+#include "client/haptics/haptic_device.hpp"
+
+namespace hapticast::client {
+
+class StateCheck {
+ public:
+  /// A reason to reject a reading.
+  enum class Finding : std::uint8_t { kNotFinite, kOutside, kTooFast, kTimeBack, kFuture, kStatus };
+  static constexpr std::size_t kFindings = 6;
+
+  /// `workspace_mm` is the size of the device's workspace.
+  explicit StateCheck(const Vec3& workspace_mm) : workspace_mm_(workspace_mm) {}
+
+  /// Starts anew with another helper process: the next reading is the first one.
+  void restart() noexcept;
+  /// Converts a reading to the state for the loop. The position is the last accepted one, unless
+  /// the status is kOk.
+  DeviceState check(const DeviceReading& reading, LocalTime now) noexcept;
+  /// Returns how often each finding occurred. Thread: any.
+  [[nodiscard]] std::uint64_t count(Finding finding) const noexcept {
+    return counts_[static_cast<std::size_t>(finding)].load(std::memory_order_relaxed);
+  }
+
+ private:
+  [[nodiscard]] std::optional<Finding> findFault(const hapticast_state& state,
+                                                 LocalTime now) const noexcept;
+
+  Vec3 workspace_mm_;
+  std::uint64_t number_ = 0;
+  bool accepted_any_ = false;
+  DeviceState last_;  // the last accepted position
+  std::array<std::atomic<std::uint64_t>, kFindings> counts_{};
+};
+
+/// Returns what the driver did, for a line to the user.
+const char* toText(StateCheck::Finding finding) noexcept;
+
+}  // namespace hapticast::client
