@@ -214,6 +214,10 @@ bool UsbPort::answer(UMockdevIoctlClient* client) {
   const std::size_t size = request >> _IOC_SIZESHIFT & ((1U << _IOC_SIZEBITS) - 1U);
   UMockdevIoctlData* data = nullptr;
   if (size > 0) data = umockdev_ioctl_data_resolve(arg, 0, size, nullptr);
+  if (size > 0 && data == nullptr) {  // the client was killed in this very request
+    umockdev_ioctl_client_complete(client, -1, EFAULT);
+    return true;
+  }
   std::unique_lock lock(mutex_);
   int error = 0;
   switch (request) {
@@ -276,6 +280,10 @@ int UsbPort::submit(UMockdevIoctlClient* client, UMockdevIoctlData* data) {
   const auto length = static_cast<std::size_t>(asked.buffer_length);
   if (length > 0)
     urb.buffer = umockdev_ioctl_data_resolve(data, offsetof(usbdevfs_urb, buffer), length, nullptr);
+  if (length > 0 && urb.buffer == nullptr) {  // killed meanwhile
+    umockdev_ioctl_data_unref(urb.urb);
+    return EFAULT;
+  }
   if (asked.type == USBDEVFS_URB_TYPE_CONTROL) {
     control(urb);
   } else if (asked.endpoint != kIn) {
