@@ -20,8 +20,8 @@
 #include "client/device/helper/helper_process.hpp"
 #include "client/device/helper/state_check.hpp"
 #include "client/device/sleep_until.hpp"
-#include "client/haptics/tick_report.hpp"
 #include "client/haptics/safety/wall_law.hpp"
+#include "client/haptics/tick_report.hpp"
 #include "common/sync/seq_lock.hpp"
 #include "common/text.hpp"
 
@@ -131,9 +131,8 @@ std::unique_ptr<Life> HelperDevice::start(hapticast_profile& profile,
   while (!stop_) {
     const Received received = life->process->receive(clock_.now() + kTurn);
     if (received.ended) {
-      const std::string how = life->process->end();
       throw DeviceAbsent(fmt::format("--device {}: its driver ended while it opened the device: {}",
-                                     name_, how.empty() ? "no reason" : how));
+                                     name_, life->process->end()));
     }
     if (!received.message) continue;
     const HelperMessage& message = *received.message;
@@ -249,9 +248,8 @@ void HelperDevice::watch() {
 /// Starts another helper after the end of one. It commands zero as soon as the device is open.
 void HelperDevice::restart() {
   life_.store(nullptr, std::memory_order_release);
-  const std::string how = lives_.back()->process->end();
-  pushMessage(fmt::format("{}: its driver ended ({}); no force", name_,
-                          how.empty() ? "without a reason" : how));
+  pushMessage(
+      fmt::format("{}: its driver ended ({}); no force", name_, lives_.back()->process->end()));
   while (!stop_) {
     if (lives_.size() > kMostRestarts) {
       pushMessage(fmt::format("{}: its driver ended {} times; start the client again", name_,

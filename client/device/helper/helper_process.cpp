@@ -131,7 +131,7 @@ std::string HelperProcess::end() {
   if (result < 0) return "an unknown reason";
   if (WIFSIGNALED(status))
     return "signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
-  return WEXITSTATUS(status) == 0 ? "" : "exit code " + std::to_string(WEXITSTATUS(status));
+  return "exit code " + std::to_string(WEXITSTATUS(status));
 }
 
 }  // namespace hapticast::client

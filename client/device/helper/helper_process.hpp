@@ -33,7 +33,7 @@ class HelperProcess {
   /// Receives the next message, and waits for it at most until `deadline`.
   Received receive(LocalTime deadline) { return receiveMessage(socket_, deadline); }
   /// Ends the process as the destructor does. Returns how it ended, for a line to the user:
-  /// "signal 11 (Segmentation fault)", "exit code 1". Returns "" if it ended as requested.
+  /// "signal 11 (Segmentation fault)", "exit code 1".
   std::string end();
 
  private:

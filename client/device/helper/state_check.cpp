@@ -14,6 +14,7 @@ constexpr Duration kOldest = std::chrono::milliseconds(20);
 
 void StateCheck::restart() noexcept {
   number_ = 0;
+  lost_ = false;
   accepted_any_ = false;
 }
 
@@ -35,15 +36,18 @@ std::optional<StateCheck::Finding> StateCheck::findFault(const hapticast_state& 
 
 DeviceState StateCheck::check(const DeviceReading& reading, LocalTime now) noexcept {
   const hapticast_state& state = reading.state;
-  last_.status = DeviceStatus::kNoData;
+  last_.status = lost_ ? DeviceStatus::kLost : DeviceStatus::kNoData;
   if (reading.number == 0 || reading.number == number_) return last_;
   number_ = reading.number;
+  lost_ = false;
+  last_.status = DeviceStatus::kNoData;
   if (state.status == HAPTICAST_NO_DATA) return last_;
   std::optional<Finding> fault;
   if (state.status != HAPTICAST_OK && state.status != HAPTICAST_LOST) fault = Finding::kStatus;
   if (state.status == HAPTICAST_OK) fault = findFault(state, now);
   if (fault) counts_[static_cast<std::size_t>(*fault)].fetch_add(1, std::memory_order_relaxed);
   if (state.status != HAPTICAST_OK) {
+    lost_ = true;
     last_.status = DeviceStatus::kLost;
     return last_;
   }

@@ -40,6 +40,7 @@ class StateCheck {
   Vec3 workspace_mm_;
   std::uint64_t number_ = 0;
   bool accepted_any_ = false;
+  bool lost_ = false;
   DeviceState last_;  // the last accepted position
   std::array<std::atomic<std::uint64_t>, kFindings> counts_{};
 };

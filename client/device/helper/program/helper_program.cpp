@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -61,7 +62,8 @@ std::string toString(const std::array<char, kWhy_bytes>& text) {
 /// The socket ends with the client. While a device opens, nothing has to be ended.
 bool clientEnded() {
   std::array<char, 1> byte{};
-  return recv(kHelperSocket, byte.data(), byte.size(), MSG_DONTWAIT | MSG_PEEK) == 0;
+  const auto size = recv(kHelperSocket, byte.data(), byte.size(), MSG_DONTWAIT | MSG_PEEK);
+  return size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR);
 }
 
 /// Watches the client and the loop. Ends the process if the driver hangs for good.
@@ -140,7 +142,8 @@ int runDevice(const hapticast_driver& driver, const hapticast_host& host) {
     loop.run();
   });
   thread.join();
-  (void)driver.zero(device);
+  if (driver.zero(device) != 0)
+    send(Kind::kLog, "the device does not confirm zero force: switch its power off");
   driver.close(device);
   watch.setLoop(nullptr);
   return 0;

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+// Drivers in files of their own beside the real client and helper: the stand-in driver misbehaves
+// in every way that a driver can, and the example of client/device/README.md works as printed.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/support/device/standin.h"
+
+namespace hapticast::testing {
+namespace {
+
+constexpr std::chrono::seconds kFaultPatience{60};
+
+/// The file that outlives all processes.
+class Trace {
+ public:
+  explicit Trace(const std::string& file) : file_(file) {
+    std::ofstream(file, std::ios::binary) << std::string(sizeof(standin_trace), '\0');
+    const int descriptor = open(file.c_str(), O_RDWR | O_CLOEXEC);
+    trace_ = static_cast<standin_trace*>(
+        mmap(nullptr, sizeof(standin_trace), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0));
+    close(descriptor);
+  }
+  ~Trace() { munmap(trace_, sizeof(standin_trace)); }
+  Trace(const Trace&) = delete;
+  Trace& operator=(const Trace&) = delete;
+  standin_trace* operator->() const { return trace_; }
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+ private:
+  std::string file_;
+  standin_trace* trace_;
+};
+
+class ProgramsDeviceTest : public ProgramsTest {
+ protected:
+  void SetUp() override {
+    devices_ = path("data/hapticast/devices");
+    std::filesystem::create_directories(devices_);
+    install(HAPTICAST_STANDIN, "standin");
+  }
+  void install(const std::string& library, const std::string& name) const {
+    const std::string file = devices_ + "/" + name + ".so";
+    std::filesystem::copy_file(library, file, std::filesystem::copy_options::overwrite_existing);
+    ASSERT_EQ(chmod(file.c_str(), 0644), 0);
+    ASSERT_EQ(chmod(devices_.c_str(), 0755), 0);
+  }
+  /// The client with this data folder and further variables.
+  std::unique_ptr<Process> startWith(std::vector<std::string> arguments,
+                                     const std::vector<std::string>& variables = {}) const {
+    std::vector<std::string> all{"XDG_DATA_HOME=" + path("data")};
+    all.insert(all.end(), variables.begin(), variables.end());
+    all.emplace_back(HAPTICAST_CLIENT_PROGRAM);
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return start("/usr/bin/env", all);
+  }
+  std::unique_ptr<Process> touchWith(const std::string& address, const Trace& trace,
+                                     const std::string& fault) const {
+    return startWith({address, "--view", "off", "--device", "standin", "--device-option",
+                      "trace=" + trace.file(), "--device-option", "fault=" + fault, "--summary",
+                      path(fault + ".json"), "--fault-dir", path("faults")});
+  }
+  std::string devices_;
+};
+
+/// A fault while a force acts, and the line that the user gets.
+struct RunFault {
+  const char* name;
+  const char* line;
+};
+constexpr RunFault kRunFaults[] = {
+    {"nan", "its driver reported a position that is not a number"},
+    {"jump", "its driver reported a jump of its position"},
+    {"back", "its driver reported a position older than the one before"},
+    {"future", "its driver reported a position with a time in the future"},
+    {"status", "its driver reported an unknown status"},
+    {"silent", ""},
+    {"lost", "the device does not answer: no force from now on"},
+    {"frozen", ""},
+    {"slow", "an exchange of its driver lasted more than 0.5 ms"},
+    {"segv", "its driver ended (signal 11 (Segmentation fault)); no force"},
+    {"abort", "its driver ended (signal 6 (Aborted)); no force"},
+    {"exit", "its driver ended (exit code 0); no force"},
+    {"descriptors", "its driver ended"},
+    {"rounding", ""},
+    {"wait_hangs", "its driver does not return from a call; the helper ends it"},
+    {"exchange_hangs", "its driver does not return from a call; the helper ends it"},
+};
+
+TEST_F(ProgramsDeviceTest, ADriverThatMisbehavesInContactEndsAtZeroWithOneLine) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string address = addressOf(*server);
+  for (const RunFault& fault : kRunFaults) {
+    SCOPED_TRACE(fault.name);
+    const Trace trace(path(std::string(fault.name) + ".trace"));
+    const auto client = touchWith(address, trace, fault.name);
+    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+    trace->go = 1;
+    EXPECT_TRUE(client->says(fault.line, kFaultPatience)) << client->output();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    interrupt(*client);
+    EXPECT_EQ(trace->force_N, 0.0) << client->output();
+    EXPECT_LE(trace->most_N, 3.3 + 1e-9) << "no watchdog of its own";
+    EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
+    if (*fault.line != '\0') {
+      EXPECT_LE(countOf(fault.line, client->output()), 5U) << client->output();
+    }
+  }
+  interrupt(*server);
+}
+
+TEST_F(ProgramsDeviceTest, AZeroThatTheDeviceDoesNotConfirmIsReported) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const Trace trace(path("trace"));
+  const auto client = touchWith(addressOf(*server), trace, "zero_fails");
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+  interrupt(*client);
+  EXPECT_EQ(trace->force_N, 0.0) << "by the exchanges before";
+  EXPECT_GE(trace->zeros, 2U);
+  interrupt(*server);
+}
+
+TEST_F(ProgramsDeviceTest, ADriverThatCannotBeUsedIsRefusedWithOneLine) {
+  const Trace trace(path("trace"));
+  const auto refused = [&](const std::string& variable) {
+    const auto client = startWith({"--view", "off", "--device", "standin", "--seconds", "1",
+                                   "--device-option", "trace=" + trace.file()},
+                                  {variable});
+    EXPECT_EQ(client->wait(kSoon), 2) << client->output();
+    return client->output();
+  };
+  EXPECT_NE(refused("STANDIN_SHAPE=abi").find("has version 7 of the interface, not 1"),
+            std::string::npos);
+  EXPECT_NE(refused("STANDIN_SHAPE=size").find("its driver structure has 16 bytes"),
+            std::string::npos);
+  EXPECT_NE(refused("STANDIN_SHAPE=null").find("lacks a function"), std::string::npos);
+  EXPECT_NE(refused("STANDIN_SHAPE=name").find("another name than its file"), std::string::npos);
+  EXPECT_NE(refused("STANDIN_SHAPE=none").find("returns no driver"), std::string::npos);
+  ASSERT_EQ(chmod((devices_ + "/standin.so").c_str(), 0666), 0);
+  EXPECT_NE(refused("STANDIN_SHAPE=").find("others may write it; run chmod go-w"),
+            std::string::npos);
+  write("data/hapticast/devices/standin.so", "no library");
+  ASSERT_EQ(chmod((devices_ + "/standin.so").c_str(), 0644), 0);
+  EXPECT_NE(refused("STANDIN_SHAPE=").find("cannot be loaded"), std::string::npos);
+}
+
+TEST_F(ProgramsDeviceTest, OneThatDoesNotOpenEndsWithItsReason) {
+  const Trace trace(path("trace"));
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto client = touchWith(addressOf(*server), trace, "open_fails");
+  EXPECT_EQ(client->wait(kSoon), 1) << client->output();
+  EXPECT_TRUE(client->says("--device standin: it is switched off: switch it on", kSoon));
+  const auto patient = touchWith(addressOf(*server), trace, "open_hangs");
+  EXPECT_TRUE(waitUntil(kSoon, [&] { return trace->opened == 0 && patient->running(); }));
+  patient->signal(SIGTERM);
+  EXPECT_TRUE(patient->wait(kSoon).has_value()) << "a device that opens for minutes can be ended";
+  interrupt(*server);
+}
+
+TEST_F(ProgramsDeviceTest, TheListAsksEachDriverForAtMostTwoSeconds) {
+  const auto list = [&](const std::string& fault) {
+    const auto client = startWith({"--list-devices", "--device-option", "fault=" + fault});
+    EXPECT_EQ(client->wait(kFaultPatience), 0) << client->output();
+    return client->output();
+  };
+  EXPECT_NE(list("none").find("standin: a driver of its own; serial number S1"), std::string::npos);
+  EXPECT_NE(list("busy").find("; found, but it is busy"), std::string::npos);
+  EXPECT_NE(list("list_hangs").find("its driver did not answer within two seconds"),
+            std::string::npos);
+  const std::string failed = list("list_fails");
+  EXPECT_NE(failed.find("the bus ?[31mis? off"), std::string::npos) << failed;
+  EXPECT_LE(countOf("serial number S1", list("crowd")), 32U);
+}
+
+/// Returns the C code of client/device/README.md.
+std::string readExample() {
+  std::ifstream in(std::string(HAPTICAST_TESTS) + "/../client/device/README.md");
+  std::ostringstream whole;
+  whole << in.rdbuf();
+  const std::string text = whole.str();
+  const std::size_t begin = text.find("```c\n");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin + 5, text.find("```", begin + 5) - begin - 5);
+}
+
+TEST_F(ProgramsDeviceTest, TheExampleOfThePageWorksAsPrinted) {
+  const std::string code = readExample();
+  ASSERT_FALSE(code.empty());
+  EXPECT_LE(std::count(code.begin(), code.end(), '\n'), 45);
+  const std::string source = write("example.c", code);
+  const std::string library = path("example.so");
+  const auto compiler = start(
+      "/usr/bin/env", {"cc", "-std=c99", "-pedantic", "-Wall", "-Werror", "-shared", "-fPIC", "-I",
+                       std::string(HAPTICAST_TESTS) + "/../client/device", source, "-o", library});
+  ASSERT_EQ(compiler->wait(kSoon), 0) << compiler->output();
+  install(library, "example");
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string summary = path("summary.json");
+  const auto client = startWith({addressOf(*server), "--view", "off", "--device", "example",
+                                 "--seconds", "4", "--summary", summary});
+  EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  std::ifstream in(summary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  EXPECT_EQ(text.str().find("\"contact_ticks\": 0,"), std::string::npos) << text.str();
+  interrupt(*server);
+}
+
+}  // namespace
+}  // namespace hapticast::testing

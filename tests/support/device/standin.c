@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT
+ * A driver for tests, in C99 and with the header alone: a light device in a hand that presses and
+ * lifts once a second. Each command goes into a mapped file that outlives the process, so a test
+ * reads the last force after any death. --device-option fault=NAME selects how the driver
+ * misbehaves, from the moment the test sets `go` in the file. */
+#define _GNU_SOURCE
+#include <fcntl.h>
+#include <fenv.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "client/device/hapticast_device.h"
+#include "tests/support/device/standin.h"
+
+struct hapticast_device {
+  struct standin_trace* trace;
+  char fault[32];
+  double z_mm, speed_mm_s, force_N;
+  int64_t last_ns, begin_ns;
+  hapticast_state state;
+};
+
+static int64_t now_ns(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
+static void sleep_ms(long ms) {
+  const struct timespec time = {ms / 1000, ms % 1000 * 1000000};
+  nanosleep(&time, NULL);
+}
+
+static int has(const hapticast_device* device, const char* fault) {
+  return device->trace->go != 0 && strcmp(device->fault, fault) == 0;
+}
+
+static const char* option(const hapticast_host* host, const char* key) {
+  const char* const value = host->option(host->self, key);
+  return value == NULL ? "" : value;
+}
+
+static int list(const hapticast_host* host, void (*found)(void*, const char*, const char*),
+                void* to, char why[256]) {
+  const char* const fault = option(host, "fault");
+  int count = strcmp(fault, "crowd") == 0 ? 10000 : 1;
+  if (strcmp(fault, "list_hangs") == 0) sleep_ms(60000);
+  if (strcmp(fault, "list_fails") == 0) {
+    snprintf(why, 256, "the bus \033[31mis\007 off");
+    return HAPTICAST_LOST;
+  }
+  while (count-- > 0) found(to, "S1", strcmp(fault, "busy") == 0 ? "it is busy" : NULL);
+  return HAPTICAST_OK;
+}
+
+static hapticast_device* open_device(const hapticast_host* host, const char* id,
+                                     hapticast_profile* profile, char why[256]) {
+  hapticast_device* const device = calloc(1, sizeof *device);
+  const int file = open(option(host, "trace"), O_RDWR | O_CLOEXEC);
+  (void)id;
+  snprintf(device->fault, sizeof device->fault, "%s", option(host, "fault"));
+  device->trace = file < 0 ? MAP_FAILED
+                           : mmap(NULL, sizeof *device->trace, PROT_READ | PROT_WRITE, MAP_SHARED,
+                                  file, 0);
+  if (device->trace == MAP_FAILED || strcmp(device->fault, "open_fails") == 0) {
+    snprintf(why, 256, "it is switched off: switch it on");
+    free(device);
+    return NULL;
+  }
+  close(file);
+  if (strcmp(device->fault, "open_hangs") == 0) sleep_ms(600000);
+  ++device->trace->opened;
+  host->log(host->self, "standin: \033[31mopened\007");
+  profile->delay_ticks = 1;
+  profile->mass_kg = 0.045;
+  profile->peak_N = strcmp(device->fault, "absurd_profile") == 0 ? (double)INFINITY : 8.0;
+  profile->continuous_N = 0.88;
+  profile->count_mm = 0.055;
+  profile->workspace_mm[0] = 160.0;
+  profile->workspace_mm[1] = 120.0;
+  profile->workspace_mm[2] = 70.0;
+  strcpy(profile->serial, "S1");
+  device->z_mm = 25.0;
+  device->begin_ns = device->last_ns = now_ns();
+  return device;
+}
+
+/* A hand of 0.2 N/mm that wants to be 8 mm below the picture's front, or 20 mm above it. */
+static void move(hapticast_device* device, int64_t now) {
+  const double time_s = 1e-9 * (double)(now - device->begin_ns);
+  const double wanted_mm = fmod(time_s, 1.5) < 1.0 ? -8.0 : 20.0;
+  double left_s = 1e-9 * (double)(now - device->last_ns);
+  device->last_ns = now;
+  if (left_s > 0.1) left_s = 0.1;
+  for (; left_s > 0.0; left_s -= 1e-4) {
+    const double hand_N = 0.2 * (wanted_mm - device->z_mm) - 0.008 * device->speed_mm_s;
+    device->speed_mm_s += 1e-4 * 1e3 * (hand_N + device->force_N) / 0.25;
+    if (device->speed_mm_s > 150.0) device->speed_mm_s = 150.0;
+    if (device->speed_mm_s < -150.0) device->speed_mm_s = -150.0;
+    device->z_mm += 1e-4 * device->speed_mm_s;
+  }
+}
+
+static int wait(hapticast_device* device, int64_t until) {
+  const struct timespec time = {(time_t)(until / 1000000000), (long)(until % 1000000000)};
+  if (has(device, "wait_hangs")) sleep_ms(600000);
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, NULL);
+  return HAPTICAST_OK;
+}
+
+static void record(hapticast_device* device, double force_N, const double all_N[3]) {
+  double sum = 0.0;
+  int i;
+  for (i = 0; i < 3; ++i) sum += all_N[i] * all_N[i];
+  device->force_N = force_N;
+  device->trace->force_N = sqrt(sum);
+  if (sqrt(sum) > device->trace->most_N) device->trace->most_N = sqrt(sum);
+  if (sum > 0.0) device->trace->last_force_ns = now_ns();
+  ++device->trace->exchanges;
+}
+
+static void misbehave(hapticast_device* device, int64_t now) {
+  hapticast_state* const state = &device->state;
+  int i;
+  if (has(device, "nan")) state->position_mm[1] = (double)NAN;
+  if (has(device, "jump")) state->position_mm[0] += device->trace->exchanges % 2 == 0 ? 40.0 : 0.0;
+  if (has(device, "back")) state->taken_ns = now - 15000000 - (int64_t)device->trace->exchanges;
+  if (has(device, "future")) state->taken_ns = now + 1000000000;
+  if (has(device, "status")) state->status = 77;
+  if (has(device, "silent")) state->status = HAPTICAST_NO_DATA;
+  if (has(device, "lost")) state->status = HAPTICAST_LOST;
+  if (has(device, "slow")) sleep_ms(5);
+  if (has(device, "exchange_hangs")) sleep_ms(600000);
+  if (has(device, "segv")) raise(SIGSEGV);
+  if (has(device, "abort")) abort();
+  if (has(device, "exit")) exit(0);
+  if (has(device, "descriptors"))
+    for (i = 3; i < 64; ++i) close(i);
+  if (has(device, "rounding")) fesetround(FE_UPWARD);
+}
+
+static int exchange(hapticast_device* device, const double force_N[3], hapticast_state* state) {
+  const int64_t now = now_ns();
+  const uint32_t size = state->size < sizeof *state ? state->size : (uint32_t)sizeof *state;
+  move(device, now);
+  record(device, force_N[2], force_N);
+  if (!has(device, "frozen")) device->state.position_mm[2] = device->z_mm;
+  device->state.position_mm[0] = device->state.position_mm[1] = 0.0;
+  device->state.status = HAPTICAST_OK;
+  device->state.taken_ns = now;
+  device->state.replies += 1;
+  misbehave(device, now);
+  device->state.size = size;
+  memcpy(state, &device->state, size);
+  return HAPTICAST_OK;
+}
+
+static int zero(hapticast_device* device) {
+  const double none[3] = {0.0, 0.0, 0.0};
+  ++device->trace->zeros;
+  if (strcmp(device->fault, "zero_fails") == 0) return 1;
+  record(device, 0.0, none);
+  return 0;
+}
+
+static void close_device(hapticast_device* device) {
+  (void)zero(device);
+  ++device->trace->closed;
+  munmap(device->trace, sizeof *device->trace);
+  free(device);
+}
+
+const hapticast_driver* hapticast_device_v1(void) {
+  static hapticast_driver driver = {sizeof driver, HAPTICAST_DEVICE_ABI, "standin",
+                                    "a light device in a hand", "MIT", 0, 0, list, open_device,
+                                    wait, exchange, zero, close_device};
+  /* A driver of another version. The environment reaches it before any option does. */
+  const char* const shape = getenv("STANDIN_SHAPE");
+  if (shape != NULL && strcmp(shape, "size") == 0) driver.size = 16;
+  if (shape != NULL && strcmp(shape, "abi") == 0) driver.abi = 7;
+  if (shape != NULL && strcmp(shape, "null") == 0) driver.exchange = NULL;
+  if (shape != NULL && strcmp(shape, "name") == 0) driver.name = "other";
+  if (shape != NULL && strcmp(shape, "none") == 0) return NULL;
+  return &driver;
+}
