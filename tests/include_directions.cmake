@@ -33,14 +33,14 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^common/transport/asio\\.hpp$"
+  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^common/transport/signature\\.cpp$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
-  "^nlohmann/"                       "^(server/source/clip_files\\.cpp$|client/report/summary\\.cpp$|tests/)"
+  "^nlohmann/"                       "^(server/source/clip_files\\.cpp$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"

@@ -25,6 +25,8 @@ std::span<const DeviceKind> deviceKinds() noexcept {
 #if HAPTICAST_LIBUSB
     DeviceKind{"falcon", "a Novint Falcon on USB", openHelperDevice, listHelperDevices},
 #endif
+    DeviceKind{"inverse3", "a Haply Inverse3 or Minverse, through its service", openHelperDevice,
+               listHelperDevices},
 #if HAPTICAST_SDL2
     // Gamepads are often plugged in without a purpose, and a mouse points better: explicit choice
     // only.

@@ -25,6 +25,8 @@ constexpr milliseconds kTurn{10};
 constexpr milliseconds kMute{1000};    // then the device counts as lost
 constexpr milliseconds kHungLoop{20};  // then the motors receive zero
 constexpr milliseconds kBetweenTries{500};
+constexpr milliseconds kProbePatience{100};
+constexpr milliseconds kBootPatience{1000};  // of the firmware after it was loaded
 constexpr int kZeros = 4;
 constexpr milliseconds kZeroAnswer{20};
 
@@ -50,7 +52,7 @@ FalconLink::~FalconLink() {
 
 std::unique_ptr<FalconUsb> FalconLink::open() {
   auto usb = std::make_unique<FalconUsb>(settings_.serial);
-  if (!falconRuns(*usb, settings_.event_character)) initialise(usb);
+  if (!falconRuns(*usb, settings_.event_character, kProbePatience)) initialise(usb);
   return usb;
 }
 
@@ -67,6 +69,8 @@ void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb) {
       log_line_(fmt::format("Falcon: {}; attempt {} of {}", trouble, load, kLoads));
       usb.reset();
       usb = std::make_unique<FalconUsb>(settings_.serial);
+      // It may run by now: some firmware starts slowly.
+      if (falconRuns(*usb, settings_.event_character, kProbePatience)) return;
     }
     log_line_(fmt::format("Falcon: loading its firmware ({} bytes)", image.size()));
     try {
@@ -76,7 +80,7 @@ void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb) {
         logged_tenths += 5;
         log_line_(fmt::format("Falcon: {:.0f} % of its firmware is loaded", 100.0 * share));
       });
-      if (falconRuns(*usb, settings_.event_character)) return;
+      if (falconRuns(*usb, settings_.event_character, kBootPatience)) return;
       trouble = "the device does not run with this firmware: is it the right file?";
     } catch (const FalconError& error) {
       trouble = error.what();

@@ -16,6 +16,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using Bytes = std::vector<std::uint8_t>;
+using Steady = std::chrono::steady_clock;
 
 // Requests to the serial chip (FT232R).
 constexpr std::uint8_t kReset = 0;
@@ -45,8 +46,10 @@ constexpr std::array<std::uint8_t, 4> kHelloBack = {0x0A, 0x44, 0x2C, 0x0D};
 constexpr std::uint8_t kRate = 0x41;     // its length defines the baud rate for the boot loader
 constexpr std::size_t kChunk = 62;       // a packet without its status bytes
 constexpr std::size_t kLongest = 65536;  // images have 7 to 9 kB; a longer file is another one
-constexpr int kHellos = 30;              // 100 ms each
-constexpr int kProbes = 10;              // 10 ms each
+// An FT232R answers each read within its latency, also without data. So times count, not reads.
+constexpr milliseconds kHelloEvery{100};
+constexpr milliseconds kHelloPatience{3000};
+constexpr milliseconds kProbeEvery{10};
 constexpr milliseconds kAnswer{100};
 constexpr milliseconds kEcho{500};
 
@@ -62,15 +65,26 @@ void setLine(FalconUsb& usb, std::uint16_t latency_ms, std::uint16_t baud) {
   usb.control(kFlow, 0);
 }
 
+/// Reads until `accept` accepts the bytes received so far. Returns false at `deadline`.
+template <class Accept>
+bool readUntil(FalconUsb& usb, Bytes& received, Steady::time_point deadline, Accept accept) {
+  while (Steady::now() < deadline) {
+    (void)usb.read(received, kProbeEvery);
+    if (accept(received)) return true;
+  }
+  return false;
+}
+
 bool answersHello(FalconUsb& usb) {
   Bytes received;
-  for (int i = 0; i < kHellos; ++i) {
+  const auto until = Steady::now() + kHelloPatience;
+  const auto answered = [](const Bytes& bytes) {  // bytes before the answer are noise
+    return std::search(bytes.begin(), bytes.end(), kHelloBack.begin(), kHelloBack.end()) !=
+           bytes.end();
+  };
+  while (Steady::now() < until) {
     usb.write(kHello);
-    (void)usb.read(received, kAnswer);
-    // Bytes before the answer are noise.
-    if (std::search(received.begin(), received.end(), kHelloBack.begin(), kHelloBack.end()) !=
-        received.end())
-      return true;
+    if (readUntil(usb, received, Steady::now() + kHelloEvery, answered)) return true;
   }
   return false;
 }
@@ -79,10 +93,10 @@ bool answersHello(FalconUsb& usb) {
 void writeEchoed(FalconUsb& usb, std::span<const std::uint8_t> bytes) {
   usb.write(bytes);
   Bytes echo;
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Steady::now();
   while (echo.size() < bytes.size()) {
     (void)usb.read(echo, kAnswer);
-    if (std::chrono::steady_clock::now() - begin > kEcho)
+    if (Steady::now() - begin > kEcho)
       throw FalconError("its boot loader stopped answering");
   }
   if (!std::equal(echo.begin(), echo.end(), bytes.begin(), bytes.end()))
@@ -119,20 +133,23 @@ std::string usualFalconFirmware() {
   return !data.empty() && fs::is_regular_file(file, error) ? file.string() : "";
 }
 
-bool falconRuns(FalconUsb& usb, bool event_character) {
+bool falconRuns(FalconUsb& usb, bool event_character, Duration patience) {
   setLine(usb, kRunLatency_ms, kBaudRun);
   purge(usb);
   usb.control(kEventCharacter, event_character ? kEventAtEnd : 0);
   const FalconFrame neutral = encode({});
   FalconParser parser;
-  Bytes received;
-  for (int i = 0; i < kProbes; ++i) {
+  const auto until = Steady::now() + patience;
+  while (Steady::now() < until) {
     usb.write(neutral);
-    received.clear();
-    (void)usb.read(received, milliseconds(10));
-    for (const std::uint8_t byte : received) {
-      if (parser.push(byte)) return true;
-    }
+    Bytes received;
+    std::size_t parsed = 0;
+    const auto replied = [&](const Bytes& bytes) {
+      while (parsed < bytes.size())
+        if (parser.push(bytes[parsed++])) return true;
+      return false;
+    };
+    if (readUntil(usb, received, Steady::now() + kProbeEvery, replied)) return true;
   }
   return false;
 }

@@ -22,10 +22,11 @@ std::vector<std::uint8_t> readFalconFirmware(const std::string& file);
 std::string usualFalconFirmware();
 
 /// Sets up the serial chip for the running firmware, then sends a request that commands zero
-/// torque. Returns true if the firmware answers, because it then runs. If `event_character` is
+/// torque, again and again for at most `patience`. Returns true if the firmware answers, because it
+/// then runs. If `event_character` is
 /// true, the chip passes a reply on at the reply's last character, without a delay. Throws
 /// FalconError.
-bool falconRuns(FalconUsb& usb, bool event_character);
+bool falconRuns(FalconUsb& usb, bool event_character, Duration patience);
 
 /// Loads the firmware `image` into the device, in a single attempt. Calls `progress` with the
 /// loaded share, 0..1. Throws FalconError if the attempt fails.

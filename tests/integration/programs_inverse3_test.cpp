@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// The client with an Inverse3 behind its service, which runs on a loopback port of this test.
+#include <numeric>
+
+#include "tests/integration/inverse3_service.hpp"
+#include "tests/integration/programs_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+class ProgramsInverse3Test : public ProgramsTest {
+ protected:
+  std::unique_ptr<Process> touchWith(const std::string& address, const Inverse3Service& service,
+                                     std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments{address,
+                                       "--view",
+                                       "off",
+                                       "--device",
+                                       "inverse3",
+                                       "--device-option",
+                                       "service=" + service.address(),
+                                       "--fault-dir",
+                                       path("faults")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return startClient(std::move(arguments));
+  }
+};
+
+/// Returns the relative difference of the forces at the service from those of the log, in the same
+/// order. Each one is beside one of the 20 rows behind the row of the force before.
+double compare(const std::vector<Inverse3Service::Force>& sent, const std::vector<LogRow>& logged) {
+  constexpr std::size_t kRows = 20;
+  double error = 0.0;
+  double all = 0.0;
+  std::size_t at = 0;
+  while (at < logged.size() && logged[at].force_N.norm() < 0.5 * sent.front().force_N.norm()) ++at;
+  for (const auto& each : sent) {
+    double least = each.force_N.squaredNorm();
+    for (std::size_t row = at, best = at; row < std::min(best + kRows, logged.size()); ++row) {
+      const double other = (logged[row].force_N - each.force_N).squaredNorm();
+      if (other < least) at = row;
+      least = std::min(least, other);
+    }
+    error += least;
+    all += each.force_N.squaredNorm();
+  }
+  return std::sqrt(error / all);
+}
+
+/// Prints how often the client sends, and returns the messages per second.
+double printRate(const std::vector<Inverse3Service::Force>& forces) {
+  std::vector<double> gaps_ms;
+  for (std::size_t i = 1; i < forces.size(); ++i)
+    gaps_ms.push_back(1e-6 * static_cast<double>(forces[i].time_ns - forces[i - 1].time_ns));
+  std::sort(gaps_ms.begin(), gaps_ms.end());
+  const double rate = 1e3 / (std::accumulate(gaps_ms.begin(), gaps_ms.end(), 0.0) /
+                             static_cast<double>(gaps_ms.size()));
+  std::printf("%.0f messages a second; from one to the next %.2f ms (median), %.2f ms (99 %%)\n",
+              rate, gaps_ms[gaps_ms.size() / 2], gaps_ms[gaps_ms.size() * 99 / 100]);
+  return rate;
+}
+
+TEST_F(ProgramsInverse3Test, TheForcesOfTheLogReachTheService) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string address = addressOf(*server);
+  for (const char* version : {"3.4.0", "3.5.1"}) {
+    SCOPED_TRACE(version);
+    const Inverse3Service service(version);
+    const std::string log = path(std::string(version) + ".csv");
+    const auto client = touchWith(address, service, {"--log", log, "--seconds", "4"});
+    EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+    EXPECT_EQ(service.foreignForces(), 0) << "the key of this version";
+    EXPECT_EQ(service.lastForce_N(), 0.0);
+    std::vector<Inverse3Service::Force> sent;
+    for (const auto& each : service.forces())
+      if (each.force_N.norm() > 0.05) sent.push_back(each);
+    EXPECT_GT(printRate(service.forces()), 100.0) << "far below what an idle machine does";
+    ASSERT_GT(sent.size(), 100U) << client->output();
+    const double error = compare(sent, readLog(log));
+    std::printf("%s: %zu forces, %.2f %% from the log\n", version, sent.size(), 100.0 * error);
+    EXPECT_LT(error, 0.02);
+  }
+  interrupt(*server);
+}
+
+TEST_F(ProgramsInverse3Test, AServiceThatMisbehavesInContactEndsAtZero) {
+  struct Case {
+    const char* fault;
+    const char* line;
+  };
+  constexpr Case kCases[] = {
+      {"nan", "the device does not answer"},
+      {"no_position", "the device does not answer"},
+      {"text", "the device does not answer"},
+      {"silent", "inverse3: the service is lost (it is silent); no force"},
+      {"long", "inverse3: the service is lost ("},
+      {"close", "inverse3: the service is lost ("},
+      {"gone", "the device does not answer"},
+      {"uncalibrated", ""},
+  };
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string address = addressOf(*server);
+  for (const Case& each : kCases) {
+    SCOPED_TRACE(each.fault);
+    Inverse3Service service;
+    const auto client = touchWith(address, service);
+    ASSERT_TRUE(waitUntil(kSoon, [&] { return service.lastForce_N() > 0.3; })) << client->output();
+    service.misbehave(each.fault);
+    if (std::string(each.fault) == "silent" || std::string(each.fault) == "uncalibrated") {
+      EXPECT_TRUE(client->says(each.line, kSoon)) << client->output();
+    }
+    EXPECT_TRUE(waitUntil(kSoon, [&] { return service.lastForce_N() == 0.0; }) ||
+                std::string(each.fault) == "silent")
+        << client->output();
+    interrupt(*client);
+    EXPECT_EQ(service.lastForce_N(), 0.0) << client->output();
+  }
+  interrupt(*server);
+}
+
+TEST_F(ProgramsInverse3Test, WithoutItsServiceTheClientEndsWithOneLine) {
+  const auto client = startClient({"--view", "off", "--device", "inverse3", "--device-option",
+                                   "service=127.0.0.1:1", "--seconds", "1"});
+  EXPECT_EQ(client->wait(kSoon), 1);
+  EXPECT_NE(client->output().find("--device inverse3: the Inverse service does not answer at "
+                                  "127.0.0.1:1 (Connection refused): start it"),
+            std::string::npos)
+      << client->output();
+}
+
+}  // namespace
+}  // namespace hapticast::testing
