@@ -34,8 +34,7 @@ int calibrateFalcon(const hapticast::client::Settings& settings) {
       "falcon",
       {.profile = settings.profile, .clock = clock, .falcon = settings.falcon, .log = log_line});
   const auto stop = [](int /*signal*/) { stop_calibration = true; };
-  std::signal(SIGINT, stop);
-  std::signal(SIGTERM, stop);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, stop);
   const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
                               stop_calibration, log_line);
   if (!gain) return kDone;

@@ -27,6 +27,7 @@ constexpr int kCalibrationRest_ticks = 2000;
 constexpr double kStandardGravity_m_s2 = 9.80665;
 constexpr double kNoticed = 0.2;  // share of the weight that has to appear in the force
 constexpr int kLetGo_ticks = 1000;
+constexpr int kSinks_ticks = 200;  // at the largest force for so long: the weight sinks
 constexpr auto kCalibrationPatience = std::chrono::seconds(180);
 
 /// Runs the ticks of a device while it holds its grip.
@@ -38,6 +39,7 @@ struct Hold {
   GripHolder holder{};
   Vec3 force_N = Vec3::Zero();
   LocalTime deadline{};
+  int at_most_ticks = 0;
 
   DeviceState poll() {
     device.waitForTick(deadline);
@@ -58,6 +60,7 @@ struct Hold {
             "and start again");
       if (state.status != DeviceStatus::kOk) continue;
       force_N = holder.hold(state.position_mm);
+      requireHeld();
       device.sendForceEarly(force_N);
       auto rest_N = holder.restForce_N();
       if (!rest_N) continue;
@@ -68,6 +71,17 @@ struct Hold {
       throw std::runtime_error(
           "--falcon-calibrate: the grip did not rest in the middle in time; start again");
     return std::nullopt;
+  }
+  /// The largest force does not hold a weight that is too heavy for the present gain. The force
+  /// then remains while the weight sinks, and ramps down. Throws after that.
+  void requireHeld() {
+    at_most_ticks = force_N.norm() > 0.99 * kMost_N ? at_most_ticks + 1 : 0;
+    if (at_most_ticks < kSinks_ticks) return;
+    log("calibration: hold the weight with your hand: the force ends now");
+    release();
+    throw std::runtime_error(
+        "--falcon-calibrate: the motors cannot hold this weight with the present gain: start again "
+        "with half of it");
   }
   /// Ramps the force down. A weight without a hand falls then and may cause an implausible
   /// position. That is no reason to lose the measurement.

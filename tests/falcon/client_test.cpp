@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "client/device/falcon/kinematics.hpp"
+#include "tests/falcon/falcon_arms.hpp"
 #include "tests/falcon/falcon_fixture.hpp"
 
 namespace hapticast::testing {
@@ -106,8 +107,7 @@ class FalconClient : public FalconTest {
 /// Force at the grip that these motors make there.
 Vec3 forceOf(const FalconHeard& heard) {
   const auto& motors = heard.request.motors;
-  const Vec3 torques = -Vec3(motors[0], motors[1], motors[2]) / client::kFalconGain;
-  return client::falconJacobian_rad_m(heard.position_m)->transpose() * torques;
+  return forceAt_N(heard.position_m, Vec3(motors[0], motors[1], motors[2]), client::kFalconGain);
 }
 
 /// Each force that came at the motors beside the one of the log that was decided then, two ticks
@@ -286,6 +286,37 @@ std::ptrdiff_t stalls(const std::vector<FalconHeard>& heard) {
   for (std::size_t i = 1; i < heard.size(); ++i)
     count += heard[i].at - heard[i - 1].at > std::chrono::milliseconds(18) ? 1 : 0;
   return count;
+}
+
+TEST_F(FalconClient, ACalibrationThatATerminalEndsLeavesZero) {
+  for (const int signal : {SIGHUP, SIGTERM, SIGKILL}) {
+    SCOPED_TRACE(strsignal(signal));
+    if (client_) port_->unplug();
+    bootAndPlugIn();
+    client_ = std::make_unique<Process>(
+        std::vector<std::string>{HAPTICAST_CLIENT_PROGRAM, "--falcon-calibrate", "200"});
+    ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
+    ASSERT_TRUE(waitUntil(kPatience, [&] { return acts(); }));
+    client_->signal(signal);
+    (void)client_->wait(kPatience);
+    EXPECT_TRUE(waitUntil(kPatience, [&] { return !acts(); }));
+    expectZeroAtLast();
+  }
+}
+
+TEST_F(FalconClient, AWeightThatIsTooHeavyIsNamedAndLetDown) {
+  bootAndPlugIn();
+  port_->with([](FalconModel& model, BusFaults&) { model.gain = 10000.0; });
+  client_ = std::make_unique<Process>(
+      std::vector<std::string>{HAPTICAST_CLIENT_PROGRAM, "--falcon-calibrate", "500"});
+  ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
+  ASSERT_TRUE(client_->says("2. hang 500 g", kPatience)) << client_->output();
+  port_->with([](FalconModel& model, BusFaults&) { model.weight_kg = 0.5; });
+  EXPECT_EQ(client_->wait(kPatience), 1) << client_->output();
+  EXPECT_TRUE(client_->says("the motors cannot hold this weight", kPatience)) << client_->output();
+  expectZeroAtLast();
 }
 
 TEST_F(FalconClient, CalibratesItsGainWithAWeight) {

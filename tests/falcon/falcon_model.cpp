@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/device/falcon/kinematics.hpp"
+#include "tests/falcon/falcon_arms.hpp"
 #include "tests/support/falcon_bytes.hpp"
 
 namespace hapticast::testing {
@@ -48,6 +48,7 @@ void FalconModel::control(std::uint8_t request, std::uint16_t value) {
   if (request == 0 && value != 2) said_.clear();
   if (request == 0 && value != 1) line_.clear();
   if (request == 0 && value == 0) event_character_.reset();
+  if (request == 1) setLines(value);
   if (request == 3) divisor_ = value;
   if (request == 6) {
     event_character_.reset();
@@ -56,10 +57,22 @@ void FalconModel::control(std::uint8_t request, std::uint16_t value) {
   if (request == 9) latency_ = std::chrono::milliseconds(value);
 }
 
+/// The high byte says which lines are set: 1 is DTR, 2 is RTS.
+void FalconModel::setLines(std::uint16_t value) {
+  if ((value & 0x0200U) != 0) rts_ = (value & 0x02U) != 0;
+  if ((value & 0x0100U) == 0) return;
+  const bool ready = (value & 0x01U) != 0;
+  if (ready && !dtr_) dtr_rose_ = true;
+  dtr_ = ready;
+}
+
 void FalconModel::write(std::span<const std::uint8_t> bytes, LocalTime now) {
   for (const std::uint8_t byte : bytes) {
-    if (stage_ == Stage::kBootLoader && divisor_ == kBootBaud) hearBoot(byte, now);
-    if (stage_ == Stage::kBootLoader && divisor_ == kLoadBaud && byte == 0x41) {
+    if (std::exchange(dtr_rose_, false)) loader_from_ = now + faults.loader_delay;
+    if (stage_ == Stage::kBootLoader && divisor_ == kBootBaud && dtr_ && !rts_ &&
+        now >= loader_from_)
+      hearBoot(byte, now);
+    if (stage_ == Stage::kBootLoader && divisor_ == kLoadBaud && byte == 0x41 && !dtr_) {
       stage_ = Stage::kLoads;
       image_.clear();
       say(std::array{byte}, now + kByteTime);
@@ -68,7 +81,7 @@ void FalconModel::write(std::span<const std::uint8_t> bytes, LocalTime now) {
     } else if ((stage_ == Stage::kLoads || stage_ == Stage::kStuck) && divisor_ == kBootBaud) {
       stage_ = Stage::kBootLoader;  // its ready line was toggled
       hearBoot(byte, now);
-    } else if (stage_ == Stage::kRuns && divisor_ == kRunBaud) {
+    } else if (stage_ == Stage::kRuns && divisor_ == kRunBaud && now >= runs_from_) {
       hearFrame(byte, now);
     }
   }
@@ -97,6 +110,7 @@ void FalconModel::hearImage(std::uint8_t byte, LocalTime now) {
   if (image_.size() != firmware_.size()) return;
   ++loads_;
   stage_ = image_ == firmware_ ? Stage::kRuns : Stage::kStuck;
+  runs_from_ = now + faults.start_delay;
 }
 
 void FalconModel::hearFrame(std::uint8_t byte, LocalTime now) {
@@ -126,11 +140,10 @@ Vec3 FalconModel::handTarget_m() {
 }
 
 void FalconModel::move(double time_s, const std::array<int, 3>& motors) {
-  const Vec3 torques = -Vec3(motors[0], motors[1], motors[2]) / gain;
+  const Vec3 counts(motors[0], motors[1], motors[2]);
+  const Vec3 motor_N = counts.isZero() ? Vec3(counts) : forceAt_N(position_m_, counts, gain);
   const Vec3 goal_m = handTarget_m();
   for (double done_s = 0.0; done_s < time_s; done_s += kStep_s) {
-    const auto jacobian = client::falconJacobian_rad_m(position_m_);
-    const Vec3 motor_N = jacobian ? Vec3(jacobian->transpose() * torques) : Vec3::Zero();
     Vec3 way_m = goal_m - position_m_;
     const double most_m = kHandSpeed_m_s * kHandDamping_Ns_m / kHand_N_m;
     const Vec3 hand_N = kHand_N_m * (way_m.norm() > 2.0 * most_m + 0.02
@@ -167,8 +180,7 @@ void FalconModel::home(const FalconRequest& request) {
 
 void FalconModel::reply(LocalTime now) {
   FalconReply reply{.buttons = buttons, .homed = homed_};
-  const auto angles_rad = client::falconInverse_rad(position_m_);
-  const Vec3 counts = angles_rad ? client::falconEncoders(*angles_rad) : Vec3::Zero();
+  const Vec3 counts = encodersAt(position_m_);
   for (std::size_t i = 0; i < 3; ++i)
     reply.encoders[i] =
         static_cast<int>(std::lround(counts[static_cast<Eigen::Index>(i)])) + zero_[i];

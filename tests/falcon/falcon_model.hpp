@@ -19,6 +19,8 @@ namespace hapticast::testing {
 
 /// What goes wrong; changed while it runs.
 struct FalconFaults {
+  Duration loader_delay{0};    ///< from DTR to the boot loader
+  Duration start_delay{0};     ///< from the last byte of the firmware to its first answer
   int hellos_ignored = 0;      ///< the boot loader oversleeps so many
   int echoes_wrong = 0;        ///< so many chunks of the firmware come back with a flipped bit
   bool mute = false;           ///< it hears, and says nothing
@@ -71,6 +73,7 @@ class FalconModel {
  private:
   enum class Stage { kBootLoader, kLoads, kStuck, kRuns };
 
+  void setLines(std::uint16_t value);
   void hearBoot(std::uint8_t byte, LocalTime now);
   void hearImage(std::uint8_t byte, LocalTime now);
   void hearFrame(std::uint8_t byte, LocalTime now);
@@ -91,6 +94,11 @@ class FalconModel {
   Stage stage_ = Stage::kBootLoader;
   int loads_ = 0;
   std::uint16_t divisor_ = 0;
+  bool dtr_ = false;
+  bool rts_ = true;
+  bool dtr_rose_ = false;
+  LocalTime loader_from_{};
+  LocalTime runs_from_{};
   Duration latency_{16'000'000};
   std::optional<std::uint8_t> event_character_;
   LocalTime last_packet_{};

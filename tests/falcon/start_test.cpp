@@ -45,6 +45,21 @@ TEST_F(FalconStart, TheFirmwareIsLoadedOverAShakyStart) {
   EXPECT_NE(logged_.find("% of its firmware is loaded"), std::string::npos) << logged_;
 }
 
+TEST_F(FalconStart, SlowFirmwareAndASlowBootLoaderStart) {
+  file_ = firmwareFile();
+  for (const int ms : {20, 60, 150, 400}) {
+    SCOPED_TRACE(ms);
+    port_->with([ms](FalconModel& model, BusFaults&) {
+      model.powerCycle();
+      model.faults.start_delay = std::chrono::milliseconds(ms);
+      model.faults.loader_delay = std::chrono::milliseconds(ms == 400 ? 500 : 0);
+    });
+    port_->plugIn();
+    EXPECT_TRUE(openFalcon() != nullptr) << logged_;
+    port_->unplug();
+  }
+}
+
 TEST_F(FalconStart, OneThatIsNotThere) {
   EXPECT_EQ(complaint(),
             "--device falcon: none was found on USB: is it plugged in, and its power supply too?");

@@ -58,6 +58,10 @@ std::unique_ptr<FalconUsb> FalconLink::open() {
 
 /// Loads the firmware; each attempt reopens the device.
 void FalconLink::initialise(std::unique_ptr<FalconUsb>& usb) {
+  if (settings_.firmware_file.empty() && life_ > 0)
+    throw FalconError(
+        "it ran before and does not answer any more: check its cable and power supply. After a "
+        "power-up it needs --falcon-firmware FILE");
   if (settings_.firmware_file.empty())
     throw FalconError(
         "its firmware is not loaded, as after every power-up: name the file with --falcon-firmware "

@@ -96,8 +96,7 @@ void writeEchoed(FalconUsb& usb, std::span<const std::uint8_t> bytes) {
   const auto begin = Steady::now();
   while (echo.size() < bytes.size()) {
     (void)usb.read(echo, kAnswer);
-    if (Steady::now() - begin > kEcho)
-      throw FalconError("its boot loader stopped answering");
+    if (Steady::now() - begin > kEcho) throw FalconError("its boot loader stopped answering");
   }
   if (!std::equal(echo.begin(), echo.end(), bytes.begin(), bytes.end()))
     throw FalconError("its boot loader received other bytes than the client sent");

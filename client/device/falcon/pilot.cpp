@@ -43,9 +43,10 @@ void FalconPilot::home(const FalconReply& reply, LocalTime at) noexcept {
 bool FalconPilot::processReply(const FalconReply& reply, LocalTime at) noexcept {
   const Duration since = at - accepted_;
   // Only a silence allows a larger step: rejected replies were no silence.
-  const auto gap_ms = std::clamp<std::int64_t>((since + kTickPeriod / 2) / kTickPeriod - rejected_,
-                                               1, kSilent / kTickPeriod);
-  const auto most = kFastest_per_ms * gap_ms;
+  if (rejected_ == 0)
+    gap_ms_ =
+        std::clamp<std::int64_t>((since + kTickPeriod / 2) / kTickPeriod, 1, kSilent / kTickPeriod);
+  const auto most = kFastest_per_ms * gap_ms_;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (std::abs(reply.encoders[axis] - last_.encoders[axis]) > most) return false;
   }

@@ -73,7 +73,8 @@ class FalconPilot {
   bool fresh_ = false;
   int homed_replies_ = 0;
   int rejected_ = 0;
-  int forget_ = 0;  // remaining requests without the homing flag, which start a new homing
+  std::int64_t gap_ms_ = 1;  // from the last accepted reply to the first one after it
+  int forget_ = 0;           // remaining requests without the homing flag, which start a new homing
   bool must_forget_ = false;  // replies are ignored until the device reports an axis as not homed
   FalconReply last_;
   LocalTime accepted_{};

@@ -36,9 +36,10 @@ TEST(Inverse3Protocol, TheKeyOfTheForceFollowsTheVersion) {
 }
 
 TEST(Inverse3Protocol, AForceIsTurnedIntoTheServicesFrame) {
-  EXPECT_EQ(toForceMessage("D", Inverse3ForceKey::kVector, {1.0, 2.0, 3.0}),
-            R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":{"x":1.0,"y":-3.0,"z":2.0}}},)"
-            R"("device_id":"D"}]})");
+  EXPECT_EQ(
+      toForceMessage("D", Inverse3ForceKey::kVector, {1.0, 2.0, 3.0}),
+      R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":{"x":1.0,"y":-3.0,"z":2.0}}},)"
+      R"("device_id":"D"}]})");
   EXPECT_NE(toForceMessage("D", Inverse3ForceKey::kValues, {}).find("\"values\""),
             std::string::npos);
   EXPECT_NE(toSessionMessage("D", "p").find("org.hapticast:viewer"), std::string::npos);
