@@ -88,6 +88,15 @@ PlayObject playObject(const CodedObject& object) {
 
 }  // namespace
 
+void LossWatch::onFrame(const FramePlace& place, std::uint64_t id, bool after_drop) {
+  // A server repeats every relief within a second; with a margin.
+  constexpr Duration kRepeated = std::chrono::seconds(2);
+  if (place.media_time - lost_at_ > kRepeated) complete_from_ = 0;
+  if (place.lost == 0 && place.arrived && !place.resync && !after_drop) return;
+  complete_from_ = place.arrived ? id : id + 1;
+  lost_at_ = place.media_time;
+}
+
 DecodeThread::DecodeThread(FramePool& pool, const Clock& clock, Method method,
                            std::function<void(const PreparedFrame&)> done)
     : pool_(pool), clock_(clock), method_(method), done_(std::move(done)) {}
@@ -134,8 +143,13 @@ std::optional<AssembledFrame> DecodeThread::next() {
     accepted = queue_.pop();
     begins = std::exchange(begins_, std::nullopt);
   }
-  if (begins) reliefs_.reset(*begins, method_);
+  if (begins) {
+    reliefs_.reset(*begins, method_);
+    losses_ = {};
+  }
   if (!accepted) return std::nullopt;
+  losses_.onFrame(accepted->assembled.place, accepted->assembled.frame.id,
+                  !accepted->left_out.empty());
   const std::uint32_t epoch = accepted->assembled.place.epoch;
   if (std::exchange(epoch_, epoch) != epoch) reliefs_.forget();
   for (const CodedObject& object : accepted->left_out) {
@@ -187,7 +201,8 @@ void DecodeThread::fillObject(FramePool::Slot& slot, std::size_t index, const Co
                               std::uint64_t frame_id, PreparedFrame& result) {
   ReliefCache::Resolved relief = reliefs_.resolve(object, frame_id);
   if (relief.rejected) ++result.reliefs_rejected;
-  if (!relief.field && !relief.rejected) ++result.reliefs_missing;
+  const bool missing = !relief.field && !relief.rejected;
+  if (missing && !losses_.mayBeLost(object.changed_in_frame)) ++result.reliefs_missing;
   result.slices_lost += relief.slices_lost;
   result.slices_refused += relief.slices_refused;
 

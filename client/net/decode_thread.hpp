@@ -64,11 +64,30 @@ struct PreparedFrame {
   LocalTime ready;  ///< time when the frame was published to the loop
   /// False: the frame was dropped, because the loop occupied every slot of the pool.
   bool handed_over = false;
+  /// Objects without a relief, though no loss explains it.
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
   std::uint64_t slices_refused = 0;
   PlayableReliefs playable;
+};
+
+/// Distinguishes a relief that was lost on the way from one that the server never sent. Thread:
+/// one.
+class LossWatch {
+ public:
+  /// Registers the next frame of the stream, with the id `id`. `after_drop`: the queue dropped
+  /// frames before it.
+  void onFrame(const FramePlace& place, std::uint64_t id, bool after_drop);
+  /// Returns true if the relief that changed in frame `changed_in_frame` may have been lost.
+  [[nodiscard]] bool mayBeLost(std::uint64_t changed_in_frame) const {
+    return changed_in_frame < complete_from_;
+  }
+
+ private:
+  // Every frame from this one on arrived whole. 0: no relief is lost.
+  std::uint64_t complete_from_ = 0;
+  MediaTime lost_at_;  // of the last loss
 };
 
 /// The decode thread: it fills the frame pool.
@@ -114,6 +133,7 @@ class DecodeThread {
   std::function<void(const PreparedFrame&)> done_;
   ReliefCache reliefs_;      // thread of step() only
   std::uint32_t epoch_ = 0;  // thread of step() only; epoch of the last frame
+  LossWatch losses_;         // thread of step() only
 
   std::mutex mutex_;
   std::condition_variable_any something_waits_;
