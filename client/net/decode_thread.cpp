@@ -35,6 +35,10 @@ std::optional<FrameQueue::Accepted> FrameQueue::pop() {
   return accepted;
 }
 
+void FrameQueue::holdBack(Duration duration) {
+  for (AssembledFrame& assembled : frames_) assembled.place.left += duration;
+}
+
 void FrameQueue::clear() {
   frames_.clear();
   kept_.clear();
@@ -113,10 +117,22 @@ void DecodeThread::stop() {
 
 void DecodeThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
+    if (holdsBack()) {
+      waitForSlot();
+      continue;
+    }
     if (step()) continue;
     std::unique_lock lock(mutex_);
     something_waits_.wait(lock, stop, [this] { return !queue_.empty(); });
   }
+}
+
+void DecodeThread::waitForSlot() {
+  constexpr auto kMoment = std::chrono::milliseconds(2);  // chosen: far below a frame interval
+  const LocalTime begin = clock_.now();
+  std::this_thread::sleep_for(kMoment);
+  const std::lock_guard lock(mutex_);
+  queue_.holdBack(clock_.now() - begin);
 }
 
 void DecodeThread::reset(const Workspace& workspace) {

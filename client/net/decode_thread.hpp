@@ -46,6 +46,9 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
+  /// Registers that the queued frames waited for `duration` by choice, which is no delay of the
+  /// preparation.
+  void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();
 
@@ -114,12 +117,23 @@ class DecodeThread {
   /// wait for a preparation. Thread: network.
   std::size_t push(AssembledFrame assembled);
 
+  /// Limits of the prepared reliefs: while the pool has more bytes and at least so many frames, a
+  /// further frame waits in coded form. The loop needs three frames up to play time and two after
+  /// it. The number of bytes is a choice: three full-HD reliefs.
+  static constexpr std::size_t kMostPrepared_bytes = std::size_t{58} << 20U;
+  static constexpr std::size_t kNeededFrames = 5;
+  /// Returns true if the next frame has to wait for that reason. Thread: the decode thread.
+  [[nodiscard]] bool holdsBack() {
+    return pool_.occupied() >= kNeededFrames && pool_.bytes() > kMostPrepared_bytes;
+  }
   /// Prepares the oldest queued frame and publishes it to the loop. Returns false if the queue is
   /// empty. Thread: the decode thread. Before start() a test may call it.
   bool step();
 
  private:
   void run(const std::stop_token& stop);
+  /// Waits a moment for the loop to return a slot.
+  void waitForSlot();
   /// Removes and returns the oldest frame. Updates the relief cache with the dropped frames before
   /// it.
   [[nodiscard]] std::optional<AssembledFrame> next();

@@ -107,6 +107,36 @@ TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
   EXPECT_EQ(done.back().reliefs_missing, 1U) << "reliefs of before are forgotten";
 }
 
+TEST_F(PreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
+  Workspace workspace;
+  workspace.width_px = 1920;
+  workspace.height_px = 1080;
+  decode_thread.reset(workspace);
+  for (std::uint64_t id = 1; id <= DecodeThread::kNeededFrames; ++id) {
+    HapticObject object;
+    object.id = 7;
+    object.changed_in_frame = id;
+    object.relief = flatRelief({0, 0, 1920, 1080}, 5.0F + static_cast<float>(id));
+    AssembledFrame assembled = frameOf(id, id, false);
+    assembled.frame.objects[0] = testing::coded(object);
+    EXPECT_FALSE(decode_thread.holdsBack()) << id;
+    (void)decode_thread.push(std::move(assembled));
+    ASSERT_TRUE(decode_thread.step());
+  }
+  EXPECT_TRUE(decode_thread.holdsBack());
+  EXPECT_EQ(take(), 1U);
+  EXPECT_FALSE(decode_thread.holdsBack());
+  EXPECT_LT(pool->bytes(), std::size_t{80} << 20U);
+}
+
+TEST_F(PreparerTest, SmallReliefsDoNotWait) {
+  for (std::uint64_t id = 1; id < FramePool::kSlots; ++id) {
+    (void)decode_thread.push(frameOf(id, id, true));
+    (void)decode_thread.step();
+    EXPECT_FALSE(decode_thread.holdsBack()) << id;
+  }
+}
+
 TEST_F(PreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
   const auto missing = [this](AssembledFrame assembled) {
     (void)decode_thread.push(std::move(assembled));
