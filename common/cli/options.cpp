@@ -74,7 +74,8 @@ CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
                      const std::string& ending, const std::string& help) {
   const auto set = [&file, name, ending](const std::string& text) {
     if (!hasEnding(text, ending))
-      throw CLI::ValidationError(name, quote(text) + " is not FILE" + ending);
+      throw CLI::ValidationError(name + " " + text,
+                                 "does not end with " + ending + "; use FILE" + ending);
     file = text;
   };
   return app.add_option_function<std::string>(name, set, help)->type_name("FILE" + ending);
