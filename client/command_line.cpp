@@ -188,14 +188,12 @@ void addViewOptions(CLI::App& app, Settings& settings) {
 }
 
 void addOutputOptions(CLI::App& app, Settings& settings) {
-  app.add_option("--screenshot", settings.screenshot_file,
-                 "Write a picture at the end: the video with cone and force at the strongest "
-                 "moment, and the force of the last minute")
-      ->type_name("FILE.png");
-  app.add_option("--film", settings.film_file,
-                 "Write a film: the video with cone and forces, and the force of the last "
-                 "minute, at the video's rate")
-      ->type_name("FILE.mp4");
+  addFile(app, "--screenshot", settings.screenshot_file, ".png",
+          "Write a picture at the end: the video with cone and forces at the strongest moment, and "
+          "the force of the last minute");
+  addFile(app, "--film", settings.film_file, ".mp4",
+          "Write a film: the video with cone and forces, and the force of the last seconds, at the "
+          "video's rate");
   app.add_option("--log", settings.log_file,
                  "Write a row per tick: t_s,media_s, HIP x,y,z_mm (nominal), force f, s (static), "
                  "d (dynamic) in N, "
@@ -242,6 +240,13 @@ std::optional<int> readCommandLine(Settings& settings, int argc, const char* con
   const auto exit_code = parseCommandLine(*app, argc, argv);
   if (!exit_code) settings.config_file = app->get_config_ptr()->as<std::string>();
   return exit_code;
+}
+
+void requireVirtualHand(const Settings& settings) {
+  if (!settings.hand_given || settings.device == "auto" || settings.device == "virtual") return;
+  throw std::runtime_error("--hand " + settings.hand +
+                           ": moves only the virtual device, but --device is " + settings.device +
+                           "; remove --hand, or use --device virtual");
 }
 
 void requireWritable(const char* flag, const std::string& file) {

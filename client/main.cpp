@@ -51,6 +51,7 @@ int runClient(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
+    hapticast::client::requireVirtualHand(settings);
     hapticast::client::requireDistinctOutputs(settings);
     app = std::make_unique<hapticast::client::App>(settings, clock,
                                                    hapticast::client::openViews(settings));
@@ -79,7 +80,7 @@ int main(int argc, char** argv) {
     return kDone;
   }
   if (settings.list_servers) return hapticast::client::listServers() ? kDone : kFailed;
-  return hapticast::runProgram("hapticast-client", settings.quiet, [&settings] {
+  return hapticast::runProgram(settings.quiet, [&settings] {
     return settings.calibration_g > 0.0 ? calibrateFalcon(settings) : runClient(settings);
   });
 }

@@ -55,6 +55,9 @@ struct Settings {
 /// Checks before a run that `file` can be written after the run. An empty name is always valid.
 /// Throws std::runtime_error with one line, which names `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);
+/// Checks before a run that --hand has a device to move. Throws std::runtime_error with one line if
+/// the command line names another device than the virtual one.
+void requireVirtualHand(const Settings& settings);
 /// Checks before a run that each output has a file of its own. Throws std::runtime_error with one
 /// line, which names both flags and the file.
 void requireDistinctOutputs(const Settings& settings);

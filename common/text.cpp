@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <system_error>
 #include <type_traits>
 #include <utility>
@@ -24,6 +26,12 @@ bool isKey(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) {
            return isLetter(c) || (c >= '0' && c <= '9') || c == '-' || c == '_';
          });
+}
+
+/// Returns whether a byte occurs in no text: a control character other than those of white space.
+bool isBinary(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return byte < 0x20 && c != '\t' && c != '\n' && c != '\r';
 }
 
 std::string_view unquoted(std::string_view text) {
@@ -106,6 +114,14 @@ std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes) {
   return out;
 }
 
+bool hasEnding(std::string_view file, std::string_view ending) {
+  const std::string_view name = file.substr(file.rfind('/') + 1);
+  if (name.size() <= ending.size()) return false;
+  return std::equal(
+      ending.begin(), ending.end(), name.end() - std::ssize(ending),
+      [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+}
+
 std::string join(const std::vector<std::string>& words, std::string_view separator) {
   std::string text;
   for (const std::string& word : words) {
@@ -152,6 +168,9 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > kMaxKeyValueText_bytes) {
     return Error{name + ": larger than 64 KiB"};
+  }
+  if (std::any_of(text.begin(), text.end(), isBinary)) {
+    return Error{name + ": is not a text file; save it as plain text in UTF-8"};
   }
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8, by some editors
   std::vector<KeyValue> pairs;

@@ -23,6 +23,9 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 /// Returns `text` in quotes for an error message. Only the first 40 bytes of a longer text appear.
 [[nodiscard]] std::string quote(std::string_view text);
+/// Returns whether the name of the file `file` ends with `ending` (such as ".png", in small
+/// letters) after at least one character. Capital letters count as small ones.
+[[nodiscard]] bool hasEnding(std::string_view file, std::string_view ending);
 /// Returns the words, joined with `separator`, for example "a, b, c".
 [[nodiscard]] std::string join(const std::vector<std::string>& words, std::string_view separator);
 /// Returns `text` as one line that cannot control a terminal. '?' replaces each byte that is not
@@ -50,8 +53,8 @@ struct KeyValue {
 
 /// Returns the `key = value` lines of `in`, which has at most 64 KiB. `#` begins a comment. A key
 /// is a letter followed by letters, digits, `-` and `_`, with at most 64 bytes. A value may be in
-/// quotes. A byte order mark of UTF-8 at the begin is ignored. An error begins with `name`:
-/// "NAME:LINE: ...".
+/// quotes. A byte order mark of UTF-8 at the begin is ignored. A text with control characters is an
+/// error. An error begins with `name`: "NAME:LINE: ...".
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
 // Suggestions for misspelt words, by the Damerau-Levenshtein distance (optimal string alignment).

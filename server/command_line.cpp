@@ -201,7 +201,7 @@ void addPreview(CLI::App& app, std::string& preview) {
   const auto set = [&preview](const std::string& text) {
     std::error_code error;
     const std::filesystem::path place(text);
-    const bool picture = place.extension() == ".png" && !place.stem().empty();
+    const bool picture = hasEnding(text, ".png");
     const bool folder = std::filesystem::is_directory(place, error) || !place.has_extension();
     if (text.empty() || !(picture || folder)) {
       throw CLI::ValidationError("--preview", quote(text) + " is not FILE.png or a folder");

@@ -47,6 +47,5 @@ int main(int argc, char** argv) {
   hapticast::server::Settings settings;
   if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
     return *exit_code;
-  return hapticast::runProgram("hapticast-server", settings.quiet,
-                               [&settings] { return serve(settings); });
+  return hapticast::runProgram(settings.quiet, [&settings] { return serve(settings); });
 }

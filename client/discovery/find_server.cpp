@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "client/discovery/find_server.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <cstdio>
 #include <thread>
 #include <utility>
@@ -73,8 +75,7 @@ bool listServers() {
     return true;
   }
   const std::string absent = discovery.absent();
-  std::fprintf(stderr, "hapticast-client: %s\n",
-               absent.empty() ? "no server is announced on the LAN" : (kNoSearch + absent).c_str());
+  spdlog::error("{}", absent.empty() ? "no server is announced on the LAN" : kNoSearch + absent);
   return false;
 }
 

@@ -53,6 +53,7 @@ struct UserControls {
 struct PointerTarget {
   bool known = false;  ///< false until the pointer was over the picture for the first time
   Vec3 position_mm = Vec3::Zero();  ///< nominal frame
+  double start_z_mm = 0.0;          ///< depth of the start, and the largest distance to the picture
 };
 
 }  // namespace hapticast::client

@@ -35,6 +35,10 @@ std::optional<FrameQueue::Accepted> FrameQueue::pop() {
   return accepted;
 }
 
+void FrameQueue::holdBack(Duration duration) {
+  for (AssembledFrame& assembled : frames_) assembled.place.left += duration;
+}
+
 void FrameQueue::clear() {
   frames_.clear();
   kept_.clear();
@@ -88,6 +92,15 @@ PlayObject playObject(const CodedObject& object) {
 
 }  // namespace
 
+void LossWatch::onFrame(const FramePlace& place, std::uint64_t id, bool after_drop) {
+  // A server repeats every relief within a second; with a margin.
+  constexpr Duration kRepeated = std::chrono::seconds(2);
+  if (place.media_time - lost_at_ > kRepeated) complete_from_ = 0;
+  if (place.lost == 0 && place.arrived && !place.resync && !after_drop) return;
+  complete_from_ = place.arrived ? id : id + 1;
+  lost_at_ = place.media_time;
+}
+
 DecodeThread::DecodeThread(FramePool& pool, const Clock& clock, Method method,
                            std::function<void(const PreparedFrame&)> done)
     : pool_(pool), clock_(clock), method_(method), done_(std::move(done)) {}
@@ -104,10 +117,22 @@ void DecodeThread::stop() {
 
 void DecodeThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
+    if (holdsBack()) {
+      waitForSlot();
+      continue;
+    }
     if (step()) continue;
     std::unique_lock lock(mutex_);
     something_waits_.wait(lock, stop, [this] { return !queue_.empty(); });
   }
+}
+
+void DecodeThread::waitForSlot() {
+  constexpr auto kMoment = std::chrono::milliseconds(2);  // chosen: far below a frame interval
+  const LocalTime begin = clock_.now();
+  std::this_thread::sleep_for(kMoment);
+  const std::lock_guard lock(mutex_);
+  queue_.holdBack(clock_.now() - begin);
 }
 
 void DecodeThread::reset(const Workspace& workspace) {
@@ -134,8 +159,13 @@ std::optional<AssembledFrame> DecodeThread::next() {
     accepted = queue_.pop();
     begins = std::exchange(begins_, std::nullopt);
   }
-  if (begins) reliefs_.reset(*begins, method_);
+  if (begins) {
+    reliefs_.reset(*begins, method_);
+    losses_ = {};
+  }
   if (!accepted) return std::nullopt;
+  losses_.onFrame(accepted->assembled.place, accepted->assembled.frame.id,
+                  !accepted->left_out.empty());
   const std::uint32_t epoch = accepted->assembled.place.epoch;
   if (std::exchange(epoch_, epoch) != epoch) reliefs_.forget();
   for (const CodedObject& object : accepted->left_out) {
@@ -187,7 +217,8 @@ void DecodeThread::fillObject(FramePool::Slot& slot, std::size_t index, const Co
                               std::uint64_t frame_id, PreparedFrame& result) {
   ReliefCache::Resolved relief = reliefs_.resolve(object, frame_id);
   if (relief.rejected) ++result.reliefs_rejected;
-  if (!relief.field && !relief.rejected) ++result.reliefs_missing;
+  const bool missing = !relief.field && !relief.rejected;
+  if (missing && !losses_.mayBeLost(object.changed_in_frame)) ++result.reliefs_missing;
   result.slices_lost += relief.slices_lost;
   result.slices_refused += relief.slices_refused;
 

@@ -46,6 +46,9 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
+  /// Registers that the queued frames waited for `duration` by choice, which is no delay of the
+  /// preparation.
+  void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();
 
@@ -64,11 +67,30 @@ struct PreparedFrame {
   LocalTime ready;  ///< time when the frame was published to the loop
   /// False: the frame was dropped, because the loop occupied every slot of the pool.
   bool handed_over = false;
+  /// Objects without a relief, though no loss explains it.
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
   std::uint64_t slices_refused = 0;
   PlayableReliefs playable;
+};
+
+/// Distinguishes a relief that was lost on the way from one that the server never sent. Thread:
+/// one.
+class LossWatch {
+ public:
+  /// Registers the next frame of the stream, with the id `id`. `after_drop`: the queue dropped
+  /// frames before it.
+  void onFrame(const FramePlace& place, std::uint64_t id, bool after_drop);
+  /// Returns true if the relief that changed in frame `changed_in_frame` may have been lost.
+  [[nodiscard]] bool mayBeLost(std::uint64_t changed_in_frame) const {
+    return changed_in_frame < complete_from_;
+  }
+
+ private:
+  // Every frame from this one on arrived whole. 0: no relief is lost.
+  std::uint64_t complete_from_ = 0;
+  MediaTime lost_at_;  // of the last loss
 };
 
 /// The decode thread: it fills the frame pool.
@@ -95,12 +117,23 @@ class DecodeThread {
   /// wait for a preparation. Thread: network.
   std::size_t push(AssembledFrame assembled);
 
+  /// Limits of the prepared reliefs: while the pool has more bytes and at least so many frames, a
+  /// further frame waits in coded form. The loop needs three frames up to play time and two after
+  /// it. The number of bytes is a choice: three full-HD reliefs.
+  static constexpr std::size_t kMostPrepared_bytes = std::size_t{58} << 20U;
+  static constexpr std::size_t kNeededFrames = 5;
+  /// Returns true if the next frame has to wait for that reason. Thread: the decode thread.
+  [[nodiscard]] bool holdsBack() {
+    return pool_.occupied() >= kNeededFrames && pool_.bytes() > kMostPrepared_bytes;
+  }
   /// Prepares the oldest queued frame and publishes it to the loop. Returns false if the queue is
   /// empty. Thread: the decode thread. Before start() a test may call it.
   bool step();
 
  private:
   void run(const std::stop_token& stop);
+  /// Waits a moment for the loop to return a slot.
+  void waitForSlot();
   /// Removes and returns the oldest frame. Updates the relief cache with the dropped frames before
   /// it.
   [[nodiscard]] std::optional<AssembledFrame> next();
@@ -114,6 +147,7 @@ class DecodeThread {
   std::function<void(const PreparedFrame&)> done_;
   ReliefCache reliefs_;      // thread of step() only
   std::uint32_t epoch_ = 0;  // thread of step() only; epoch of the last frame
+  LossWatch losses_;         // thread of step() only
 
   std::mutex mutex_;
   std::condition_variable_any something_waits_;

@@ -33,7 +33,8 @@ struct FramePlace {
   Duration gap{0};
   /// Time when the last fragment arrived. nullopt if fragments are missing.
   std::optional<LocalTime> arrived;
-  LocalTime left{};  ///< time when the assembler passed the frame on
+  /// Time when the assembler passed the frame on. The time of FrameQueue::holdBack() is added.
+  LocalTime left{};
 };
 
 /// A frame and its position in the stream.

@@ -35,7 +35,8 @@ struct ReceiverCounts {
   std::uint64_t overrun = 0;    ///< frames that arrived faster than they were decoded: dropped
   /// Frames that were dropped because the loop occupied every slot of the pool.
   std::uint64_t no_slot = 0;
-  /// Reliefs that a frame declares unchanged but that never arrived. Their objects have no relief.
+  /// Reliefs that a frame declares unchanged but that the server never sent. Their objects have no
+  /// relief. A relief that may have been lost on the way does not count.
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;  ///< reliefs outside the picture of the stream, or too high
   std::uint64_t slices_lost = 0;       ///< slices that never arrived

@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
-#include "client/view/film_frame.hpp"
 #include "client/view/picture.hpp"
+#include "client/view/status.hpp"
+#include "client/view/touch_picture.hpp"
 
 namespace hapticast::client {
 
@@ -28,8 +28,6 @@ double elapsedBetween(const TickReport& before, const TickReport& now) {
 }  // namespace
 
 FilmView::FilmView(std::string file) : file_(std::move(file)) {
-  if (std::filesystem::path(file_).extension() != ".mp4")
-    throw std::runtime_error("--film " + file_ + ": is not the name of a film; use FILE.mp4");
   thread_ = std::thread([this] { run(); });
 }
 
@@ -47,6 +45,7 @@ void FilmView::onReport(const TickReport& report) {
     return;
   }
   next_.fps = fps_;
+  next_.caption = touchLine(report, user_);
   due_s_ = std::max(due_s_ + 1.0 / fps_, 0.0);
   Shot shot = std::exchange(next_, {});
   next_.ticks.push_back(shot.ticks.back());  // the next shot begins with the last tick
@@ -67,6 +66,7 @@ void FilmView::pushShot(Shot shot) {
 }
 
 bool FilmView::update(UiState& ui_state) {
+  user_ = ui_state.user;
   if (ui_state.stream.connected) fps_ = ui_state.stream.fps;
   return true;
 }
@@ -118,7 +118,9 @@ void FilmView::write(const Shot& shot) {
   for (const TickReport& report : shot.ticks) {
     while (report.force_N.norm() > top_N_) top_N_ *= 2.0;
   }
-  const cv::Mat drawing = drawFilmFrame(picture, shot.ticks.back(), workspace, history_, top_N_);
+  const cv::Mat plot = drawRecentPlot(history_, top_N_, "N", kForceCurves, kTouchPlot_px);
+  const cv::Mat drawing =
+      drawTouchPicture(picture, shot.ticks.back(), workspace, shot.caption, plot);
   if (!writer_.isOpened()) open(shot.fps);
   for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
 }
@@ -127,7 +129,7 @@ void FilmView::write(const Shot& shot) {
 void FilmView::open(double fps) {
   for (const int codec :
        {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
-    if (!writer_.open(file_, cv::CAP_FFMPEG, codec, fps, kFilmSize_px)) continue;
+    if (!writer_.open(file_, cv::CAP_FFMPEG, codec, fps, kTouchPicture_px)) continue;
     begun_ = true;
     return;
   }

@@ -25,8 +25,7 @@ class FilmView final : public View {
   /// last drawing for longer. The value is a choice: ten seconds.
   static constexpr std::size_t kMostWaiting = 256;
 
-  /// Starts the thread that writes `file`. Throws std::runtime_error if the name does not end with
-  /// .mp4.
+  /// Starts the thread that writes `file`.
   explicit FilmView(std::string file);
   FilmView(const FilmView&) = delete;
   FilmView& operator=(const FilmView&) = delete;
@@ -43,6 +42,7 @@ class FilmView final : public View {
   struct Shot {
     std::vector<TickReport> ticks;  // the film shows the last one
     std::shared_ptr<const StreamPicture> picture;
+    std::string caption;
     double fps = 0.0;
     int repeats = 1;
   };
@@ -56,6 +56,7 @@ class FilmView final : public View {
   std::string file_;
   PictureBuffer pictures_;
   Shot next_;  // under construction
+  UserControls user_;
   double fps_ = 0.0;
   double due_s_ = 0.0;  // time of the film until the next picture
 

@@ -6,8 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "client/view/painter.hpp"
-
 namespace hapticast::client {
 
 void ForceHistory::add(const TickReport& report) {
@@ -35,6 +33,7 @@ constexpr double kRecent_s = 8.0;  // chosen: a press and its release
 constexpr int kLabel_px = 58;
 constexpr int kLine_px = 19;
 constexpr int kNameGap_px = 10;
+constexpr int kHead_px = 30;  // room for the names above the plot of the whole run
 
 double findPeak(const std::deque<ForcePoint>& points) {
   double top_N = 0.5;
@@ -71,7 +70,7 @@ double gridStep_N(double largest_N) {
 
 /// Returns axes for all points.
 Axes enclose(const std::deque<ForcePoint>& points, cv::Size size) {
-  Axes axes{{56, 30, size.width - 76, size.height - 62}};
+  Axes axes{{kLabel_px, kHead_px, size.width - kLabel_px - 20, size.height - kHead_px - 32}};
   if (!points.empty()) {
     axes.start_s = points.front().time_s;
     axes.span_s = std::max(1.0, points.back().time_s - axes.start_s);
@@ -99,27 +98,29 @@ void drawGrid(cv::Mat& plot, const Axes& axes) {
 }
 
 void drawCurve(cv::Mat& plot, const Axes& axes, const std::deque<ForcePoint>& points,
-               double ForcePoint::*value, const cv::Scalar& color, int width_px) {
+               const Curve& curve) {
   std::vector<cv::Point> line;
   line.reserve(points.size());
   for (const ForcePoint& point : points) {
     if (point.time_s < axes.start_s) continue;
-    const cv::Point at(axes.column(point.time_s), axes.row(point.*value));
+    const cv::Point at(axes.column(point.time_s), axes.row(point.*curve.value));
     if (line.empty() || line.back().x != at.x) {
       line.push_back(at);
     } else {
       line.back().y = std::min(line.back().y, at.y);  // peak of the column
     }
   }
-  cv::polylines(plot, line, false, color, width_px, cv::LINE_AA);
+  cv::polylines(plot, line, false, curve.color, 1, cv::LINE_AA);
 }
 
-void nameCurves(cv::Mat& plot, int left_px) {
-  drawLabel(plot, "force at the device", {left_px, 20}, kForceColor);
-  drawLabel(plot, "static", {left_px + 190, 20}, kStaticForceColor);
-  drawLabel(plot, "dynamic", {left_px + 270, 20}, kDynamicForceColor);
-  drawLabel(plot, "shaded: contact   white line: the moment shown above", {left_px + 370, 20},
-            kTextColor);
+/// Writes the names of the curves side by side, from `at` to the right. Returns the end of the
+/// text.
+int nameCurves(cv::Mat& plot, std::span<const Curve> curves, cv::Point at) {
+  for (const Curve& curve : curves) {
+    drawLabel(plot, curve.name, at, curve.color);
+    at.x += labelWidth_px(curve.name) + kNameGap_px;
+  }
+  return at.x;
 }
 
 /// Returns axes for the last seconds, with room for the labels.
@@ -163,12 +164,12 @@ cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size siz
     if (point.contact) axes.drawUpright(plot, point.time_s, kContactShade);
   }
   drawGrid(plot, axes);
-  drawCurve(plot, axes, points, &ForcePoint::dynamic_force_N, kDynamicForceColor, 1);
-  drawCurve(plot, axes, points, &ForcePoint::static_force_N, kStaticForceColor, 1);
-  drawCurve(plot, axes, points, &ForcePoint::force_N, kForceColor, 2);
+  for (const Curve& curve : kForceCurves) drawCurve(plot, axes, points, curve);
   // The strongest moment may be older than the plot.
   if (marked_s >= axes.start_s) axes.drawUpright(plot, marked_s, kMomentColor);
-  nameCurves(plot, axes.area.x);
+  const int end_px = nameCurves(plot, kForceCurves, {axes.area.x, kHead_px - 10});
+  drawLabel(plot, "shaded: contact   white line: the moment shown above", {end_px, kHead_px - 10},
+            kTextColor);
   return plot;
 }
 
@@ -180,12 +181,8 @@ cv::Mat drawRecentPlot(const ForceHistory& history, double least, const std::str
   drawRecentAxes(plot, axes, unit);
   int names_px = 0;
   for (const Curve& curve : curves) names_px += labelWidth_px(curve.name) + kNameGap_px;
-  int name_px = std::clamp(size.width - names_px, 2, axes.area.x);
-  for (const Curve& curve : curves) {
-    drawCurve(plot, axes, points, curve.value, curve.color, 1);
-    drawLabel(plot, curve.name, {name_px, kLine_px - 8}, curve.color);
-    name_px += labelWidth_px(curve.name) + kNameGap_px;
-  }
+  for (const Curve& curve : curves) drawCurve(plot, axes, points, curve);
+  (void)nameCurves(plot, curves, {std::clamp(size.width - names_px, 2, axes.area.x), kLine_px - 8});
   return plot;
 }
 

@@ -3,6 +3,7 @@
 // Thread: any (pure functions).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <opencv2/core.hpp>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "client/haptics/tick_report.hpp"
+#include "client/view/painter.hpp"
 
 namespace hapticast::client {
 
@@ -46,17 +48,22 @@ class ForceHistory {
   std::size_t ticks_in_last_ = 0;
 };
 
-/// Returns a plot of all points of `history`: a CV_8UC3 picture of `size` px (at least 100 x 100).
-/// It shows the total, the static and the dynamic force, with a shade during contact. It has a mark
-/// at the time `marked_s`. All times count from the first tick.
-[[nodiscard]] cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size);
-
 /// One line of a plot.
 struct Curve {
   double ForcePoint::*value;
   cv::Scalar color;       ///< BGR
   const char* name = "";  ///< stands above the plot, in the colour of the curve
 };
+/// The curves of the forces, of which the last one lies on top.
+inline const std::array<Curve, 3> kForceCurves{
+    {{&ForcePoint::dynamic_force_N, kDynamicForceColor, "dynamic"},
+     {&ForcePoint::static_force_N, kStaticForceColor, "static"},
+     {&ForcePoint::force_N, kForceColor, "device"}}};
+
+/// Returns a plot of kForceCurves at all points of `history`: a CV_8UC3 picture of `size` px (at
+/// least 100 x 100), with a shade during contact. It has a mark at the time `marked_s`. All times
+/// count from the first tick.
+[[nodiscard]] cv::Mat drawForcePlot(const ForceHistory& history, double marked_s, cv::Size size);
 
 /// Returns a plot of `curves` in the last eight seconds: a CV_8UC3 picture of `size` px. The
 /// vertical axis extends from 0 to a round number above all values of all curves, which is at least

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <utility>
 
 namespace hapticast::client {
 
@@ -247,19 +246,6 @@ void drawOutlines(cv::Mat& image, const ScenePlace& place,
     for (const cv::Point2f& point : line)
       fixed.push_back(toFixed(place.fromImage(Vec2(double{point.x}, double{point.y}))));
     cv::polylines(image, fixed, true, cv::Scalar::all(235), 2, cv::LINE_AA, kShift);
-  }
-}
-
-void drawLegend(cv::Mat& image, cv::Point at) {
-  const std::array<std::pair<const char*, cv::Scalar>, 5> names{
-      {{"arrow: force at the device", kForceColor},
-       {"dashed: static share", kStaticForceColor},
-       {"dashed: dynamic share", kDynamicForceColor},
-       {"ring: contact", kContactColor},
-       {"line: height above the object", kGapColor}}};
-  for (const auto& [name, color] : names) {
-    drawLabel(image, name, at, color);
-    at.x += labelWidth_px(name) + 18;
   }
 }
 

@@ -4,6 +4,7 @@
 // Thread: any (pure functions).
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -33,6 +34,7 @@ class ScenePlace {
   /// size `room`.
   ScenePlace(const Workspace& workspace, const Vec2& corner, const Vec2& room);
 
+  [[nodiscard]] const Workspace& workspace() const { return workspace_; }
   [[nodiscard]] const Vec2& corner() const { return corner_; }
   /// Returns the lower right corner.
   [[nodiscard]] Vec2 end() const;
@@ -83,9 +85,20 @@ void drawShade(cv::Mat& image, const ScenePlace& place, const ReliefMesh& mesh);
 void drawOutlines(cv::Mat& image, const ScenePlace& place,
                   const std::vector<std::vector<cv::Point2f>>& lines);
 
-/// Draws the names of the arrows and marks of drawTouch() into `image` in one line. `at` (px) is
-/// the lower left corner of the text.
-void drawLegend(cv::Mat& image, cv::Point at);
+/// The meaning of a mark that drawTouch() draws.
+struct Legend {
+  const char* text;
+  cv::Scalar color;         ///< BGR
+  bool of_pointer = false;  ///< true: only a pointer that moves the HIP has this mark
+};
+/// The legend of window, film and screenshot.
+inline const std::array<Legend, 7> kLegend{{{"yellow arrow: force at the device", kForceColor},
+                                            {"blue, dashed: its static share", kStaticForceColor},
+                                            {"red, dashed: its dynamic share", kDynamicForceColor},
+                                            {"green ring: contact", kContactColor},
+                                            {"cone: its tip touches the object", kConeColor},
+                                            {"line: height above the object", kGapColor},
+                                            {"white ring: pointer", cv::Scalar::all(255), true}}};
 
 inline constexpr double kLabelSize = 0.45;  ///< OpenCV's font scale of small text
 

@@ -19,17 +19,17 @@ namespace hapticast::client {
 /// Converts pointer and wheel to the target of the HIP.
 class PointerInput {
  public:
-  /// Depth at which the HIP starts, nominal mm: 5 mm above the highest possible relief. It is also
-  /// the largest distance to the picture.
-  static constexpr double kStart_mm = 35.0;
+  /// Height of the start above the highest possible relief, which the depth of the workspace
+  /// limits; nominal mm. The value is a choice.
+  static constexpr double kAboveRelief_mm = 5.0;
   /// Farthest depth behind the picture, nominal mm.
   static constexpr double kFarthest_mm = -5.0;
 
   /// Records that the pointer is at `point` over the picture, px of the window.
   void point(const Vec2& point) { waiting_ = point; }
   /// Moves `target` to the recorded point. Before the first mapped tick, or while `place` has no
-  /// picture of the stream (`has_picture`), the point waits. The first target is above the picture,
-  /// at kStart_mm.
+  /// picture of the stream (`has_picture`), the point waits. The first target is at the depth of
+  /// the start, kAboveRelief_mm above the highest possible relief of the stream in `place`.
   void update(const TickReport& report, const ScenePlace& place, bool has_picture,
               PointerTarget& target);
 

@@ -5,8 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/view/overlay.hpp"
 #include "client/view/picture.hpp"
+#include "client/view/status.hpp"
+#include "client/view/touch_picture.hpp"
 
 namespace hapticast::client {
 
@@ -19,12 +20,6 @@ double worth(const TickReport& report) {
 
 }  // namespace
 
-Screenshot::Screenshot(std::string file) : file_(std::move(file)) {
-  if (!cv::haveImageWriter(file_))
-    throw std::runtime_error("--screenshot " + file_ +
-                             ": is not the name of a picture; use FILE.png");
-}
-
 void Screenshot::onPicture(VideoFrame picture, const Workspace& workspace) {
   pictures_.add(std::move(picture), workspace);
 }
@@ -36,7 +31,8 @@ void Screenshot::onReport(const TickReport& report) {
   picture_.reset();
 }
 
-bool Screenshot::update(UiState& /*desk*/) {
+bool Screenshot::update(UiState& ui_state) {
+  user_ = ui_state.user;
   findPicture();
   return true;
 }
@@ -53,11 +49,13 @@ void Screenshot::finish() {
     workspace = picture_->workspace;
     picture = decodeJpeg(picture_->video.jpeg, {workspace.width_px, workspace.height_px});
   }
+  const cv::Mat plot = drawForcePlot(history_, toSeconds(moment_.time), kTouchPlot_px);
   bool written = false;
   try {
-    written = cv::imwrite(file_, drawOverlay(picture, moment_, workspace, history_));
+    written = cv::imwrite(
+        file_, drawTouchPicture(picture, moment_, workspace, touchLine(moment_, user_), plot));
   } catch (const cv::Exception&) {
-    written = false;  // such as an unknown extension
+    written = false;  // such as a folder that is no more
   }
   if (!written)
     throw std::runtime_error("--screenshot " + file_ +

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "client/view/force_plot.hpp"
 #include "client/view/picture.hpp"
@@ -15,9 +16,8 @@ namespace hapticast::client {
 
 class Screenshot final : public View {
  public:
-  /// Stores the name of the file, which finish() writes. Throws std::runtime_error if the extension
-  /// of `file` is not that of a picture format, such as .png.
-  explicit Screenshot(std::string file);
+  /// Stores the name of the file, which finish() writes.
+  explicit Screenshot(std::string file) : file_(std::move(file)) {}
 
   void onPicture(VideoFrame picture, const Workspace& workspace) override;
   void onReport(const TickReport& report) override;
@@ -37,6 +37,7 @@ class Screenshot final : public View {
   PictureBuffer pictures_;
   ForceHistory history_;
   TickReport moment_;
+  UserControls user_;
   std::shared_ptr<const StreamPicture> picture_;  // picture of moment_, once available
 };
 

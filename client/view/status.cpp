@@ -112,6 +112,11 @@ std::string TickWatch::chain() const {
   return words.empty() ? "no action" : words;
 }
 
+std::string touchLine(const TickReport& report, const UserControls& user) {
+  if (report.halt != Halt::kNone) return haltLine(report);
+  return report.contact ? contactLine(report, user) : approachLine(report);
+}
+
 std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (report.halt != Halt::kNone) return haltLine(report);
   const ConnectionStats& stream = ui_state.stream;
@@ -125,8 +130,7 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   }
   if (report.lookup == Lookup::kStale)
     return paused + "no force: no fresh frames arrive; wait, or check the server and the network";
-  if (report.contact) return paused + contactLine(report, ui_state.user);
-  return paused + approachLine(report);
+  return paused + touchLine(report, ui_state.user);
 }
 
 std::string hintLine(const TickWatch& ticks, const UiState& ui_state) {

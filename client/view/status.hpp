@@ -49,8 +49,11 @@ class TickWatch {
   std::array<bool, kInterferenceNames.size()> ever_{};
 };
 
-/// Returns a line for the user such as "in contact, 1.2 N". If there is no force, the line states
-/// the reason and the remedy. Before contact it states the distance to the surface.
+/// Returns a line about the touch such as "in contact, 1.2 N". If there is no force, the line
+/// states the reason and the remedy. Before contact it states the distance to the surface.
+[[nodiscard]] std::string touchLine(const TickReport& report, const UserControls& user);
+/// Returns a line for the user: the state of connection and stream as far as they stop the force,
+/// else touchLine().
 [[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
 /// Returns a hint for a user who has not touched anything yet: what the client waits for, or how to

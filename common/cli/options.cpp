@@ -70,6 +70,17 @@ CLI::Option* addPair(CLI::App& app, const std::string& name,
       ->type_name(form.substr(0, form.find(' ')));
 }
 
+CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
+                     const std::string& ending, const std::string& help) {
+  const auto set = [&file, name, ending](const std::string& text) {
+    if (!hasEnding(text, ending))
+      throw CLI::ValidationError(name + " " + text,
+                                 "does not end with " + ending + "; use FILE" + ending);
+    file = text;
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name("FILE" + ending);
+}
+
 void addVersion(CLI::App& app, const std::string& built_in) {
   const std::string text = app.get_name() + " " HAPTICAST_VERSION " (" + built_in +
                            ")\noptional packages: " HAPTICAST_OPTIONAL;

@@ -100,6 +100,10 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
   return app.add_option_function<std::string>(name, set, help)->type_name(names);
 }
 
+/// Adds an option to `app` for the name of a file with the ending `ending` (hasEnding()).
+CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
+                     const std::string& ending, const std::string& help);
+
 // Version text of a program, with its optional packages. Thread: any.
 
 /// Adds the flag --version, and appends the text of --version to --help. The text is "PROGRAM

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/cli/parse.hpp"
 
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -9,6 +10,7 @@
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/program_flags.hpp"
+#include "common/cli/run_program.hpp"
 #include "common/endpoint.hpp"
 #include "common/mdns.hpp"
 #include "common/text.hpp"
@@ -111,10 +113,34 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error, int arg
   return !file.empty() && !required && isFromConfig(line, argc, argv) ? config + ": " + line : line;
 }
 
+/// Returns the option of `app` that `word` names, or null.
+const CLI::Option* findFlag(const CLI::App& app, const std::string& word) {
+  return word.starts_with("--") ? app.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
+}
+
+/// Throws CLI::ValidationError for an option whose value is missing before another flag. CLI11
+/// reads that flag as the value.
+void requireValues(const CLI::App& app, int argc, const char* const* argv) {
+  for (int i = 1; i + 1 < argc; ++i) {
+    const std::string word = argv[i];
+    const CLI::Option* const option = findFlag(app, word);
+    const bool wants_value = option != nullptr && option->get_items_expected_min() > 0;
+    if (!wants_value || word.find('=') != std::string::npos) continue;
+    if (findFlag(app, argv[i + 1]) == nullptr) {
+      ++i;
+      continue;
+    }
+    const std::string form = option->get_type_name();
+    throw CLI::ValidationError(word, "its value " + form + " is missing before " + argv[i + 1]);
+  }
+}
+
 }  // namespace
 
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  startLog(app.get_name());
   try {
+    requireValues(app, argc, argv);
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     std::cout << app.help();
@@ -123,9 +149,9 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
     std::cout << version.what() << "\n";
     return 0;
   } catch (const CLI::ParseError& error) {
-    std::cerr << app.get_name() << ": " << sanitizeUtf8(complaint(app, error, argc, argv))
-              << " (--help lists the flags and their values)\n";
-    return 2;
+    spdlog::error("{} (--help lists the flags and their values)",
+                  sanitizeUtf8(complaint(app, error, argc, argv)));
+    return kWrongInput;
   }
   return std::nullopt;
 }

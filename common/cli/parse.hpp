@@ -9,9 +9,9 @@
 
 namespace hapticast {
 
-/// Parses the arguments of the program with `app`. Returns nullopt if the program has to continue.
-/// Otherwise returns the exit code: 2 after an error (with one line on stderr), or 0 after the
-/// help.
+/// Starts the log under the name of `app`, and parses the arguments of the program. Returns nullopt
+/// if the program has to continue. Otherwise returns the exit code: 2 after an error (with one line
+/// in the log), or 0 after the help.
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 // Names of servers on the command line, and the check whether this build supports discovery

@@ -10,9 +10,13 @@
 
 namespace hapticast {
 
-int runProgram(const std::string& name, bool quiet, const std::function<int()>& run) {
+void startLog(const std::string& name) {
+  spdlog::drop(name);
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+}
+
+int runProgram(bool quiet, const std::function<int()>& run) {
   if (quiet) spdlog::set_level(spdlog::level::warn);
   try {
     return run();

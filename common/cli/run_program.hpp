@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The outermost code of both programs: it sets up the logger, catches the last exceptions, and
+// The outermost code of both programs: it starts the log, catches the last exceptions, and
 // determines the exit code. Thread: main.
 #pragma once
 
@@ -11,10 +11,14 @@ namespace hapticast {
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
-/// Sets up the logger with the name `name`, calls `run`, and returns the exit code of `run`. Log
-/// lines go to stderr. If `quiet` is true, only warnings and errors are logged. If `run` throws an
-/// exception, its message becomes one line in the log, and the exit code is kFailed.
-int runProgram(const std::string& name, bool quiet, const std::function<int()>& run);
+/// Starts the log with the name `name`. Its lines go to stderr: "HH:MM:SS.mmm LEVEL TEXT", where
+/// LEVEL is info, warning or error.
+void startLog(const std::string& name);
+
+/// Calls `run`, and returns the exit code of `run`. If `quiet` is true, only warnings and errors
+/// are logged. If `run` throws an exception, its message becomes one line in the log, and the exit
+/// code is kFailed.
+int runProgram(bool quiet, const std::function<int()>& run);
 
 // Handling of the signal SIGHUP at the program's start. Thread: main, at start-up.
 

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstring>
 #include <iterator>
+#include <unordered_map>
 #include <utility>
 
 #include "common/relief/distance_transform.hpp"
@@ -205,8 +206,7 @@ float largest(const std::vector<float>& values) {
 /// Fills the pixels outside the mask from the fit of their nearest mask pixel.
 void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8_t>& mask,
                      int width, int height, const NearestPixel& to_inside, const Vec2& mm_per_px) {
-  std::vector<RimFit> fits;
-  std::vector<std::int32_t> fit_of(mask.size(), -1);  // index into fits, by rim pixel
+  std::unordered_map<std::int32_t, RimFit> fits;  // by rim pixel
   const auto farthest = static_cast<float>((HeightField::kMargin_px + 2) * mm_per_px.maxCoeff());
   for (std::size_t i = 0; i < mask.size(); ++i) {
     const std::int32_t rim = to_inside.nearest[i];
@@ -217,15 +217,11 @@ void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8
     }
     const int u = rim % width;
     const int v = rim / width;
-    std::int32_t& fit = fit_of[static_cast<std::size_t>(rim)];
-    if (fit < 0) {
-      fit = static_cast<std::int32_t>(fits.size());
-      fits.emplace_back(height_mm, mask, width, height, u, v);
-    }
+    auto fit = fits.find(rim);
+    if (fit == fits.end()) fit = fits.try_emplace(rim, height_mm, mask, width, height, u, v).first;
     const auto here = static_cast<int>(i);
     const int row = here / width;
-    height_mm[i] =
-        static_cast<float>(fits[static_cast<std::size_t>(fit)].at(here % width - u, row - v));
+    height_mm[i] = static_cast<float>(fit->second.at(here % width - u, row - v));
   }
   smoothSeams(height_mm, mask, width, height, to_inside, mm_per_px.minCoeff());
 }

@@ -6,6 +6,7 @@
 // it. Thread: any.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "common/geometry.hpp"
@@ -75,6 +76,11 @@ class HeightField {
 
   [[nodiscard]] const PixelRect& rect() const noexcept { return rect_; }  ///< the mask's rectangle
   [[nodiscard]] bool empty() const noexcept { return height_mm_.empty(); }
+
+  /// Returns the bytes of the prepared values. A full-HD relief has 19 MB.
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return sizeof(float) * (height_mm_.size() + edge_mm_.size()) + mask_.size();
+  }
 
   static constexpr int kMargin_px = 12;  ///< width of the continued heights beyond the mask, px
 

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/text.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/input_check.hpp"
 #include "server/preview/contact_sheet.hpp"
@@ -40,7 +41,7 @@ struct Watched {
   throw SourceError(fmt::format("--preview {}: {}", place, what));
 }
 
-bool isPicture(const fs::path& place) { return place.extension() == ".png"; }
+bool isPicture(const fs::path& place) { return hasEnding(place.string(), ".png"); }
 
 // Checks the output place before the clip is processed for minutes.
 void checkPlace(const fs::path& place) {

@@ -2,6 +2,7 @@
 #include "server/source/clip_files.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -106,6 +107,12 @@ ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
     out.mm_per_unit = 1000.0 * *scale;
   out.depth_bits = depthBits(meta, out.mm_per_unit.has_value());
   out.fov_deg = meta.number("fov_deg", 10.0, 170.0);
+  const auto side_px = [&meta](const char* key) -> std::optional<int> {
+    const auto side = meta.number(key, 1.0, 1e5);
+    return side ? std::optional(static_cast<int>(*side)) : std::nullopt;
+  };
+  out.width_px = side_px("width");
+  out.height_px = side_px("height");
   const Json& intrinsics = meta.at("intrinsics");
   if (intrinsics.is_object()) out.camera = parseCamera({intrinsics, name, "intrinsics."});
   return out;
@@ -184,6 +191,33 @@ void addMasks(const fs::path& folder, ClipFiles& clip) {
   }
 }
 
+// Returns the frame number in the name of an image, its last digits. A time stamp is none: it has a
+// dot, or more than 9 digits.
+std::optional<double> frameNumber(const fs::path& image) {
+  constexpr std::size_t kMostDigits = 9;
+  const std::string name = image.stem().string();
+  const auto isDigit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  const auto end = std::find_if(name.rbegin(), name.rend(), isDigit);
+  const auto begin = std::find_if_not(end, name.rend(), isDigit);
+  const std::string digits(begin.base(), end.base());
+  if (digits.size() > kMostDigits || name.find('.') != std::string::npos) return std::nullopt;
+  return parseNumber(digits);
+}
+
+// Warns of the first pair whose names have other frame numbers.
+void warnOfOtherNumbers(const ClipFiles& clip) {
+  for (const FrameFiles& frame : clip.frames) {
+    const auto color = frameNumber(frame.color);
+    const auto depth = frameNumber(frame.depth);
+    if (!color || !depth || *color == *depth) continue;
+    spdlog::warn(
+        "--source {}: belongs to colour {} by its place, but the numbers in their names differ; if "
+        "images are missing, the depths are of other moments, so name each pair alike",
+        frame.depth.string(), frame.color.filename().string());
+    return;
+  }
+}
+
 ClipFiles findInFolders(const fs::path& folder) {
   const fs::path color_folder =
       fs::is_directory(folder / "rgb") ? folder / "rgb" : folder / "color";
@@ -205,6 +239,7 @@ ClipFiles findInFolders(const fs::path& folder) {
   ClipFiles clip;
   clip.frames.reserve(colors.size());
   for (std::size_t i = 0; i < colors.size(); ++i) clip.frames.push_back({colors[i], depths[i], {}});
+  warnOfOtherNumbers(clip);
   if (fs::is_directory(folder / "mask")) addMasks(folder / "mask", clip);
   return clip;
 }
@@ -296,6 +331,8 @@ void applyMeta(const fs::path& file, ClipFiles& clip) {
   if (meta.depth_bits) clip.declared_depth_bits = meta.depth_bits;
   if (meta.fov_deg) clip.fov_deg = meta.fov_deg;
   clip.camera = meta.camera;
+  clip.declared_width_px = meta.width_px;
+  clip.declared_height_px = meta.height_px;
 }
 
 }  // namespace

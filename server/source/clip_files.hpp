@@ -25,6 +25,8 @@ struct ClipMeta {
   /// "depth" mentions. If neither has a number but a scale is declared, it is 16.
   std::optional<int> depth_bits;
   std::optional<double> fov_deg;  ///< from "fov_deg", 10..170: horizontal field of view
+  std::optional<int> width_px;    ///< from "width"
+  std::optional<int> height_px;   ///< from "height"
   /// From "intrinsics" {fx, fy, cx, cy}. The file has cx and cy in OpenCV's convention, so half a
   /// pixel is added to both.
   std::optional<CameraModel> camera;
@@ -56,6 +58,8 @@ struct ClipFiles {
   double mm_per_unit = 1.0;                ///< mm for each unit of 16-bit depth
   std::optional<CameraModel> camera;
   std::optional<double> fov_deg;  ///< horizontal field of view, if no camera is declared
+  std::optional<int> declared_width_px;
+  std::optional<int> declared_height_px;
 };
 
 /// Returns the files of the clip in `folder`, with the declarations of its meta.json if it has one.
@@ -64,7 +68,8 @@ struct ClipFiles {
 ///   the nearest depth frame at most 20 ms away. No depth frame is used twice. Depth has 5000 units
 ///   per metre, and the field of view is a Kinect's.
 /// * Otherwise rgb/ or color/ and depth/ each have the same number of PNG or JPEG files. They are
-///   paired in the order of their names (numbers in names count by value).
+///   paired in the order of their names (numbers in names count by value). If the frame numbers of
+///   a pair differ, the log gets one warning.
 /// * The second layout may also have mask/. If mask/ has as many files as the colour folder, each
 ///   frame has a mask. If it has fewer, they are key masks for the colour images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);

@@ -48,6 +48,7 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   info_.name = fileName(folder);
   info_.width_px = color.image.cols;
   info_.height_px = color.image.rows;
+  warnOfOtherSize(folder);
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.depth_kind = format_.kind;
   info_.frame_count = files_.frames.size();
@@ -60,6 +61,18 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (const std::string problem = load(0, frame); !problem.empty()) {
     throw SourceError(problem + "; mend this first frame");
   }
+}
+
+void ImageSequence::warnOfOtherSize(const std::filesystem::path& folder) const {
+  const int width_px = files_.declared_width_px.value_or(info_.width_px);
+  const int height_px = files_.declared_height_px.value_or(info_.height_px);
+  if (width_px == info_.width_px && height_px == info_.height_px) return;
+  spdlog::warn(
+      "--source {}: states {}, but the pictures are {}; the server uses the intrinsics as they "
+      "are, "
+      "so correct width and height, and give fx, fy, cx and cy for the size of the pictures",
+      (folder / "meta.json").string(), sizeText(width_px, height_px),
+      sizeText(info_.width_px, info_.height_px));
 }
 
 std::optional<RgbdFrame> ImageSequence::read() {

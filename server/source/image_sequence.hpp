@@ -32,6 +32,8 @@ class ImageSequence final : public RgbdSource {
   /// Decodes frame `index` into `frame`. Returns the problem with the file's name, or "" on
   /// success.
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
+  /// Logs a warning if meta.json states another size than that of the pictures.
+  void warnOfOtherSize(const std::filesystem::path& folder) const;
   /// Checks all key masks. Throws SourceError if one is unreadable, has another size or shows no
   /// object, because the author's masks must not be skipped silently.
   void checkKeyMasks() const;

@@ -34,9 +34,9 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// What a program said, without its name or the time in front of each line.
+/// What a program said, without the time and the level in front of each line.
 std::string formatLines(const std::string& output) {
-  static const std::regex kFront(R"(^(hapticast-(server|client): |[0-9:.]+ (warning|error) ))",
+  static const std::regex kFront(R"(^[0-9]{2}:[0-9]{2}:[0-9]{2}\.[0-9]{3} (warning|error) )",
                                  std::regex::multiline);
   return std::regex_replace(output, kFront, "");
 }
@@ -60,7 +60,7 @@ class ProgramsWrongInputsTest : public ProgramsTest {
       std::string rest;
       std::getline(words >> std::ws, rest);
       if (first == "file") {
-        write(second, replaced(rest, "\\n", "\n"));
+        write(second, replaced(replaced(rest, "\\n", "\n"), "\\x02", "\x02"));
       } else {
         table.push_back({first, std::stoi(second), rest, ""});
       }

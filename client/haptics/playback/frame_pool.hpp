@@ -104,17 +104,28 @@ class FramePool {
 
   /// Removes a free slot from the pool and writes its index to `index`. Returns false if the loop
   /// occupies all slots. The caller then has to drop its frame and to count it. The call releases
-  /// the data of all free slots: a full-HD relief has 19 MB.
+  /// the data of all free slots.
   [[nodiscard]] bool acquire(Index& index) noexcept {
-    Index released = 0;
-    while (free_.tryPop(released)) {
-      slots_[released].fields.fill(nullptr);
-      slots_[released].grids.fill(nullptr);
-      empty_[empty_count_++] = released;
-    }
+    clearReleased();
     if (empty_count_ == 0) return false;
     index = empty_[--empty_count_];
     return true;
+  }
+  /// Returns the number of occupied slots. The call releases the data of all free slots.
+  [[nodiscard]] std::size_t occupied() noexcept {
+    clearReleased();
+    return kSlots - empty_count_;
+  }
+  /// Returns the bytes of the reliefs that the slots own. A relief of several slots counts once.
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < kSlots * kMaxObjects; ++i) {
+      const HeightField* const field = fieldAt(i);
+      bool counted = field == nullptr;
+      for (std::size_t k = i; !counted && k-- > 0;) counted = fieldAt(k) == field;
+      if (!counted) sum += field->bytes();
+    }
+    return sum;
   }
   [[nodiscard]] Slot& slot(Index index) noexcept { return slots_[index]; }
   /// Passes a filled slot to the loop. The call cannot fail, because the ring has room for all
@@ -130,6 +141,18 @@ class FramePool {
   void release(Index index) noexcept { (void)free_.tryPush(index); }
 
  private:
+  void clearReleased() noexcept {
+    Index released = 0;
+    while (free_.tryPop(released)) {
+      slots_[released].fields.fill(nullptr);
+      slots_[released].grids.fill(nullptr);
+      empty_[empty_count_++] = released;
+    }
+  }
+  [[nodiscard]] const HeightField* fieldAt(std::size_t i) const noexcept {
+    return slots_[i / kMaxObjects].fields[i % kMaxObjects].get();
+  }
+
   std::array<Slot, kSlots> slots_;
   SpscRing<Index, kSlots> filled_;     // decode thread -> loop
   SpscRing<Index, kSlots> free_;       // loop -> decode thread

@@ -99,18 +99,11 @@ void showButtons(const WindowLayout& layout, PanelState& state) {
 }
 
 void showLegend() {
-  const auto line = [](const cv::Scalar& color, const char* what) {
-    ImGui::PushStyleColor(ImGuiCol_Text, toImGui(color));
-    ImGui::TextUnformatted(what);
+  for (const Legend& mark : kLegend) {
+    ImGui::PushStyleColor(ImGuiCol_Text, toImGui(mark.color));
+    ImGui::TextUnformatted(mark.text);
     ImGui::PopStyleColor();
-  };
-  line(kForceColor, "yellow arrow: force at the device");
-  line(kStaticForceColor, "blue, dashed: its static share");
-  line(kDynamicForceColor, "red, dashed: its dynamic share");
-  line(kContactColor, "green ring: contact");
-  line(kConeColor, "cone: its tip is the tip of the device");
-  line(kGapColor, "line to a dark spot: height above the object");
-  line(cv::Scalar::all(255), "white ring: pointer");
+  }
 }
 
 void showHelp(const WindowLayout& layout, bool& open) {

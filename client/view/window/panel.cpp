@@ -13,9 +13,6 @@ namespace hapticast::client {
 
 namespace {
 
-const std::array kForces{Curve{&ForcePoint::force_N, kForceColor, "device"},
-                         Curve{&ForcePoint::static_force_N, kStaticForceColor, "static"},
-                         Curve{&ForcePoint::dynamic_force_N, kDynamicForceColor, "dynamic"}};
 const std::array kDepth{Curve{&ForcePoint::penetration_mm, kContactColor, "penetration"}};
 constexpr float kPlot_px = 92.0F;  // least height of a plot with its labels
 
@@ -51,7 +48,7 @@ void showForce(const TickReport& report, const ForceHistory& history, GuiRendere
   heading("Force at the device");
   text(
       fmt::format("{:.2f} N, penetration {:.2f} mm", report.force_N.norm(), report.penetration_mm));
-  showPlot(renderer, GuiImage::kForcePlot, history, "N", kForces, plot_height);
+  showPlot(renderer, GuiImage::kForcePlot, history, "N", kForceCurves, plot_height);
   explain("device: force at the device\nstatic, dynamic: before the safety chain");
   showPlot(renderer, GuiImage::kPenetrationPlot, history, "mm", kDepth,
            std::max(0.8F * plot_height, 0.8F * kPlot_px));

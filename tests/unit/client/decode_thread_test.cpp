@@ -19,6 +19,7 @@ AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief
   AssembledFrame assembled;
   assembled.frame.id = id;
   assembled.place.epoch = 1;
+  assembled.place.arrived = localTime(0.04 * static_cast<double>(id));
   assembled.place.media_time = assembled.frame.media_time =
       mediaTime(0.04 * static_cast<double>(id));
   const auto side = static_cast<int>(8 + changed % 8);
@@ -104,6 +105,65 @@ TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
   (void)decode_thread.push(frameOf(3, 1, false));
   (void)decode_thread.step();
   EXPECT_EQ(done.back().reliefs_missing, 1U) << "reliefs of before are forgotten";
+}
+
+TEST_F(PreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
+  Workspace workspace;
+  workspace.width_px = 1920;
+  workspace.height_px = 1080;
+  decode_thread.reset(workspace);
+  for (std::uint64_t id = 1; id <= DecodeThread::kNeededFrames; ++id) {
+    HapticObject object;
+    object.id = 7;
+    object.changed_in_frame = id;
+    object.relief = flatRelief({0, 0, 1920, 1080}, 5.0F + static_cast<float>(id));
+    AssembledFrame assembled = frameOf(id, id, false);
+    assembled.frame.objects[0] = testing::coded(object);
+    EXPECT_FALSE(decode_thread.holdsBack()) << id;
+    (void)decode_thread.push(std::move(assembled));
+    ASSERT_TRUE(decode_thread.step());
+  }
+  EXPECT_TRUE(decode_thread.holdsBack());
+  EXPECT_EQ(take(), 1U);
+  EXPECT_FALSE(decode_thread.holdsBack());
+  EXPECT_LT(pool->bytes(), std::size_t{80} << 20U);
+}
+
+TEST_F(PreparerTest, SmallReliefsDoNotWait) {
+  for (std::uint64_t id = 1; id < FramePool::kSlots; ++id) {
+    (void)decode_thread.push(frameOf(id, id, true));
+    (void)decode_thread.step();
+    EXPECT_FALSE(decode_thread.holdsBack()) << id;
+  }
+}
+
+TEST_F(PreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
+  const auto missing = [this](AssembledFrame assembled) {
+    (void)decode_thread.push(std::move(assembled));
+    (void)decode_thread.step();
+    (void)take();
+    return done.back().reliefs_missing;
+  };
+  AssembledFrame cut = frameOf(2, 2, true);  // the first frame of an epoch, without its slices
+  cut.place.epoch = 2;
+  cut.place.arrived.reset();
+  auto relief = std::make_shared<CodedRelief>(*cut.frame.objects[0].relief);
+  relief->slices.clear();
+  cut.frame.objects[0].relief = std::move(relief);
+  EXPECT_EQ(missing(frameOf(1, 1, true)), 0U);
+  EXPECT_EQ(missing(std::move(cut)), 0U);
+  EXPECT_EQ(field, nullptr);
+  const auto later = [](std::uint64_t id, std::uint64_t changed, std::uint64_t lost) {
+    AssembledFrame assembled = frameOf(id, changed, false);
+    assembled.place.epoch = 2;
+    assembled.place.lost = lost;
+    return assembled;
+  };
+  EXPECT_EQ(missing(later(3, 2, 0)), 0U) << "of the frame that was cut";
+  EXPECT_EQ(missing(later(6, 5, 2)), 0U) << "of a lost frame";
+  EXPECT_EQ(missing(later(7, 7, 0)), 1U) << "of a whole frame that lacks it";
+  EXPECT_EQ(missing(later(8, 5, 0)), 0U);
+  EXPECT_EQ(missing(later(70, 5, 0)), 1U) << "an honest server has repeated it";
 }
 
 TEST_F(PreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {

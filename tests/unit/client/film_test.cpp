@@ -6,7 +6,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "client/view/film_frame.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace hapticast::client {
@@ -73,30 +72,6 @@ TEST_F(FilmTest, FollowsPlayTimeThatIsSlewed) {
   EXPECT_NEAR(static_cast<double>(greys().size()), 1.02 * kFps, 1.0);
 }
 
-TEST(FilmFrame, ItsCaptionSaysWhatTheHandDoes) {
-  TickReport report;
-  EXPECT_EQ(filmCaption(report), "The hand is beside the object.");
-  report.over_object = report.object_present = true;
-  report.hip_mm = {0.0, 0.0, 25.0};
-  report.height_at_hip_mm = 13.0;
-  EXPECT_EQ(filmCaption(report), "The hand is 12 mm above the object.");
-  report.contact = true;
-  EXPECT_NE(filmCaption(report).find("has not come yet"), std::string::npos);
-  report.force_N = {0.0, 0.0, 1.23};
-  EXPECT_EQ(filmCaption(report), "The object pushes the hand with 1.2 N.");
-}
-
-TEST(FilmFrame, AnyPictureFitsTheFrame) {
-  for (const cv::Size& size : {cv::Size(640, 480), cv::Size(1920, 1080), cv::Size(424, 512)}) {
-    Workspace workspace;
-    workspace.width_px = size.width;
-    workspace.height_px = size.height;
-    const cv::Mat frame =
-        drawFilmFrame(cv::Mat(size, CV_8UC3, cv::Scalar::all(9)), {}, workspace, {}, 4.0);
-    EXPECT_EQ(frame.size(), kFilmSize_px);
-  }
-}
-
 TEST_F(FilmTest, WithoutAPictureItSaysSo) {
   FilmView film(file);
   film.onReport({});
@@ -107,10 +82,6 @@ TEST_F(FilmTest, WithoutAPictureItSaysSo) {
     EXPECT_EQ(std::string(error.what()),
               "--film " + file + ": no picture arrived, so the film is empty");
   }
-}
-
-TEST_F(FilmTest, ANameThatIsNoFilmsIsRefused) {
-  EXPECT_THROW(FilmView("film.gif"), std::runtime_error);
 }
 
 }  // namespace

@@ -32,6 +32,16 @@ TEST(FrameQueue, GivesFramesInTheirOrder) {
   EXPECT_TRUE(queue.empty());
 }
 
+TEST(FrameQueue, WhatIsHeldBackLeavesTheAssemblerLater) {
+  FrameQueue queue;
+  (void)queue.push(frameWith(1));
+  queue.holdBack(fromSeconds(0.03));
+  (void)queue.push(frameWith(2));
+  queue.holdBack(fromSeconds(0.01));
+  EXPECT_EQ(queue.pop()->assembled.place.left, localTime(0.04));
+  EXPECT_EQ(queue.pop()->assembled.place.left, localTime(0.01));
+}
+
 TEST(FrameQueue, TheNewestWinAndTheReliefsOfWhatIsLeftOutStay) {
   FrameQueue queue;
   (void)queue.push(frameWith(1, {objectOf(7, 1, 4), objectOf(8, 1, 4)}));

@@ -30,7 +30,7 @@ TEST(PointerInput, ThePointWaitsForTheFirstMappedTick) {
   EXPECT_FALSE(target.known) << "no picture";
   input.update(mapped(60.0), kPlace, true, target);
   ASSERT_TRUE(target.known) << "without a further motion of the pointer";
-  EXPECT_LT((target.position_mm - Vec3(40.0, 20.0, PointerInput::kStart_mm)).norm(), 1e-9);
+  EXPECT_LT((target.position_mm - Vec3(40.0, 20.0, 35.0)).norm(), 1e-9);
 }
 
 TEST(PointerInput, TheHipStartsAboveThePictureWhereverItIs) {
@@ -39,7 +39,27 @@ TEST(PointerInput, TheHipStartsAboveThePictureWhereverItIs) {
     PointerTarget target;
     input.point({320.0, 240.0});
     input.update(mapped(hip_z_mm), kPlace, true, target);
-    EXPECT_EQ(target.position_mm.z(), PointerInput::kStart_mm) << hip_z_mm;
+    EXPECT_EQ(target.position_mm.z(), 35.0) << hip_z_mm;
+  }
+}
+
+TEST(PointerInput, TheStartIsAboveTheHighestReliefOfAnyWorkspace) {
+  for (const double depth_mm : {10.0, 30.0, 200.0}) {
+    Workspace workspace;
+    workspace.depth_mm = depth_mm;
+    PointerInput input;
+    PointerTarget target;
+    input.point({320.0, 240.0});
+    input.update(mapped(0.0), {workspace, {0.0, 0.0}, {640.0, 480.0}}, true, target);
+    const double start_mm = depth_mm + PointerInput::kAboveRelief_mm;
+    EXPECT_EQ(target.position_mm.z(), start_mm);
+    PointerInput::turnWheel(-8.0, target);
+    EXPECT_EQ(target.position_mm.z(), start_mm - 8.0);
+    PointerInput::turnWheel(20.0, target);
+    EXPECT_EQ(target.position_mm.z(), start_mm);
+    PointerInput::turnWheel(-3.0, target);
+    PointerInput::lift(target);
+    EXPECT_EQ(target.position_mm.z(), start_mm);
   }
 }
 
@@ -55,7 +75,7 @@ TEST(PointerInput, MotionKeepsTheDepth) {
 }
 
 TEST(PointerInput, FractionsOfANotchAddUp) {
-  PointerTarget target{.known = true, .position_mm = {0.0, 0.0, 20.0}};
+  PointerTarget target{.known = true, .position_mm = {0.0, 0.0, 20.0}, .start_z_mm = 35.0};
   for (int i = 0; i < 25; ++i) PointerInput::turnWheel(-0.2, target);
   EXPECT_NEAR(target.position_mm.z(), 15.0, 1e-9);
   PointerInput::turnWheel(-1000.0, target);
@@ -73,9 +93,9 @@ TEST(PointerInput, TheWheelMovesNothingBeforeTheStart) {
 }
 
 TEST(PointerInput, ALiftBringsTheHipBackAboveThePicture) {
-  PointerTarget target{.known = true, .position_mm = {7.0, 8.0, -5.0}};
+  PointerTarget target{.known = true, .position_mm = {7.0, 8.0, -5.0}, .start_z_mm = 35.0};
   PointerInput::lift(target);
-  EXPECT_LT((target.position_mm - Vec3(7.0, 8.0, PointerInput::kStart_mm)).norm(), 1e-9);
+  EXPECT_LT((target.position_mm - Vec3(7.0, 8.0, 35.0)).norm(), 1e-9);
 }
 
 }  // namespace

@@ -164,7 +164,7 @@ TEST_F(ReceiverTest, AnUnchangedReliefThatNeverCameIsTheOneBeforeOrAnObjectWitho
   EXPECT_NE(take()->objects[0].field, nullptr);
   EXPECT_NE(take()->objects[0].field, nullptr) << "what was there goes on";
   EXPECT_EQ(take()->objects[0].field, nullptr) << "but not in another epoch";
-  EXPECT_EQ(receiver.counts().reliefs_missing, 2U);
+  EXPECT_EQ(receiver.counts().reliefs_missing, 1U) << "the second may have come in frame 5";
 }
 
 TEST_F(ReceiverTest, RejectsReliefsOutsideTheAnnouncedPicture) {

@@ -37,6 +37,14 @@ class StatusTest : public ::testing::Test {
   UiState ui_state;
 };
 
+TEST_F(StatusTest, FilmAndScreenshotHaveTheLineOfTheWindow) {
+  EXPECT_EQ(touchLine(report, {}), status());
+  touch(1.2);
+  EXPECT_EQ(touchLine(report, {}), status());
+  report.halt = Halt::kTrustLost;
+  EXPECT_EQ(touchLine(report, {}), status());
+}
+
 TEST_F(StatusTest, ContactStatesTheForce) {
   touch(1.2);
   EXPECT_EQ(status(), "in contact, 1.2 N");

@@ -64,6 +64,23 @@ TEST(Text, OtherLinesAreToldWithTheirNumber) {
   EXPECT_NE(complaint(std::string(65, 'k') + " = 1"), "accepted");
 }
 
+TEST(Text, ABinaryFileIsToldWithoutItsBytes) {
+  const std::string all(
+      "\x7f"
+      "ELF\x02\x01\x01\0 = 1\n",
+      14);
+  EXPECT_EQ(complaint(all), "f: is not a text file; save it as plain text in UTF-8");
+  EXPECT_EQ(complaint(std::string("a\0b = 1", 7)), complaint(all));
+  EXPECT_EQ(complaint("a = 1\r\n\tb = 2\r\n"), "accepted");
+}
+
+TEST(Text, TheEndingOfAFileMayHaveCapitalLetters) {
+  for (const char* file : {"a.png", "A.PNG", "folder.d/a.b.Png", "./a.png"})
+    EXPECT_TRUE(hasEnding(file, ".png")) << file;
+  for (const char* file : {"", "png", ".png", "folder/.png", "a.png/", "a.png.txt", "a.pn", "apng"})
+    EXPECT_FALSE(hasEnding(file, ".png")) << file;
+}
+
 TEST(Text, SizeIsLimited) {
   EXPECT_EQ(complaint(std::string(65'536, '\n')), "accepted");
   EXPECT_EQ(complaint(std::string(65'537, '\n')), "f: larger than 64 KiB");

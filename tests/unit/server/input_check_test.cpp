@@ -154,6 +154,50 @@ TEST(InputCheck, InvertedDepthIsToldOfEightBitDepthOnly) {
   EXPECT_THAT(told.text, HasSubstr("its depth looks inverted"));
 }
 
+/// What opening a clip with one image of each name says.
+std::string warningsOf(const SourceFolder& clip) {
+  const LogLines log;
+  (void)openSource(clip.string(), 0.0);
+  EXPECT_LE(log.count(), 1) << log.text();
+  return log.text();
+}
+
+TEST(InputCheck, PairsWithOtherFrameNumbersAreToldOnce) {
+  const cv::Mat color(24, 32, CV_8UC3, cv::Scalar::all(9));
+  const cv::Mat depth(24, 32, CV_16UC1, cv::Scalar(900));
+  const auto warnings = [&](const std::vector<std::pair<std::string, std::string>>& names) {
+    const SourceFolder clip;
+    for (const auto& [of_color, of_depth] : names) {
+      clip.write("rgb/" + of_color + ".png", color);
+      clip.write("depth/" + of_depth + ".png", depth);
+    }
+    return warningsOf(clip);
+  };
+  EXPECT_THAT(warnings({{"000000", "000001"}, {"000001", "000002"}}),
+              HasSubstr("depth/000001.png: belongs to colour 000000.png by its place, but the"));
+  EXPECT_THAT(warnings({{"a1", "b1"}, {"a2", "b3"}}),
+              HasSubstr("b3.png: belongs to colour a2.png"));
+  EXPECT_EQ(warnings({{"frame_9", "d09"}, {"frame_10", "d10"}}), "");
+  EXPECT_EQ(warnings({{"1305031102.175", "1305031102.160"}}), "") << "time stamps";
+  EXPECT_EQ(warnings({{"1305031102175", "1305031102160"}}), "") << "time stamps";
+  EXPECT_EQ(warnings({{"left", "right"}}), "") << "no numbers";
+}
+
+TEST(InputCheck, AnotherSizeInMetaJsonIsTold) {
+  const auto warnings = [](const std::string& meta) {
+    const SourceFolder clip;
+    clip.write("rgb/1.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(9)));
+    clip.write("depth/1.png", cv::Mat(24, 32, CV_16UC1, cv::Scalar(900)));
+    clip.write("meta.json", meta);
+    return warningsOf(clip);
+  };
+  EXPECT_EQ(warnings(R"({"width": 32, "height": 24})"), "");
+  EXPECT_THAT(warnings(R"({"width": 1920, "height": 1080})"),
+              HasSubstr("meta.json: states 1920x1080, but the pictures are 32x24; the server uses "
+                        "the intrinsics as they are"));
+  EXPECT_THAT(warnings(R"({"width": 64})"), HasSubstr("states 64x24"));
+}
+
 TEST(InputCheck, SyntheticScenesAreUsual) {
   for (const SceneName& scene : kSceneNames) {
     SyntheticSource source(scene.kind);
