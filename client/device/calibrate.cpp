@@ -54,6 +54,8 @@ struct Hold {
     const LocalTime until = clock.now() + kCalibrationPatience;
     while (!stop && clock.now() < until) {
       const DeviceState state = poll();
+      // A weight that falls leaves the workspace, and the device then has to be homed again.
+      if (state.status == DeviceStatus::kLost && at_most_ticks > 0) throwTooHeavy();
       if (state.status == DeviceStatus::kLost)
         throw std::runtime_error(
             "--falcon-calibrate: the device stopped answering; check its cable and power supply, "
@@ -79,6 +81,9 @@ struct Hold {
     if (at_most_ticks < kSinks_ticks) return;
     log("calibration: hold the weight with your hand: the force ends now");
     release();
+    throwTooHeavy();
+  }
+  [[noreturn]] static void throwTooHeavy() {
     throw std::runtime_error(
         "--falcon-calibrate: the motors cannot hold this weight with the present gain: start again "
         "with half of it");
