@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/device/open_device.hpp"
+#include "client/device_commands.hpp"
 #include "client/haptics/loop.hpp"
 #include "client/report/reporter.hpp"
 #include "client/session.hpp"
@@ -38,10 +39,14 @@ SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
                               .log = [](const std::string& line) { spdlog::info("{}", line); }};
   const bool scripted = settings.device == "auto" && settings.hand_given;
   if (settings.device == "auto" && !scripted) {
-    if (auto device = findDevice(request))
+    if (auto device = findDevice(request)) {
+      requireNotRefused(*device);
       return {.device = std::move(device), .auto_detected = true};
+    }
   }
-  return {.device = openDevice(scripted ? "virtual" : settings.device, request)};
+  auto device = openDevice(scripted ? "virtual" : settings.device, request);
+  requireNotRefused(*device);
+  return {.device = std::move(device)};
 }
 
 RendererSettings rendererSettings(const Settings& settings, const SelectedDevice& selected) {

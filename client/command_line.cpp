@@ -138,6 +138,9 @@ bool hasDevice(std::string_view name) {
 void addFalconOptions(CLI::App& app, Settings& settings) {
   app.add_flag("--list-devices", settings.list_devices,
                "List the kinds of devices and the connected devices, and end");
+  addChoice(app, "--check-device", settings.check_device, devices(),
+            "Check that the motion of a device follows its commands, in sign, axis and size, and "
+            "end. Hold the grip loosely: it is pushed with 0.3 N");
   if (!hasDevice("falcon")) return;
   app.add_option("--falcon-firmware", settings.falcon.firmware_file,
                  "The Falcon's firmware, a file of your own, loaded after each power-up; default: "

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <spdlog/spdlog.h>
 
-#include <atomic>
-#include <csignal>
-#include <cstdio>
 #include <exception>
 #include <memory>
 #include <string>
 
 #include "client/app.hpp"
 #include "client/command_line.hpp"
-#include "client/device/calibrate.hpp"
 #include "client/device/open_device.hpp"
+#include "client/device_commands.hpp"
 #include "client/discovery/find_server.hpp"
 #include "client/user_interface.hpp"
 #include "common/cli/run_program.hpp"
@@ -22,30 +19,6 @@ namespace {
 using hapticast::kDone;
 using hapticast::kFailed;
 using hapticast::kWrongInput;
-
-std::atomic<bool> stop_calibration{false};
-
-/// --falcon-calibrate.
-int calibrateFalcon(const hapticast::client::Settings& settings) {
-  using namespace hapticast::client;
-  const auto log_line = [](const std::string& line) { spdlog::info("{}", line); };
-  const hapticast::SteadyClock clock;
-  const auto device = openDevice(
-      "falcon",
-      {.profile = settings.profile, .clock = clock, .falcon = settings.falcon, .log = log_line});
-  const auto stop = [](int /*signal*/) { stop_calibration = true; };
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, stop);
-  const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
-                              stop_calibration, log_line);
-  if (!gain) return kDone;
-  if (settings.config_file.empty()) {
-    spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);
-  } else {
-    storeGain(settings.config_file, *gain);
-    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, settings.config_file);
-  }
-  return kDone;
-}
 
 int runClient(const hapticast::client::Settings& settings) {
   const hapticast::SteadyClock clock;
@@ -65,6 +38,12 @@ int runClient(const hapticast::client::Settings& settings) {
   return app->run() ? kDone : kFailed;
 }
 
+int runCommand(const hapticast::client::Settings& settings) {
+  if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
+  if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
+  return runClient(settings);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -72,15 +51,9 @@ int main(int argc, char** argv) {
   if (const auto exit_code = hapticast::client::readCommandLine(settings, argc, argv))
     return *exit_code;
   if (settings.list_devices) {
-    const hapticast::SteadyClock clock;
-    std::fputs(hapticast::client::listDevices(
-                   {.clock = clock, .falcon = settings.falcon, .options = settings.device_options})
-                   .c_str(),
-               stdout);
+    hapticast::client::printDevices(settings);
     return kDone;
   }
   if (settings.list_servers) return hapticast::client::listServers() ? kDone : kFailed;
-  return hapticast::runProgram(settings.quiet, [&settings] {
-    return settings.calibration_g > 0.0 ? calibrateFalcon(settings) : runClient(settings);
-  });
+  return hapticast::runProgram(settings.quiet, [&settings] { return runCommand(settings); });
 }

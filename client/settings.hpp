@@ -30,6 +30,7 @@ struct Settings {
   FalconSettings falcon;
   std::map<std::string, std::string> device_options;  ///< of --device-option KEY=VALUE
   bool list_devices = false;
+  std::string check_device;    ///< kind of --check-device; empty: no check
   double calibration_g = 0.0;  ///< weight of --falcon-calibrate in g; 0: no calibration
   DeliverySettings delivery;
   SurfaceKind surface = SurfaceKind::kProxy;

@@ -87,6 +87,9 @@ class HapticDevice {
   /// Returns a description for the log, such as "virtual device (omni) in a hand that does: press".
   /// Thread: any.
   [[nodiscard]] virtual std::string description() const = 0;
+  /// Returns the kind and the serial number of a device with a driver of its own, such as "falcon
+  /// FT0TEST1". Returns an empty text for other devices. Thread: any.
+  [[nodiscard]] virtual std::string id() const { return ""; }
   /// Blocks until the next tick is due. A device with a pace of its own may end the wait before
   /// `deadline`. Otherwise the wait ends at about `deadline`. Thread: loop, outside the tick.
   virtual void waitForTick(LocalTime deadline) noexcept = 0;

@@ -64,6 +64,7 @@ class HelperDevice final : public HapticDevice {
     return fmt::format("{} ({}{}{}) in a process of its own", name_, profile_.name,
                        serial_.empty() ? "" : ", serial number ", serial_);
   }
+  std::string id() const override { return serial_.empty() ? name_ : name_ + " " + serial_; }
   void waitForTick(LocalTime deadline) noexcept override;
   DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept override;
   void sendForceEarly(const Vec3& force_N) noexcept override;

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "client/device_commands.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "client/device/calibrate.hpp"
+#include "client/device/check_device.hpp"
+#include "client/report/fault_log.hpp"
+#include "common/cli/run_program.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+std::atomic<bool> stop_command{false};
+
+void stopAtSignals() {
+  const auto stop = [](int /*signal*/) { stop_command = true; };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, stop);
+}
+
+void logInfo(const std::string& line) { spdlog::info("{}", line); }
+
+DeviceRequest toRequest(const Settings& settings, const Clock& clock) {
+  return {.profile = settings.profile,
+          .clock = clock,
+          .falcon = settings.falcon,
+          .options = settings.device_options,
+          .log = logInfo};
+}
+
+std::string checkFile() { return (stateFolder() / "checked-devices").string(); }
+
+}  // namespace
+
+void printDevices(const Settings& settings) {
+  const SteadyClock clock;
+  std::fputs(listDevices(toRequest(settings, clock)).c_str(), stdout);
+}
+
+int runDeviceCheck(const Settings& settings) {
+  const SteadyClock clock;
+  const auto device = openDevice(settings.check_device, toRequest(settings, clock));
+  stopAtSignals();
+  const auto check = checkDevice(*device, clock, stop_command, logInfo);
+  if (!check) return kDone;
+  const auto& moved_mm = check->response_mm;
+  spdlog::info("check: 0.3 N along x, y, z moved the grip by {:.1f}, {:.1f}, {:.1f} mm",
+               moved_mm(0, 0), moved_mm(1, 1), moved_mm(2, 2));
+  if (!device->id().empty()) storeCheck(checkFile(), device->id(), *check);
+  if (check->fault.empty()) {
+    spdlog::info("check: {} follows in sign, axis and size", settings.check_device);
+    return kDone;
+  }
+  spdlog::error("--check-device {}: refused: {}. The client will not use the device",
+                settings.check_device, check->fault);
+  return kFailed;
+}
+
+int runFalconCalibration(const Settings& settings) {
+  const SteadyClock clock;
+  const auto device = openDevice("falcon", toRequest(settings, clock));
+  stopAtSignals();
+  const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
+                              stop_command, logInfo);
+  if (!gain) return kDone;
+  if (settings.config_file.empty()) {
+    spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);
+  } else {
+    storeGain(settings.config_file, *gain);
+    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, settings.config_file);
+  }
+  return kDone;
+}
+
+void requireNotRefused(const HapticDevice& device) {
+  if (device.id().empty()) return;
+  const std::string fault = readCheckFault(checkFile(), device.id());
+  if (!fault.empty())
+    throw DeviceAbsent(
+        fmt::format("the device {} did not follow its commands in the last check: "
+                    "{}; run --check-device again",
+                    device.id(), fault));
+}
+
+}  // namespace hapticast::client
