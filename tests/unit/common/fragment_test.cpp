@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -274,7 +275,8 @@ TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
 TEST(FramePiecesTest, TheCellsOfAPieceEndWithTheGrid) {
   // A cell of an object whose grid has 2 x 1 cells.
   std::vector<std::uint8_t> piece = {0x22, 0x2A, 0x08, 1, 0x2A, 0x24, 0x4A, 0x22, 0x08, 2, 0x10, 1};
-  for (const std::uint8_t field : {0x1A, 0x22}) {  // velocity, acceleration
+  for (const std::uint8_t field :
+       std::array<std::uint8_t, 2>{0x1A, 0x22}) {  // velocity, acceleration
     piece.insert(piece.end(), {field, 12});
     piece.insert(piece.end(), 12, 0);
   }
