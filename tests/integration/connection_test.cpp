@@ -2,6 +2,7 @@
 // The client's connection against the real server, over good and bad networks, and against servers
 // that err.
 #include "common/protocol/signed_frame.hpp"
+#include "common/transport/clock_sync.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/lossy_link.hpp"
 
@@ -272,6 +273,25 @@ TEST_F(ConnectionTest, IgnoresPongsItDidNotAskFor) {
     return client.frames.size() == 1;
   }));
   EXPECT_FALSE(client.stream.load().connected) << "the clock is not known";
+}
+
+TEST_F(ConnectionTest, ReportsGoWithThePingsAfterTheBurst) {
+  FakeServer server(io);
+  TestClient client(io, clock, server.port());
+  ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+  RawPeer& peer = *server.peer;
+  peer.send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
+  ASSERT_TRUE(runUntil([&] {
+    peer.poll();
+    return peer.all<Ping>().size() >= ClockSync::kBurst + 5;
+  }));
+  std::size_t pings = 0;
+  for (const Message& each : peer.got) {
+    pings += std::holds_alternative<Ping>(each);
+    if (std::holds_alternative<ReceiverReport>(each)) break;
+  }
+  EXPECT_EQ(pings, ClockSync::kBurst);
+  EXPECT_GE(peer.all<ReceiverReport>().size(), 5U);
 }
 
 TEST_F(ConnectionTest, LeavesAServerThatAnswersNoPings) {

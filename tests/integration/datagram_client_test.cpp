@@ -218,6 +218,29 @@ TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
   EXPECT_EQ(client.connection.datagrams().forged, forged) << "nothing more is verified";
 }
 
+TEST_F(DatagramClientTest, ForgeriesToTheGroupDoNotCountAgainstTheNextTransport) {
+  const auto server = serverOf(loopbackGroup("239.255.74.48"));
+  if (!server) GTEST_SKIP() << why_no_group;
+  TestClient client(io, clock, server->port(),
+                    with({.best = Transport::kGroup, .interface_name = "lo"}));
+  ASSERT_TRUE(streamToGroup(*server, client));
+  if (!client.news.empty()) GTEST_SKIP() << client.news[0];
+  Forger forger(io, viewer(*server)->all<Welcome>().at(0));
+  forger.send(60, client.frames.back().second);
+  const auto later = clock.now() + std::chrono::milliseconds(1500);
+  ASSERT_TRUE(streamUntil(*server, client, [&] { return clock.now() > later; }));
+  ASSERT_EQ(client.connection.datagrams().forged, 60U);
+  ASSERT_TRUE(client.news.empty()) << client.news[0];
+  ASSERT_TRUE(streamUntil(*server, client, [&] {
+    forger.send(150, client.frames.back().second);
+    return !client.news.empty();
+  }));
+  ASSERT_TRUE(streamUntil(*server, client, [&] { return byUdp(client); }));
+  ASSERT_TRUE(streamOn(*server, client, 20));
+  EXPECT_TRUE(byUdp(client));
+  EXPECT_EQ(client.news.size(), 1U) << client.news.back();
+}
+
 /// Real time that a test bends.
 struct BentClock final : Clock {
   [[nodiscard]] LocalTime now() const noexcept override { return bend(SteadyClock().now()); }

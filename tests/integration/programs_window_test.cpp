@@ -267,6 +267,33 @@ TEST_F(ProgramsWindowTest, ADisplayThatEndsLetsTheForceDown) {
   interrupt(*server);
 }
 
+/// Removes every window of a display (argument 1), from outside.
+constexpr const char* kRemoveWindows = R"(
+import ctypes, sys
+x = ctypes.CDLL("libX11.so.6")
+x.XOpenDisplay.restype = ctypes.c_void_p
+display = ctypes.c_void_p(x.XOpenDisplay(sys.argv[1].encode()))
+x.XDefaultRootWindow.restype = ctypes.c_ulong
+x.XDestroySubwindows(display, ctypes.c_ulong(x.XDefaultRootWindow(display)))
+x.XSync(display, 0)
+)";
+
+TEST_F(ProgramsWindowTest, AWindowThatIsRemovedFromOutsideEndsTheClient) {
+  Display display;
+  if (display.name().empty()) GTEST_SKIP() << "there is no Xvfb";
+  if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=" + display.name(),
+                                             HAPTICAST_CLIENT_PROGRAM, addressOf(*server), "--view",
+                                             "on", "--device", "virtual"});
+  ASSERT_TRUE(client->says("connected: ", kSoon)) << client->output();
+  EXPECT_EQ(Process({HAPTICAST_PYTHON, "-c", kRemoveWindows, display.name()}).wait(kSoon), 0);
+  EXPECT_EQ(client->wait(kSoon), 1) << client->output();
+  EXPECT_EQ(countOf("the window closed: the display ended or removed it", client->output()), 1U)
+      << client->output();
+  interrupt(*server);
+}
+
 TEST_F(ProgramsWindowTest, AWindowThatCannotBeOpenedIsDoneWithout) {
   const auto server = startServer({"--source", "synthetic:still", "--loop"});
   const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=:987",

@@ -105,6 +105,22 @@ TEST_F(StrangersTest, AtTheEndEveryViewerHearsGoodbye) {
   for (const auto& each : viewers) EXPECT_EQ(farewell(*each).code, ErrorCode::kShuttingDown);
 }
 
+TEST_F(StrangersTest, TheEndOfTheServerGivesAClosedPeerNoMoreTime) {
+  ManualClock still;
+  server::StreamSettings settings;
+  settings.goodbye_deadline = std::chrono::seconds(10);
+  TestServer server(io, still, settings);
+  RawPeer peer(io, server.port());  // it never ends its own side
+  peer.send(std::vector<std::uint8_t>(100, 0xFF));
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().refused == 1; }));
+  still.advance(std::chrono::seconds(6));
+  server.stop();
+  turn();
+  still.advance(std::chrono::seconds(6));
+  io.restart();
+  EXPECT_TRUE(runUntil([&] { return io.stopped(); }));
+}
+
 TEST_F(StrangersTest, TheWelcomeComesBeforeThePong) {
   TestServer server(io, clock);
   RawPeer peer(io, server.port());

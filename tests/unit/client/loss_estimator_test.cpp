@@ -48,6 +48,13 @@ TEST(LossEstimator, MeasuresWhatIsLostWhateverTheCopies) {
   }
 }
 
+TEST(LossEstimator, ALossThatBeginsCountsInFullAtOnce) {
+  Network network{.meter = LossEstimator(1, true)};
+  (void)network.play(5.0, 0.0);
+  (void)network.play(2.5, 0.5);  // time for two updates
+  EXPECT_GT(network.meter.loss(), 0.42);
+}
+
 TEST(LossEstimator, MoreCopiesForMoreLossAndFewerAfterAWhile) {
   Network network;
   EXPECT_EQ(network.play(10.0, 0.02), 2U) << "0.04 % are lost twice";

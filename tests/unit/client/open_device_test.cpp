@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
+#include "common/time.hpp"
 #include "tests/support/manual_clock.hpp"
 
 namespace hapticast::client {
@@ -32,6 +34,33 @@ TEST(OpenDevice, AVirtualOneSaysItsProfileAndItsHand) {
   const auto device = openDevice("virtual", {.profile = "falcon", .hand = "slide", .clock = clock});
   EXPECT_EQ(device->profile().name, "falcon");
   EXPECT_EQ(device->description(), "virtual device (falcon) in a hand that does: slide");
+}
+
+/// Returns how far the hand goes aside from the middle of an object, nominal mm.
+double reachOf(const char* hand) {
+  ManualClock clock;
+  const auto device = openDevice("virtual", {.hand = hand, .clock = clock});
+  TickReport report;
+  report.mapping = DeviceMapping::fit(Workspace{}, device->profile().workspace_mm);
+  report.object_present = report.over_object = true;
+  report.object_centre_mm = {10.0, 5.0};
+  report.object_centre_height_mm = report.height_at_hip_mm = 12.0;
+  double reach_mm = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    clock.advance(kTickPeriod);
+    report.time = clock.now();
+    ++report.tick;
+    report.hip_mm = report.mapping.toNominal(device->exchange(Vec3::Zero(), report).position_mm);
+    const Vec2 aside_mm = report.hip_mm.head<2>() - report.object_centre_mm;
+    if (i > 3000) reach_mm = std::max(reach_mm, aside_mm.norm());
+  }
+  return reach_mm;
+}
+
+TEST(OpenDevice, AVirtualHandDoesWhatItsNameSays) {
+  EXPECT_LT(reachOf("press"), 0.5);
+  EXPECT_LT(reachOf("follow"), 0.5);
+  EXPECT_GT(reachOf("slide"), 3.0);
 }
 
 TEST(OpenDevice, AutoIsTheBestKindThereIs) {

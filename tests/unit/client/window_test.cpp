@@ -289,6 +289,27 @@ TEST_F(WindowTest, F2FoldsThePanel) {
   EXPECT_EQ(press(), before_px);
 }
 
+TEST_F(WindowTest, F1OpensTheHelpAndClosesIt) {
+  ViewerWindow window(1280, 720);
+  window.onPicture(grey(60), Workspace{});
+  window.onReport(touch());
+  const auto draw = [&] {
+    for (int i = 0; i < 3; ++i) window.draw(ui_state);  // the help finds its size
+    return cv::Mat(window.pixels().clone());
+  };
+  const auto press = [&] {
+    SDL_Event key{};
+    key.type = SDL_KEYDOWN;
+    key.key.keysym.sym = SDLK_F1;
+    SDL_PushEvent(&key);
+    EXPECT_TRUE(window.update(ui_state));
+    return draw();
+  };
+  const cv::Mat before = draw();
+  EXPECT_GT(cv::norm(before, press(), cv::NORM_L1), 1e6);
+  EXPECT_LT(cv::norm(before, press(), cv::NORM_L1), 1e5);
+}
+
 TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
   ViewerWindow window(640, 480);
   window.onPicture(grey(60), Workspace{});  // of 1 s

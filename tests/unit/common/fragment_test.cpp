@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -124,6 +125,25 @@ TEST(FramePiecesTest, WhatArrivesIsUsable) {
       (void)testing::decodedRelief(*object.relief);
     }
   }
+}
+
+TEST(FramePiecesTest, AReliefGrowsWithEveryFragment) {
+  const CodedFrame frame = largeFrame(3);
+  const Payloads payloads = packFrame(frame);
+  Reassembly join(headerOf(frame, 0, payloads.size()));
+  std::size_t joined_slices = 0;
+  for (std::size_t part = 0; part < payloads.size(); ++part) {
+    ASSERT_FALSE(join.add(headerOf(frame, part, payloads.size()), payloads[part]));
+    joined_slices = 0;
+    for (const CodedObject& object : frame.objects) {
+      const auto relief = join.relief(makeKey(object));
+      if (relief) joined_slices += relief->slices.size();
+    }
+  }
+  std::size_t slices = 0;
+  for (const CodedObject& object : frame.objects)
+    if (object.relief) slices += object.relief->slices.size();
+  EXPECT_EQ(joined_slices, slices);
 }
 
 TEST(FramePiecesTest, ASmallFrameIsOneDatagram) {
@@ -250,6 +270,20 @@ TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
   for (std::size_t part = 1; part < honest.size() && !refused; ++part)
     refused = join.add(headerOf(frame, part, honest.size()), honest[part]).has_value();
   EXPECT_TRUE(refused);
+}
+
+TEST(FramePiecesTest, TheCellsOfAPieceEndWithTheGrid) {
+  // A cell of an object whose grid has 2 x 1 cells.
+  std::vector<std::uint8_t> piece = {0x22, 0x2A, 0x08, 1, 0x2A, 0x24, 0x4A, 0x22, 0x08, 2, 0x10, 1};
+  for (const std::uint8_t field :
+       std::array<std::uint8_t, 2>{0x1A, 0x22}) {  // velocity, acceleration
+    piece.insert(piece.end(), {field, 12});
+    piece.insert(piece.end(), 12, 0);
+  }
+  piece.insert(piece.end(), {0x28, 1, 0x40, 1});
+  EXPECT_TRUE(readPiece(piece, 9).ok());
+  piece[piece.size() - 3] = 2;
+  EXPECT_FALSE(readPiece(piece, 9).ok());
 }
 
 TEST(FramePiecesTest, APieceKeepsTheLimitsOfAFrame) {

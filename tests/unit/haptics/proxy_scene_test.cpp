@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <span>
 
 #include "tests/unit/haptics/proxy_bench.hpp"
 
@@ -55,6 +56,19 @@ TEST(Proxy, ObjectsThatOverlapShareOneStiffness) {
   roofs.put(2, relief(15.0, [](const Vec2& at) { return 10.0 + 0.5 * at.x(); }));
   const Vec3 up_mm = roofs.move(Vec3(0.0, 0.0, 12.0), Vec3(0.0, 0.0, 9.0)).displacement_mm;
   EXPECT_NEAR((up_mm - Vec3(0.0, 0.0, 1.0)).norm(), 0.0, 0.02);
+}
+
+TEST(Proxy, ObjectsThatMoveTogetherHaveTheirSpeed) {
+  Table roofs;
+  roofs.put(1, relief(15.0, [](const Vec2& at) { return 10.0 - 0.5 * at.x(); }));
+  roofs.put(2, relief(15.0, [](const Vec2& at) { return 10.0 + 0.5 * at.x(); }));
+  (void)roofs.move(Vec3(0.0, 0.0, 12.0), Vec3(0.0, 0.0, 9.0));
+  const Vec3 velocity_mm_s(0.0, 0.0, 50.0);
+  for (InterpolatedObject& object : std::span(roofs.scene.objects).first(2))
+    object.velocity_mm_s = velocity_mm_s;
+  const Contact contact = roofs.touch(Vec3(0.0, 0.0, 9.0));
+  ASSERT_TRUE(contact.contact);
+  EXPECT_NEAR((contact.surface_velocity_mm_s - velocity_mm_s).norm(), 0.0, 1e-9);
 }
 
 TEST(Proxy, ManyObjectsShareTheSamples) {

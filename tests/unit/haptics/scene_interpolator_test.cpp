@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "tests/unit/haptics/scene_interpolator_fixture.hpp"
@@ -121,6 +123,21 @@ TEST_F(LookupTest, AbsurdVelocitiesBendThePathOnlyALittle) {
   sendAt(0, Vec3(0, 0, 0), Vec3(1e6, 0, 0));
   sendAt(1, Vec3(0.1, 0, 0), Vec3(-1e6, 1e9, 0));
   for (double t = 0.0; t < 0.04; t += 0.001) EXPECT_LT(at(t).objects[0].position_mm.norm(), 1.5);
+}
+
+TEST_F(LookupTest, AnAbsurdAngularVelocityBendsTheTurnOnlyALittle) {
+  for (const bool later : {false, true}) {
+    pool = std::make_unique<FramePool>();
+    SceneInterpolator other(*pool, Interpolation::kHermite);
+    PlayObject a = makeObject(1, nullptr, Vec3::Zero());
+    PlayObject b = a;
+    b.motion.angle_rad = 0.01;
+    (later ? b : a).motion.angular_velocity_rad_s = 1e6;
+    send(*pool, makeFrame(1, 0, 0.0, {a}));
+    send(*pool, makeFrame(1, 1, 0.04, {b}));
+    for (double t = 0.0; t < 0.04; t += 0.001)
+      EXPECT_LT(std::abs(other.at(mediaTime(t), stream).objects[0].angle_rad), 0.1) << later;
+  }
 }
 
 TEST_F(LookupTest, BeyondTheNewestFrameCarriedThenHeldThenFaded) {

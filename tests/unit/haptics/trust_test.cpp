@@ -128,6 +128,22 @@ TEST(SafetyTrust, EndsAForceThatShakesAndWaitsForTheUser) {
   EXPECT_GT(rig.out.force_N.z(), 0.3);
 }
 
+TEST(SafetyTrust, AStepOfTheStreamCountsOnceThoughTheForceCatchesUpForTicks) {
+  const PlantProfile profile = omni(0.5, 1);
+  ChainFixture rig(profile, profile, Hand::firm());
+  rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+  rig.device.setTarget({0.0, 0.0, 5.0});
+  rig.run(500);
+  rig.device.setTarget({0.0, 0.0, -2.0});
+  rig.run(2000);
+  rig.clear();
+  ASSERT_EQ(rig.chain.trustScore(), 0.0);
+  rig.dynamic_N = {0.0, 0.0, 1.5};
+  rig.run(20);
+  EXPECT_GT(rig.count(SafetyAction::kSlew), 4U);
+  EXPECT_NEAR(rig.chain.trustScore(), 1.0, 0.05);
+}
+
 /// A report at a time.
 TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
   TickReport report;

@@ -38,6 +38,26 @@ TEST(ScenePlan, ForceDifferenceIsWhatAFingerWouldFeel) {
   EXPECT_TRUE(std::isinf(forceDifference_N(nothing, nothing, 0.25, 0.5)));
 }
 
+/// A plane of which one pixel counts. It rises to the right and downwards.
+Relief plane(double slope_u, double slope_v) {
+  Relief out;
+  out.rect = {0, 0, 5, 5};
+  for (int v = -2; v <= 2; ++v) {
+    for (int u = -2; u <= 2; ++u) {
+      out.mask.push_back(1);
+      out.height_mm.push_back(static_cast<float>(10 + 0.25 * (slope_u * u + slope_v * v)));
+    }
+  }
+  return out;
+}
+
+TEST(ScenePlan, ATiltAlongEitherAxisHasItsForce) {
+  // At 1 mm of penetration: k |(0, 0, 1) - (-g, 0, 1) / (1 + g²)| = k g / sqrt(1 + g²).
+  const double force_N = 0.5 * 0.2 / std::sqrt(1.04);
+  EXPECT_NEAR(forceDifference_N(plane(0, 0), plane(0.2, 0), 0.25, 0.5), force_N, 1e-5);
+  EXPECT_NEAR(forceDifference_N(plane(0, 0), plane(0, 0.2), 0.25, 0.5), force_N, 1e-5);
+}
+
 StageReport costing(Stage stage, double cost_N) {
   StageReport out;
   out.costs_N[std::size_t(stage)] = cost_N;

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/haptic_frame.hpp"
+#include "server/source/image_file.hpp"
 #include "server/source/image_sequence.hpp"
 #include "server/vision/base/frame_pair.hpp"
 #include "tests/unit/server/source_files.hpp"
@@ -13,6 +15,17 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+
+TEST(ToMask, NumbersOfObjectsStayAndOtherMasksAreBlackAndWhite) {
+  cv::Mat raw = cv::Mat::zeros(2, 2, CV_8UC1);
+  raw.at<unsigned char>(0, 0) = 1;
+  raw.at<unsigned char>(0, 1) = kMaxObjects;
+  EXPECT_EQ(cv::countNonZero(toMask(raw).image != raw), 0);
+  raw.at<unsigned char>(0, 1) = kMaxObjects + 1;
+  EXPECT_EQ(cv::countNonZero(toMask(raw).image), 0);
+  raw.at<unsigned char>(0, 1) = 255;
+  EXPECT_EQ(cv::countNonZero(toMask(raw).image), 1);
+}
 
 /// Five pictures, 0.png to 4.png.
 class KeyMasks : public ::testing::Test {

@@ -148,6 +148,24 @@ TEST(ClipMotion, ShortAndDegenerateTracksAreNoTrouble) {
   }
 }
 
+TEST(ClipMotion, TheLastFramesHaveAMotionOnlyIfTheClipEndsThere) {
+  const NominalFrame nominal{{}, {600, 900}};
+  for (const bool ended : {true, false}) {
+    ClipMotion clip;
+    const auto pose = [](std::uint64_t i) {
+      return ObjectPose{100.0 + 2.0 * double(i), 200, 700, 0.0, true};
+    };
+    for (std::uint64_t i = 0; i < 20; ++i) clip.add(5, i, double(i) / 25, pose(i), true);
+    clip.smooth(nominal, 3, ended);
+    const auto known = [&](std::uint64_t i) {
+      return clip.at(5, i, nominal.sample(pose(i), double(i) / 25).position_mm) != nullptr;
+    };
+    EXPECT_TRUE(known(16));
+    EXPECT_EQ(known(17), ended);
+    EXPECT_EQ(known(19), ended);
+  }
+}
+
 TEST(ClipMotion, ABounceOrADoubtfulPoseDoesNotCountAsAcceleration) {
   ClipMotion clip;
   const NominalFrame nominal{{}, {600, 900}};

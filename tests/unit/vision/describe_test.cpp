@@ -86,6 +86,17 @@ TEST(Describe, HistoryGivesMotionInNominalUnits) {
   EXPECT_EQ(motion.reference_point, ReferencePoint::kVisibleCentroid);
 }
 
+TEST(Describe, TheKindOfReferencePointIsThatOfTheFrame) {
+  MotionHistory history;
+  for (std::uint64_t i = 0; i < 9; ++i) {
+    ObjectPose pose = objectAtPixel(100, 750).pose;
+    if (i == 4) pose.point = ReferencePoint::kCentreOfMass;
+    history.add(5, {i, double(i) / 25, pose, {}});
+  }
+  EXPECT_EQ(motionAt(history, 4).reference_point, ReferencePoint::kCentreOfMass);
+  EXPECT_EQ(motionAt(history, 5).reference_point, ReferencePoint::kVisibleCentroid);
+}
+
 TEST(Describe, ALostObjectRestsWhereItWasSeenLast) {
   MotionHistory history;
   for (std::uint64_t i = 0; i < 4; ++i)

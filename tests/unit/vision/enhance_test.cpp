@@ -55,6 +55,24 @@ double worstError(const Relief& relief, const cv::Mat& mask,
 
 const DepthNoise kNoise{{1.0}, 0.0};
 
+TEST(Enhance, TheFitTreatsBothSidesAlike) {
+  cv::RNG random(7);
+  cv::Mat values(40, 50, CV_32FC1);
+  random.fill(values, cv::RNG::NORMAL, 10.0, 1.0);
+  cv::Mat mask = cv::Mat::zeros(values.size(), CV_8UC1);
+  cv::circle(mask, {22, 20}, 15, 255, cv::FILLED);
+  const cv::Mat fitted = quadraticFit(values, mask, 2.0);
+  for (const int axis : {0, 1}) {
+    cv::Mat flipped;
+    cv::Mat flipped_mask;
+    cv::flip(values, flipped, axis);
+    cv::flip(mask, flipped_mask, axis);
+    cv::Mat back;
+    cv::flip(quadraticFit(flipped, flipped_mask, 2.0), back, axis);
+    EXPECT_LT(cv::norm(fitted, back, cv::NORM_INF, mask), 1e-3) << axis;
+  }
+}
+
 TEST(Enhance, KeepsAPlaneExactlyUpToTheRim) {
   const cv::Mat mask = discMask(120, 45);
   const auto plane = [](int u, int v) { return 700 + 0.8 * u - 0.3 * v; };

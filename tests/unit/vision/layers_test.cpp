@@ -39,6 +39,18 @@ int computePixelRect(const Layers& layers, int layer) {
   return cv::countNonZero(layers.labels == layer + 1);
 }
 
+TEST(Layers, AnIsolatedPartWithoutASeedGetsTheLabelOfItsDepth) {
+  Surface surface = body({kHand}, 100);
+  surface.mask.colRange(140, 150).setTo(0);
+  surface.depth.colRange(150, 155) -= 100.0;
+  cv::Mat seeds = cv::Mat::zeros(surface.box.size(), CV_8UC1);
+  seeds.colRange(0, 140).setTo(2);
+  seeds(kHand).setTo(1);
+  const cv::Mat labels = grownLabels(surface, 2, seeds);
+  EXPECT_EQ(cv::countNonZero(labels.colRange(150, 155) == 1), 5 * surface.box.height);
+  EXPECT_EQ(cv::countNonZero(labels.colRange(155, 160) == 2), 5 * surface.box.height);
+}
+
 TEST(Layers, WithoutStepsThereIsOne) {
   EXPECT_EQ(findLayers(body({}, 0), kStep_mm).count, 1);
   Surface noisy = body({}, 0);

@@ -36,6 +36,21 @@ TEST(Motion, LucasKanadeMeasuresASubPixelShift) {
   }
 }
 
+TEST(Motion, TheTracksOfAnObjectAreThoseThatAgreeWithItsMotion) {
+  cv::Mat mask = cv::Mat::zeros(200, 240, CV_8UC1);
+  cv::circle(mask, {120, 100}, 50, 255, cv::FILLED);
+  cv::Mat next = texture(4, 3);
+  const cv::Rect other(90, 80, 30, 30);
+  texture(-5, -2)(other).copyTo(next(other));
+  const ObjectFlow flow = trackObject(texture(0, 0), next, mask, {0, 0});
+  ASSERT_TRUE(flow.reliable);
+  EXPECT_GT(flow.tracks.from.size(), 20U);
+  for (std::size_t i = 0; i < flow.tracks.from.size(); ++i) {
+    const cv::Point2d off = flow.warp(flow.tracks.from[i]) - cv::Point2d(flow.tracks.to[i]);
+    EXPECT_LT(cv::norm(off), 2.5) << i;
+  }
+}
+
 TEST(Motion, LucasKanadeFindsABounceAgainstItsGuess) {
   cv::Mat mask = cv::Mat::zeros(200, 240, CV_8UC1);
   cv::circle(mask, {120, 100}, 50, 255, cv::FILLED);
@@ -87,6 +102,14 @@ const cv::Mat kNoGray;
 
 PoseSettings withoutAlignment(MotionMode mode) {
   return {mode, false, false, {300, 300, 160, 120}, {320, 240}};
+}
+
+TEST(Motion, PixelsWithoutDepthDoNotCountInTheDepthOfAnObject) {
+  Surface surface = flatSurface(40, 700);
+  const cv::Size size = surface.box.size();
+  surface.depth(cv::Rect(size.width / 2 - 3, size.height / 2 - 3, 6, 6)).setTo(0);
+  const PoseTracker tracker(withoutAlignment(MotionMode::kAuto), kNoGray, surface);
+  EXPECT_NEAR(tracker.pose().depth_mm, 700.0, 1e-3);
 }
 
 TEST(Motion, ARepeatedDepthFrameIsNoObservation) {

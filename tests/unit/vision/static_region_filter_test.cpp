@@ -163,6 +163,22 @@ TEST(StaticRegionFilter, ABodyAtRestIsHeldBesideAHandThatMoves) {
   EXPECT_GT(least, 0.3);
 }
 
+TEST(StaticRegionFilter, APixelThatTheSensorMissesForAFrameStaysMeasured) {
+  Holding run;
+  for (int i = 0; i < 6; ++i) run.next(160);
+  const cv::Rect hole(150, 110, 4, 4);
+  const FrameImages view =
+      makeFrameImages(run.ball.frame(run.index, 160, 120, 0), run.ball.scene.info());
+  cv::Mat depth = view.depth.clone();
+  depth(hole).setTo(0);
+  const Surface now = cleanSurface(depth, view.mask * 255, run.noise, Method::kHapticast);
+  ASSERT_EQ(cv::countNonZero(now.measured(hole - now.box.tl())), 0);
+  const Surface held = run.hold.apply(view.gray, now, {kSigma_mm}, false);
+  EXPECT_EQ(cv::countNonZero(held.measured(hole - held.box.tl())), hole.area());
+  EXPECT_TRUE(
+      equalImages(held.depth(hole - held.box.tl()), run.held.depth(hole - run.held.box.tl())));
+}
+
 TEST(StaticRegionFilter, RepeatedDepthDoesNotCount) {
   Holding run;
   run.next(160);
