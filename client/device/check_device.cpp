@@ -20,11 +20,11 @@ namespace {
 
 constexpr double kPush_N = 0.3;
 constexpr int kPush_ticks = 100;
-constexpr int kRamp_ticks = 20;   // of the push, up and down
-constexpr int kRest_ticks = 500;  // of a grip that is held still, before each push
-constexpr double kRest_mm = 1.0;
+constexpr int kRamp_ticks = 20;    // of the push, up and down
+constexpr int kStill_ticks = 500;  // of a grip that is held still, before each push
+constexpr double kStill_mm = 1.0;
 constexpr int kSettle_ticks = 100;  // the motion goes on for a while after the push
-constexpr auto kRestPatience = std::chrono::seconds(60);
+constexpr auto kStillPatience = std::chrono::seconds(60);
 // 0.3 N for 0.1 s move a free grip of 50 to 500 g by 3 to 30 mm, and one in a loose hand by less.
 constexpr double kLeast_mm = 0.2;
 constexpr double kMost_mm = 40.0;
@@ -45,16 +45,16 @@ class CheckRun {
 
   /// Waits until the grip is held still.
   void waitForRest() {
-    const LocalTime until = clock_.now() + kRestPatience;
+    const LocalTime until = clock_.now() + kStillPatience;
     int rest_ticks = 0;
     Vec3 begin_mm = Vec3::Zero();
-    while (rest_ticks < kRest_ticks) {
+    while (rest_ticks < kStill_ticks) {
       if (clock_.now() > until)
         throw std::runtime_error("--check-device: the grip was not held still for a minute");
       const bool fresh = tick(Vec3::Zero());
       if (!fresh) continue;
       if (rest_ticks++ == 0) begin_mm = position_mm_;
-      if ((position_mm_ - begin_mm).norm() > kRest_mm) rest_ticks = 0;
+      if ((position_mm_ - begin_mm).norm() > kStill_mm) rest_ticks = 0;
     }
   }
   /// Pushes once. Returns the motion in mm.

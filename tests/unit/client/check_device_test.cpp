@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "client/haptics/tick_report.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/scripted_device.hpp"
@@ -68,10 +70,20 @@ TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessHand) {
   CheckedGrip stopped(Eigen::Matrix3d::Identity());
   stopped.stop = true;
   EXPECT_FALSE(stopped.check());
-  CheckedGrip restless(Eigen::Matrix3d::Identity(), 50.0);
+  CheckedGrip restless(Eigen::Matrix3d::Identity());
+  restless.device.answer = [&restless](const Vec3&) {
+    const double time_s = toSeconds(restless.clock.now());
+    return DeviceState{.position_mm = 3.0 * std::sin(10.0 * time_s) * Vec3::UnitX(),
+                       .buttons = 0,
+                       .time = restless.clock.now()};
+  };
   EXPECT_THROW((void)restless.check(), std::runtime_error);
   CheckedGrip lost(Eigen::Matrix3d::Identity());
-  lost.device.answer = [](const Vec3&) { return DeviceState{.status = DeviceStatus::kLost}; };
+  lost.device.answer = [](const Vec3&) {
+    DeviceState state;
+    state.status = DeviceStatus::kLost;
+    return state;
+  };
   EXPECT_THROW((void)lost.check(), std::runtime_error);
 }
 
