@@ -69,8 +69,8 @@ inline bool enabled(const DeviceProfile& profile, const DeviceState& state) noex
 /// Counters of a device with a request-reply protocol.
 struct DeviceTraffic {
   std::uint64_t round_trips = 0;
-  std::uint64_t misses = 0;   ///< number of ticks in which no reply to the request arrived
-  std::uint64_t resyncs = 0;  ///< number of damaged replies
+  std::uint64_t misses = 0;     ///< number of ticks in which no reply to the request arrived
+  std::uint64_t resyncs = 0;    ///< number of damaged replies
   std::uint64_t saturated = 0;  ///< ticks in which the motors could not make the force
   std::uint64_t reduced = 0;    ///< ticks in which the helper process reduced the force
   std::uint64_t slow = 0;       ///< exchanges of the driver that lasted more than 0.5 ms

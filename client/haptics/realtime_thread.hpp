@@ -14,8 +14,8 @@ struct RealtimeGrant {
 };
 
 /// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns what the
-/// system granted. A refusal is no error. `above` is added to the priority of the client's loop. Call
-/// it at the thread's begin.
+/// system granted. A refusal is no error. `above` is added to the priority of the client's loop.
+/// Call it at the thread's begin.
 RealtimeGrant requestRealtime(int above = 0) noexcept;
 
 /// Makes the calling thread, and the threads that it starts, treat numbers below 2.2e-308 as zero.

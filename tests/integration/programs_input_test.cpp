@@ -163,7 +163,7 @@ TEST_F(ProgramsInputTest, FilesOfTheClient) {
   file("--profile", "mass_kg = -1\n", {":1", "mass_kg", "0.001"});
   file("--profile", "name = a\nbogus = 1\n", {":2", "bogus", "allowed"});
   file("--profile", "continuous_N = 5\n", {"continuous_N", "peak_N"});
-  file("--profile", "\x1b[2J\x01\r\x02\n", {":1"});
+  file("--profile", "\x1b[2J\x01\r\x02\n", {"is not a text file"});
   file("--hand", "0,0,0\n", {":1", "t_s,x_mm,y_mm,z_mm"});
   file("--hand", "0,0,0,1\n0,1,1,1\n", {":2", "rise"});
   file("--hand", "0,0,0,nan\n", {":1"});

@@ -7,6 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <opencv2/videoio.hpp>
+#include <regex>
 #include <utility>
 
 #include "client/app.hpp"
@@ -226,9 +227,15 @@ class Display {
     if (!std::filesystem::exists(kServer)) return;
     server_ = std::make_unique<Process>(std::vector<std::string>{
         kServer, "-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"});
-    if (!waitUntil(kSoon, [this] { return server_->output().find('\n') != std::string::npos; }))
-      return;
-    name_ = ":" + server_->output().substr(0, server_->output().find('\n'));
+    // The server prints warnings, too.
+    static const std::regex kNumber("(^|\n)([0-9]+)\n");
+    std::smatch number;
+    std::string output;
+    const auto ready = [&] {
+      output = server_->output();
+      return std::regex_search(output, number, kNumber);
+    };
+    if (waitUntil(kSoon, ready)) name_ = ":" + number[2].str();
   }
   [[nodiscard]] const std::string& name() const { return name_; }
   void end() { server_->signal(SIGKILL); }
