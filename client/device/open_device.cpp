@@ -25,6 +25,8 @@ std::span<const DeviceKind> deviceKinds() noexcept {
 #if HAPTICAST_LIBUSB
     DeviceKind{"falcon", "a Novint Falcon on USB", openHelperDevice, listHelperDevices},
 #endif
+    DeviceKind{"dhd", "Force Dimension omega, delta, sigma, by the maker's library",
+               openHelperDevice, listHelperDevices},
 #if HAPTICAST_SDL2
     // Gamepads are often plugged in without a purpose, and a mouse points better: explicit choice
     // only.
