@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kFailed = 1;  // no device, or no server
 constexpr int kWrongUsage = 2;
+constexpr double kWidthToHeight = 1.5;  // x to y of both stand-ins: 3 mm to the right, 2 mm up
 
 /// A force at the motors.
 struct MotorForce {
@@ -127,11 +128,12 @@ void ProgramsDriversTest::touchAndCompare(const std::string& device,
   const double error = relativeError(motors, log);
   Vec3 most_N = Vec3::Zero();
   for (const MotorForce& each : motors) most_N = most_N.cwiseMax(each.force_N.cwiseAbs());
-  std::printf("%s: %zu forces at the motors, %.3f %% from the log; largest %.2f, %.2f, %.2f N\n",
+  std::printf("%s: %zu forces at the motors, %.5f %% from the log; largest %.2f, %.2f, %.2f N\n",
               device.c_str(), steadyForces(motors).size(), 100.0 * error, most_N.x(), most_N.y(),
               most_N.z());
   EXPECT_LT(error, 0.02);
   EXPECT_GT(most_N.minCoeff(), 0.02) << "no axis remains untested";
+  EXPECT_NEAR(log.back().hip_mm.x() / log.back().hip_mm.y(), kWidthToHeight, 0.01) << "axes";
   EXPECT_LE(most_N.norm(), 3.3 + 1e-9) << "no watchdog of its own";
   EXPECT_EQ(trace->force_N, 0.0);
   EXPECT_EQ(trace->opened, trace->closed);
@@ -223,18 +225,82 @@ TEST_F(ProgramsDriversTest, TheListOfDhdDevicesHasTheirSerialNumbersAndOneIsSele
   EXPECT_EQ(trace->opened, trace->closed);
 }
 
+TEST_F(ProgramsDriversTest, ATouchRendersTheForcesOfTheLog) { touchAndCompare("touch", "fake_hd"); }
+
+constexpr LibraryFault kHdFaults[] = {
+    {"nan", "its driver reported a position that is not a number"},
+    {"jump", "its driver reported a jump of its position"},
+    {"frozen", ""},
+    {"limited", "touch: its library reports: some error"},
+    {"warm", "touch: its motors are warm"},
+    {"comm_error", "touch: its library reports: communication"},
+    {"fault", "the device does not answer: no force from now on"},
+    {"loose", "the device does not answer: no force from now on"},
+    {"slow", ""},
+    {"hang", "touch: its library does not call back; the motors are off"},
+    {"segv", "its driver ended (signal 11 (Segmentation fault)); no force"},
+};
+
+TEST_F(ProgramsDriversTest, AnHdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
+  ASSERT_NO_FATAL_FAILURE(misbehaveInContact("touch", "fake_hd", kHdFaults));
+  EXPECT_GT(readSummary("limited.json").at("device").at("saturated"), 0);
+}
+
+TEST_F(ProgramsDriversTest, ATouchThatDoesNotOpenEndsWithItsReason) {
+  const Trace trace(path("trace"));
+  std::vector<std::string> touch{"--view", "off", "--device", "touch", "--seconds", "1"};
+  EXPECT_NE(runBeside("fake_hd", "open_fails", trace, touch, kFailed)
+                .find("--device touch: no device opens: communication ?[31merror; is it connected"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_hd", "no_callback", trace, touch, kFailed)
+                .find("--device touch: its library does not call back"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_hd_other", "", trace, touch, kFailed)
+                .find("fake_hd_other.so lacks hdSetDoublev(): is it the one of OpenHaptics?"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_hd", "", trace, {"--list-devices"}, 0).find("; serial number D1\n"),
+            std::string::npos);
+  touch.insert(touch.end(), {"--device-option", "serial=D2"});
+  EXPECT_NE(runBeside("fake_hd", "", trace, touch, kFailed)
+                .find("the device has the serial number D1, not D2; --device-option name=NAME"),
+            std::string::npos);
+  touch.insert(touch.end(), {"--device-option", "name=Left"});
+  EXPECT_NE(runBeside("fake_hd", "", trace, touch, kFailed).find("(touch, serial number D2)"),
+            std::string::npos);
+  EXPECT_EQ(trace->force_N, 0.0);
+  EXPECT_EQ(trace->opened, trace->closed);
+}
+
+TEST_F(ProgramsDriversTest, ATouchWaitsForItsInkwell) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const Trace trace(path("trace"));
+  const auto client = startBeside("fake_hd", "inkwell", trace,
+                                  {addressOf(*server), "--view", "off", "--device", "touch"});
+  EXPECT_TRUE(client->says("put the stylus into its inkwell", kSoon)) << client->output();
+  EXPECT_EQ(trace->most_N, 0.0);
+  EXPECT_TRUE(client->says("touch: calibrated", kSoon)) << client->output();
+  EXPECT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+  interrupt(*client);
+  EXPECT_EQ(trace->force_N, 0.0);
+  interrupt(*server);
+}
+
 TEST_F(ProgramsDriversTest, AnAbsentLibraryIsOneLineAndAutoStaysQuiet) {
   const auto run = [&](std::vector<std::string> arguments, int exit_code) {
     const auto client = startClient(std::move(arguments));
     EXPECT_EQ(client->wait(kSoon), exit_code) << client->output();
     return client->output();
   };
-  const std::string absent =
-      "the library libdhd.so of Force Dimension's SDK was not found; install it or name it with "
-      "--device-option library=FILE";
-  EXPECT_EQ(countOf(absent, run({"--device", "dhd", "--view", "off"}, kFailed)), 1U);
-  EXPECT_EQ(countOf(absent, run({"--list-devices"}, 0)), 1U);
-  EXPECT_EQ(run({"--view", "off", "--seconds", "1"}, kFailed).find("libdhd"), std::string::npos);
+  const std::string remedy =
+      " was not found; install it or name it with --device-option library=FILE";
+  const std::string dhd = "the library libdhd.so of Force Dimension's SDK" + remedy;
+  const std::string touch = "the library libHD.so of OpenHaptics" + remedy;
+  EXPECT_EQ(countOf(dhd, run({"--device", "dhd", "--view", "off"}, kFailed)), 1U);
+  EXPECT_EQ(countOf(touch, run({"--device", "touch", "--view", "off"}, kFailed)), 1U);
+  const std::string list = run({"--list-devices"}, 0);
+  EXPECT_EQ(countOf(dhd, list), 1U) << list;
+  EXPECT_EQ(countOf(touch, list), 1U) << list;
+  EXPECT_EQ(run({"--view", "off", "--seconds", "1"}, kFailed).find("library"), std::string::npos);
 }
 
 }  // namespace
