@@ -27,6 +27,10 @@ std::span<const DeviceKind> deviceKinds() noexcept {
 #endif
     DeviceKind{"inverse3", "a Haply Inverse3 or Minverse, through its service", openHelperDevice,
                listHelperDevices},
+    DeviceKind{"dhd", "Force Dimension omega, delta, sigma, by the maker's library",
+               openHelperDevice, listHelperDevices},
+    DeviceKind{"touch", "a Touch (Phantom Omni), by the maker's library", openHelperDevice,
+               listHelperDevices},
 #if HAPTICAST_SDL2
     // Gamepads are often plugged in without a purpose, and a mouse points better: explicit choice
     // only.

@@ -1,49 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Drivers in files of their own beside the real client and helper: the stand-in driver misbehaves
 // in every way that a driver can, and the example of client/device/README.md works as printed.
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <thread>
 
 #include "tests/integration/programs_fixture.hpp"
-#include "tests/support/device/standin.h"
+#include "tests/support/device/trace.hpp"
 
 namespace hapticast::testing {
 namespace {
 
 constexpr std::chrono::seconds kFaultPatience{60};
 
-/// The file that outlives all processes.
-class Trace {
- public:
-  explicit Trace(const std::string& file) : file_(file) {
-    std::ofstream(file, std::ios::binary) << std::string(sizeof(standin_trace), '\0');
-    const int descriptor = open(file.c_str(), O_RDWR | O_CLOEXEC);
-    trace_ = static_cast<standin_trace*>(
-        mmap(nullptr, sizeof(standin_trace), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0));
-    close(descriptor);
-  }
-  ~Trace() { munmap(trace_, sizeof(standin_trace)); }
-  Trace(const Trace&) = delete;
-  Trace& operator=(const Trace&) = delete;
-  standin_trace* operator->() const { return trace_; }
-  [[nodiscard]] const std::string& file() const { return file_; }
-
- private:
-  std::string file_;
-  standin_trace* trace_;
-};
-
 class ProgramsDeviceTest : public ProgramsTest {
  protected:
   void SetUp() override {
     devices_ = path("data/hapticast/devices");
     std::filesystem::create_directories(devices_);
-    install(HAPTICAST_STANDIN, "standin");
+    install(HAPTICAST_STANDINS "/standin.so", "standin");
   }
   void install(const std::string& library, const std::string& name) const {
     const std::string file = devices_ + "/" + name + ".so";

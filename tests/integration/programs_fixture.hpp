@@ -44,6 +44,7 @@ struct LogRow {
   Vec3 force_N = Vec3::Zero();
   double penetration_mm = 0.0;
   std::string lookup;
+  Vec3 hip_mm = Vec3::Zero();
 };
 
 /// Reads the complete rows of a log that may still be growing; a row that is none fails the test.
@@ -72,8 +73,11 @@ inline std::vector<LogRow> readLog(const std::string& file) {
     }
     EXPECT_TRUE(good) << "row " << rows.size() << ": " << line;
     if (!good) return rows;
-    rows.push_back(
-        {values[0], {values[5], values[6], values[7]}, values[14], {at, std::find(at, end, ',')}});
+    rows.push_back({values[0],
+                    {values[5], values[6], values[7]},
+                    values[14],
+                    {at, std::find(at, end, ',')},
+                    {values[2], values[3], values[4]}});
   }
   return rows;
 }

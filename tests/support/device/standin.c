@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * A driver for tests, in C99 and with the header alone: a light device in a hand that presses and
- * lifts once a second. Each command goes into a mapped file that outlives the process, so a test
+ * lifts again and again. Each command goes into a mapped file that outlives the process, so a test
  * reads the last force after any death. --device-option fault=NAME selects how the driver
  * misbehaves, from the moment the test sets `go` in the file. */
 #define _GNU_SOURCE
-#include <fcntl.h>
 #include <fenv.h>
 #include <math.h>
 #include <signal.h>
@@ -16,29 +15,16 @@
 #include <unistd.h>
 
 #include "client/device/hapticast_device.h"
-#include "tests/support/device/standin.h"
+#include "tests/support/device/light_device.h"
 
 struct hapticast_device {
-  struct standin_trace* trace;
+  struct light_device light;
   char fault[32];
-  double z_mm, speed_mm_s, force_N;
-  int64_t last_ns, begin_ns;
   hapticast_state state;
 };
 
-static int64_t now_ns(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
-
-static void sleep_ms(long ms) {
-  const struct timespec time = {ms / 1000, ms % 1000 * 1000000};
-  nanosleep(&time, NULL);
-}
-
 static int has(const hapticast_device* device, const char* fault) {
-  return device->trace->go != 0 && strcmp(device->fault, fault) == 0;
+  return device->light.trace->go != 0 && strcmp(device->fault, fault) == 0;
 }
 
 static const char* option(const hapticast_host* host, const char* key) {
@@ -62,20 +48,16 @@ static int list(const hapticast_host* host, void (*found)(void*, const char*, co
 static hapticast_device* open_device(const hapticast_host* host, const char* id,
                                      hapticast_profile* profile, char why[256]) {
   hapticast_device* const device = calloc(1, sizeof *device);
-  const int file = open(option(host, "trace"), O_RDWR | O_CLOEXEC);
   (void)id;
   snprintf(device->fault, sizeof device->fault, "%s", option(host, "fault"));
-  device->trace = file < 0 ? MAP_FAILED
-                           : mmap(NULL, sizeof *device->trace, PROT_READ | PROT_WRITE, MAP_SHARED,
-                                  file, 0);
-  if (device->trace == MAP_FAILED || strcmp(device->fault, "open_fails") == 0) {
+  if (!begin_light_device(&device->light, option(host, "trace")) ||
+      strcmp(device->fault, "open_fails") == 0) {
     snprintf(why, 256, "it is switched off: switch it on");
     free(device);
     return NULL;
   }
-  close(file);
   if (strcmp(device->fault, "open_hangs") == 0) sleep_ms(600000);
-  ++device->trace->opened;
+  ++device->light.trace->opened;
   host->log(host->self, "standin: \033[31mopened\007");
   profile->delay_ticks = 1;
   profile->mass_kg = 0.045;
@@ -86,25 +68,7 @@ static hapticast_device* open_device(const hapticast_host* host, const char* id,
   profile->workspace_mm[1] = 120.0;
   profile->workspace_mm[2] = 70.0;
   strcpy(profile->serial, "S1");
-  device->z_mm = 25.0;
-  device->begin_ns = device->last_ns = now_ns();
   return device;
-}
-
-/* A hand of 0.2 N/mm that wants to be 8 mm below the picture's front, or 20 mm above it. */
-static void move(hapticast_device* device, int64_t now) {
-  const double time_s = 1e-9 * (double)(now - device->begin_ns);
-  const double wanted_mm = fmod(time_s, 1.5) < 1.0 ? -8.0 : 20.0;
-  double left_s = 1e-9 * (double)(now - device->last_ns);
-  device->last_ns = now;
-  if (left_s > 0.1) left_s = 0.1;
-  for (; left_s > 0.0; left_s -= 1e-4) {
-    const double hand_N = 0.2 * (wanted_mm - device->z_mm) - 0.008 * device->speed_mm_s;
-    device->speed_mm_s += 1e-4 * 1e3 * (hand_N + device->force_N) / 0.25;
-    if (device->speed_mm_s > 150.0) device->speed_mm_s = 150.0;
-    if (device->speed_mm_s < -150.0) device->speed_mm_s = -150.0;
-    device->z_mm += 1e-4 * device->speed_mm_s;
-  }
 }
 
 static int wait(hapticast_device* device, int64_t until) {
@@ -114,23 +78,12 @@ static int wait(hapticast_device* device, int64_t until) {
   return HAPTICAST_OK;
 }
 
-static void record(hapticast_device* device, double force_N, const double all_N[3]) {
-  double sum = 0.0;
-  int i;
-  for (i = 0; i < 3; ++i) sum += all_N[i] * all_N[i];
-  device->force_N = force_N;
-  device->trace->force_N = sqrt(sum);
-  if (sqrt(sum) > device->trace->most_N) device->trace->most_N = sqrt(sum);
-  if (sum > 0.0) device->trace->last_force_ns = now_ns();
-  ++device->trace->exchanges;
-}
-
 static void misbehave(hapticast_device* device, int64_t now) {
   hapticast_state* const state = &device->state;
   int i;
   if (has(device, "nan")) state->position_mm[1] = (double)NAN;
-  if (has(device, "jump")) state->position_mm[0] += device->trace->exchanges % 2 == 0 ? 40.0 : 0.0;
-  if (has(device, "back")) state->taken_ns = now - 15000000 - (int64_t)device->trace->exchanges;
+  if (has(device, "jump")) state->position_mm[0] += device->light.trace->exchanges % 2 == 0 ? 40.0 : 0.0;
+  if (has(device, "back")) state->taken_ns = now - 15000000 - (int64_t)device->light.trace->exchanges;
   if (has(device, "future")) state->taken_ns = now + 1000000000;
   if (has(device, "status")) state->status = 77;
   if (has(device, "silent")) state->status = HAPTICAST_NO_DATA;
@@ -148,9 +101,9 @@ static void misbehave(hapticast_device* device, int64_t now) {
 static int exchange(hapticast_device* device, const double force_N[3], hapticast_state* state) {
   const int64_t now = now_ns();
   const uint32_t size = state->size < sizeof *state ? state->size : (uint32_t)sizeof *state;
-  move(device, now);
-  record(device, force_N[2], force_N);
-  if (!has(device, "frozen")) device->state.position_mm[2] = device->z_mm;
+  move_light_device(&device->light, now);
+  record_force(&device->light, force_N);
+  if (!has(device, "frozen")) device->state.position_mm[2] = device->light.z_mm;
   device->state.position_mm[0] = device->state.position_mm[1] = 0.0;
   device->state.status = HAPTICAST_OK;
   device->state.taken_ns = now;
@@ -163,16 +116,16 @@ static int exchange(hapticast_device* device, const double force_N[3], hapticast
 
 static int zero(hapticast_device* device) {
   const double none[3] = {0.0, 0.0, 0.0};
-  ++device->trace->zeros;
+  ++device->light.trace->zeros;
   if (strcmp(device->fault, "zero_fails") == 0) return 1;
-  record(device, 0.0, none);
+  record_force(&device->light, none);
   return 0;
 }
 
 static void close_device(hapticast_device* device) {
   (void)zero(device);
-  ++device->trace->closed;
-  munmap(device->trace, sizeof *device->trace);
+  ++device->light.trace->closed;
+  munmap(device->light.trace, sizeof *device->light.trace);
   free(device);
 }
 

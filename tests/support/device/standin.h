@@ -1,9 +1,17 @@
 /* SPDX-License-Identifier: MIT
- * The file that the stand-in driver maps: what a test reads after the death of all others. */
+ * The file that a stand-in maps: what a test reads after the death of all others. */
 #ifndef HAPTICAST_STANDIN_H
 #define HAPTICAST_STANDIN_H
 
 #include <stdint.h>
+
+#define STANDIN_FORCES 32768
+
+/* One command at the motors, in the axes of hapticast_device.h. */
+struct standin_force {
+  int64_t at_ns; /* CLOCK_MONOTONIC */
+  double force_N[3];
+};
 
 struct standin_trace {
   volatile uint32_t go;       /* set by the test: misbehave from now on */
@@ -14,6 +22,7 @@ struct standin_trace {
   volatile int64_t last_force_ns; /* CLOCK_MONOTONIC of the last command that was not zero */
   volatile double force_N;        /* magnitude of the last command */
   volatile double most_N;
+  struct standin_force forces[STANDIN_FORCES]; /* number i of `exchanges` is at i % STANDIN_FORCES */
 };
 
 #endif

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: MIT
+// The built-in drivers of makers' libraries beside the real client, helper and server: stand-ins of
+// the libraries simulate a device, and misbehave in the ways that a library can.
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/support/device/trace.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+constexpr int kFailed = 1;  // no device, or no server
+constexpr int kWrongUsage = 2;
+constexpr double kWidthToHeight = 1.5;  // x to y of both stand-ins: 3 mm to the right, 2 mm up
+
+/// A force at the motors.
+struct MotorForce {
+  double t_s = 0.0;  // local clock
+  Vec3 force_N = Vec3::Zero();
+};
+
+std::vector<MotorForce> readMotors(const Trace& trace) {
+  const std::uint64_t end = trace->exchanges;
+  std::vector<MotorForce> forces;
+  for (std::uint64_t i = end < STANDIN_FORCES ? 0 : end - STANDIN_FORCES; i < end; ++i) {
+    const standin_force& each = trace->forces[i % STANDIN_FORCES];
+    forces.push_back({1e-9 * static_cast<double>(each.at_ns),
+                      {each.force_N[0], each.force_N[1], each.force_N[2]}});
+  }
+  return forces;
+}
+
+/// Leaves out the half second in which the helper fades a force in after a silence.
+std::vector<MotorForce> steadyForces(const std::vector<MotorForce>& all) {
+  std::vector<MotorForce> forces;
+  double silent_s = 0.0, last_s = 0.0;
+  for (const MotorForce& each : all) {
+    if (each.t_s - last_s > 0.01 || each.force_N == Vec3::Zero()) silent_s = each.t_s;
+    last_s = each.t_s;
+    if (each.t_s - silent_s > 0.6) forces.push_back(each);
+  }
+  return forces;
+}
+
+/// Relative difference (rms) between each force at the motors and the one that the log has then,
+/// two ticks more or less, where the log begins `begin_s` after the clock.
+double relativeError(const std::vector<MotorForce>& motors, const std::vector<LogRow>& log,
+                     double begin_s) {
+  double error = 0.0, whole = 0.0;
+  std::size_t at = 0;
+  for (const MotorForce& each : motors) {
+    while (at + 1 < log.size() && log[at + 1].t_s + begin_s <= each.t_s) ++at;
+    double least = each.force_N.squaredNorm();
+    for (std::size_t i = at < 2 ? 0 : at - 2; i < std::min(at + 3, log.size()); ++i)
+      least = std::min(least, (log[i].force_N - each.force_N).squaredNorm());
+    error += least;
+    whole += each.force_N.squaredNorm();
+  }
+  return std::sqrt(error / whole);
+}
+
+/// The log does not say when on the clock it begins: the first force is the same one in both.
+double relativeError(const std::vector<MotorForce>& all, const std::vector<LogRow>& log) {
+  const auto acts = [](const auto& each) { return each.force_N != Vec3::Zero(); };
+  const auto motor = std::find_if(all.begin(), all.end(), acts);
+  const auto row = std::find_if(log.begin(), log.end(), acts);
+  if (motor == all.end() || row == log.end()) return 1.0;
+  double best = 1.0;
+  for (int ms = -20; ms <= 20; ++ms)
+    best = std::min(best, relativeError(steadyForces(all), log, motor->t_s - row->t_s + 1e-3 * ms));
+  return best;
+}
+
+/// A fault, and the line that the user gets.
+struct LibraryFault {
+  const char* name;
+  const char* line;
+};
+
+class ProgramsDriversTest : public ProgramsTest {
+ protected:
+  static std::string libraryFile(const std::string& name) {
+    return std::string(HAPTICAST_STANDINS) + "/" + name + ".so";
+  }
+  /// The client beside the stand-in library `library` with a fault.
+  std::unique_ptr<Process> startBeside(const std::string& library, const std::string& fault,
+                                       const Trace& trace,
+                                       const std::vector<std::string>& arguments) const {
+    std::vector<std::string> all{"XDG_DATA_HOME=" + path("data"), "FAKE_TRACE=" + trace.file(),
+                                 "FAKE_FAULT=" + fault, HAPTICAST_CLIENT_PROGRAM};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    all.insert(all.end(), {"--device-option", "library=" + libraryFile(library)});
+    return start("/usr/bin/env", all);
+  }
+  /// What the client says before it ends with `exit_code`.
+  std::string runBeside(const std::string& library, const std::string& fault, const Trace& trace,
+                        const std::vector<std::string>& arguments, int exit_code) const {
+    const auto client = startBeside(library, fault, trace, arguments);
+    EXPECT_EQ(client->wait(kSoon), exit_code) << client->output();
+    EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
+    return client->output();
+  }
+  void touchAndCompare(const std::string& device, const std::string& library) const;
+  void misbehaveInContact(const std::string& device, const std::string& library,
+                          std::span<const LibraryFault> faults) const;
+  nlohmann::json readSummary(const std::string& file) const {
+    std::ifstream in(path(file));
+    return nlohmann::json::parse(in);
+  }
+};
+
+void ProgramsDriversTest::touchAndCompare(const std::string& device,
+                                          const std::string& library) const {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const Trace trace(path("trace"));
+  const auto client = startBeside(library, "", trace,
+                                  {addressOf(*server), "--view", "off", "--device", device, "--log",
+                                   path("log.csv"), "--summary", path("summary.json")});
+  EXPECT_TRUE(waitUntil(kSoon, [&] {
+    return !client->running() || steadyForces(readMotors(trace)).size() > 1000;
+  })) << client->output();
+  interrupt(*client);
+  const auto motors = readMotors(trace);
+  const auto log = readLog(path("log.csv"));
+  ASSERT_GT(steadyForces(motors).size(), 100U) << client->output();
+  const double error = relativeError(motors, log);
+  Vec3 most_N = Vec3::Zero();
+  for (const MotorForce& each : motors) most_N = most_N.cwiseMax(each.force_N.cwiseAbs());
+  std::printf("%s: %zu forces at the motors, %.5f %% from the log; largest %.2f, %.2f, %.2f N\n",
+              device.c_str(), steadyForces(motors).size(), 100.0 * error, most_N.x(), most_N.y(),
+              most_N.z());
+  EXPECT_LT(error, 0.02);
+  EXPECT_GT(most_N.minCoeff(), 0.02) << "no axis remains untested";
+  EXPECT_NEAR(log.back().hip_mm.x() / log.back().hip_mm.y(), kWidthToHeight, 0.01) << "axes";
+  EXPECT_LE(most_N.norm(), 3.3 + 1e-9) << "no watchdog of its own";
+  EXPECT_EQ(trace->force_N, 0.0);
+  EXPECT_EQ(trace->opened, trace->closed);
+  EXPECT_GT(readSummary("summary.json").at("contact_ticks"), 200);
+  interrupt(*server);
+}
+
+void ProgramsDriversTest::misbehaveInContact(const std::string& device, const std::string& library,
+                                             std::span<const LibraryFault> faults) const {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string address = addressOf(*server);
+  for (const LibraryFault& fault : faults) {
+    SCOPED_TRACE(fault.name);
+    const Trace trace(path(std::string(fault.name) + ".trace"));
+    const auto client =
+        startBeside(library, fault.name, trace,
+                    {address, "--view", "off", "--device", device, "--fault-dir", path("faults"),
+                     "--summary", path(std::string(fault.name) + ".json")});
+    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+    trace->go = 1;
+    EXPECT_TRUE(client->says(fault.line, kSoon)) << client->output();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    interrupt(*client);
+    EXPECT_EQ(trace->force_N, 0.0) << client->output();
+    EXPECT_LE(trace->most_N, 3.3 + 1e-9);
+    EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
+    if (*fault.line != '\0') {
+      EXPECT_LE(countOf(fault.line, client->output()), 4U) << client->output();
+    }
+  }
+  interrupt(*server);
+}
+
+TEST_F(ProgramsDriversTest, ADhdDeviceRendersTheForcesOfTheLog) {
+  touchAndCompare("dhd", "fake_dhd");
+}
+
+constexpr LibraryFault kDhdFaults[] = {
+    {"nan", "its driver reported a position that is not a number"},
+    {"jump", "its driver reported a jump of its position"},
+    {"frozen", ""},
+    {"timeguard", ""},
+    {"saturated", ""},
+    {"position_fails", "dhd: the device reports an error: communication"},
+    {"loose", "dhd: the device answers again"},
+    {"slow", "an exchange of its driver lasted more than 0.5 ms"},
+    {"hang", "its driver does not return from a call; the helper ends it"},
+    {"segv", "its driver ended (signal 11 (Segmentation fault)); no force"},
+};
+
+TEST_F(ProgramsDriversTest, ADhdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
+  ASSERT_NO_FATAL_FAILURE(misbehaveInContact("dhd", "fake_dhd", kDhdFaults));
+  EXPECT_GT(readSummary("saturated.json").at("device").at("saturated"), 0);
+}
+
+TEST_F(ProgramsDriversTest, ADhdDeviceThatDoesNotOpenEndsWithItsReason) {
+  const Trace trace(path("trace"));
+  const std::vector<std::string> dhd{"--view", "off", "--device", "dhd", "--seconds", "1"};
+  EXPECT_NE(runBeside("fake_dhd", "open_fails", trace, dhd, kFailed)
+                .find("--device dhd: no device opens: communication ?[31merror; is it plugged in"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_dhd", "enable_fails", trace, dhd, kFailed)
+                .find("--device dhd: the device refuses forces: communication"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_dhd_other", "", trace, dhd, kFailed)
+                .find("fake_dhd_other.so lacks dhdGetPosition(): is it the one of Force"),
+            std::string::npos);
+  EXPECT_NE(runBeside("absent", "", trace, dhd, kWrongUsage).find("absent.so: cannot be loaded"),
+            std::string::npos);
+  EXPECT_EQ(trace->force_N, 0.0);
+  EXPECT_EQ(trace->opened, trace->closed);
+}
+
+TEST_F(ProgramsDriversTest, TheListOfDhdDevicesHasTheirSerialNumbersAndOneIsSelected) {
+  const Trace trace(path("trace"));
+  const std::string list = runBeside("fake_dhd", "", trace, {"--list-devices"}, 0);
+  EXPECT_NE(list.find("; serial number 4711; serial number 4712\n"), std::string::npos) << list;
+  const auto select = [&](const std::string& library, const std::string& serial) {
+    return runBeside(library, "", trace,
+                     {"--view", "off", "--device", "dhd", "--device-option", "serial=" + serial,
+                      "--seconds", "1"},
+                     kFailed);
+  };
+  EXPECT_NE(select("fake_dhd", "4712").find("(dhd, serial number 4712)"), std::string::npos);
+  EXPECT_NE(select("fake_dhd", "99").find("no free device has the serial number 99"),
+            std::string::npos);
+  EXPECT_NE(select("fake_dhd_old", "4712").find("cannot select a device by its serial number"),
+            std::string::npos);
+  EXPECT_EQ(trace->opened, trace->closed);
+}
+
+TEST_F(ProgramsDriversTest, ATouchRendersTheForcesOfTheLog) { touchAndCompare("touch", "fake_hd"); }
+
+constexpr LibraryFault kHdFaults[] = {
+    {"nan", "its driver reported a position that is not a number"},
+    {"jump", "its driver reported a jump of its position"},
+    {"frozen", ""},
+    {"limited", "touch: its library reports: some error"},
+    {"warm", "touch: its motors are warm"},
+    {"comm_error", "touch: its library reports: communication"},
+    {"fault", "the device does not answer: no force from now on"},
+    {"loose", "the device does not answer: no force from now on"},
+    {"slow", ""},
+    {"hang", "touch: its library does not call back; the motors are off"},
+    {"segv", "its driver ended (signal 11 (Segmentation fault)); no force"},
+};
+
+TEST_F(ProgramsDriversTest, AnHdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
+  ASSERT_NO_FATAL_FAILURE(misbehaveInContact("touch", "fake_hd", kHdFaults));
+  EXPECT_GT(readSummary("limited.json").at("device").at("saturated"), 0);
+}
+
+TEST_F(ProgramsDriversTest, ATouchThatDoesNotOpenEndsWithItsReason) {
+  const Trace trace(path("trace"));
+  std::vector<std::string> touch{"--view", "off", "--device", "touch", "--seconds", "1"};
+  EXPECT_NE(runBeside("fake_hd", "open_fails", trace, touch, kFailed)
+                .find("--device touch: no device opens: communication ?[31merror; is it connected"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_hd", "no_callback", trace, touch, kFailed)
+                .find("--device touch: its library does not call back"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_hd_other", "", trace, touch, kFailed)
+                .find("fake_hd_other.so lacks hdSetDoublev(): is it the one of OpenHaptics?"),
+            std::string::npos);
+  EXPECT_NE(runBeside("fake_hd", "", trace, {"--list-devices"}, 0).find("; serial number D1\n"),
+            std::string::npos);
+  touch.insert(touch.end(), {"--device-option", "serial=D2"});
+  EXPECT_NE(runBeside("fake_hd", "", trace, touch, kFailed)
+                .find("the device has the serial number D1, not D2; --device-option name=NAME"),
+            std::string::npos);
+  touch.insert(touch.end(), {"--device-option", "name=Left"});
+  EXPECT_NE(runBeside("fake_hd", "", trace, touch, kFailed).find("(touch, serial number D2)"),
+            std::string::npos);
+  EXPECT_EQ(trace->force_N, 0.0);
+  EXPECT_EQ(trace->opened, trace->closed);
+}
+
+TEST_F(ProgramsDriversTest, ATouchWaitsForItsInkwell) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const Trace trace(path("trace"));
+  const auto client = startBeside("fake_hd", "inkwell", trace,
+                                  {addressOf(*server), "--view", "off", "--device", "touch"});
+  EXPECT_TRUE(client->says("put the stylus into its inkwell", kSoon)) << client->output();
+  EXPECT_EQ(trace->most_N, 0.0);
+  EXPECT_TRUE(client->says("touch: calibrated", kSoon)) << client->output();
+  EXPECT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+  interrupt(*client);
+  EXPECT_EQ(trace->force_N, 0.0);
+  interrupt(*server);
+}
+
+TEST_F(ProgramsDriversTest, AnAbsentLibraryIsOneLineAndAutoStaysQuiet) {
+  const auto run = [&](std::vector<std::string> arguments, int exit_code) {
+    const auto client = startClient(std::move(arguments));
+    EXPECT_EQ(client->wait(kSoon), exit_code) << client->output();
+    return client->output();
+  };
+  const std::string remedy =
+      " was not found; install it or name it with --device-option library=FILE";
+  const std::string dhd = "the library libdhd.so of Force Dimension's SDK" + remedy;
+  const std::string touch = "the library libHD.so of OpenHaptics" + remedy;
+  EXPECT_EQ(countOf(dhd, run({"--device", "dhd", "--view", "off"}, kFailed)), 1U);
+  EXPECT_EQ(countOf(touch, run({"--device", "touch", "--view", "off"}, kFailed)), 1U);
+  const std::string list = run({"--list-devices"}, 0);
+  EXPECT_EQ(countOf(dhd, list), 1U) << list;
+  EXPECT_EQ(countOf(touch, list), 1U) << list;
+  EXPECT_EQ(run({"--view", "off", "--seconds", "1"}, kFailed).find("library"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapticast::testing
