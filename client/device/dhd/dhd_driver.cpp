@@ -107,7 +107,7 @@ class DhdDevice {
   const DhdSdk sdk_;
   const char number_;
   const hapticast_host host_;
-  hapticast_state counters_{.size = sizeof(hapticast_state)};  // its counters and the last time
+  hapticast_state counters_{};  // its counters and the last time
   bool answers_ = true;
 };
 
