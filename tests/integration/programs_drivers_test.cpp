@@ -285,6 +285,29 @@ TEST_F(ProgramsDriversTest, ATouchWaitsForItsInkwell) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsDriversTest, OneFoundByItselfRendersNoForce) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string address = addressOf(*server);
+  for (const auto& [device, library] : {std::pair{"dhd", "fake_dhd"}, {"touch", "fake_hd"}}) {
+    const Trace trace(path(std::string(device) + ".trace"));
+    const auto client = startBeside(library, "", trace, {address, "--view", "off"});
+    EXPECT_TRUE(client->says("detected this device automatically: no force until", kSoon))
+        << client->output();
+    EXPECT_TRUE(client->says(std::string("(") + device, kSoon)) << client->output();
+    EXPECT_TRUE(client->says("connected", kSoon)) << client->output();
+    const std::uint64_t connected = trace->exchanges;
+    EXPECT_TRUE(waitUntil(kSoon, [&] { return trace->exchanges > connected + 5000; }));
+    interrupt(*client);
+    EXPECT_EQ(trace->most_N, 0.0);
+  }
+  const Trace trace(path("none.trace"));
+  const auto client = startBeside("fake_dhd", "none", trace, {address, "--view", "off"});
+  EXPECT_TRUE(client->says("with a virtual device", kSoon)) << client->output();
+  interrupt(*client);
+  EXPECT_EQ(trace->opened, 0U);
+  interrupt(*server);
+}
+
 TEST_F(ProgramsDriversTest, AnAbsentLibraryIsOneLineAndAutoStaysQuiet) {
   const auto run = [&](std::vector<std::string> arguments, int exit_code) {
     const auto client = startClient(std::move(arguments));

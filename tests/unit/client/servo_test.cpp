@@ -68,15 +68,15 @@ class ServoTest : public ::testing::Test {
   const HdFunctions functions_ = makeFunctions();
   ManualClock clock_;
   Servo servo_{functions_, 7, clock_};
-  const Vec3 press_N{0.0, 0.5, 1.0};
+  const Vec3 force_N_{0.0, 0.5, 1.0};
 };
 
 TEST_F(ServoTest, AFrameSetsTheNewestForceAndReturnsThePosition) {
   EXPECT_TRUE(hd.motors_on);
   EXPECT_EQ(runFrame(), Vec3::Zero());
   servo_.command({3.0, 3.0, 3.0});
-  servo_.command(press_N);
-  EXPECT_EQ(runFrame(), press_N);
+  servo_.command(force_N_);
+  EXPECT_EQ(runFrame(), force_N_);
   const ServoReading& reading = servo_.read();
   EXPECT_EQ(reading.frames, 2U);
   EXPECT_EQ(reading.position_mm, Vec3(5.0, 5.0, 5.0));
@@ -85,27 +85,27 @@ TEST_F(ServoTest, AFrameSetsTheNewestForceAndReturnsThePosition) {
 }
 
 TEST_F(ServoTest, WithoutACommandFor20MillisecondsItSetsZero) {
-  servo_.command(press_N);
+  servo_.command(force_N_);
   clock_.advance(milliseconds(19));
-  EXPECT_EQ(runFrame(), press_N);
+  EXPECT_EQ(runFrame(), force_N_);
   clock_.advance(milliseconds(1));
   EXPECT_EQ(runFrame(), Vec3::Zero());
-  servo_.command(press_N);
-  EXPECT_EQ(runFrame(), press_N);
+  servo_.command(force_N_);
+  EXPECT_EQ(runFrame(), force_N_);
 }
 
 TEST_F(ServoTest, ZeroActsUntilTheNextCommandAndWithoutFramesTheMotorsGoOff) {
-  servo_.command(press_N);
+  servo_.command(force_N_);
   EXPECT_FALSE(servo_.commandZero()) << "no frame runs";
   EXPECT_FALSE(hd.motors_on);
   EXPECT_EQ(runFrame(), Vec3::Zero());
-  servo_.command(press_N);
-  EXPECT_EQ(runFrame(), press_N);
+  servo_.command(force_N_);
+  EXPECT_EQ(runFrame(), force_N_);
 }
 
 TEST_F(ServoTest, AnUncalibratedDeviceHasNoForceAndIsUpdatedByItsInkwell) {
   hd.calibration = 0x5002;  // waits for the user's hand
-  servo_.command(press_N);
+  servo_.command(force_N_);
   EXPECT_EQ(runFrame(), Vec3::Zero());
   EXPECT_FALSE(servo_.read().calibrated);
   EXPECT_EQ(hd.updated, 0U);

@@ -178,7 +178,7 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
 
 TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   const std::vector<std::array<std::string, 3>> wrong = {
-      {"--device", "spoon", "mouse|virtual"},        {"--transport", "upd", "multicast|tcp|udp"},
+      {"--device", "spoon", "mouse|touch|virtual"},  {"--transport", "upd", "multicast|tcp|udp"},
       {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
       {"--surface", "flat", "normal|perturbed"},     {"--method", "best", "hapticast|thesis"},
       {"--seconds", "nan", "0.001 to 1000000000"},   {"--seconds", "0", "0.001 to 1000000000"},
