@@ -79,12 +79,9 @@ Json toJson(const Histogram& offset_ns) {
 /// Returns null for a device without a protocol.
 Json toJson(const std::optional<DeviceTraffic>& device) {
   if (!device) return nullptr;
-  return {{"round_trips", device->round_trips},
-          {"misses", device->misses},
-          {"resyncs", device->resyncs},
-          {"saturated", device->saturated},
-          {"reduced", device->reduced},
-          {"slow", device->slow}};
+  return {{"round_trips", device->round_trips}, {"misses", device->misses},
+          {"resyncs", device->resyncs},         {"saturated", device->saturated},
+          {"reduced", device->reduced},         {"slow", device->slow}};
 }
 
 Json summary(const RunResult& result) {

@@ -75,6 +75,7 @@ class DhdDevice {
     if (fresh) ++counters_.replies;
     if (!answers) ++counters_.misses;
     logChange(answers);
+    counters_.size = state.size;
     state = counters_;
     state.status = !answers ? HAPTICAST_LOST : fresh ? HAPTICAST_OK : HAPTICAST_NO_DATA;
     const Vec3 position_mm = kMm_m * Vec3(sdk_m.y(), sdk_m.z(), sdk_m.x());
