@@ -76,6 +76,7 @@ class DhdDevice {
     if (!answers) ++counters_.misses;
     logChange(answers);
     state = counters_;
+    state.size = sizeof state;
     state.status = !answers ? HAPTICAST_LOST : fresh ? HAPTICAST_OK : HAPTICAST_NO_DATA;
     const Vec3 position_mm = kMm_m * Vec3(sdk_m.y(), sdk_m.z(), sdk_m.x());
     std::copy_n(position_mm.data(), 3, state.position_mm);
@@ -107,7 +108,7 @@ class DhdDevice {
   const DhdSdk sdk_;
   const char number_;
   const hapticast_host host_;
-  hapticast_state counters_{.size = sizeof(hapticast_state)};  // its counters and the last time
+  hapticast_state counters_{};  // its counters and the last time
   bool answers_ = true;
 };
 
