@@ -77,6 +77,7 @@ class DhdDevice {
     logChange(answers);
     counters_.size = state.size;
     state = counters_;
+    state.size = sizeof state;
     state.status = !answers ? HAPTICAST_LOST : fresh ? HAPTICAST_OK : HAPTICAST_NO_DATA;
     const Vec3 position_mm = kMm_m * Vec3(sdk_m.y(), sdk_m.z(), sdk_m.x());
     std::copy_n(position_mm.data(), 3, state.position_mm);
