@@ -102,6 +102,19 @@ TEST_F(ProgramsDeviceTest, AZeroThatTheDeviceDoesNotConfirmIsReported) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsDeviceTest, AMeasuredDelayOverrulesASmallerOneOfTheProfile) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const Trace trace(path("trace"));
+  const auto client = touchWith(addressOf(*server), trace, "old");
+  EXPECT_TRUE(
+      client->says("ms pass from a position to its force, not 1 ms as its driver says", kSoon))
+      << client->output();
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.1; })) << client->output();
+  interrupt(*client);
+  EXPECT_EQ(trace->force_N, 0.0);
+  interrupt(*server);
+}
+
 TEST_F(ProgramsDeviceTest, ADriverThatCannotBeUsedIsRefusedWithOneLine) {
   const Trace trace(path("trace"));
   const auto refused = [&](const std::string& variable) {

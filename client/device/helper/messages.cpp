@@ -22,7 +22,9 @@ constexpr std::string_view kKinds = "LFNOAR";
 /// Text from a driver becomes one printable line.
 std::string toLine(std::string_view text) { return sanitizeUtf8(text.substr(0, kLongestText)); }
 
-std::optional<HelperMessage> parse(std::string_view bytes) {
+}  // namespace
+
+std::optional<HelperMessage> parseMessage(std::string_view bytes) {
   if (bytes.empty() || kKinds.find(bytes.front()) == std::string_view::npos) return std::nullopt;
   HelperMessage message{.kind = static_cast<HelperMessage::Kind>(bytes.front())};
   bytes.remove_prefix(1);
@@ -37,8 +39,6 @@ std::optional<HelperMessage> parse(std::string_view bytes) {
   if (split != std::string_view::npos) message.problem = toLine(bytes.substr(split + 1));
   return message;
 }
-
-}  // namespace
 
 bool sendMessage(int socket, const HelperMessage& message) noexcept {
   std::array<char, kLongestMessage_bytes> bytes;
@@ -75,7 +75,7 @@ Received receiveMessage(int socket, LocalTime deadline) {
   if (size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR))
     return {.ended = true, .message = std::nullopt};
   if (size < 0) return {};
-  return {.ended = false, .message = parse({bytes.data(), static_cast<std::size_t>(size)})};
+  return {.ended = false, .message = parseMessage({bytes.data(), static_cast<std::size_t>(size)})};
 }
 
 }  // namespace hapticast::client

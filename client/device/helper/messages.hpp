@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "client/device/hapticast_device.h"
 #include "common/time.hpp"
@@ -39,14 +40,22 @@ inline constexpr std::size_t kLongestMessage_bytes = 1024;
 /// into the socket is dropped. Returns false if the other side has ended.
 bool sendMessage(int socket, const HelperMessage& message) noexcept;
 
+/// Returns the message in `bytes`. Texts become one line of printable characters. Returns nullopt
+/// for another form.
+std::optional<HelperMessage> parseMessage(std::string_view bytes);
+
+/// Returns the message in `bytes`. Texts become one line of printable characters. Returns nullopt
+/// for another form.
+std::optional<HelperMessage> parseMessage(std::string_view bytes);
+
 /// Result of receiveMessage().
 struct Received {
   bool ended = false;  ///< the other side has ended
   std::optional<HelperMessage> message;
 };
 
-/// Receives the next message, and waits for it at most until `deadline`. Texts become one line of
-/// printable characters. Drops a message of unknown form.
+/// Receives the next message, and waits for it at most until `deadline`. Drops a message of unknown
+/// form.
 Received receiveMessage(int socket, LocalTime deadline);
 
 }  // namespace hapticast::client
