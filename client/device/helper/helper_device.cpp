@@ -36,11 +36,12 @@ constexpr Duration kTurn = milliseconds(20);  // stop() is noticed so late
 constexpr auto kListPatience = std::chrono::seconds(2);
 constexpr int kMostRestarts = 3;
 constexpr int kDelayTicksMeasured = 200;
+constexpr int kMostLines = 20;  // chosen
 
 std::map<std::string, std::string> collectOptions(const DeviceRequest& request) {
   auto options = request.options;
   if (request.kind != "falcon") return options;
-  options["serial"] = request.falcon.serial;
+  if (!request.falcon.serial.empty()) options["serial"] = request.falcon.serial;
   options["firmware"] = request.falcon.firmware_file;
   options["gain"] = fmt::format("{:.17g}", request.falcon.gain);
   options["event_character"] = request.falcon.event_character ? "1" : "0";
@@ -78,6 +79,7 @@ class HelperDevice final : public HapticDevice {
   void watch();
   void restart();
   void pushMessage(const std::string& line);
+  void pushDriverLine(const std::string& line);
   void storeCommand(Life& life, const Vec3& force_N) noexcept;
 
   const std::string name_;
@@ -93,6 +95,9 @@ class HelperDevice final : public HapticDevice {
   Life* last_life_ = nullptr;
   DeviceReading reading_;
   std::optional<StateCheck> check_;
+  // The thread of this object:
+  LocalTime lines_since_{};
+  int lines_ = 0;
   // Main:
   std::array<bool, StateCheck::kFindings> reported_{};
   bool slow_reported_ = false;
@@ -241,7 +246,7 @@ void HelperDevice::watch() {
   while (!stop_) {
     const Received received = lives_.back()->process->receive(clock_.now() + kTurn);
     if (received.message && received.message->kind == Kind::kLog)
-      pushMessage(received.message->text);
+      pushDriverLine(received.message->text);
     if (received.ended) restart();
   }
 }
@@ -271,6 +276,18 @@ void HelperDevice::restart() {
       pushMessage(error.what());
     }
   }
+}
+
+/// Passes lines of the driver on, at most kMostLines in a second.
+void HelperDevice::pushDriverLine(const std::string& line) {
+  const LocalTime now = clock_.now();
+  if (now - lines_since_ > std::chrono::seconds(1)) {
+    lines_since_ = now;
+    lines_ = 0;
+  }
+  ++lines_;
+  if (lines_ < kMostLines) pushMessage(line);
+  if (lines_ == kMostLines) pushMessage(name_ + ": its driver logs too much; lines are left out");
 }
 
 void HelperDevice::pushMessage(const std::string& line) {

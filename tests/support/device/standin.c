@@ -20,6 +20,7 @@
 struct hapticast_device {
   struct light_device light;
   char fault[32];
+  const hapticast_host* host;
   hapticast_state state;
 };
 
@@ -49,6 +50,7 @@ static hapticast_device* open_device(const hapticast_host* host, const char* id,
                                      hapticast_profile* profile, char why[256]) {
   hapticast_device* const device = calloc(1, sizeof *device);
   (void)id;
+  device->host = host;
   snprintf(device->fault, sizeof device->fault, "%s", option(host, "fault"));
   if (!begin_light_device(&device->light, option(host, "trace")) ||
       strcmp(device->fault, "open_fails") == 0) {
@@ -89,6 +91,7 @@ static void misbehave(hapticast_device* device, int64_t now) {
   if (has(device, "status")) state->status = 77;
   if (has(device, "silent")) state->status = HAPTICAST_NO_DATA;
   if (has(device, "lost")) state->status = HAPTICAST_LOST;
+  if (has(device, "chatter")) device->host->log(device->host->self, "standin: chatter");
   if (has(device, "slow")) sleep_ms(5);
   if (has(device, "exchange_hangs")) sleep_ms(600000);
   if (has(device, "segv")) raise(SIGSEGV);

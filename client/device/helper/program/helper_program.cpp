@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/device/helper/program/helper_program.hpp"
 
-#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -11,8 +10,8 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <exception>
+#include <map>
 #include <string>
 #include <thread>
 
