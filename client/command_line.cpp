@@ -111,7 +111,7 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--device", settings.device, devices(), deviceHelp());
   addDriverOption(app, settings);
   app.add_option("--profile", settings.profile,
-                 "The limits of the device: omni (default; for a Falcon falcon), falcon, or a file "
+                 "The limits of the device: omni (default), falcon, or a file "
                  "of KEY = VALUE lines (keys: client/README.md, Profiles)")
       ->type_name("NAME|FILE");
   app.add_option("--hand", settings.hand,
